@@ -1,0 +1,19 @@
+"""The error a user's mistake ends in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class InputError(ValueError):
+    """A file or value given by the user that cannot be used.
+
+    Its text is one line that names the file, the field, and what was expected. The command line prints it and exits with 1.
+    """
+
+    def __init__(self, where: Path | str, problem: str, field: str | None = None) -> None:
+        self.where = str(where)
+        self.field = field
+        self.problem = problem
+        place = self.where if field is None else f"{self.where}: {field}"
+        super().__init__(" ".join(f"{place}: {problem}".split()))

@@ -1,0 +1,107 @@
+"""A 3D object as a hierarchy of parts, in the frame and the lengths of its source file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from kinmo.mobility import Mobility
+
+Vector = NDArray[np.float64]
+Y_UP: tuple[float, float, float] = (0.0, 1.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles. `vertices` [V, 3] float64 in the file's lengths, `faces` [F, 3] uint32."""
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.uint32]
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A node of the hierarchy. A part without children is a leaf and carries the geometry.
+
+    `parent` and `children` are indices into `Shape.parts`; `id` is the number that the source file gives the node.
+    """
+
+    id: int
+    name: str
+    parent: int | None
+    children: tuple[int, ...] = ()
+    mesh: Mesh | None = None
+
+    @property
+    def is_leaf(self) -> bool:
+        return not self.children
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """An object: its part hierarchy and, where it is annotated, its mobility.
+
+    `parts` is in preorder: the root is `parts[0]` and a parent stands before its children. `up` is a unit vector in the file's
+    frame. `mobility` is None for a shape that is not annotated. `partnet_id` is the PartNet annotation the shape comes from
+    (`anno_id`), by which copies of one shape are recognised. `repairs` says what the reader had to mend.
+    """
+
+    id: str
+    category: str
+    parts: tuple[Part, ...]
+    source: Path
+    layout: str
+    up: tuple[float, float, float] = Y_UP
+    mobility: Mobility | None = None
+    partnet_id: str | None = None
+    repairs: tuple[str, ...] = ()
+
+    @cached_property
+    def leaves(self) -> tuple[int, ...]:
+        """Indices of the leaf parts, in preorder."""
+        return tuple(i for i, part in enumerate(self.parts) if part.is_leaf)
+
+    @cached_property
+    def leaves_below(self) -> tuple[tuple[int, ...], ...]:
+        """For every part, the indices of the leaves at or below it."""
+        below: list[list[int]] = [[] for _ in self.parts]
+        for leaf in self.leaves:
+            node: int | None = leaf
+            while node is not None:
+                below[node].append(leaf)
+                node = self.parts[node].parent
+        return tuple(map(tuple, below))
+
+    @cached_property
+    def bounds(self) -> tuple[Vector, Vector]:
+        """Smallest and largest corner [3] of the axis-aligned box of all vertices that a face uses."""
+        used = [mesh.vertices[np.unique(mesh.faces)] for mesh in self.meshes()]
+        low = np.min([v.min(axis=0) for v in used], axis=0)
+        high = np.max([v.max(axis=0) for v in used], axis=0)
+        return low, high
+
+    @property
+    def center(self) -> Vector:
+        """Centre [3] of the axis-aligned box: the origin of the normalised frame."""
+        low, high = self.bounds
+        return 0.5 * (low + high)
+
+    @property
+    def diagonal(self) -> float:
+        """Diagonal of the axis-aligned box: the unit of length of the normalised frame."""
+        low, high = self.bounds
+        return float(np.linalg.norm(high - low))
+
+    def meshes(self) -> Iterator[Mesh]:
+        """Meshes of the leaves, in the order of `leaves`."""
+        for leaf in self.leaves:
+            mesh = self.parts[leaf].mesh
+            assert mesh is not None, "a leaf carries a mesh: readers make sure of it"
+            yield mesh

@@ -1,0 +1,34 @@
+//! The Python module `kinmo._core`: one thin file a geometry module. Documentation and types: `python/kinmo/_core.pyi`.
+#![allow(missing_docs)]
+
+mod adjacency;
+mod convert;
+mod interaction;
+mod iou;
+mod meshes;
+mod motion;
+mod obb;
+mod sampling;
+mod sweep;
+mod symmetry;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<meshes::Meshes>()?;
+    for register in [
+        adjacency::register,
+        interaction::register,
+        iou::register,
+        motion::register,
+        obb::register,
+        sampling::register,
+        sweep::register,
+        symmetry::register,
+    ] {
+        register(module)?;
+    }
+    Ok(())
+}

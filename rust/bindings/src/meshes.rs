@@ -1,0 +1,57 @@
+//! `Meshes`: the parts of a shape, checked once and handed to every other function.
+
+use std::sync::Arc;
+
+use kinmo_geometry::{GeometryError, Mesh};
+use nalgebra::Point3;
+use numpy::ndarray::ArrayView2;
+use numpy::{PyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::convert::value_error;
+
+/// The triangle meshes of the parts of one shape.
+#[pyclass(frozen, module = "kinmo._core")]
+pub struct Meshes {
+    pub parts: Arc<Vec<Mesh>>,
+}
+
+#[pymethods]
+impl Meshes {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        vertices: Vec<PyReadonlyArray2<'_, f64>>,
+        faces: Vec<PyReadonlyArray2<'_, u32>>,
+    ) -> PyResult<Self> {
+        if vertices.len() != faces.len() {
+            let problem = format!("{} arrays, but vertices has {}", faces.len(), vertices.len());
+            return Err(value_error(GeometryError::new("faces", problem)));
+        }
+        let arrays: Vec<_> = vertices.iter().zip(&faces).map(|(v, f)| (v.as_array(), f.as_array())).collect();
+        let parts = py.detach(|| {
+            arrays.into_iter().enumerate().map(|(part, (v, f))| mesh_of(part, v, f)).collect::<Result<Vec<_>, _>>()
+        });
+        Ok(Self { parts: Arc::new(parts.map_err(value_error)?) })
+    }
+
+    fn __len__(&self) -> usize {
+        self.parts.len()
+    }
+
+    fn areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.parts.iter().map(|mesh| mesh.face_areas().iter().sum()))
+    }
+}
+
+fn mesh_of(part: usize, vertices: ArrayView2<'_, f64>, faces: ArrayView2<'_, u32>) -> Result<Mesh, GeometryError> {
+    for (name, columns) in [("vertices", vertices.ncols()), ("faces", faces.ncols())] {
+        if columns != 3 {
+            return Err(GeometryError::new(format!("{name}[{part}]"), format!("{columns} columns, expected 3")));
+        }
+    }
+    let points = vertices.rows().into_iter().map(|r| Point3::new(r[0], r[1], r[2])).collect();
+    let triangles = faces.rows().into_iter().map(|r| [r[0], r[1], r[2]]).collect();
+    Mesh::new(points, triangles)
+        .map_err(|error| GeometryError::new(format!("{}[{part}]", error.argument), error.problem))
+}

@@ -1,0 +1,1 @@
+//! Interaction regions of part pairs.

@@ -1,0 +1,19 @@
+//! Geometry of articulated objects, one algorithm a file.
+//!
+//! Everything works on [`mesh::Mesh`], a validated triangle mesh with `f64` coordinates. Every function is deterministic:
+//! random draws come from a seed, and the result does not depend on the number of threads.
+
+pub mod adjacency;
+pub mod error;
+pub mod interaction;
+pub mod iou;
+pub mod mesh;
+pub mod motion;
+pub mod obb;
+mod parry;
+pub mod sampling;
+pub mod sweep;
+pub mod symmetry;
+
+pub use error::{GeometryError, Result};
+pub use mesh::Mesh;

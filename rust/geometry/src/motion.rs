@@ -1,0 +1,1 @@
+//! Points moved along candidate joints.

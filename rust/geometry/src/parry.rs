@@ -1,0 +1,1 @@
+//! The seam to parry: the only file that names its types.

@@ -1,0 +1,1 @@
+//! Free travel of a part along a joint.
