@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from enum import IntEnum, StrEnum
+from enum import Enum, IntEnum
 
 import numpy as np
 
@@ -14,7 +14,7 @@ VERTICAL_WITHIN = math.radians(45.0)
 """An axis within this angle of `up` is vertical (reference reading of H and V)."""
 
 
-class JointKind(StrEnum):
+class JointKind(str, Enum):
     """What a joint lets a part do: turn, slide, or both about one axis (a screw)."""
 
     REVOLUTE = "R"

@@ -1,0 +1,40 @@
+"""What kinmo says of a shape: bodies, joints, and how sure it is of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from kinmo.joint import CoarseType, Joint, MotionType
+from kinmo.mobility import Mobility
+
+
+@dataclass(frozen=True, eq=False)
+class JointEstimate:
+    """One answer for one body: `joint` is None where the body is thought not to move.
+
+    `score` is in [0, 1]; `terms` holds the score's parts by name (feasibility, direction, position, sweep, ...). `source` says where
+    the axis comes from (the network itself, an edge of a box, ...).
+    """
+
+    joint: Joint | None
+    type: MotionType | CoarseType
+    score: float
+    terms: Mapping[str, float] = field(default_factory=dict)
+    source: str = "network"
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """A mobility tree for one shape, in the shape's own frame and lengths.
+
+    `estimates[i]` holds the ranked answers for body `i` of `mobility`, best first; the first one is the body's joint.
+    `network_estimates[i]` is what the motion GNN alone said of that body, before refinement.
+    """
+
+    shape_id: str
+    category: str
+    mobility: Mobility
+    estimates: tuple[tuple[JointEstimate, ...], ...]
+    network_estimates: tuple[JointEstimate, ...]
+    method: str
