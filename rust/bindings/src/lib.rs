@@ -2,9 +2,12 @@
 #![allow(missing_docs)]
 
 mod adjacency;
+mod arrays;
 mod convert;
+mod groups;
 mod interaction;
 mod iou;
+mod joints;
 mod meshes;
 mod motion;
 mod obb;

@@ -4,6 +4,9 @@
 //! random draws come from a seed, and the result does not depend on the number of threads.
 
 pub mod adjacency;
+pub mod bvh;
+mod clearance;
+mod convex;
 pub mod error;
 pub mod interaction;
 pub mod iou;
@@ -11,9 +14,12 @@ pub mod mesh;
 pub mod motion;
 pub mod obb;
 mod parry;
+mod point_tree;
+pub mod probes;
 pub mod sampling;
 pub mod sweep;
 pub mod symmetry;
+pub mod triangle;
 
 pub use error::{GeometryError, Result};
 pub use mesh::Mesh;
