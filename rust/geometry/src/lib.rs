@@ -7,6 +7,7 @@ pub mod adjacency;
 pub mod bvh;
 mod clearance;
 mod convex;
+mod delaunay;
 pub mod error;
 pub mod interaction;
 pub mod iou;
