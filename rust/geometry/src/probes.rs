@@ -3,7 +3,8 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::Mesh;
-use crate::bvh::{Aabb, Bvh};
+use crate::aabb::Aabb;
+use crate::bvh::Bvh;
 
 /// A part or several that move as one: meshes with their trees.
 #[derive(Clone, Copy)]
@@ -30,18 +31,20 @@ const DIRECTIONS: [[f64; 3]; 3] = [[0.6126, 0.2837, 0.7377], [-0.3391, 0.8954, -
 /// Start of a ray off its own surface, in units of the tolerance.
 const LIFT: f64 = 1e-3;
 
-/// At most `count` points spread evenly over the surface inside `region`, each moved inwards by `tolerance` or to the
+/// At most `count` points spread evenly over the surface of every mesh inside `region`, in number as the roots of the areas,
+/// each moved inwards by `tolerance` or to the
 /// middle of a wall thinner than twice that. Points that are inside `other` are left out: those bodies overlap as given.
 pub fn probes_of(body: &[Solid<'_>], other: &[Solid<'_>], region: &Aabb, count: usize, tolerance: f64) -> Vec<Probe> {
     let mut cumulated = Vec::new();
     let mut total = 0.0;
     for (part, solid) in body.iter().enumerate() {
-        for face in 0..solid.mesh.faces().len() {
-            let corners = solid.mesh.triangle(face);
-            if Aabb::of(&corners).squared_distance(region) == 0.0 {
-                total += 0.5 * solid.mesh.scaled_normal(face).norm();
-                cumulated.push((total, part, face));
-            }
+        let areas = reached_areas(solid.mesh, region);
+        let sum: f64 = areas.iter().map(|&(_, area)| area).sum();
+        // A small knob gets more than its share of the surface: it can be in the way like a large wall.
+        let weight = if sum > 0.0 { sum.sqrt().recip() } else { 0.0 };
+        for (face, area) in areas {
+            total += weight * area;
+            cumulated.push((total, part, face));
         }
     }
     let mut probes = Vec::new();
@@ -71,6 +74,14 @@ pub fn probes_of(body: &[Solid<'_>], other: &[Solid<'_>], region: &Aabb, count: 
         }
     }
     probes
+}
+
+/// The faces that may reach into `region`, with their areas.
+fn reached_areas(mesh: &Mesh, region: &Aabb) -> Vec<(usize, f64)> {
+    (0..mesh.faces().len())
+        .filter(|&face| Aabb::of(&mesh.triangle(face)).squared_distance(region) == 0.0)
+        .map(|face| (face, 0.5 * mesh.scaled_normal(face).norm()))
+        .collect()
 }
 
 /// The `index`-th point of the additive recurrence with the generalised golden ratio in three dimensions.
