@@ -7,6 +7,7 @@ Stated so, a label depends on the tree alone, and never on the order in which a 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,16 +45,16 @@ def sibling_edges(shape: Shape) -> NDArray[np.int64]:
     return np.array(pairs, np.int64).reshape(-1, 2)
 
 
-def carriers(shape: Shape, mobility: Mobility) -> tuple[int | None, ...]:
-    """For every part, the index of the body it goes along with; None if it spans bodies that do not hang together."""
+def carriers_of(leaf_sets: Sequence[Sequence[int]], mobility: Mobility) -> tuple[int | None, ...]:
+    """For every set of leaves, the index of the body it goes along with; None if it spans bodies that do not hang together."""
     body_of = {leaf: index for index, body in enumerate(mobility.bodies) for leaf in body.leaves}
     along = [set(mobility.descendants(index)) for index in range(len(mobility.bodies))]
 
-    def carrier(leaves: tuple[int, ...]) -> int | None:
+    def carrier(leaves: Sequence[int]) -> int | None:
         present = {body_of[leaf] for leaf in leaves}
         return next((body for body in sorted(present) if present <= along[body]), None)
 
-    return tuple(carrier(leaves) for leaves in shape.leaves_below)
+    return tuple(carrier(leaves) for leaves in leaf_sets)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +75,7 @@ def label_edges(
     shape: Shape, mobility: Mobility, edges: NDArray[np.int64], body_types: dict[int, MotionType]
 ) -> EdgeLabels:
     """Labels of `edges` [E, 2]; `body_types` holds the motion type of every movable body (`motion_type`)."""
-    carried_by = carriers(shape, mobility)
+    carried_by = carriers_of(shape.leaves_below, mobility)
     count = len(edges)
     labels = EdgeLabels(
         np.full(count, MotionType.NONE, np.int64), np.full(count, -1, np.int64), np.zeros((count, 3)), np.zeros((count, 3))
