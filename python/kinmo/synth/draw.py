@@ -28,20 +28,20 @@ class Draw:
     """A source of random values. All of a family's randomness comes from here, so that a seed decides the shape."""
 
     def __init__(self, rng: np.random.Generator, parameter_range: ParameterRange = ParameterRange.BOTH) -> None:
-        self._rng = rng
+        self.generator = rng
         self._low, self._high = parameter_range.window
 
     def between(self, low: float, high: float) -> float:
         """A parameter of the shape, uniform in the window of [low, high]."""
-        return low + (high - low) * float(self._rng.uniform(self._low, self._high))
+        return low + (high - low) * float(self.generator.uniform(self._low, self._high))
 
     def integer(self, low: int, high: int) -> int:
         """Uniform in low..high, both included."""
-        return int(self._rng.integers(low, high + 1))
+        return int(self.generator.integers(low, high + 1))
 
     def chance(self, probability: float) -> bool:
         """True with the given probability."""
-        return bool(self._rng.random() < probability)
+        return bool(self.generator.random() < probability)
 
     def sign(self) -> float:
         """-1 or 1."""
@@ -50,6 +50,6 @@ class Draw:
     def pick(self, options: Sequence[Item], weights: Sequence[float] | None = None) -> Item:
         """One of `options`, with `weights` in proportion to which they are picked."""
         if weights is None:
-            return options[int(self._rng.integers(len(options)))]
+            return options[int(self.generator.integers(len(options)))]
         edges = np.cumsum(weights)
-        return options[int(np.searchsorted(edges, self._rng.random() * edges[-1], side="right"))]
+        return options[int(np.searchsorted(edges, self.generator.random() * edges[-1], side="right"))]

@@ -59,8 +59,8 @@ class JointName(str, Enum):
 class Motion:
     """A joint as mobility_v2.json has it: `a` and `b` in degrees for a hinge, in lengths for a slider.
 
-    They count from the pose of the file. A slider that `rotates` is a screw; `rotation_limit` is in degrees. `rest` is where the joint stands in the file, counted in
-    the pose that the family builds the part in.
+    They count from the pose of the file. A slider that `rotates` is a screw; `rotation_limit` is in degrees. `rest` is where
+    the joint stands in the file, counted in the pose that the family builds the part in.
     """
 
     joint: JointName
@@ -76,6 +76,11 @@ class Motion:
     @property
     def is_hinge(self) -> bool:
         return self.joint is JointName.HINGE
+
+    @property
+    def has_place(self) -> bool:
+        """Whether the place of the axis means something."""
+        return self.is_hinge or self.rotates
 
     def at(self, value: float) -> NDArray[np.float64]:
         """Rigid transform [4, 4] of the part at a joint value."""
@@ -116,7 +121,8 @@ def screw(origin: Point, direction: Point, a: float, b: float, *, turns: float |
 class Link:
     """Nodes that move as one: whole subtrees or leaves. `motion` is how they move against `parent`.
 
-    A link without motion takes `kind` (free, heavy, static or junk) as its joint.
+    A link without motion takes `kind` (free, heavy, static or junk) as its joint. `lumped_name` is what its leaf is called
+    where every body is one leaf (default: `name`, and "base_body" for what does not move).
     """
 
     name: str
@@ -124,6 +130,7 @@ class Link:
     parent: Link | None = None
     motion: Motion | None = None
     kind: JointName = JointName.FREE
+    lumped_name: str = ""
 
     def leaves(self) -> Iterator[Node]:
         return (leaf for node in self.nodes for leaf in node.leaves())

@@ -30,9 +30,9 @@ def build(draw: Draw) -> SynthObject:
         door_node.pieces += bolts
     inward = draw.between(0.0, 0.04)
     axis = (side * (door_width / 2 - inward), draw.pick([0.0, height / 2 - wall]), face - draw.pick([0.0, inward, thickness]))
-    turned = -side * draw.pick([90.0, 120.0, 170.0])
-    door = Link("door", [door_node], base, hinge(axis, (0, -1 if turned < 0 else 1, 0), 0, abs(turned)))
-    door.motion = hinge(axis, (0, side, 0), 0, abs(turned), rest=draw.between(20, 100) if draw.chance(0.15) else 0.0)
+    opening = draw.pick([90.0, 120.0, 160.0, 170.0, 180.0], [1, 1, 2, 4, 1])
+    rest = draw.between(30, 100) if draw.chance(0.25) else 0.0
+    door = Link("door", [door_node], base, hinge(axis, (0, side, 0), 0, opening, rest=rest))
     if draw.chance(0.5):
         hinges = [cylinder(0.02, 0.12 * height, "y", (axis[0], y * height, front), 12) for y in (-0.3, 0.3)]
         (body if draw.chance(0.6) else root.add("hinge")).pieces += hinges
