@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from scipy.spatial.transform import Rotation
 
 from articulated import articulated_shapes, rotations, shape_of_boxes
-from kinmo.export.frames import Y_UP_TO_Z_UP, z_up_rotation
 from kinmo.export.links import links_of, unique_names
 from kinmo.export.urdf import link_origin, write_urdf
+from kinmo.frames import Y_UP_TO_Z_UP, z_up_rotation
 from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import forward
 from kinmo.mobility import Body, Mobility

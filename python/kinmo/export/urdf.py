@@ -1,8 +1,8 @@
 """URDF: z-up, metres, radians.
 
 Every link's frame sits on its joint's axis and has the axes of the robot's frame; at zero all joints are where the file shows
-them. A screw is two joints in a row about one axis, a slide and a turn, with a light link between them. A slider without a limit
-may go the object's diagonal either way, because URDF knows no unlimited slider.
+them. A screw is two joints in a row about one axis, a slide and a turn, with a light link between them. A slider without a
+limit may go the diagonal of the object either way: URDF knows no unlimited slider.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.export.folders import whole_folder
-from kinmo.export.frames import roll_pitch_yaw, z_up_rotation
 from kinmo.export.links import Link, links_of, unique_names
 from kinmo.export.obj import write_obj
+from kinmo.frames import roll_pitch_yaw, z_up_rotation
 from kinmo.joint import Joint, JointKind
 from kinmo.mobility import Mobility
 from kinmo.shape import Shape, Vector
