@@ -37,9 +37,9 @@ def build(draw: Draw) -> SynthObject:
     base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY], [4, 1, 1]))
     links = [base, *_end_controls(draw, plan, base, body)]
     if draw.chance(0.12):
-        tray = Node("tray", pieces=[box((0.8 * plan.width, 0.03, 0.9 * plan.length), (0, 0.03, 0.03))])
+        tray = Node("tray", pieces=[box((0.8 * plan.width, 0.03, 0.9 * plan.length), (0, -0.01, 0.03))])
         if draw.chance(0.5):
-            tray.pieces.append(box((0.3 * plan.width, 0.05, 0.05), (0, 0.03, plan.front)))
+            tray.pieces.append(box((0.3 * plan.width, 0.05, 0.05), (0, 0.0, plan.front)))
         out = slider((0, 0, 1), 0.0, 0.6 * plan.length, rest=draw.pick([0.0, draw.between(0.0, 0.4)], [3, 1]))
         links.append(Link("tray", [tray], base, out))
     root.children = [node for link in links[1:] for node in link.nodes] + [body]
