@@ -3,6 +3,7 @@
 
 mod adjacency;
 mod convert;
+mod groups;
 mod interaction;
 mod iou;
 mod meshes;

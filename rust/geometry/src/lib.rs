@@ -4,13 +4,18 @@
 //! random draws come from a seed, and the result does not depend on the number of threads.
 
 pub mod adjacency;
+mod box_search;
 pub mod error;
+pub mod hull;
 pub mod interaction;
 pub mod iou;
 pub mod mesh;
 pub mod motion;
 pub mod obb;
 mod parry;
+mod rectangle;
+mod revolution;
+mod sample_elimination;
 pub mod sampling;
 pub mod sweep;
 pub mod symmetry;
