@@ -2,9 +2,9 @@
 
 A part is stored as a rotation (its logarithm, 3 numbers) and a symmetric stretch (6 numbers) for each of the P vertices of a
 cube. The vertices solve, in least squares, (v_i - v_j) = (T_i + T_j)/2 (u_i - u_j) over the cube's edges, u being the
-undeformed vertices. cube_meshinfo.mat holds what that needs: `neighbour` [P, D] (from 1, 0 where there is none), `vdiff` [P, D, 3]
-(weighted u_i - u_j), `recon` [P, P] (the solver's matrix), and the faces `ref_F` [F, 3] (from 1). The solution is free to
-shift; the part's box says where it stands.
+undeformed vertices. cube_meshinfo.mat holds what that needs: `neighbour` [P, D] (from 1, 0 where there is none), `vdiff`
+[P, D, 3] (weighted u_i - u_j), `recon` [P, P] (the solver's matrix), and the faces `ref_F` [F, 3] (from 1). The solution is
+free to shift; the part's box says where it stands.
 """
 
 from __future__ import annotations

@@ -11,8 +11,9 @@ from pathlib import Path
 
 from kinmo.errors import InputError
 from kinmo.formats.annotation import MESH_FOLDERS
+from kinmo.formats.dsg_net import shape_id
 from kinmo.formats.field import clean_text
-from kinmo.formats.files import LARGEST_JSON, read_bytes
+from kinmo.formats.files import read_beginning
 from kinmo.formats.partnet import HIERARCHY_FILES
 
 _PEEK = 1 << 16
@@ -42,11 +43,15 @@ def discover(
     """All shapes at or below `root`, in the order of their paths.
 
     Links to folders are not followed; those that lead out of `root`, and folders that cannot be listed, are told to `report`.
-    `skip` are folders to keep out of, such as a workspace. Raises InputError if `root` is not a folder.
+    `skip` are folders to keep out of, such as a workspace. `root` may also be the tree JSON of one DSG-Net shape. Raises
+    InputError if it is neither that nor a folder.
     """
     root = Path(root)
+    if root.is_file() and root.suffix == ".json" and _is_tree(root, root.parent):
+        yield Found(root, Layout.DSG_NET, shape_id(root))
+        return
     if not root.is_dir():
-        raise InputError(root, "expected a folder of shapes" if not root.exists() else "expected a folder, not a file")
+        raise InputError(root, "expected a folder of shapes" if root.exists() else "missing, expected a folder of shapes")
     skipped = {os.path.realpath(path) for path in skip}
     home = os.path.realpath(root)
     pending = [(root, 0)]
@@ -68,10 +73,10 @@ def discover(
         for entry in entries:
             if entry.is_symlink():
                 _judge_link(Path(entry.path), home, report)
-            elif entry.is_dir():
+            elif entry.is_dir(follow_symlinks=False):
                 subfolders.append(Path(entry.path))
             elif entry.name.endswith(".json") and _is_tree(Path(entry.path), folder):
-                yield Found(Path(entry.path), Layout.DSG_NET, clean_text(entry.name[: -len(".json")]))
+                yield Found(Path(entry.path), Layout.DSG_NET, shape_id(Path(entry.path)))
         if depth >= _DEEPEST_FOLDER and subfolders:
             report(InputError(folder, f"folders nested deeper than {_DEEPEST_FOLDER} levels"))
             continue
@@ -104,7 +109,7 @@ def _is_tree(path: Path, folder: Path) -> bool:
 
 def _beginning(path: Path, folder: Path) -> bytes:
     try:
-        return read_bytes(path, folder, LARGEST_JSON)[:_PEEK]
+        return read_beginning(path, folder, _PEEK)
     except InputError:
         return b""
 

@@ -2,7 +2,7 @@
 
 The tree is {id, label, box, children, edges}. `chair_hier/7.json` finds the geometry of its leaves, in this order, in
 
-1. `chair_objs/7/<leaf id>.obj`, or `7/<leaf id>.obj` beside the tree;
+1. `chair_obj/7/<leaf id>.obj` (or `chair_objs`), or `7/<leaf id>.obj` beside the tree;
 2. the leaf's own field `geo`, a list of points;
 3. `chair_geo/7.npz`, or `7.npz` beside the tree: `parts` [N, 1000, 3], by node id, and for negative ids `other_parts` by the
    place of the parent's id in `other_ids`;
@@ -35,6 +35,7 @@ from kinmo.shape import Mesh, Shape
 
 Array = NDArray[np.float64]
 _SUFFIX = "_hier"
+_CUBE = "cube_meshinfo.mat"
 _FEWEST_POINTS = 4
 
 
@@ -53,7 +54,7 @@ def read_dsg_net(path: Path) -> Shape:
     hierarchy = build(nodes, meshes)
     category, repairs = _category(nodes[0].name, geometry.stem, path)
     return Shape(
-        id=clean_text(path.stem),
+        id=shape_id(path),
         category=category,
         parts=hierarchy.parts,
         source=path,
@@ -61,6 +62,17 @@ def read_dsg_net(path: Path) -> Shape:
         partnet_id=path.stem if path.stem.isdecimal() else None,
         repairs=(*repairs, *hierarchy.repairs),
     )
+
+
+def shape_id(path: Path) -> str:
+    """The id of a tree file: its name, behind the category's where it is a bare number, which other categories have too."""
+    stem = _Geometry(path).stem
+    return clean_text(f"{stem}-{path.stem}" if stem and path.stem.isdecimal() else path.stem)
+
+
+def geometry_places(path: Path) -> list[Path]:
+    """All files and folders in which the leaves of a tree file may have their geometry, whether they are there or not."""
+    return _Geometry(path).places
 
 
 def _category(label: str, folder: str, path: Path) -> tuple[str, tuple[str, ...]]:
@@ -94,25 +106,42 @@ class _Geometry:
         beside = [self.path.parent / name]
         return [self.dataset / f"{self.stem}_{kind}" / name, *beside] if self.stem else beside
 
+    @property
+    def _mesh_places(self) -> list[Path]:
+        return list(dict.fromkeys(self._places("obj", self.path.stem) + self._places("objs", self.path.stem)))
+
+    @property
+    def _point_places(self) -> list[Path]:
+        return self._places("geo", f"{self.path.stem}.npz")
+
+    @property
+    def _gradient_places(self) -> list[Path]:
+        return self._places("dgeo", f"{self.path.stem}.npz")[:1] if self.stem else []
+
+    @property
+    def places(self) -> list[Path]:
+        """Everything that is looked for."""
+        return [*self._mesh_places, *self._point_places, *self._gradient_places, self.dataset / _CUBE]
+
     @cached_property
     def meshes(self) -> Path | None:
-        return next((place for place in self._places("objs", self.path.stem) if place.is_dir()), None)
+        return next((place for place in self._mesh_places if place.is_dir()), None)
 
     @cached_property
     def points(self) -> tuple[Path, dict[str, Array]] | None:
-        for place in self._places("geo", f"{self.path.stem}.npz"):
+        for place in self._point_places:
             if place.exists() or place.is_symlink():
                 return place, read_npz(place, self.dataset, ("parts", "other_ids", "other_parts"))
         return None
 
     @cached_property
     def gradients(self) -> tuple[Path, dict[str, Array], CubeMesh] | None:
-        place = self._places("dgeo", f"{self.path.stem}.npz")[0]
-        if not self.stem or not place.exists():
+        place = next((place for place in self._gradient_places if place.exists()), None)
+        if place is None:
             return None
-        cube = self.dataset / "cube_meshinfo.mat"
+        cube = self.dataset / _CUBE
         if not cube.exists():
-            raise InputError(place, "deformation gradients need cube_meshinfo.mat beside their folder, which is missing")
+            raise InputError(place, f"deformation gradients need {_CUBE} beside their folder, which is missing")
         return place, read_npz(place, self.dataset, ("LOGR", "S")), read_cube_mesh(cube, self.dataset)
 
     def of(self, node: Node, parent: int | None) -> Mesh:

@@ -23,37 +23,39 @@ def inside(path: Path, folder: Path) -> Path:
     try:
         real = Path(os.path.realpath(path, strict=True))
         home = Path(os.path.realpath(folder))
-    except FileNotFoundError:
-        raise InputError(path, "missing") from None
     except (OSError, ValueError) as error:
-        raise InputError(path, f"cannot be reached ({getattr(error, 'strerror', None) or error})") from None
+        raise _unreadable(path, error) from None
     if real != home and home not in real.parents:
         raise InputError(path, f"leads out of the folder {folder.name}")
     return real
 
 
 def read_bytes(path: Path, folder: Path, largest: int) -> bytes:
-    """Contents of a regular file in `folder`. Pipes, sockets and devices are refused without waiting for them."""
+    """Contents of a regular file in `folder`.
+
+    Raises InputError for one that is larger than `largest` bytes, and for pipes, sockets and devices, without waiting for them.
+    """
+    data = read_beginning(path, folder, largest + 1)
+    if len(data) > largest:
+        raise InputError(path, f"larger than {largest >> 20} MiB")
+    return data
+
+
+def read_beginning(path: Path, folder: Path, count: int) -> bytes:
+    """The first `count` bytes of a regular file in `folder`."""
     try:
+        handle = _open(path, folder)
         try:
-            handle = os.open(path, _OPEN_FLAGS | getattr(os, "O_NOFOLLOW", 0))
-        except OSError as error:
-            if error.errno != errno.ELOOP:
-                raise
-            handle = os.open(inside(path, folder), _OPEN_FLAGS)
-        with os.fdopen(handle, "rb") as file:
-            status = os.fstat(handle)
-            if not stat.S_ISREG(status.st_mode):
+            if not stat.S_ISREG(os.fstat(handle).st_mode):
                 raise InputError(path, "not a regular file")
-            if status.st_size > largest:
-                raise InputError(path, f"larger than {largest >> 20} MiB")
-            return file.read(largest)
-    except FileNotFoundError:
-        raise InputError(path, "missing") from None
+            with os.fdopen(handle, "rb", closefd=False) as file:
+                return file.read(count)
+        finally:
+            os.close(handle)
+    except InputError:
+        raise
     except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(path, f"cannot be read ({getattr(error, 'strerror', None) or error})") from None
+        raise _unreadable(path, error) from None
 
 
 def read_json(path: Path, folder: Path) -> object:
@@ -68,3 +70,18 @@ def read_json(path: Path, folder: Path) -> object:
     except ValueError as error:
         raise InputError(path, "empty" if not raw.strip() else f"not JSON ({error})") from None
     return value
+
+
+def _open(path: Path, folder: Path) -> int:
+    try:
+        return os.open(path, _OPEN_FLAGS | getattr(os, "O_NOFOLLOW", 0))
+    except OSError as error:
+        if error.errno != errno.ELOOP:
+            raise
+        return os.open(inside(path, folder), _OPEN_FLAGS)
+
+
+def _unreadable(path: Path, error: OSError | ValueError) -> InputError:
+    if isinstance(error, FileNotFoundError):
+        return InputError(path, "missing")
+    return InputError(path, f"cannot be read ({getattr(error, 'strerror', None) or error})")
