@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from kinmo.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
@@ -186,5 +188,7 @@ def _mouse(draw: Draw, plan: _Plan, other: Node) -> Node:
     """A mouse with its cable, lying beside the laptop."""
     x, z = 0.5 * plan.width + draw.between(0.15, 0.3), draw.between(-0.1, 0.3)
     body = turn(ellipsoid((0.07, 0.04, 0.12)), Y, draw.between(-25.0, 25.0))
-    way = rounded_path([(x, 0.03, z - 0.1), (x, 0.01, z - 0.3), (x - 0.1, 0.01, z - 0.4), (x - 0.05, 0.01, z - 0.6)], 0.1)
-    return other.add("other_leaf", move(body, (x, 0.03, z)), sweep(way, 0.006, 6))
+    way = rounded_path(
+        np.array([(x, 0.03, z - 0.1), (x, 0.01, z - 0.3), (x - 0.1, 0.01, z - 0.4), (x - 0.05, 0.01, z - 0.6)]), 0.1
+    )
+    return other.add("other_leaf", move(body, (x, 0.03, z)), sweep(rounded_path(way, 0.1), 0.006, 6))

@@ -48,17 +48,8 @@ def build(draw: Draw) -> SynthObject:
 def _barrel(draw: Draw, length: float, radius: float, sides: int) -> list[Mesh]:
     tip = draw.between(0.1, 0.25)
     swell = draw.between(0.85, 1.1)
-    profile = np.array(
-        [
-            [0, -tip],
-            [0.015, -tip],
-            [0.03, -0.6 * tip],
-            [0.8 * radius, 0],
-            [swell * radius, 0.3 * length],
-            [radius, length],
-            [0, length],
-        ]
-    )
+    point = [[0, -tip], [0.015, -tip], [0.03, -0.6 * tip]]
+    profile = np.array([*point, [0.8 * radius, 0], [swell * radius, 0.3 * length], [radius, length], [0, length]])
     pieces = [lathe(profile, sides)]
     if draw.chance(0.4):
         y = draw.between(0.1, 0.8) * length

@@ -66,12 +66,10 @@ def build(draw: Draw) -> SynthObject:
 def _half(plan: _Plan, side: float, hooked: bool) -> list[Mesh]:
     """A jaw in front of the rivet and the arm behind it on the other side."""
     w, n = plan.jaw_width, plan.jaw
-    tip = 0.35 * w
-    outline = np.array(
-        [[-0.1, -0.5 * w], [0.02, -0.6 * w], [0.08, 0.0], [n, 0.0], [n, tip], [0.5 * n, 0.8 * w], [0.0, w], [-0.1, 0.7 * w]]
-    )
+    neck, bite = [[-0.1, -0.5 * w], [0.02, -0.6 * w], [0.08, 0.0]], [[n, 0.0], [n, 0.35 * w], [0.5 * n, 0.8 * w]]
     if hooked:
-        outline[4:6] = [[0.9 * n, 0.9 * w], [0.5 * n, 1.5 * w]]
+        bite[1:] = [[0.9 * n, 0.9 * w], [0.5 * n, 1.5 * w]]
+    outline = np.array([*neck, *bite, [0.0, w], [-0.1, 0.7 * w]])
     jaw = extrude(outline, 0.5 * plan.thickness, "y", (0, side * 0.25 * plan.thickness, 0))
     way = [(-0.2 * w, 0, -0.05), (-plan.spread, 0, -0.35 * plan.arm), (-0.8 * plan.spread, 0, -plan.arm)]
     path = rounded_path(np.array(way), 0.3 * plan.arm, 7)

@@ -16,11 +16,11 @@ def build(draw: Draw) -> SynthObject:
     thickness = draw.between(0.015, 0.04)
     root = Node("scissors")
     sets = []
-    shape = _Half(draw, thickness)
+    half = _Half(draw, thickness)
     for side in (1.0, -1.0):
         group = root.add("blade_handle_set")
-        group.add("blade", _mirrored(shape.blade(side), side))
-        group.add("handle", *(_mirrored(piece, side) for piece in shape.handle(draw, side)))
+        group.add("blade", _mirrored(half.blade(side), side))
+        group.add("handle", *(_mirrored(piece, side) for piece in half.handle(draw, side)))
         sets.append(group)
     size = draw.between(0.02, 0.05)
     pin = root.add("screw", cylinder(size, thickness * draw.between(2.1, 3.5), "y", (0, 0, 0), 16))
@@ -29,19 +29,14 @@ def build(draw: Draw) -> SynthObject:
     fixed = Link("screw", [pin], kind=draw.pick([JointName.FREE, JointName.STATIC]))
     if draw.chance(0.5):
         # Both halves turn against the screw.
-        halves = [
-            Link("leg", [group], fixed, hinge((0, 0, 0), (0, s, 0), -5.0, opening / 2))
-            for group, s in zip(sets, (1, -1), strict=True)
-        ]
-        for half in halves:
-            half.motion = hinge((0, 0, 0), half.motion.direction, 0.0, 0.5 * opening, rest=0.5 * lean) if half.motion else None
-        links = [fixed, *halves]
+        motions = [hinge((0, 0, 0), (0, sense, 0), 0.0, 0.5 * opening, rest=0.5 * lean) for sense in (1, -1)]
+        links = [fixed, *(Link("leg", [group], fixed, motion) for group, motion in zip(sets, motions, strict=True))]
     else:
         fixed.nodes.append(sets[1])
         links = [fixed, Link("leg", [sets[0]], fixed, hinge((0, 0, 0), (0, 1, 0), 0.0, opening, rest=lean))]
-    shape_built = SynthObject("Scissors", root, links)
-    lay(draw, shape_built)
-    return shape_built
+    shape = SynthObject("Scissors", root, links)
+    lay(draw, shape)
+    return shape
 
 
 class _Half:
@@ -60,17 +55,8 @@ class _Half:
         """From a little behind the screw to the tip; the cutting edge is at x = 0 when closed."""
         w, n = self.width, self.length
         belly = 0.8 if self.straight else 1.2
-        outline = np.array(
-            [
-                [-0.12, -0.4 * w],
-                [0.0, -0.6 * w],
-                [0.25 * n, -0.2 * w],
-                [n, -0.1 * w],
-                [0.7 * n, belly * w],
-                [0.1 * n, w],
-                [-0.12, w],
-            ]
-        )
+        heel, edge = [[-0.12, -0.4], [0.0, -0.6]], [[0.25 * n, -0.2], [n, -0.1], [0.7 * n, belly]]
+        outline = np.array([*heel, *edge, [0.1 * n, 1.0], [-0.12, 1.0]]) * (1.0, w)
         return extrude(outline, self.thickness, "y", (0, side * 0.5 * self.thickness, 0))
 
     def handle(self, draw: Draw, side: float) -> list[Mesh]:

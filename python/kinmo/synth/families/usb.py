@@ -8,7 +8,7 @@ from kinmo.shape import Mesh
 from kinmo.synth.details.posture import lay
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
-from kinmo.synth.primitives import Z, box, box_between, cylinder, rounded_box, torus
+from kinmo.synth.primitives import Y, Z, box, box_between, cylinder, rounded_box, torus
 
 
 def build(draw: Draw) -> SynthObject:
@@ -74,7 +74,6 @@ def _swivel(draw: Draw, root: Node, base: Link, size: tuple[float, float, float]
     if draw.chance(0.7):
         pieces.append(cylinder(draw.between(0.03, 0.07), 2 * level + 2 * wall, "y", tuple(pin), 16))
     rest = draw.pick([0.0, 180.0, draw.between(20.0, 160.0)], [1, 1, 3])
-    motion = (
-        spinner(pin, (0, 1, 0)) if rest == 0.0 and draw.chance(0.3) else hinge(pin, (0, draw.sign(), 0), 0.0, 180.0, rest=rest)
-    )
+    free = rest == 0.0 and draw.chance(0.3)
+    motion = spinner(pin, Y) if free else hinge(pin, Y * draw.sign(), 0.0, 180.0, rest=rest)
     return Link("rotation_lid", [root.add(draw.pick(["rotation_lid", "lid"]), *pieces)], base, motion)
