@@ -59,7 +59,7 @@ def pull(
     elif kind == "bow":
         pieces = bow_handle(draw, length, thickness, reach, vertical=vertical)
     elif kind == "knob":
-        pieces = knob_handle(draw, draw.between(0.1, 0.2) * length, reach)
+        pieces = knob_handle(draw, min(0.2 * length, draw.between(0.8, 1.6) * thickness), reach)
     else:
         size = (thickness, length, reach) if vertical else (length, thickness, reach)
         pieces = [box(size, (0, 0, reach / 2))]
