@@ -85,6 +85,13 @@ def test_errors_are_one_line(error: BaseException, line: str | None, code: int, 
     assert line in (None, err)
 
 
+def test_an_exit_code_passes_through(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(Exit) as stop, one_line_errors():
+        raise Exit(7)
+    assert stop.value.exit_code == 7
+    assert capsys.readouterr().err == ""
+
+
 def test_debugging_shows_the_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("KINMO_DEBUG", "1")
     with pytest.raises(InputError), one_line_errors():

@@ -68,6 +68,8 @@ def one_line_errors() -> Iterator[None]:
     try:
         yield
         sys.stdout.flush()
+    except Exit:
+        raise
     except InputError as error:
         print(f"kinmo: {error}", file=sys.stderr)
         raise Exit(FAILED) from None
