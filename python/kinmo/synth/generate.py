@@ -66,6 +66,7 @@ class Order:
 def build(order: Order) -> SynthObject:
     """The object of an order, with the style and the quirks of real files, ready to be written."""
     obj = family(order.family)(order.draw("shape"))
+    obj.check()
     obj.settle()
     finish = order.draw("finish")
     obj.normalise(finish.between(1.8, 2.25), [finish.between(-0.03, 0.03) for _ in range(3)])

@@ -151,6 +151,18 @@ class SynthObject:
             found += [other for other in self.links if other.parent is above]
         return found
 
+    def check(self) -> None:
+        """Raise ValueError unless every leaf has geometry and exactly one link, and every parent is a link of the object."""
+        owned = [leaf for link in self.links for leaf in link.leaves()]
+        leaves = list(self.root.leaves())
+        if len(owned) != len(set(owned)) or set(owned) != set(leaves):
+            odd = [leaf.name for leaf in leaves if owned.count(leaf) != 1]
+            raise ValueError(f"{self.category}: leaves {odd} do not belong to exactly one link")
+        if not all(leaf.pieces for leaf in leaves):
+            raise ValueError(f"{self.category}: a leaf without geometry")
+        if not all(link.parent is None or link.parent in self.links for link in self.links):
+            raise ValueError(f"{self.category}: a link hangs on one that is not part of the object")
+
     def depth(self, link: Link) -> int:
         """Number of links above `link`."""
         return 0 if link.parent is None else 1 + self.depth(link.parent)
