@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from scipy.spatial.transform import Rotation
 
 from articulated import articulated_shapes, rotations, shape_of_boxes
-from kinmo.export.links import links_of, unique_names
 from kinmo.export.urdf import link_origin, write_urdf
 from kinmo.frames import Y_UP_TO_Z_UP, z_up_rotation
 from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import forward
+from kinmo.links import links_of, unique_names
 from kinmo.mobility import Body, Mobility
 
 UPS = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (0.6, 0.0, 0.8))

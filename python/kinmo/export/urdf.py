@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.export.folders import whole_folder
-from kinmo.export.links import Link, links_of, unique_names
 from kinmo.export.obj import write_obj
 from kinmo.frames import roll_pitch_yaw, z_up_rotation
 from kinmo.joint import Joint, JointKind
+from kinmo.links import Link, links_of, unique_names
 from kinmo.mobility import Mobility
 from kinmo.shape import Shape, Vector
 
