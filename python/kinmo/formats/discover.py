@@ -42,9 +42,9 @@ def discover(
 ) -> Iterator[Found]:
     """All shapes at or below `root`, in the order of their paths.
 
-    Links to folders are not followed; those that lead out of `root`, and folders that cannot be listed, are told to `report`.
-    `skip` are folders to keep out of, such as a workspace. `root` may also be the tree JSON of one DSG-Net shape. Raises
-    InputError if it is neither that nor a folder.
+    Hidden files and folders are passed over. Links to folders are not followed; those that lead out of `root`, and folders
+    that cannot be listed, are told to `report`. `skip` are folders to keep out of, such as a workspace. `root` may also be
+    the tree JSON of one DSG-Net shape. Raises InputError if it is neither that nor a folder.
     """
     root = Path(root)
     if root.is_file() and root.suffix == ".json" and _is_tree(root, root.parent):
@@ -60,10 +60,11 @@ def discover(
         if skipped and os.path.realpath(folder) in skipped:
             continue
         try:
-            entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
+            listed = [entry for entry in os.scandir(folder) if not entry.name.startswith(".")]
         except OSError as error:
             report(InputError(folder, f"cannot be listed ({error.strerror})"))
             continue
+        entries = sorted(listed, key=lambda entry: entry.name)
         names = {entry.name for entry in entries}
         layout = _layout(folder, names)
         if layout is not None:
