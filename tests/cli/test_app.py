@@ -50,7 +50,7 @@ def test_the_examples_of_the_help_parse(command: str, tmp_path: Path) -> None:
     examples = re.findall(rf"kinmo {command}[^\n]*", text)
     assert examples
     for example in examples:
-        result = kinmo(*example.split()[1:], "--dry-run", "--workspace", tmp_path / "workspace", cwd=tmp_path)
+        result = kinmo(*example.split(" >")[0].split()[1:], "--dry-run", "--workspace", tmp_path / "workspace", cwd=tmp_path)
         assert result.returncode in (0, 1), result.stderr  # 2 is usage
         assert "Traceback" not in result.stderr
 

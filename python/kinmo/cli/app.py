@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from typer import Exit, Option, Typer
 
-from kinmo.cli import prepare, synth
+from kinmo.cli import prepare, synth, train
 from kinmo.cli.execute import one_line_errors
 from kinmo.cli.options import with_common_options
 
@@ -74,6 +74,7 @@ def _register(name: str, function: Callable[..., None]) -> None:
 
 _register("synth", synth.synth)
 _register("prepare", prepare.prepare)
+_register("train", train.train)
 
 
 def main() -> None:

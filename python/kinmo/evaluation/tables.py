@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from kinmo.errors import InputError
+
 Cell = str | float | int | None
 """None is a figure that there is none of: it is printed as a dash, and no mean counts it."""
 
@@ -82,7 +84,7 @@ def as_text(table: Table) -> str:
 
 
 def as_json(table: Table) -> str:
-    """Caption, columns and full-precision rows; absent figures are null."""
+    """Caption, columns and full-precision rows; absent figures are null. `read_table` reads it."""
     caption = table.caption
     facts = {"data": caption.data, "shapes": caption.shapes, "joints": caption.joints, "split": caption.split}
     document = {
@@ -91,9 +93,23 @@ def as_json(table: Table) -> str:
         "seeds": list(caption.seeds),
         "note": caption.note,
         "columns": [column.title for column in table.columns],
+        "decimals": [column.decimals for column in table.columns],
         "rows": [list(row) for row in table.rows],
     }
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def read_table(path: Path) -> Table:
+    """The table of a file that `as_json` made. Raises InputError if it is none."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        caption = {key: data[key] for key in ("title", "data", "shapes", "joints", "split", "note")}
+        columns = tuple(map(Column, data["columns"], data["decimals"]))
+        return Table(Caption(**caption, seeds=tuple(data["seeds"])), columns, tuple(map(tuple, data["rows"])))
+    except OSError as error:
+        raise InputError(path, f"expected a table ({error.strerror})") from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(path, f"expected a table ({error})") from error
 
 
 def as_csv(table: Table) -> str:
