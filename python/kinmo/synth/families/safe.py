@@ -35,9 +35,10 @@ def build(draw: Draw) -> SynthObject:
     door = Link("door", [door_node], base, hinge(axis, (0, side, 0), 0, opening, rest=rest))
     if draw.chance(0.5):
         hinges = [cylinder(0.02, 0.12 * height, "y", (axis[0], y * height, front), 12) for y in (-0.3, 0.3)]
-        (body if draw.chance(0.6) else root.add("hinge")).pieces += hinges
-        if len(root.children) == 3:
-            base.nodes.append(root.children[2])
+        if draw.chance(0.6):
+            body.pieces += hinges
+        else:
+            base.nodes.append(root.add("hinge", *hinges))
 
     links = [base, door]
     lock_x = -side * door_width * draw.between(0.1, 0.3)

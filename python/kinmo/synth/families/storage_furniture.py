@@ -118,9 +118,10 @@ def _fill(draw: Draw, cabinet: Node, frame: Node, base: Link, size: _Carcass) ->
             top -= share + board
             if share is not rows[-1]:
                 shelf = box_between((x - width / 2, top, -size.depth / 2 + board), (x + width / 2, top + board, size.front))
-                (frame if draw.chance(0.5) else cabinet).add("shelf", shelf)
-                if cabinet.children[-1].name == "shelf":
-                    base.nodes.append(cabinet.children[-1])
+                if draw.chance(0.5):
+                    frame.add("shelf", shelf)
+                else:
+                    base.nodes.append(cabinet.add("shelf", shelf))
     if not links:
         opening = Opening(0, 0, inner, size.height - 2 * board, inner_depth, size.front)
         links.append(add_door(draw, cabinet, base, opening, fronts, draw.pick(["left", "right"]), DoorNames()))
