@@ -1,14 +1,47 @@
 //! Groups of meshes that are one part each, and work done a group at a time.
 
-use kinmo_geometry::{GeometryError, Mesh};
+use kinmo_geometry::{GeometryError, Mesh, Result};
 use nalgebra::Point3;
+use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
+use crate::arrays::rows_of;
 use crate::convert::value_error;
 
 /// Items handed to each thread before Python is asked whether Ctrl-C was pressed.
 const ITEMS_PER_THREAD: usize = 4;
+
+/// The indices of the meshes of every group, checked; without groups, every mesh by itself.
+pub fn groups_of(meshes: usize, groups: Option<Vec<Vec<i64>>>) -> Result<Vec<Vec<usize>>> {
+    let Some(groups) = groups else { return Ok((0..meshes).map(|mesh| vec![mesh]).collect()) };
+    groups.iter().enumerate().map(|(index, group)| members_of(&format!("groups[{index}]"), meshes, group)).collect()
+}
+
+/// A checked list of indices of meshes: not empty, none out of range.
+pub fn members_of(name: &str, meshes: usize, members: &[i64]) -> Result<Vec<usize>> {
+    if members.is_empty() {
+        return Err(GeometryError::new(name, "empty, expected at least one mesh"));
+    }
+    let index = |mesh: i64| usize::try_from(mesh).ok().filter(|&mesh| mesh < meshes);
+    let outside = |mesh: i64| GeometryError::new(name, format!("index {mesh} is outside 0..{meshes}"));
+    members.iter().map(|&mesh| index(mesh).ok_or_else(|| outside(mesh))).collect()
+}
+
+/// Pairs [E, 2] of different groups.
+pub fn pairs_of(groups: usize, pairs: &PyReadonlyArrayDyn<'_, u32>) -> Result<Vec<(usize, usize)>> {
+    let rows = rows_of("pairs", pairs.as_array(), 2)?;
+    let pairs: Vec<(usize, usize)> = rows.rows().into_iter().map(|row| (row[0] as usize, row[1] as usize)).collect();
+    for (row, &(a, b)) in pairs.iter().enumerate() {
+        if a >= groups || b >= groups {
+            return Err(GeometryError::new("pairs", format!("row {row} has an index outside 0..{groups}")));
+        }
+        if a == b {
+            return Err(GeometryError::new("pairs", format!("row {row} pairs group {a} with itself")));
+        }
+    }
+    Ok(pairs)
+}
 
 /// Indices of the meshes of every part.
 pub struct Groups(Vec<Vec<usize>>);
@@ -16,19 +49,7 @@ pub struct Groups(Vec<Vec<usize>>);
 impl Groups {
     /// Checks `groups`; without any, every one of the `mesh_count` meshes is a part by itself.
     pub fn new(groups: Option<Vec<Vec<i64>>>, mesh_count: usize) -> PyResult<Self> {
-        let Some(groups) = groups else {
-            return Ok(Self((0..mesh_count).map(|mesh| vec![mesh]).collect()));
-        };
-        let checked = groups.into_iter().enumerate().map(|(i, group)| {
-            if group.is_empty() {
-                return Err(GeometryError::new(format!("groups[{i}]"), "empty, expected at least one mesh"));
-            }
-            let index = |mesh: i64| usize::try_from(mesh).ok().filter(|&mesh| mesh < mesh_count);
-            let outside =
-                |mesh: i64| GeometryError::new(format!("groups[{i}]"), format!("{mesh} is outside 0..{mesh_count}"));
-            group.into_iter().map(|mesh| index(mesh).ok_or_else(|| outside(mesh))).collect()
-        });
-        Ok(Self(checked.collect::<Result<_, _>>().map_err(value_error)?))
+        Ok(Self(groups_of(mesh_count, groups).map_err(value_error)?))
     }
 
     /// What `work` makes of every group, in order.

@@ -2,13 +2,16 @@
 #![allow(missing_docs)]
 
 mod adjacency;
+mod arrays;
 mod convert;
 mod groups;
 mod interaction;
 mod iou;
+mod joints;
 mod meshes;
 mod motion;
 mod obb;
+mod proximity;
 mod sampling;
 mod sweep;
 mod symmetry;
@@ -25,6 +28,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         iou::register,
         motion::register,
         obb::register,
+        proximity::register,
         sampling::register,
         sweep::register,
         symmetry::register,
