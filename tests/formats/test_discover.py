@@ -3,6 +3,7 @@ from __future__ import annotations
 import os
 import shutil
 import socket
+from pathlib import Path
 
 import pytest
 
@@ -80,7 +81,7 @@ def test_loops_pipes_and_sockets_do_no_harm(tmp_path):
     (tmp_path / "x_hier").mkdir()
     os.mkfifo(tmp_path / "x_hier" / "1.json")
     server = socket.socket(socket.AF_UNIX)
-    here = os.getcwd()
+    here = Path.cwd()
     os.chdir(tmp_path)
     try:
         server.bind("s.json")
