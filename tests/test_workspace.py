@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -137,4 +136,4 @@ def test_records_are_the_same_bytes_whenever_they_are_written(tmp_path):
         Workspace(tmp_path / name).write_record("gnn", StageRecord({"y": 1, "x": [1, 2]}, ("models/x",)))
     files = [(tmp_path / name / "records" / "gnn.json").read_bytes() for name in ("a", "b")]
     assert files[0] == files[1]
-    assert os.listdir(tmp_path / "a") == ["records"]
+    assert [entry.name for entry in (tmp_path / "a").iterdir()] == ["records"]
