@@ -90,7 +90,7 @@ def _single_lever(faucet: _Faucet) -> None:
             cylinder(0.03, 0.04, "y", (0, height, 0), 12),
         ]
         back = -radius - 0.04
-        other = (faucet.frame if draw.chance(0.5) else faucet.unit.add("other")).add("other_leaf")
+        other = faucet.unit.add("other").add("other_leaf")
         other.pieces = [turn(move(p, (0, 0, back)), X, draw.between(-20.0, 0.0), (0, height, back)) for p in rod]
         faucet.links.append(Link("slider", [other], faucet.base, slider(Y, 0.0, draw.between(0.03, 0.1))))
 
