@@ -118,3 +118,17 @@ def test_what_is_wrong_with_a_file_is_said_in_one_line(tmp_path, elements, probl
     with pytest.raises(InputError, match=problem) as caught:
         bodies_of(tmp_path, *elements)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "limit", "expected"),
+    [
+        ("revolute", '<limit lower="2" upper="-1"/>', (-1, 2)),
+        ("prismatic", '<limit lower="0" upper="0"/>', (None, None)),
+        ("prismatic", "", (None, None)),
+        ("continuous", '<limit lower="-1" upper="2"/>', (None, None)),
+    ],
+)
+def test_limits_are_put_in_order_and_equal_ones_are_none(tmp_path, kind, limit, expected):
+    body = bodies_of(tmp_path, LINK.format("a", 1), LINK.format("b", 1), joint(kind, "a", "b", limit))[1]
+    assert (body.joint.lower, body.joint.upper) == expected
