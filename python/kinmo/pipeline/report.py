@@ -26,7 +26,7 @@ from kinmo.workspace import Workspace, write_text_atomically
 PICTURES = 12
 """Of hits, and as many of failures, a method."""
 SECONDS_PER_PICTURE = 1.0
-EXAMPLES = "examples.jsonl"
+EXAMPLES = Path("all", "examples.jsonl")
 """In `workspace.evaluation`."""
 
 
@@ -79,10 +79,10 @@ class Report:
         return Section("Data", tables=[Table("Prepared shapes by category and use", ("category", *uses), rows, note)])
 
     def _tables(self) -> Iterator[Section]:
-        for folder in sorted(path for path in self.workspace.evaluation.glob("*") if path.is_dir()):
+        for folder in sorted(path for path in self.workspace.evaluation.rglob("*") if path.is_dir()):
             tables = [read_table(path) for path in sorted(folder.glob("*.json"))]
             if tables:
-                title = f"Table 1, {folder.name.replace('_', ' ')}"
+                title = " ".join(folder.relative_to(self.workspace.evaluation).parts).replace("_", " ")
                 shown = [Table(str(t.caption), [c.title for c in t.columns], t.cells()[1:]) for t in tables]
                 yield Section(title, tables=shown)
 
