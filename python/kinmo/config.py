@@ -27,7 +27,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class TrainingConfig:
-    """How a network is optimised (Adam). `decay` multiplies the learning rate every `decay_epochs` epochs (0: cosine to zero)."""
+    """Adam; `decay` multiplies the learning rate every `decay_epochs` epochs (0: the rate falls to zero along a cosine)."""
 
     epochs: int
     learning_rate: float
@@ -127,16 +127,21 @@ class AxisConfig:
 class RefinementConfig:
     """From edges to joints (paper, section 3.3).
 
-    `weights` of feasibility, direction, position and swept collision; `position`: the reading of s^p (`line` over the unit of
-    length, `diagonal`, or `printed`); `threshold` is the score above which a joint is kept as a pseudo label; `contact_pivots`:
-    which revolute types get a second pivot in the interaction region.
+    `weights` of feasibility, direction, position and swept freedom; `position` is the reading of s^p (`scoring`); `threshold`
+    is the score above which a joint becomes a pseudo label; `extra` names candidates beyond the paper's (`boxes`, `contact`,
+    `symmetry`); `contact_pivots` says which axes have a second pivot in the interaction region (`candidates`).
     """
 
     weights: tuple[float, ...] = (0.5, 0.3, 0.2, 0.0)
     position: Literal["line", "printed"] = "line"
     threshold: float = 0.6
-    candidates: Literal["paper", "all"] = "paper"
+    extra: tuple[Literal["boxes", "contact", "symmetry"], ...] = ()
     contact_pivots: Literal["central", "revolute", "none"] = "central"
+
+    @property
+    def sweeps(self) -> bool:
+        """Whether the swept term counts."""
+        return any(weight > 0 for weight in self.weights[3:])
 
 
 @dataclass(frozen=True)

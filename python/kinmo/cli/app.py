@@ -10,7 +10,8 @@ from typing import Annotated, Any
 
 from typer import Exit, Option, Typer
 
-from kinmo.cli import prepare, synth, train
+from kinmo.cli import eval as evaluation
+from kinmo.cli import predict, prepare, pseudo_label, report, synth, train
 from kinmo.cli.execute import one_line_errors
 from kinmo.cli.options import with_common_options
 
@@ -75,6 +76,10 @@ def _register(name: str, function: Callable[..., None]) -> None:
 _register("synth", synth.synth)
 _register("prepare", prepare.prepare)
 _register("train", train.train)
+_register("pseudo-label", pseudo_label.pseudo_label)
+_register("eval", evaluation.evaluate)
+_register("predict", predict.predict)
+_register("report", report.report)
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from typer import Exit
+from typer import BadParameter, Exit
 
 from kinmo.cli.console import duration, observer
 from kinmo.cli.options import CommonOptions
@@ -68,7 +68,7 @@ def one_line_errors() -> Iterator[None]:
     try:
         yield
         sys.stdout.flush()
-    except Exit:
+    except (Exit, BadParameter):
         raise
     except InputError as error:
         print(f"kinmo: {error}", file=sys.stderr)

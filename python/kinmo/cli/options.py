@@ -6,12 +6,20 @@ import inspect
 import os
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields
+from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
 from typer import Option
 
 COMMON = "Options of every command"
+
+
+class Method(str, Enum):
+    """The two methods of kinmo."""
+
+    KINMO = "kinmo"
+    PAPER = "paper"
 
 
 @dataclass(frozen=True)

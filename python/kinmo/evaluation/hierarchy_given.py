@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from kinmo.evaluation.records import FalseAlarm, ShapeScore, annotation, joint_record, missed_record
+from kinmo.evaluation.records import ShapeScore, annotation, false_alarm, joint_record, missed_record
 from kinmo.joint import CoarseType
 from kinmo.links import links_of
 from kinmo.normalisation import Normalisation
@@ -46,7 +46,7 @@ def hierarchy_given(
         penetration = None if penetrations is None else penetrations.get(moving)
         records.append(replace(record, parent_ok=parent_ok, penetration=penetration))
     wrong = [link.body for place, link in enumerate(links) if link.body is not None and place not in right]
-    alarms = tuple(FalseAlarm(answer.score, dict(answer.terms)) for answer in (_answer(prediction, body) for body in wrong))
+    alarms = tuple(false_alarm(_answer(prediction, body)) for body in wrong)
     is_fine = not any(isinstance(answers[0].type, CoarseType) for answers in prediction.estimates if answers)
     return ShapeScore(truth.id, truth.category, tuple(records), alarms, is_fine)
 

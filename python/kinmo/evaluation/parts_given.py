@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from kinmo.evaluation.records import FalseAlarm, ShapeScore, annotation, joint_record
+from kinmo.evaluation.records import ShapeScore, annotation, false_alarm, joint_record
 from kinmo.joint import CoarseType
 from kinmo.prediction import JointEstimate
 from kinmo.prepared import PreparedShape
@@ -35,9 +35,7 @@ def parts_given(
         records.append(record)
     still = {index for index, body in enumerate(mobility.bodies) if not body.is_movable}
     alarms = tuple(
-        FalseAlarm(estimate.score, dict(estimate.terms))
-        for index, estimate in estimates.items()
-        if index in still and estimate.joint is not None
+        false_alarm(estimate) for index, estimate in estimates.items() if index in still and estimate.joint is not None
     )
     is_fine = not any(isinstance(estimate.type, CoarseType) for estimate in estimates.values())
     return ShapeScore(truth.id, truth.category, tuple(records), alarms, is_fine)

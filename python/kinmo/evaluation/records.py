@@ -139,12 +139,23 @@ def missed_record(truth: PreparedShape, body: int) -> JointRecord:
     return JointRecord(truth.id, truth.category, body, name, truth.body_types[body], truth.diagonal)
 
 
+def terms_of(estimate: JointEstimate) -> dict[str, float]:
+    """The terms of an answer's score that mean something: a slider has no position."""
+    slides = estimate.joint is not None and not estimate.joint.has_pivot
+    return {name: value for name, value in estimate.terms.items() if not (slides and name == "position")}
+
+
+def false_alarm(estimate: JointEstimate) -> FalseAlarm:
+    """What is remembered of a joint that there is not."""
+    return FalseAlarm(estimate.score, terms_of(estimate))
+
+
 def joint_record(truth: PreparedShape, body: int, estimate: JointEstimate | None) -> JointRecord:
     """The record of the joint of `body`, a movable body of the truth, with the answer `estimate` in the normalised frame."""
     record = missed_record(truth, body)
     if estimate is None:
         return record
-    record = replace(record, predicted_type=estimate.type, score=estimate.score, terms=dict(estimate.terms))
+    record = replace(record, predicted_type=estimate.type, score=estimate.score, terms=terms_of(estimate))
     return record if estimate.joint is None or record.is_missed else _measured(record, truth, body, estimate.joint)
 
 

@@ -14,6 +14,7 @@ Boxes and edges of the file are not used: kinmo fits its own.
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -26,7 +27,7 @@ from kinmo.errors import InputError
 from kinmo.formats.arrays import read_npz
 from kinmo.formats.deformed_cube import CubeMesh, mesh_of, place_in_box, read_cube_mesh
 from kinmo.formats.field import Field, clean_text
-from kinmo.formats.files import read_json
+from kinmo.formats.files import inside, read_json
 from kinmo.formats.hierarchy import Node, build, walk
 from kinmo.formats.meshes import has_surface
 from kinmo.formats.obj import read_obj
@@ -125,12 +126,13 @@ class _Geometry:
 
     @cached_property
     def meshes(self) -> Path | None:
-        return next((place for place in self._mesh_places if place.is_dir()), None)
+        return next((inside(place, self.dataset) for place in self._mesh_places if place.is_dir()), None)
 
     @cached_property
     def points(self) -> tuple[Path, dict[str, Array]] | None:
         for place in self._point_places:
-            if place.exists() or place.is_symlink():
+            if os.path.lexists(place):
+                inside(place.parent, self.dataset)
                 return place, read_npz(place, self.dataset, ("parts", "other_ids", "other_parts"))
         return None
 
@@ -139,6 +141,7 @@ class _Geometry:
         place = next((place for place in self._gradient_places if place.exists()), None)
         if place is None:
             return None
+        inside(place.parent, self.dataset)
         cube = self.dataset / _CUBE
         if not cube.exists():
             raise InputError(place, f"deformation gradients need {_CUBE} beside their folder, which is missing")

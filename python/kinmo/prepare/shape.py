@@ -70,10 +70,8 @@ def _edge_distances(meshes: _core.Meshes, groups: list[list[int]], edges: NDArra
     if not len(edges):
         return np.zeros(0)
     pairs, pair_of_edge = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
-    found, distances, _, _ = _core.part_distances(meshes, groups, pairs)
-    by_pair = {tuple(pair): distance for pair, distance in zip(found.tolist(), distances.tolist(), strict=True)}
-    ordered = np.array([by_pair[tuple(pair)] for pair in pairs.tolist()], np.float64)
-    return np.asarray(ordered[pair_of_edge.ravel()])
+    _, distances, _, _ = _core.part_distances(meshes, groups, pairs.astype(np.uint32))
+    return np.asarray(distances[pair_of_edge.ravel()])
 
 
 def _labels(

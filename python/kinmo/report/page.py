@@ -33,7 +33,11 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the page. `charts` are SVGs of `kinmo.report.curves`; `folded` hides the tables until they are asked for."""
+    """A part of the page.
+
+    `charts` are SVGs of `kinmo.report.curves`; `folded` hides the tables until they are asked for; `legend` explains the
+    roles of the axes in the pictures.
+    """
 
     title: str
     text: str = ""
@@ -41,6 +45,7 @@ class Section:
     charts: Sequence[str] = ()
     pictures: Sequence[Picture] = ()
     folded: bool = False
+    legend: Sequence[tuple[str, str]] = ()
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,13 @@ from kinmo.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject
 
-LUMPED_SHARE = 0.45
-"""Share of nested objects that are written with one leaf a body."""
+LUMPED_SHARE = 0.15
+"""Share of nested objects that are written with one leaf a body, besides those that families build so."""
 TORN_SHARE = 0.09
 """Share of moving links whose parts end up under different nodes."""
 WRAPPED_SHARE = 0.03
 """Share of leaves that get an inner node with a single child above them."""
-JUNK_SHARE = 0.05
+JUNK_SHARE = 0.1
 """Share of objects in which a leaf is marked as not belonging."""
 
 

@@ -9,15 +9,15 @@ from kinmo.synth.draw import Draw
 from kinmo.synth.model import SynthObject
 from kinmo.synth.primitives.place import inside_out, join
 
-UNWELDED_SHARE = 0.35
+UNWELDED_SHARE = 0.2
 """Share of objects whose triangles share no vertices."""
 INSIDE_OUT_SHARE = 0.04
 DOUBLED_SHARE = 0.03
 TORN_SHARE = 0.02
 """Shares of pieces that are inside out, there twice, or lack some triangles."""
-FINE_SHARE = 0.55
+FINE_SHARE = 0.8
 """Share of objects of which some pieces are subdivided."""
-LARGEST_PIECE = 3000
+LARGEST_PIECE = 4000
 """Triangles a piece may have after subdivision."""
 
 
@@ -29,7 +29,7 @@ def roughen(obj: SynthObject, draw: Draw) -> None:
 
 
 def _roughened(piece: Mesh, draw: Draw, unwelded: bool, fine: bool) -> Mesh:
-    levels = draw.pick([0, 1, 2, 3], [4, 4, 3, 1]) if fine else 0
+    levels = draw.pick([0, 1, 2, 3, 4], [3, 4, 4, 2, 1]) if fine else 0
     for _ in range(levels):
         if 4 * len(piece.faces) <= LARGEST_PIECE:
             piece = subdivided(piece)

@@ -99,7 +99,7 @@ def _joint_element(path: Path, element: ET.Element) -> JointElement:
     if length == 0:
         raise InputError(path, "expected an axis that is not zero", f"joint {element.get('name')}")
     limit = element.find("limit")
-    lower, upper = (float(_numbers(path, limit, field, (0.0,))[0]) for field in ("lower", "upper"))
+    lower, upper = sorted(float(_numbers(path, limit, field, (0.0,))[0]) for field in ("lower", "upper"))
     limits = (lower, upper) if upper > lower and kind != "continuous" else None
     pose = _pose(path, element.find("origin"))
     return JointElement(kind, ends[0], ends[1], pose, axis / length, limits)

@@ -99,7 +99,7 @@ def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts:
 
 def _add_drawer_box(draw: Draw, node: Node, opening: Opening, back: float) -> float:
     """The boards behind a drawer's front; returns how deep they reach."""
-    board = min(draw.between(0.008, 0.035), 0.1 * opening.width)
+    board = min(draw.between(0.015, 0.04), 0.1 * opening.width)
     clear = draw.pick([0.0, draw.between(0.002, 0.03)])
     depth = opening.depth * draw.between(0.75, 0.98)
     half = opening.width / 2 - clear
@@ -115,7 +115,7 @@ def _add_drawer_box(draw: Draw, node: Node, opening: Opening, back: float) -> fl
     inner = half - board
     node.add("drawer_back", box_between((opening.x - inner, low, far), (opening.x + inner, high, far + board)))
     floor = low + draw.pick([0.0, 0.3 * board])
-    thin = draw.pick([board, 0.3 * board, 0.0], [3, 3, 1])
+    thin = draw.pick([board, 0.5 * board, 0.0], [6, 3, 1])
     bottom = box_between((opening.x - inner, floor, far), (opening.x + inner, floor + thin, back))
     node.add("drawer_bottom", bottom)
     if draw.chance(0.3):

@@ -35,8 +35,9 @@ def build(draw: Draw) -> SynthObject:
     motion: Motion
     if kind == "screw":
         origin = (0.0, draw.pick([0.0, low]), 0.0)
-        lower = draw.pick([0.0, -rise])
-        motion = screw(origin, Y * draw.sign(), lower, lower + rise, turns=draw.pick([180.0, 360.0, None], [4, 1, 1]))
+        turns = draw.pick([180.0, 360.0, None], [4, 1, 1])
+        upwards = draw.chance(0.7)
+        motion = screw(origin, Y, 0.0, rise, turns=turns) if upwards else screw(origin, -Y, -rise, 0.0, turns=turns)
     elif kind == "lift":
         motion = slider(Y, 0.0, rise)
     else:

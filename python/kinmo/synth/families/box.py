@@ -37,7 +37,7 @@ def build(draw: Draw) -> SynthObject:
     body = above.add("chest_box" if nested else "base_body", *_tub(size))
     base = Link("base_body", [body])
     links = [base]
-    if draw.chance(0.3):
+    if draw.chance(0.2):
         links += _flaps(draw, above, base, size)
     else:
         links += _lid(draw, above, base, size, nested)
@@ -79,7 +79,7 @@ def _lid(draw: Draw, above: Node, base: Link, size: _Size, nested: bool) -> list
     edge_height = size.top + draw.pick([0.0, 0.5 * thick, -0.02])
     edge = np.array([0, edge_height, -z + draw.pick([0.0, over, -draw.between(0.0, 0.03)])])
     opens = draw.pick([90.0, 110.0, 130.0, 180.0], [3, 3, 2, 2])
-    rest = draw.between(25, min(opens, 125)) if draw.chance(0.7) else 0.0
+    rest = draw.between(25, min(opens, 125)) if draw.chance(0.8) else 0.0
     motion = hinge(edge, (-1, 0, 0), 0, opens, rest=rest)
     group = above.add("chest_lid") if nested else above
     node = group.add("lid_surface" if nested else draw.pick(["rotation_lid", "lid"], [4, 1]), *pieces)

@@ -126,9 +126,11 @@ def _bow(draw: Draw, plan: _Plan, base: Link, reach: float, rod: float, z: float
         pieces += [cylinder(size, 2 * rod, "x", e, 12) if draw.chance(0.5) else ellipsoid((size, size, size), e) for e in ends]
     node = Node("handle", pieces=[move(piece, (0, plan.ears, z)) for piece in pieces])
     rest = draw.pick([0.0, draw.sign() * down, draw.between(-0.9, 0.9) * down], [4, 5, 2])
-    if z:
-        rest = draw.pick([0.0, math.copysign(down, z)])
     span = (-down, down) if draw.chance(0.7) else (min(rest, 0.0), max(rest, 60.0))
+    if z:
+        # One of a pair: it lies down to its own side.
+        rest = math.copysign(draw.pick([0.0, down]), z)
+        span = (0.0, down) if z > 0 else (-down, 0.0)
     origin = (draw.pick([0.0, reach, draw.between(-0.5, 0.5)]), plan.ears, z)
     return Link("handle", [node], base, hinge(origin, (1, 0, 0), *span, rest=rest))
 

@@ -51,7 +51,7 @@ def build(draw: Draw) -> SynthObject:
     frame, spout = Node("frame"), Node("spout")
     base = Link("frame", [frame], kind=draw.pick([JointName.STATIC, JointName.FREE, JointName.HEAVY], [4, 1, 1]))
     faucet = _Faucet(draw, frame, spout, unit, base, [base])
-    kind = draw.pick([_single_lever, _side_lever, _two_handles, _wall_tap, _wall_pair], [6, 2, 3, 2, 1])
+    kind = draw.pick([_single_lever, _side_lever, _two_handles, _wall_tap, _wall_pair], [7, 2, 3, 2, 1])
     kind(faucet)
     unit.children += [node for node in (frame, spout) if node.children]
     if not any(spout in link.nodes for link in faucet.links) and spout.children:
@@ -64,14 +64,14 @@ def build(draw: Draw) -> SynthObject:
 def _single_lever(faucet: _Faucet) -> None:
     """A post with the spout in front and the switch on top, all of it upright or leaning forwards."""
     draw = faucet.draw
-    radius, height = draw.between(0.07, 0.13), draw.between(0.4, 1.0)
+    radius, height = draw.between(0.08, 0.16), draw.between(0.4, 1.0)
     _post(faucet, radius, height)
     reach, root_height = draw.between(0.5, 1.1), height * draw.between(0.45, 0.85)
     _spout(faucet, _arm_path(draw, reach, root_height, radius), radius * draw.between(0.5, 0.85))
     top = height + draw.pick([0.0, 0.003, draw.between(-0.02, 0.0)])
     cap = radius * draw.between(0.85, 1.15)
     cap_height = draw.between(0.1, 0.3)
-    length = draw.between(0.25, 0.85)
+    length = draw.between(0.35, 0.95)
     arm = lever(draw, length, draw.between(0.018, 0.04), cap_height * draw.between(0.4, 0.95))
     pieces = [turned_cap(draw, cap, cap_height), *arm]
     if draw.chance(0.12):
@@ -90,7 +90,7 @@ def _single_lever(faucet: _Faucet) -> None:
             cylinder(0.03, 0.04, "y", (0, height, 0), 12),
         ]
         back = -radius - 0.04
-        other = (faucet.frame if draw.chance(0.5) else faucet.unit.add("other")).add("other_leaf")
+        other = faucet.unit.add("other").add("other_leaf")
         other.pieces = [turn(move(p, (0, 0, back)), X, draw.between(-20.0, 0.0), (0, height, back)) for p in rod]
         faucet.links.append(Link("slider", [other], faucet.base, slider(Y, 0.0, draw.between(0.03, 0.1))))
 

@@ -24,6 +24,9 @@ from kinmo.synth.primitives import (
     turn,
 )
 
+KEY_HEIGHT = 0.01
+"""How high the highest keys stand above the base."""
+
 
 @dataclass(frozen=True)
 class _Plan:
@@ -81,8 +84,9 @@ def _plan(draw: Draw) -> _Plan:
     hinge_z = -0.5 * depth + draw.between(-0.01, 0.07) * depth
     # The closed screen must find room above the base: the lower the hinge, the further back the screen.
     hinge_y = thickness * draw.between(0.45, 1.35)
-    room = max(thickness - hinge_y, 0.0) + draw.between(0.0, 0.01)
-    screen_front = hinge_z - room if draw.chance(0.85) else hinge_z + min(screen_thickness, max(hinge_y - thickness, 0.0))
+    above = hinge_y - thickness - KEY_HEIGHT
+    forward = above > 0.0 and draw.chance(0.5)
+    screen_front = hinge_z + min(screen_thickness, above) if forward else hinge_z + min(above, 0.0) - draw.between(0.0, 0.01)
     behind = screen_front < -0.5 * depth
     screen_bottom = thickness * draw.between(0.2, 1.0) if behind else max(thickness, hinge_y - 0.5 * screen_thickness)
     screen_bottom += draw.between(0.0, 0.015)
@@ -148,7 +152,7 @@ def _fill_base_side(draw: Draw, plan: _Plan, base_side: Node) -> None:
 
 
 def _keyboard(draw: Draw, width: float, depth: float, top: float, middle: float) -> list[Mesh]:
-    height = draw.between(0.004, 0.015)
+    height = draw.between(0.4, 1.0) * KEY_HEIGHT
     if draw.chance(0.3):
         return [box((width, height, depth), (0.0, top + 0.5 * height, middle))]
     rows, columns = draw.integer(4, 6), draw.integer(9, 14)

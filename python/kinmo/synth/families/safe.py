@@ -67,7 +67,7 @@ def _casing(draw: Draw, width: float, height: float, depth: float, wall: float, 
 def _locks(draw: Draw, root: Node, links: list[Link], x: float, height: float, face: float) -> None:
     """What is on the door: a dial, a wheel or lever to turn, and sometimes a keypad."""
     door = links[1]
-    kinds = draw.pick([["wheel"], ["dial"], ["wheel", "dial"], ["keypad"], ["keypad", "dial"], ["fixed"]], [3, 3, 4, 2, 1, 1])
+    kinds = draw.pick([["wheel"], ["dial"], ["wheel", "dial"], ["keypad"], ["keypad", "dial"], ["fixed"]], [3, 2, 4, 3, 2, 1])
     for row, kind in enumerate(kinds):
         y = (0.0 if len(kinds) == 1 else (0.5 - row) * 0.45 * height) + draw.between(-0.05, 0.05)
         if kind in ("dial", "wheel"):

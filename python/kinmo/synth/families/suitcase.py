@@ -12,7 +12,7 @@ from kinmo.synth.primitives import arc_path, box, box_between, cylinder, rounded
 
 def build(draw: Draw) -> SynthObject:
     root = Node(draw.pick(["Suitcase", "luggage"], [3, 1]))
-    kind = draw.pick(["case", "bag", "trolley"], [4, 2, 4])
+    kind = draw.pick(["case", "bag", "trolley"], [5, 2, 3])
     links = {"case": _case, "bag": _bag, "trolley": _trolley}[kind](draw, root)
     return SynthObject("Suitcase", root, links)
 
@@ -111,7 +111,11 @@ def _trolley(draw: Draw, root: Node) -> list[Link]:
     node = root.add(draw.pick(["handle", "translation_handle"]), *rods, grip)
     rest = reach * draw.between(0.3, 1.0) if draw.chance(0.5) else 0.0
     links.append(Link("handle", [node], base, slider((0, 1, 0), 0, reach, rest=rest), lumped_name="translation_handle"))
-    links += _wheels(draw, root, base, x, y, z)
+    wheels = _wheels(draw, root, base, x, y, z)
+    if draw.chance(0.4):
+        base.nodes += [node for wheel in wheels for node in wheel.nodes]
+    else:
+        links += wheels
     if draw.chance(0.5):
         links.append(_carrying_handle(draw, root, base, 0.2 * width, y, z * draw.between(0.0, 0.5)))
     if draw.chance(0.25):

@@ -23,9 +23,9 @@ class _Size:
 
 
 def build(draw: Draw) -> SynthObject:
-    kind = draw.pick(["apron", "stand", "pedestal", "cabinet"], [5, 3, 4, 1])
+    kind = draw.pick(["apron", "stand", "pedestal", "cabinet"], [6, 3, 2, 1])
     width = draw.between(1.0, 2.0) if kind == "pedestal" else draw.between(0.6, 1.4)
-    size = _Size(width / 2, draw.between(0.6, 1.3), draw.between(0.3, 0.6), draw.between(0.015, 0.06))
+    size = _Size(width / 2, draw.between(0.6, 1.3), draw.between(0.3, 0.6), draw.between(0.025, 0.065))
     root = Node("table")
     inner = root.add(draw.pick(["regular_table", "desk"]))
     base = Link("board", [], kind=draw.pick([JointName.HEAVY, JointName.STATIC], [9, 1]), lumped_name="base_body")
@@ -134,7 +134,7 @@ def _apron(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
         front = box_between((-edge, low, size.z - size.board), (edge, low + 0.2 * height, size.z))
         node.add("vertical_front_panel", front)
         low += 0.2 * height
-    _row(draw, node, links, (-edge, low), (edge, size.y), size, draw.pick([1, 2, 3], [6, 3, 1]))
+    _row(draw, node, links, (-edge, low), (edge, size.y), size, draw.pick([1, 2, 3], [7, 2, 1]))
 
 
 def _stand(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
@@ -145,7 +145,7 @@ def _stand(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
         size_legs = _Size(size.x, low, size.z, size.board)
         _add_legs(draw, node, size_legs, low, draw.between(0.03, 0.1))
     edge, board = size.x - size.board, size.board
-    count = draw.integer(1, 4)
+    count = draw.pick([1, 2, 3, 4], [4, 4, 2, 1])
     height = (size.y - low - board) / count
     for row in range(count):
         top = size.y - row * height
@@ -156,7 +156,7 @@ def _stand(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
         _row(draw, node, links, (-edge, top - height + board), (edge, top), size, draw.pick([1, 2], [5, 1]))
         shelf = box_between((-edge, top - height, -size.z + board), (edge, top - height + 0.7 * board, size.z - 0.01))
         node.add("shelf", shelf)
-        if draw.chance(0.25):
+        if draw.chance(0.4):
             break
 
 

@@ -31,7 +31,7 @@ class _Plan:
 def build(draw: Draw) -> SynthObject:
     slots, rows = draw.pick([(1, 1), (2, 1), (2, 2), (4, 1)], [1, 6, 1, 1])
     length = draw.between(1.2, 1.6) * (1.3 if rows == 2 else 1.0)
-    plan = _Plan(draw.between(0.3, 0.45) * slots**0.75, draw.between(0.75, 1.1), length, slots, rows)
+    plan = _Plan(draw.between(0.38, 0.56) * slots**0.65, draw.between(0.75, 1.1), length, slots, rows)
     root = Node("Toaster")
     body = Node("base_body", pieces=_body(draw, plan))
     base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY], [4, 1, 1]))
@@ -42,6 +42,8 @@ def build(draw: Draw) -> SynthObject:
             tray.pieces.append(box((0.3 * plan.width, 0.05, 0.05), (0, 0.0, plan.front)))
         out = slider((0, 0, 1), 0.0, 0.6 * plan.length, rest=draw.pick([0.0, draw.between(0.0, 0.4)], [3, 1]))
         links.append(Link("tray", [tray], base, out))
+    if draw.chance(0.2):
+        links += _racks(draw, plan, base)
     root.children = [node for link in links[1:] for node in link.nodes] + [body]
     return SynthObject("Toaster", root, links)
 
@@ -52,7 +54,7 @@ def _body(draw: Draw, plan: _Plan) -> list[Mesh]:
     floor = plan.height - deep
     wall = draw.between(0.06, 0.15) * plan.width
     end = 0.5 * (plan.length - draw.between(0.7, 0.85) * plan.length)
-    radius = draw.between(0.02, 0.3) * plan.width
+    radius = draw.pick([draw.between(0.02, 0.15), draw.between(0.15, 0.32)]) * plan.width
     pieces = [box((plan.width, floor, plan.length - 2 * end), (0, 0.5 * floor, 0))]
     for side in (-1.0, 1.0):
         middle = (0, 0.5 * plan.height, side * (plan.front - 0.5 * end))
@@ -79,6 +81,23 @@ def _body(draw: Draw, plan: _Plan) -> list[Mesh]:
         slice_size = (0.6 * opening, 0.5 * plan.height, 0.5 * plan.length)
         pieces.append(box(slice_size, (-0.5 * plan.width + wall + 0.5 * opening, plan.height, 0)))
     return pieces
+
+
+def _racks(draw: Draw, plan: _Plan, base: Link) -> list[Link]:
+    """Wire racks in the slots that lift the bread."""
+    wide = plan.width * draw.between(0.08, 0.15)
+    tall, long = plan.height * draw.between(0.5, 0.7), plan.length * draw.between(0.45, 0.6)
+    motion = slider(Y, 0.0, plan.height * draw.between(0.1, 0.8))
+    links = []
+    for index in range(plan.slots):
+        x = (index - 0.5 * (plan.slots - 1)) * 0.8 * plan.width / plan.slots
+        low = plan.height - tall
+        rails = [box((0.01, 0.02, long), (x + s * wide, plan.height - 0.01, 0)) for s in (-1, 1)]
+        wires = [box((2 * wide, tall, 0.01), (x, low + 0.5 * tall, (i - 3) * long / 6)) for i in range(7)]
+        slot = Node("other")
+        slot.add("slot", *rails, *wires)
+        links.append(Link("slot", [slot], base, motion))
+    return links
 
 
 def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]:
@@ -112,7 +131,7 @@ def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]
 
 
 def _lever(draw: Draw, plan: _Plan, base: Link, body: Node, x: float, facing: float, count: int) -> Link:
-    wide = draw.between(0.08, 0.3) * min(plan.width, 0.6) / (1.0 if count == 1 else 1.5)
+    wide = draw.between(0.12, 0.45) * min(plan.width, 0.6) / (1.0 if count == 1 else 1.5)
     tall, reach = draw.between(0.03, 0.12), draw.between(0.05, 0.16)
     top = plan.height * draw.between(0.55, 0.9)
     travel = (top - 0.15 * plan.height) * draw.between(0.5, 0.9)
@@ -125,6 +144,9 @@ def _lever(draw: Draw, plan: _Plan, base: Link, body: Node, x: float, facing: fl
     if draw.chance(0.5):
         inside = draw.between(0.03, 0.35)
         pieces.append(box((0.3 * wide, 0.5 * tall, inside), (0, 0, 0.03 - 0.5 * inside)))
+    if draw.chance(0.2):
+        # The carriage behind the wall.
+        pieces.append(box((1.3 * wide, draw.between(0.05, 0.4) * plan.height, 0.02), (0, 0, -0.05)))
     if draw.chance(0.6):
         track = [box((0.02, 1.1 * travel, 0.004), (x + s * 0.02, top - 0.5 * travel, facing * plan.front)) for s in (-1, 1)]
         body.pieces += track
