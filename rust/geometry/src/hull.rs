@@ -265,3 +265,70 @@ impl<'a> Quickhull<'a> {
         Polyhedron { vertices, facets, edges }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Closed, convex, and around all the points.
+    fn check(points: &[Point3<f64>], hull: &Polyhedron) {
+        assert_eq!(hull.vertices.len() + hull.facets.len(), hull.edges.len() + 2, "Euler's formula");
+        for edge in &hull.edges {
+            for facet in edge.facets {
+                let corners = hull.facets[facet as usize];
+                assert!(edge.vertices.iter().all(|v| corners.contains(v)));
+            }
+        }
+        for facet in 0..hull.facets.len() {
+            let vector = hull.area_vector(facet as u32);
+            let anchor = hull.vertices[hull.facets[facet][0] as usize];
+            // The plane of a sliver is known no better than its height allows: what is bounded is a volume, not a distance.
+            let worst = points.iter().map(|p| vector.dot(&(p - anchor))).fold(f64::MIN, f64::max);
+            assert!(worst <= 1e-9 * (1e-6 + vector.norm()), "facet {facet}: {worst}");
+        }
+    }
+
+    fn solid(points: &[Point3<f64>]) -> Polyhedron {
+        match Hull::of(points, 1e-9) {
+            Hull::Solid(hull) => hull,
+            flat => panic!("expected a solid, got {flat:?}"),
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn is_closed_convex_and_around_all_points(
+            coordinates in prop::collection::vec((-3i32..4, -3i32..4, -3i32..4, -1i32..2), 4..80)
+        ) {
+            // A small grid gives many coplanar, collinear and repeated points; the noise makes some of them nearly so.
+            let at = |i: i32, noise: i32| 0.1 * i as f64 + 1e-13 * noise as f64;
+            let points: Vec<_> = coordinates.iter().map(|&(x, y, z, e)| Point3::new(at(x, e), at(y, -e), at(z, e))).collect();
+            if let Hull::Solid(hull) = Hull::of(&points, 1e-9) {
+                check(&points, &hull);
+            }
+        }
+
+        #[test]
+        fn of_points_on_a_sphere_has_them_all_as_corners(seed in 0u64..1000) {
+            use rand::{RngExt, SeedableRng};
+            let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+            let mut coordinate = || rng.random::<f64>() - 0.5;
+            let points: Vec<_> = (0..60)
+                .map(|_| Point3::from(Vector3::new(coordinate(), coordinate(), coordinate()).normalize()))
+                .collect();
+            let hull = solid(&points);
+            check(&points, &hull);
+            prop_assert_eq!(hull.vertices.len(), points.len());
+        }
+    }
+
+    #[test]
+    fn knows_the_dimension_that_the_points_span() {
+        let at = |x: f64, y: f64, z: f64| Point3::new(x, y, z);
+        assert_eq!(Hull::of(&[at(1.0, 1.0, 1.0); 5], 1e-9), Hull::Point);
+        assert!(matches!(Hull::of(&[at(0.0, 0.0, 0.0), at(1.0, 1.0, 1.0), at(0.3, 0.3, 0.3)], 1e-9), Hull::Segment(_)));
+        let square = [at(0.0, 0.0, 0.0), at(1.0, 0.0, 1.0), at(1.0, 1.0, 1.0), at(0.0, 1.0, 0.0)];
+        assert!(matches!(Hull::of(&square, 1e-9), Hull::Planar(_)));
+    }
+}

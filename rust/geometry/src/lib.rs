@@ -12,6 +12,7 @@ pub mod error;
 pub mod hull;
 pub mod interaction;
 pub mod iou;
+mod lanes;
 pub mod mesh;
 pub mod motion;
 pub mod obb;
