@@ -53,8 +53,9 @@ def fit_symmetric_boxes(
     """Boxes of Fish et al. 2014: centers, axes, half extents as of `fit_boxes`, and the number [G] of symmetric planes.
 
     Of the box of minimum volume and those on the facets of the convex hull, the one of least volume among those with three
-    symmetric middle planes, or else two, or else one, or else of all. A plane is symmetric if the 90th percentile of the squared
-    distances of `samples` mirrored surface samples to the surface, over the squared diagonal of the part, is below `tolerance`.
+    symmetric middle planes, or else two, or else one, or else of all. A plane is symmetric if the 90th percentile of the
+    squared distances of `samples` mirrored surface samples to the surface, over the squared diagonal of the part, is below
+    `tolerance`.
     """
 
 def fit_aligned_boxes(meshes: Meshes, frame: F64, groups: Groups = None) -> tuple[F64, F64, F64]:

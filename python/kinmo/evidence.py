@@ -1,9 +1,9 @@
 """What speaks for and against every motion that a part might have: the input of the `kinmo` method's ranking network.
 
-For each *unit* (a node of the hierarchy or a rigid body, taken as one part) the candidate axes are those of `kinmo.hypotheses`, and each
-is described by numbers that do not change when the object is turned about `up`: how the part touches the rest along the axis, where its
-centre and its protrusions lie, how it would slide along the contact, how far it would travel before it collides, how symmetric it is.
-All lengths are in the normalised frame (diagonals of the object).
+For each *unit* (a node of the hierarchy or a rigid body, taken as one part) the candidate axes are those of `kinmo.hypotheses`,
+and each is described by numbers that do not change when the object is turned about `up`: how the part touches the rest along
+the axis, where its centre and its protrusions lie, how it would slide along the contact, how far it would travel before it
+collides, how symmetric it is. All lengths are in the normalised frame (diagonals of the object).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 
 from kinmo import _core
 from kinmo.box import Box
-from kinmo.hypotheses import CENTRAL, Lines, Source, candidate_lines, distinct_directions, object_frame
+from kinmo.hypotheses import CENTRAL, Lines, candidate_lines, distinct_directions, object_frame
 
 F64 = NDArray[np.float64]
 
@@ -39,8 +39,8 @@ SWEPT_LENGTH = 0.3
 class Evidence:
     """Hypotheses of U units, H in all: unit u owns rows `offsets[u]:offsets[u + 1]`.
 
-    `kinds` [H] (0 turns, 1 slides, 2 screws), `directions` and `pivots` [H, 3], `features` [H, F] float32, `centers` [U, 3] (middle
-    of the unit's aligned box), `unit_features` [U, G] float32.
+    `kinds` [H] (0 turns, 1 slides, 2 screws), `directions` and `pivots` [H, 3], `features` [H, F] float32, `centers` [U, 3]
+    (middle of the unit's aligned box), `unit_features` [U, G] float32.
     """
 
     offsets: NDArray[np.int64]
@@ -56,8 +56,8 @@ class Evidence:
 class Scene:
     """The leaves of one shape in the normalised frame.
 
-    `points` and `normals` [L, n, 3], `areas` [L], `frame` [3, 3] (the object's own axes, `up` last), `extents` [2, 3] (low and high along them).
-    `touching` [L, L] bool.
+    `points` and `normals` [L, n, 3], `areas` [L], `frame` [3, 3] (the object's own axes, `up` last), `extents` [2, 3] (low and
+    high along them). `touching` [L, L] bool.
     """
 
     meshes: _core.Meshes
@@ -78,7 +78,13 @@ class Scene:
         touching = np.zeros((len(areas), len(areas)), bool)
         touching[pairs[:, 0], pairs[:, 1]] = touching[pairs[:, 1], pairs[:, 0]] = True
         return cls(
-            meshes, points.astype(float), normals.astype(float), areas, frame, np.stack([placed.min(axis=0), placed.max(axis=0)]), touching
+            meshes,
+            points.astype(float),
+            normals.astype(float),
+            areas,
+            frame,
+            np.stack([placed.min(axis=0), placed.max(axis=0)]),
+            touching,
         )
 
     def surface(self, leaves: Sequence[int], count: int) -> tuple[F64, F64]:
@@ -144,7 +150,9 @@ def see_units(scene: Scene, units: Sequence[tuple[int, ...]]) -> list[Unit]:
             toward = points - nearest
             meets = distances < 1e-4
             facing = np.sign(np.sum(rest_normals * (aligned[index].center - nearest), axis=1, keepdims=True))
-            toward = np.where(meets[:, None], rest_normals * np.where(facing == 0, 1.0, facing), toward / np.maximum(distances, 1e-9)[:, None])
+            toward = np.where(
+                meets[:, None], rest_normals * np.where(facing == 0, 1.0, facing), toward / np.maximum(distances, 1e-9)[:, None]
+            )
         else:
             distances, toward = np.ones(len(points)), np.zeros_like(points)
         contact = np.argsort(distances)[:CONTACT_POINTS]
@@ -198,20 +206,19 @@ def unit_features(scene: Scene, unit: Unit, others: Sequence[Unit]) -> F64:
     return np.concatenate(
         [
             np.log(half + 1e-3), np.log(aligned_half[[0, 1]].max(keepdims=True) + 1e-3), np.log(aligned_half[2:] + 1e-3),
-            np.abs(axes @ up), [np.log(area + 1e-4), np.log(unit.aligned.volume + 1e-7), min(tilt, 1.5)],
-            np.quantile(heights, [0.0, 0.5, 1.0]), [radius], np.sort(side[:2]), [side[2]],
-            (facing > 0.97).mean(axis=0), [(facing.max(axis=1) < 0.9).mean()],
-            np.log(quantiles + 1e-3), touching,
-            [offset @ up / scale, np.linalg.norm(offset) / scale, toward @ up, np.linalg.norm(toward)],
-            np.abs(axes @ toward), [np.linalg.norm(protrusion - contact) / scale, (protrusion - contact) @ up / scale],
-            [np.log1p(similar), np.log1p(len(others)), np.log1p(len(scene.areas)), np.log1p(len(unit.leaves)), float(unit.has_rest)],
-            np.log(np.sort(size[:2])), [np.log(size[2]), float(len(unit.symmetry_axes) > 0)],
-        ]
-    )  # fmt: skip
+            np.abs(axes @ up), [np.log(area + 1e-4), np.log(unit.aligned.volume + 1e-7), min(tilt, 1.5)], np.quantile(heights,
+            [0.0, 0.5, 1.0]), [radius], np.sort(side[:2]), [side[2]], (facing > 0.97).mean(axis=0), [(facing.max(axis=1) <
+            0.9).mean()], np.log(quantiles + 1e-3), touching, [offset @ up / scale, np.linalg.norm(offset) / scale, toward @ up,
+            np.linalg.norm(toward)], np.abs(axes @ toward), [np.linalg.norm(protrusion - contact) / scale, (protrusion -
+            contact) @ up / scale], [np.log1p(similar), np.log1p(len(others)), np.log1p(len(scene.areas)),
+            np.log1p(len(unit.leaves)), float(unit.has_rest)], np.log(np.sort(size[:2])), [np.log(size[2]),
+            float(len(unit.symmetry_axes) > 0)], ] )  # fmt: skip
 
 
 def hypotheses_of(lines: Lines) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Kind [h] and line [h] of every hypothesis over `lines`: turn about each, slide along each direction, screw about the central ones."""
+    """Kind [h] and line [h] of every hypothesis over `lines`: turn about each, slide along each direction, screw about the
+    central ones.
+    """
     slides = distinct_directions(lines)
     screws = np.flatnonzero(lines.sources[:, list(CENTRAL)].any(axis=1))
     kinds = np.repeat([REVOLUTE, PRISMATIC, SCREW], [len(lines), len(slides), len(screws)])
@@ -254,7 +261,9 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
     samples = p[:, None] + (steps[None] * extent[:, None])[..., None] * d[:, None]
     flat = samples.reshape(-1, 3)
     own = _core.closest_points(scene.meshes, list(unit.leaves), flat)[0].reshape(len(lines), -1)
-    rest = _core.closest_points(scene.meshes, unit.rest, flat)[0].reshape(len(lines), -1) if unit.has_rest else np.ones_like(own)
+    rest = (
+        _core.closest_points(scene.meshes, unit.rest, flat)[0].reshape(len(lines), -1) if unit.has_rest else np.ones_like(own)
+    )
 
     middle = scene.extents.mean(axis=0) @ scene.frame
     from_middle = p - middle
@@ -263,19 +272,49 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
     radial = from_middle - (from_middle @ up)[:, None] * up
     third = axes[2]
     columns = [
-        np.abs(d @ up), np.abs(d @ out), np.abs(d @ axes.T), np.abs(d @ scene.frame[:2].T).max(axis=1),
+        np.abs(d @ up),
+        np.abs(d @ out),
+        np.abs(d @ axes.T),
+        np.abs(d @ scene.frame[:2].T).max(axis=1),
         np.abs(d @ (w @ unit.toward[unit.contact])),
-        np.linalg.norm(center, axis=1) / half, center @ up / half, center @ out / half, np.abs(center @ third) / half, np.linalg.norm(center, axis=1),
-        np.log(reach), away.min(axis=1) / reach, away.mean(axis=1) / reach, away.std(axis=1) / reach, np.log(extent),
-        contact_away @ w / reach, contact_away.min(axis=1) / reach, contact_away @ w, (contact_away < 0.02) @ w, (contact_away < 0.06) @ w,
-        contact_mean @ up / half, contact_mean @ out / half, spread / extent, np.abs(along_mean) / extent, np.log(spread + 1e-3),
-        np.linalg.norm(protrusion_offset, axis=1) / reach, protrusion_offset @ up / half, protrusion_offset @ out / half, opposite, beyond,
-        own.mean(axis=1), own.min(axis=1), own.max(axis=1), rest.mean(axis=1), rest.min(axis=1), rest.max(axis=1),
-        height, np.linalg.norm(radial, axis=1), radial @ out,
+        np.linalg.norm(center, axis=1) / half,
+        center @ up / half,
+        center @ out / half,
+        np.abs(center @ third) / half,
+        np.linalg.norm(center, axis=1),
+        np.log(reach),
+        away.min(axis=1) / reach,
+        away.mean(axis=1) / reach,
+        away.std(axis=1) / reach,
+        np.log(extent),
+        contact_away @ w / reach,
+        contact_away.min(axis=1) / reach,
+        contact_away @ w,
+        (contact_away < 0.02) @ w,
+        (contact_away < 0.06) @ w,
+        contact_mean @ up / half,
+        contact_mean @ out / half,
+        spread / extent,
+        np.abs(along_mean) / extent,
+        np.log(spread + 1e-3),
+        np.linalg.norm(protrusion_offset, axis=1) / reach,
+        protrusion_offset @ up / half,
+        protrusion_offset @ out / half,
+        opposite,
+        beyond,
+        own.mean(axis=1),
+        own.min(axis=1),
+        own.max(axis=1),
+        rest.mean(axis=1),
+        rest.min(axis=1),
+        rest.max(axis=1),
+        height,
+        np.linalg.norm(radial, axis=1),
+        radial @ out,
         turned_mismatch(unit, lines, np.linalg.norm(center, axis=1) / reach),
-        lines.sources.astype(float), lines.sources.sum(axis=1),
-    ]  # fmt: skip
-    return np.column_stack(columns)
+        lines.sources.astype(float),
+        lines.sources.sum(axis=1),
+    ]  # fmt: skip return np.column_stack(columns)
 
 
 def turned_mismatch(unit: Unit, lines: Lines, eccentricity: F64) -> F64:
@@ -313,7 +352,7 @@ def motion_features(scene: Scene, unit: Unit, kinds: NDArray[np.int64], directio
         limit = np.where(kinds == PRISMATIC, SWEPT_LENGTH, SWEPT_ANGLE)
         swept = np.where(kinds == PRISMATIC, 1, 0).astype(np.uint8)
         lower, upper, penetration = _core.sweep(
-            scene.meshes, list(unit.leaves), unit.rest, swept, directions, pivots, -limit, limit
+            scene.meshes, list(unit.leaves), unit.rest, swept, directions, pivots, -limit, limit, probes=96, steps=8
         )
         free = np.sort(np.abs(np.stack([lower, upper], axis=1)) / limit[:, None], axis=1)
         depth = np.sort(penetration, axis=1)
@@ -327,9 +366,7 @@ def gather(scene: Scene, units: Sequence[tuple[int, ...]]) -> Evidence:
     seen = see_units(scene, units)
     kinds, directions, pivots, features, wholes, counts = [], [], [], [], [], []
     for unit in seen:
-        lines = candidate_lines(
-            unit.minimum, unit.aligned, unit.points[unit.contact], unit.contact_weights, unit.symmetry_axes
-        )
+        lines = candidate_lines(unit.minimum, unit.aligned, unit.points[unit.contact], unit.contact_weights, unit.symmetry_axes)
         kind, line = hypotheses_of(lines)
         kinds.append(kind)
         directions.append(lines.directions[line])

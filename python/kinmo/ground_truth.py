@@ -1,8 +1,8 @@
 """What the edges of a hierarchy should say, from an annotated mobility (paper, section 3.1).
 
-A part moves as its *carrier*: the body that the whole part goes along with. An edge i -> j then says how i moves against j: by the
-joint of i's carrier if j's carrier is the body that the joint is attached to, FIXED if both have the same carrier, NONE otherwise.
-Stated so, a label depends on the tree alone, and never on the order in which a file lists children.
+A part moves as its *carrier*: the body that the whole part goes along with. An edge i -> j then says how i moves against j: by
+the joint of i's carrier if j's carrier is the body that the joint is attached to, FIXED if both have the same carrier, NONE
+otherwise. Stated so, a label depends on the tree alone, and never on the order in which a file lists children.
 """
 
 from __future__ import annotations
@@ -71,9 +71,7 @@ class EdgeLabels:
     pivots: NDArray[np.float64]
 
 
-def label_edges(
-    shape: Shape, mobility: Mobility, edges: NDArray[np.int64], body_types: dict[int, MotionType]
-) -> EdgeLabels:
+def label_edges(shape: Shape, mobility: Mobility, edges: NDArray[np.int64], body_types: dict[int, MotionType]) -> EdgeLabels:
     """Labels of `edges` [E, 2]; `body_types` holds the motion type of every movable body (`motion_type`)."""
     carried_by = carriers_of(shape.leaves_below, mobility)
     count = len(edges)

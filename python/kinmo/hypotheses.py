@@ -1,7 +1,7 @@
 """Every motion that one part might have: axes from its boxes, its contact with the rest and its symmetries.
 
-The `kinmo` method decides kind and axis of a joint together, as one choice among these. Nothing here depends on how the object is
-turned: the only outside directions are `up` and the object's own horizontal axes (`object_frame`).
+The `kinmo` method decides kind and axis of a joint together, as one choice among these. Nothing here depends on how the object
+is turned: the only outside directions are `up` and the object's own horizontal axes (`object_frame`).
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ class Lines:
 def object_frame(normals: F64, weights: F64, up: F64) -> F64:
     """The object's own axes [3, 3], rows: two horizontal ones and `up`.
 
-    The horizontal axes are the directions that most surface faces, counted modulo quarter turns, so that they turn with the object.
-    `normals` [N, 3] with `weights` [N] (areas).
+    The horizontal axes are the directions that most surface faces, counted modulo quarter turns, so that they turn with the
+    object. `normals` [N, 3] with `weights` [N] (areas).
     """
     east = np.cross(up, [0.0, 0.0, 1.0] if abs(up[2]) < 0.9 else [1.0, 0.0, 0.0])
     east /= np.linalg.norm(east)

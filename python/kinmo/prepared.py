@@ -37,9 +37,9 @@ class Boxes:
 class PreparedShape:
     """Everything the stages after `prepare` need of a shape, in the *normalised frame*.
 
-    The normalised frame has the file's axes, its origin at `center` (the middle of the axis-aligned box, in the file's lengths) and
-    `diagonal` (of that box) as its unit of length: file = normalised * diagonal + center. N parts in preorder, L leaves, E edges
-    (all ordered sibling pairs).
+    The normalised frame has the file's axes, its origin at `center` (the middle of the axis-aligned box, in the file's lengths)
+    and `diagonal` (of that box) as its unit of length: file = normalised * diagonal + center. N parts in preorder, L leaves, E
+    edges (all ordered sibling pairs).
     """
 
     id: str

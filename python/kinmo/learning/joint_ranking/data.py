@@ -1,7 +1,7 @@
 """From prepared shapes to batches for the ranking network.
 
-A shape gives two *views*: its bodies (*parts given*) and the nodes of its hierarchy (*hierarchy given*). In either, a unit that moves is
-one whose carrier has a joint and whose surroundings do not move with it; everything else rests.
+A shape gives two *views*: its bodies (*parts given*) and the nodes of its hierarchy (*hierarchy given*). In either, a unit that
+moves is one whose carrier has a joint and whose surroundings do not move with it; everything else rests.
 """
 
 from __future__ import annotations
@@ -59,7 +59,8 @@ def hash_words(kind: str, text: str) -> list[int]:
 class View:
     """The units of one shape that compete together, with their targets where the shape is annotated.
 
-    `units` are indices into `evidence`'s units; `words[i]` the hashed names of unit i; `targets[i]` [h] or None for a unit at rest.
+    `units` are indices into `evidence`'s units; `words[i]` the hashed names of unit i; `targets[i]` [h] or None for a unit at
+    rest.
     """
 
     shape_id: str

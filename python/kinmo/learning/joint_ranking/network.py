@@ -1,8 +1,8 @@
 """The ranking network: which of a part's hypotheses is its joint, or does it not move at all?
 
-One softmax a unit over {rest, hypothesis 1, ... hypothesis h} decides kind and axis together. Hypotheses are encoded one by one together
-with their unit, pooled, and the units of a shape attend to each other, so that a knob sees the door that it sits on and one drawer
-the next. Names enter as hashed words: unknown ones share buckets with known ones and cannot fail.
+One softmax a unit over {rest, hypothesis 1, ... hypothesis h} decides kind and axis together. Hypotheses are encoded one by one
+together with their unit, pooled, and the units of a shape attend to each other, so that a knob sees the door that it sits on
+and one drawer the next. Names enter as hashed words: unknown ones share buckets with known ones and cannot fail.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ WORD_BUCKETS = 1024
 class RankingBatch:
     """Views of several shapes, flat: S views, U units, H hypotheses.
 
-    `hypotheses` [H, F], `units` [U, G] float32 (raw features); `unit_of` [H], `view_of` [U], `slot_of` [U] (the unit's place in its
-    view) int64; `words` [W] hashed words with `word_unit` [W], the unit they belong to.
+    `hypotheses` [H, F], `units` [U, G] float32 (raw features); `unit_of` [H], `view_of` [U], `slot_of` [U] (the unit's place in
+    its view) int64; `words` [W] hashed words with `word_unit` [W], the unit they belong to.
     """
 
     hypotheses: Tensor
@@ -69,9 +69,7 @@ class JointRanker(nn.Module):
         self.context = nn.TransformerEncoderLayer(
             width, 4, 2 * width, dropout, activation="gelu", batch_first=True, norm_first=True
         )
-        self.score = nn.Sequential(
-            nn.Linear(2 * width, width), nn.GELU(), nn.Dropout(dropout), nn.Linear(width, 1)
-        )
+        self.score = nn.Sequential(nn.Linear(2 * width, width), nn.GELU(), nn.Dropout(dropout), nn.Linear(width, 1))
         self.rest = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, width), nn.GELU(), nn.Linear(width, 1))
 
     def standardize(self, hypotheses: Tensor, units: Tensor) -> None:
