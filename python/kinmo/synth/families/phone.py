@@ -1,8 +1,8 @@
-"""Phones and remote controls: fields of buttons, keys at the sides, flaps and halves that slide or fold, battery lids."""
+"""Phones: fields of buttons, keys at the sides, flaps and halves that slide or fold."""
 
 from __future__ import annotations
 
-from kinmo.synth.details.controls import button, grid_places
+from kinmo.synth.details.keypads import keypad, side_keys
 from kinmo.synth.details.posture import reorient
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
@@ -12,9 +12,9 @@ from kinmo.synth.primitives.place import rotation_about
 
 def build(draw: Draw) -> SynthObject:
     """Built standing, keys to +z."""
-    kind = draw.pick(["remote", "bar", "flip", "slide", "smart"], [4, 2, 3, 2, 2])
+    kind = draw.pick(["bar", "flip", "slide", "smart"], [2, 3, 2, 2])
     width, height, depth = draw.between(0.35, 0.6), draw.between(0.9, 1.5), draw.between(0.06, 0.22)
-    root = Node("Remote" if kind == "remote" else "Phone")
+    root = Node("Phone")
     round_edge = draw.between(0.01, 0.25) * width
     body = Node("base_body", pieces=[rounded_box((width, height, depth), round_edge, "z")])
     base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC]))
@@ -26,8 +26,8 @@ def build(draw: Draw) -> SynthObject:
         links.append(Link("button", [Node("button", pieces=[home])], base, slider((0, 0, -1), 0.0, 0.006)))
     else:
         whole = kind in ("flip", "slide")
-        share = draw.between(0.75, 0.95) if kind == "remote" or whole else draw.between(0.4, 0.55)
-        links += _keys(draw, base, width, height, front, share)
+        share = draw.between(0.75, 0.95) if whole else draw.between(0.4, 0.55)
+        links += keypad(draw, base, width, height, front, share)
         if kind == "bar":
             body.pieces.append(box((0.8 * width, 0.3 * height, 0.006), (0, 0.3 * height, front)))
     if kind == "flip":
@@ -38,30 +38,12 @@ def build(draw: Draw) -> SynthObject:
         rest = draw.pick([0.0, travel, draw.between(0.0, travel)])
         links.append(Link("slider", [cover], base, slider(Y, 0.0, travel, rest=rest)))
     if draw.chance(0.5):
-        links += _side_keys(draw, base, width, height)
-    if draw.chance(0.25):
-        lid = Node("lid", pieces=[box((0.8 * width, 0.3 * height, 0.02), (0, -0.25 * height, -front))])
-        links.append(Link("slider", [lid], base, slider((0, -1, 0), 0.0, 0.3 * height)))
+        links += side_keys(draw, base, width, height)
     root.children = [node for link in links[1:] for node in link.nodes] + [body]
-    shape = SynthObject(root.name, root, links)
+    shape = SynthObject("Phone", root, links)
     if draw.chance(0.3):
         reorient(shape, rotation_about(X, -90.0, (0, 0, 0)))
     return shape
-
-
-def _keys(draw: Draw, base: Link, width: float, height: float, front: float, share: float) -> list[Link]:
-    columns, rows = draw.integer(2, 4), draw.integer(2, 7)
-    field = (0.85 * width, share * height)
-    size = (field[0] / columns * draw.between(0.55, 0.85), min(field[1] / rows, 0.2) * draw.between(0.5, 0.8))
-    depth = draw.between(0.01, 0.04)
-    middle = -0.5 * (1 - share) * 0.9 * height
-    inwards = draw.chance(0.5)
-    links = []
-    for x, y in grid_places(columns, rows, *field):
-        node = Node("button", pieces=[button(draw, *size, depth, (x, y + middle, front - 0.2 * depth))])
-        motion = slider((0, 0, -1), 0.0, 0.6 * depth) if inwards else slider((0, 0, 1), -0.6 * depth, 0.0)
-        links.append(Link("button", [node], base, motion))
-    return links
 
 
 def _flap(draw: Draw, base: Link, width: float, height: float, depth: float) -> Link:
@@ -82,13 +64,3 @@ def _flap(draw: Draw, base: Link, width: float, height: float, depth: float) -> 
         motion = hinge((0, 0.5 * height - inset, line), X, -opening, 0.0, rest=-rest)
         pin = cylinder(0.3 * depth, 0.5 * width, "x", (0, 0.5 * height - inset, line), 12)
     return Link("lid", [Node("lid", pieces=[lid, pin] if draw.chance(0.5) else [lid])], base, motion)
-
-
-def _side_keys(draw: Draw, base: Link, width: float, height: float) -> list[Link]:
-    links = []
-    side = draw.sign()
-    for _ in range(draw.integer(1, 2)):
-        y = height * draw.between(-0.1, 0.4)
-        node = Node("button", pieces=[box((0.03, 0.12, 0.03), (side * 0.5 * width, y, 0))])
-        links.append(Link("button", [node], base, slider((-side, 0, 0), 0.0, 0.01)))
-    return links

@@ -1,20 +1,18 @@
-"""Screw clamps and vices: a spindle that screws through the frame, a jaw that slides, a bar through the spindle's head."""
+"""Screw clamps: a spindle that screws through the frame, on bar clamps an arm that slides."""
 
 from __future__ import annotations
-
-import numpy as np
 
 from kinmo.shape import Mesh
 from kinmo.synth.details.posture import reorient
 from kinmo.synth.details.turning_handles import turning_handle
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, screw, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, move, sweep, torus, tube, turn
+from kinmo.synth.model import JointName, Link, Node, SynthObject, screw, slider
+from kinmo.synth.primitives import X, Y, Z, box_between, cylinder, move, torus, tube
 from kinmo.synth.primitives.place import rotation_about
 
 
 def build(draw: Draw) -> SynthObject:
-    shape = draw.pick([_c_clamp, _bar_clamp, _vice], [4, 3, 3])(draw)
+    shape = draw.pick([_c_clamp, _bar_clamp], [4, 3])(draw)
     posture = draw.pick([None, (X, 90.0), (Z, 90.0), (X, 180.0)], [4, 1, 1, 1])
     if posture is not None:
         reorient(shape, rotation_about(*posture, (0, 0, 0)))
@@ -64,29 +62,3 @@ def _bar_clamp(draw: Draw) -> SynthObject:
     spindle = [move(piece, (deep, at, 0)) for piece in _spindle(draw, -0.25, 3 * bar + draw.between(0.15, 0.35), 0.03)]
     turned = screw((deep, at, 0), Y, -0.15, 0.15, turns=None)
     return SynthObject("Clamp", root, [base, jaw, Link("screw", [root.add("screw", *spindle)], jaw, turned)])
-
-
-def _vice(draw: Draw) -> SynthObject:
-    """A block with a fixed jaw; the other jaw slides, driven by a spindle along z with a bar through its head."""
-    width, depth = draw.between(0.4, 0.7), draw.between(0.7, 1.1)
-    root = Node("Vice")
-    fixed = [box((width, 0.2, depth), (0, 0.1, 0)), box((width, 0.35, 0.2), (0, 0.37, -0.5 * depth + 0.1))]
-    if draw.chance(0.5):
-        fixed.append(cylinder(0.4 * width, 0.15, "y", (0, -0.07, -0.2 * depth), 24))
-    base = Link("base_body", [root.add("base_body", *fixed)], kind=draw.pick([JointName.FREE, JointName.STATIC]))
-    z = draw.between(-0.1, 0.35) * depth
-    jaw_node = root.add("slider", box((width, 0.35, 0.18), (0, 0.38, z)), box((0.4 * width, 0.1, 0.5 * depth), (0, 0.25, z)))
-    jaw = Link("slider", [jaw_node], base, slider(Z, -0.5 * depth + 0.3 - z, 0.5 * depth - z))
-    y, out = 0.33, z + draw.between(0.2, 0.4)
-    rod = [cylinder(0.04, 0.6 * depth, "z", (0, y, out - 0.3 * depth), 14), cylinder(0.07, 0.1, "z", (0, y, out), 18)]
-    holder = jaw if draw.chance(0.6) else base
-    motion = spinner((0, y, 0), Z) if holder is jaw else screw((0, y, 0), Z, -0.2, 0.2, turns=None)
-    spindle = Link("screw", [root.add("screw", *rod)], holder, motion)
-    half = draw.between(0.15, 0.25)
-    turned = draw.pick([0.0, 90.0, draw.between(0.0, 180.0)])
-    way = np.array([(-half, 0, 0), (half, 0, 0)])
-    bar = turn(sweep(way, 0.018, 8), Z, turned)
-    pieces = [move(bar, (0, y, out))]
-    direction = np.array([np.cos(np.radians(turned)), np.sin(np.radians(turned)), 0.0])
-    lever = Link("lever", [root.add("lever", *pieces)], spindle, slider(direction, -0.8 * half, 0.8 * half))
-    return SynthObject("Vice", root, [base, jaw, spindle, lever])
