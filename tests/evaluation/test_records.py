@@ -12,7 +12,8 @@ from articulated import articulated_shapes, prepared_from, shape_of_boxes
 from kinmo.errors import InputError
 from kinmo.evaluation.hierarchy_given import hierarchy_given
 from kinmo.evaluation.parts_given import parts_given
-from kinmo.evaluation.records import failed_shape, joint_record
+from kinmo.evaluation.records import failed_shape, joint_record, with_edges
+from kinmo.ground_truth import label_edges
 from kinmo.joint import CoarseType, Joint, JointKind, MotionType
 from kinmo.mobility import Body, Mobility
 from kinmo.prediction import JointEstimate, Prediction
@@ -186,6 +187,22 @@ def test_a_failed_shape_counts_with_all_its_joints():
     score = failed_shape(truth, "out of memory")
     assert [record.is_missed for record in score.records] == [True, True]
     assert score.failure == "out of memory"
+
+
+def test_edges_are_counted_apart_from_joints():
+    shape = cabinet()
+    truth = prepared_from(shape)
+    labels = label_edges(shape, truth.mobility, truth.edges, truth.body_types)
+    truth = replace(truth, edge_labels=labels)
+    predicted = labels.types.copy()
+    predicted[:3] = (predicted[:3] + 1) % 10
+    score = with_edges(parts_given(truth, {}), truth, predicted)
+    assert (score.edges_right, score.edges) == (len(predicted) - 3, len(predicted))
+    coarse = np.array([MotionType(label).coarse for label in labels.types])
+    score = with_edges(replace(score, is_fine=False), truth, coarse)
+    assert score.edges_right == score.edges
+    with pytest.raises(ValueError, match="predicted"):
+        with_edges(score, truth, coarse[1:])
 
 
 def test_a_shape_without_an_annotation_cannot_be_a_truth():

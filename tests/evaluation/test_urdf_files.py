@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from articulated import shape_of_boxes
 from kinmo.errors import InputError
-from kinmo.evaluation.urdf_files import find_urdf, score_files, score_urdf, summarise
+from kinmo.evaluation.tables import Caption
+from kinmo.evaluation.urdf_files import failures_table, files_table, find_urdf, score_files, score_urdf, summarise
 from kinmo.evaluation.urdf_files.alignment import align, axis_rotations
 from kinmo.evaluation.urdf_files.mesh_files import triangles_of
 from kinmo.evaluation.urdf_files.surface import Surface
@@ -204,3 +205,15 @@ def test_urdfs_are_found_by_name_then_depth_then_path(tmp_path):
     assert find_urdf(tmp_path, "7") is None
     (tmp_path / "7.urdf").touch()
     assert find_urdf(tmp_path, "7") == tmp_path / "7.urdf"
+
+
+def test_the_tables_hold_every_category_and_every_failure(tmp_path):
+    truth, predictions = folders(tmp_path)
+    report = score_files(predictions, truth)
+    caption = Caption("URDF files", "synthetic", 0, 0, "all", ())
+    table = files_table(summarise(report, draws=10), report, caption)
+    assert [row[0] for row in table.rows] == ["Cabinet", "all parts", "mean of categories"]
+    assert (table.caption.shapes, table.caption.joints) == (4, 12)
+    failures = failures_table(report, caption)
+    assert [(row[0], row[2]) for row in failures.rows] == [("3", "failed"), ("4", "missing")]
+    assert "link" in failures.rows[0][3]

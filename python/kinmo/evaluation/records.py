@@ -9,6 +9,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from kinmo.errors import InputError
 from kinmo.evaluation import metrics
 from kinmo.joint import CoarseType, Joint, JointKind, MotionType
@@ -119,6 +122,9 @@ class ShapeScore:
     false_alarms: tuple[FalseAlarm, ...] = ()
     is_fine: bool = True
     failure: str | None = None
+    edges_right: int = 0
+    edges: int = 0
+    """How many edges of the hierarchy were classed, and how many of them right; 0 where a method has none."""
 
     def without_controls(self) -> ShapeScore:
         """The same without buttons, knobs and switches."""
@@ -176,6 +182,15 @@ def _measured(record: JointRecord, truth: PreparedShape, body: int, predicted: J
         line_at_part=metrics.line_distance_at_part(true, predicted, middle),
         pivot_distance=metrics.pivot_distance(true, predicted),
     )
+
+
+def with_edges(score: ShapeScore, truth: PreparedShape, predicted: NDArray[np.int64]) -> ShapeScore:
+    """The score with the types [E] that a method gives to the edges of `truth`: MotionType, or CoarseType if it is coarse."""
+    if truth.edge_labels is None or len(predicted) != len(truth.edges):
+        raise ValueError(f"predicted: expected the types of the {len(truth.edges)} edges of a labelled shape")
+    types = truth.edge_labels.types
+    wanted = types if score.is_fine else np.array([MotionType(label).coarse for label in types], np.int64)
+    return replace(score, edges_right=int(np.sum(wanted == predicted)), edges=len(predicted))
 
 
 def failed_shape(truth: PreparedShape, reason: str, *, is_fine: bool = True) -> ShapeScore:

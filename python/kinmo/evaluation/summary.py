@@ -86,6 +86,7 @@ FIGURES: tuple[Figure[ShapeScore], ...] = (
     _mean("range_iou", "range IoU", Unit.SHARE, lambda record: record.range_iou),
     _mean("parent", "parent", Unit.SHARE, lambda record: _flag(record.parent_ok)),
     _mean("penetration", "penetration", Unit.DIAGONALS, lambda record: record.penetration),
+    Figure("edge_type", "edges", Unit.SHARE, lambda score: (score.edges_right, score.edges)),
     Figure("precision", "P", Unit.SHARE, _precision),
     _share("recall", "R", lambda record: not record.is_missed),
     Figure("f1", "F1", Unit.SHARE, _f1),

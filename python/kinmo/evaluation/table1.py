@@ -21,7 +21,7 @@ PAPER_MEASURE = {"axis": "angle", "raw_line": "distance"}
 
 OVERVIEW = ("ok", "coarse_type", "fine_type", "missed", "axis", "axis_ok", "placed_ok", "hinge_within_10")
 DISTANCES = ("line", "line_at_part", "pivot", "range_iou", "penetration")
-GROUPING = ("precision", "recall", "f1", "parent")
+GROUPING = ("precision", "recall", "f1", "parent", "edge_type")
 
 
 def caption_for(scores: Sequence[ShapeScore], caption: Caption) -> Caption:
