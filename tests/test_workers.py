@@ -72,7 +72,7 @@ def test_workers_end_with_a_process_that_is_killed(tmp_path):
         "if __name__ == '__main__':\n"
         "    list(map_unordered(job, range(2), 2))\n"
     )
-    owner = subprocess.Popen([sys.executable, str(script)])
+    owner = subprocess.Popen([sys.executable, str(script)], stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 60
     while len(pids := [int(path.stem) for path in tmp_path.glob("*.pid")]) < 2 and time.monotonic() < deadline:
         time.sleep(0.05)

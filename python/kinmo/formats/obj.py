@@ -1,7 +1,7 @@
 """Wavefront OBJ: the vertices and faces of a file, polygons as fans.
 
-Of an OBJ only `v` and `f` lines matter here. They are gathered and converted in bulk, which is several times faster than a line
-at a time: a shape of PartNet-Mobility has some fifty OBJ files.
+Of an OBJ only `v` and `f` lines matter here. They are gathered and converted in bulk, which is several times faster than a
+line at a time: a shape of PartNet-Mobility has some fifty OBJ files.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from kinmo.formats.files import LARGEST_MESH, read_bytes
 from kinmo.shape import Mesh
 
 _LARGEST_COORDINATE = 1e60
-_VERTEX = re.compile(rb"^[ \t]*v[ \t]+([^\r\n#]*)", re.MULTILINE)
-_FACE = re.compile(rb"^[ \t]*f[ \t]+([^\r\n#]*)", re.MULTILINE)
-_TEXTURE_AND_NORMAL = re.compile(rb"/\S*")
+_MOST_DIGITS = 10
+_VERTEX = re.compile(rb"\n[ \t]*v[ \t]+([^\n#]*)")
+_FACE = re.compile(rb"\n[ \t]*f[ \t]+([^\n#]*)")
 
 
 def read_obj(path: Path, folder: Path) -> Mesh | None:
@@ -30,43 +30,75 @@ def read_obj(path: Path, folder: Path) -> Mesh | None:
 
 def parse_obj(data: bytes, where: Path) -> Mesh | None:
     """The triangles of an OBJ's text; None if it has no faces. `where` names the file in errors."""
-    if b"\\" in data:
-        data = re.sub(rb"\\\r?\n", b" ", data)
-    if b"\r" in data:
-        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    rows = [row for line in _FACE.findall(data) if (row := _TEXTURE_AND_NORMAL.sub(b"", line).split())]
-    if not rows:
-        return None
+    text = b"\n" + data
+    if b"\r" in text:
+        text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    if b"\\" in text:
+        text = text.replace(b"\\\n", b" ")
+    lines = _FACE.findall(text)
     try:
-        vertices = _vertices(data)
-        sizes = np.fromiter(map(len, rows), np.int64, len(rows))
-        corners = np.fromiter(map(int, chain.from_iterable(rows)), np.int64, int(sizes.sum()))
+        corners, sizes = _corners(lines)
+        if not np.any(sizes > 2):
+            return None
+        vertices = _vertices(_VERTEX.findall(text))
     except (ValueError, OverflowError) as error:
         raise InputError(where, f"expected numbers ({str(error)[:80]})") from None
     if np.any(corners < 0):
-        corners = _absolute(data, corners, sizes)
+        corners = _absolute(text, corners, sizes)
     corners -= 1
     if np.any(corners < 0) or np.any(corners >= len(vertices)):
         raise InputError(where, f"a face names a vertex outside 1..{len(vertices)}", "f")
-    faces = _fans(corners, sizes)
-    return _compact(vertices, faces, where) if len(faces) else None
+    return _compact(vertices, _fans(corners, sizes), where)
 
 
-def _vertices(data: bytes) -> NDArray[np.float64]:
-    rows = [line.split() for line in _VERTEX.findall(data)]
-    sizes = set(map(len, rows))
-    if sizes and min(sizes) < 3:
-        raise ValueError("a vertex has fewer than 3")
-    if sizes - {3}:
-        rows = [row[:3] for row in rows]  # what follows is a weight or a colour
-    return np.fromiter(map(float, chain.from_iterable(rows)), np.float64, 3 * len(rows)).reshape(-1, 3)
+def _vertices(lines: list[bytes]) -> NDArray[np.float64]:
+    """Coordinates [V, 3]; what follows the third number of a line is a weight or a colour."""
+    joined = b" ".join(lines)
+    numbers = joined.split()
+    has_plain_lines = {line.count(b" ") for line in lines} == {2} and b"\t" not in joined
+    if not has_plain_lines or len(numbers) != 3 * len(lines):
+        rows = [line.split()[:3] for line in lines]
+        if any(len(row) < 3 for row in rows):
+            raise ValueError("a vertex has fewer than 3")
+        numbers = list(chain.from_iterable(rows))
+    return np.array(list(map(float, numbers)), np.float64).reshape(-1, 3)
 
 
-def _absolute(data: bytes, corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
+def _corners(lines: list[bytes]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The first index of every corner `v/vt/vn` of all faces, and the number of corners a face.
+
+    All numbers grow digit by digit at once.
+    """
+    text = np.frombuffer(b"".join([b"\n".join(lines), b"\n", b" " * (_MOST_DIGITS + 2)]), np.uint8)
+    blank = (text == 32) | (text == 10) | (text == 9)
+    starts = np.flatnonzero(blank[:-1] & ~blank[1:]) + 1
+    if not blank[0]:
+        starts = np.concatenate([[0], starts])
+    ends = np.flatnonzero(text == 10)
+    sizes = np.diff(np.searchsorted(starts, ends), prepend=0)
+    negative = text[starts] == ord("-")
+    places = starts + negative
+    values, after = np.zeros(len(starts), np.int64), places.copy()
+    growing = np.ones(len(starts), bool)
+    for step in range(_MOST_DIGITS + 1):
+        digits = text[places + step].astype(np.int64) - ord("0")
+        growing &= (digits >= 0) & (digits <= 9)
+        if not growing.any():
+            break
+        values = np.where(growing, 10 * values + digits, values)
+        after += growing
+    wrong = (after == places) | growing | ~(blank[after] | (text[after] == ord("/")))
+    if wrong.any():
+        start = int(starts[int(np.argmax(wrong))])
+        raise ValueError(f"found {text[start : start + 16].tobytes().split()[0]!r}")
+    return np.where(negative, -values, values), sizes
+
+
+def _absolute(text: bytes, corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
     """Negative indices count back from the last vertex above the face's line: here from the first of the file."""
-    vertex_places = np.array([match.start() for match in _VERTEX.finditer(data)], np.int64)
-    face_places = [match.start() for match in _FACE.finditer(data) if match.group(1).strip()]
-    above = np.repeat(np.searchsorted(vertex_places, np.array(face_places, np.int64)), sizes)
+    vertex_places = np.array([match.start() for match in _VERTEX.finditer(text)], np.int64)
+    face_places = np.array([match.start() for match in _FACE.finditer(text)], np.int64)
+    above = np.repeat(np.searchsorted(vertex_places, face_places), sizes)
     return np.where(corners < 0, above + corners + 1, corners)
 
 
@@ -83,9 +115,11 @@ def _fans(corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.in
 
 def _compact(vertices: NDArray[np.float64], faces: NDArray[np.int64], where: Path) -> Mesh:
     """Drops vertices that no face uses, and checks the others."""
-    used, renumbered = np.unique(faces, return_inverse=True)
+    used = np.zeros(len(vertices), bool)
+    used[faces] = True
     kept = vertices[used]
-    if not np.all(np.abs(kept) <= _LARGEST_COORDINATE):
-        bad = used[int(np.argmin(np.all(np.abs(kept) <= _LARGEST_COORDINATE, axis=1)))]
+    fine = np.all(np.abs(kept) <= _LARGEST_COORDINATE, axis=1)
+    if not np.all(fine):
+        bad = int(np.flatnonzero(used)[np.argmin(fine)])
         raise InputError(where, f"vertex {bad + 1} is not finite", "v")
-    return Mesh(kept, renumbered.reshape(-1, 3).astype(np.uint32))
+    return Mesh(kept, (np.cumsum(used) - 1)[faces].astype(np.uint32))
