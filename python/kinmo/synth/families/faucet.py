@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinmo.shape import Mesh
+from kinmo.synth.details.spouts import add_spout, arm_path, neck_path
 from kinmo.synth.details.turning_handles import lever, turned_cap, turning_handle
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
@@ -16,14 +16,12 @@ from kinmo.synth.primitives import (
     Y,
     Z,
     along,
-    arc_path,
     box,
     cylinder,
     lathe,
     move,
     rounded_box,
     rounded_path,
-    sweep,
     torus,
     turn,
 )
@@ -67,7 +65,7 @@ def _single_lever(faucet: _Faucet) -> None:
     radius, height = draw.between(0.08, 0.16), draw.between(0.4, 1.0)
     _post(faucet, radius, height)
     reach, root_height = draw.between(0.5, 1.1), height * draw.between(0.45, 0.85)
-    _spout(faucet, _arm_path(draw, reach, root_height, radius), radius * draw.between(0.5, 0.85))
+    add_spout(draw, faucet.spout, arm_path(draw, reach, root_height, radius), radius * draw.between(0.5, 0.85))
     top = height + draw.pick([0.0, 0.003, draw.between(-0.02, 0.0)])
     cap = radius * draw.between(0.85, 1.15)
     cap_height = draw.between(0.1, 0.3)
@@ -159,7 +157,7 @@ def _wall_tap(faucet: _Faucet) -> None:
     faucet.frame.add("horizontal_support", cylinder(radius, length, "z", (0, 0, 0.5 * length), 18))
     mouth = length + draw.between(0.1, 0.4)
     way = [(0, 0, length - 0.05), (0, 0, mouth), (0, -draw.between(0.15, 0.5), mouth + draw.between(0.0, 0.15))]
-    _spout(faucet, rounded_path(np.array(way), 0.2, 8), 0.85 * radius)
+    add_spout(draw, faucet.spout, rounded_path(np.array(way), 0.2, 8), 0.85 * radius)
     z, stem = length * draw.between(0.5, 0.9), draw.between(0.12, 0.3)
     faucet.frame.add("vertical_support", cylinder(0.7 * radius, stem, "y", (0, 0.5 * stem, z), 16))
     tilt = draw.pick([0.0, draw.between(-35.0, 35.0)], [3, 1])
@@ -185,7 +183,7 @@ def _wall_pair(faucet: _Faucet) -> None:
         pieces = [move(turn(along(p, "x"), Y, 0.0 if side > 0 else 180.0), (side * half, 0, 0)) for p in grip]
         faucet.add_switch(pieces, hinge((side * half * draw.pick([0.0, 1.0]), 0, 0), X, *draw.pick([(-90, 90), (0, 120)])))
     way = [(0, 0, 0.5 * radius), (0, 0, draw.between(0.3, 0.6)), (0, -draw.between(0.1, 0.3), draw.between(0.55, 0.8))]
-    _spout(faucet, rounded_path(np.array(way), 0.15), 0.5 * radius)
+    add_spout(draw, faucet.spout, rounded_path(np.array(way), 0.15), 0.5 * radius)
 
 
 def _post(faucet: _Faucet, radius: float, height: float) -> None:
@@ -207,46 +205,11 @@ def _post(faucet: _Faucet, radius: float, height: float) -> None:
     faucet.frame.add("vertical_support", post, *rings)
 
 
-def _arm_path(draw: Draw, reach: float, height: float, start: float) -> NDArray[np.float64]:
-    """A spout from the post at `height` to +z: straight, arched or kinked down at its end."""
-    rise = draw.between(-0.1, 0.35) * reach
-    kind = draw.pick(["straight", "arched", "kinked"])
-    corners = [(0, height, 0.3 * start), (0, height + rise, reach)]
-    if kind == "arched":
-        corners = [corners[0], (0, height + abs(rise) + 0.25 * reach, 0.6 * reach), (0, height + 0.5 * rise - 0.05, reach)]
-    elif kind == "kinked":
-        corners.append((0, height + rise - draw.between(0.08, 0.25), reach + draw.between(0.0, 0.1)))
-    return rounded_path(np.array(corners), 0.3 * reach, 8)
-
-
 def _high_spout(faucet: _Faucet, foot: float, radius: float) -> None:
-    """A goose neck or a mast with an arm, standing on `foot`, that may swivel about its upright."""
+    """A spout that stands on `foot` and may swivel about its upright."""
     draw = faucet.draw
-    reach, mast = draw.between(0.4, 0.9), foot + draw.between(0.2, 0.9)
-    if draw.chance(0.6):
-        bend = arc_path((0, mast, 0.5 * reach), 0.5 * reach, 180.0, draw.between(-30.0, 20.0), "x", 16)[:, [0, 2, 1]]
-        bend = np.stack([bend[:, 0], mast + bend[:, 1] - 0.5 * reach, bend[:, 2] - mast + 0.5 * reach], axis=1)
-        path = np.concatenate([[(0, foot, 0), (0, 0.5 * (foot + mast), 0)], bend])
-    else:
-        end = (0, mast + draw.between(-0.1, 0.3), reach)
-        path = rounded_path(np.array([(0, foot, 0), (0, mast, 0), end, (0, end[1] - 0.08, reach + 0.01)]), 0.12, 6)
-    _spout(faucet, path, radius)
+    add_spout(draw, faucet.spout, neck_path(draw, foot), radius)
     if draw.chance(0.55):
         turned = draw.between(-60.0, 60.0) if draw.chance(0.2) else 0.0
         motion = hinge((0, draw.pick([0.0, foot]), 0), Y, *draw.pick([(-90, 90), (-60, 60), (-180, 180)]), rest=turned)
         faucet.links.append(Link("spout", [faucet.spout], faucet.base, motion))
-
-
-def _spout(faucet: _Faucet, path: NDArray[np.float64], radius: float) -> None:
-    draw = faucet.draw
-    taper = np.linspace(1.0, draw.between(0.6, 1.05), len(path))
-    faucet.spout.add("tube", sweep(path, radius * taper, draw.pick([8, 12, 16, 20])))
-    tip = path[-1] - path[-2]
-    tip /= np.linalg.norm(tip)
-    end = radius * taper[-1]
-    if draw.chance(0.45):
-        ends = np.stack([path[-1] - 0.3 * end * tip, path[-1] + draw.between(0.3, 1.5) * end * tip])
-        faucet.spout.add("head", sweep(ends, end * draw.between(1.05, 1.3), 16))
-    if draw.chance(0.6):
-        ends = np.stack([path[-1], path[-1] + draw.between(1.5, 1.8) * end * tip])
-        faucet.spout.add("mouth", sweep(ends, 0.8 * end, 14))
