@@ -85,10 +85,10 @@ def test_trees_learn_to_pick_and_to_class_what_features_show():
     right[np.arange(60) * 8 + rng.integers(0, 8, 60)] = True
     features = rng.normal(size=(480, 5)) + 6.0 * right[:, None] * [1, 0, 0, 0, 0]
     train = groups < 40
-    picks = fit_rank(features[train], groups[train], right[train]).pick(features[~train], groups[~train])
+    picks = fit_rank(features[train], groups[train], right[train], iterations=30).pick(features[~train], groups[~train])
     assert np.mean([right[~train][row] for row in picks.values()]) > 0.8
     kinds = np.where(features[:, 0] > 3.0, CoarseType.R, CoarseType.FIXED)
-    found = fit_kinds(features[train], kinds[train]).probabilities(features[~train], len(CoarseType))
+    found = fit_kinds(features[train], kinds[train], iterations=30).probabilities(features[~train], len(CoarseType))
     assert np.mean(found.argmax(axis=1) == kinds[~train]) > 0.95
     assert np.all(found[:, CoarseType.PR] == 0)
 

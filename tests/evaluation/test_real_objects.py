@@ -11,7 +11,7 @@ from kinmo.joint import JointKind
 from kinmo.links import links_of
 
 pytestmark = pytest.mark.real
-EVERY = 38
+EVERY = 48
 
 
 @pytest.fixture(scope="module")

@@ -27,7 +27,7 @@ def hierarchy_given(
 
     Bodies are matched one to one by the areas of the leaves they share, junk left out; predicted bodies that are fastened to
     each other count as one. A true joint is found if its body is matched to a body that moves; moving bodies that are not
-    matched to a moving one are false alarms. `penetrations` (diagonals) are by index of the predicted body.
+    matched to a moving one are false alarms. `penetrations` are by index of the predicted body.
     """
     mobility, _ = annotation(truth)
     links = links_of(prediction.mobility)

@@ -21,7 +21,7 @@ def parts_given(
     """Score the answers to the bodies of `truth`, by index of the body, joints in the normalised frame.
 
     A movable body without an answer, or with one that does not move, is missed; a body of the truth that does not move but is
-    said to is a false alarm. `parents` and `penetrations` (diagonals, over the predicted range), where known, are by body
+    said to is a false alarm. `parents` and `penetrations`, where known, are by body
     too.
     """
     mobility, _ = annotation(truth)

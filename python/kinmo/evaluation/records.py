@@ -52,6 +52,7 @@ class JointRecord:
     range_iou: float | None = None
     parent_ok: bool | None = None
     penetration: float | None = None
+    """Share of the part's surface that runs into the rest on the way through the predicted range."""
     score: float | None = None
     terms: Mapping[str, float] = field(default_factory=dict)
 

@@ -85,7 +85,7 @@ FIGURES: tuple[Figure[ShapeScore], ...] = (
     _mean("raw_line", "line (file's lengths)", Unit.LENGTH, _raw_line),
     _mean("range_iou", "range IoU", Unit.SHARE, lambda record: record.range_iou),
     _mean("parent", "parent", Unit.SHARE, lambda record: _flag(record.parent_ok)),
-    _mean("penetration", "penetration", Unit.DIAGONALS, lambda record: record.penetration),
+    _mean("penetration", "penetration", Unit.SHARE, lambda record: record.penetration),
     Figure("edge_type", "edges", Unit.SHARE, lambda score: (score.edges_right, score.edges)),
     Figure("precision", "P", Unit.SHARE, _precision),
     _share("recall", "R", lambda record: not record.is_missed),

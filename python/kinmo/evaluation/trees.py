@@ -18,13 +18,13 @@ LEARNING_RATE = 0.06
 LEAVES = 31
 
 
-def _classifier(seed: int) -> Any:
+def _classifier(seed: int, iterations: int) -> Any:
     try:
         from sklearn.ensemble import HistGradientBoostingClassifier
     except ImportError as error:
         raise ImportError("the trees row needs scikit-learn: pip install 'kinmo[trees]'") from error
     return HistGradientBoostingClassifier(
-        max_iter=ITERATIONS, learning_rate=LEARNING_RATE, max_leaf_nodes=LEAVES, early_stopping=False, random_state=seed
+        max_iter=iterations, learning_rate=LEARNING_RATE, max_leaf_nodes=LEAVES, early_stopping=False, random_state=seed
     )
 
 
@@ -43,14 +43,14 @@ class Ranker:
         return _column(self.model, features, 1)
 
 
-def fit_rank(features: F64, groups: I64, right: NDArray[np.bool_], seed: int = 0) -> Ranker:
+def fit_rank(features: F64, groups: I64, right: NDArray[np.bool_], *, seed: int = 0, iterations: int = ITERATIONS) -> Ranker:
     """Learn which of a body's candidates are right.
 
     `features` [R, F] (NaN where unknown), `groups` [R] bodies, `right` [R]. Every body weighs the same, however many
     candidates it has.
     """
     _, inverse, counts = np.unique(groups, return_inverse=True, return_counts=True)
-    return Ranker(_classifier(seed).fit(features, right.astype(int), sample_weight=1.0 / counts[inverse]))
+    return Ranker(_classifier(seed, iterations).fit(features, right.astype(int), sample_weight=1.0 / counts[inverse]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +66,9 @@ class KindClassifier:
         return found
 
 
-def fit_kinds(features: F64, kinds: I64, seed: int = 0) -> KindClassifier:
+def fit_kinds(features: F64, kinds: I64, *, seed: int = 0, iterations: int = ITERATIONS) -> KindClassifier:
     """Learn the class [N] of N bodies (such as CoarseType) from `features` [N, F]."""
-    return KindClassifier(_classifier(seed).fit(features, kinds))
+    return KindClassifier(_classifier(seed, iterations).fit(features, kinds))
 
 
 def _column(model: Any, features: F64, label: int) -> F64:

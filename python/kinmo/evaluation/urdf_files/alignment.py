@@ -8,7 +8,7 @@ from itertools import permutations, product
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.evaluation.urdf_files.surface import Points, Surface
+from kinmo.evaluation.urdf_files.surface import NEIGHBOURS, Points, Surface
 from kinmo.frames import Y_UP_TO_Z_UP
 
 PREFERRED = (Y_UP_TO_Z_UP.T, np.eye(3), np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]))
@@ -16,6 +16,8 @@ PREFERRED = (Y_UP_TO_Z_UP.T, np.eye(3), np.array([[1.0, 0, 0], [0, 0, 1], [0, -1
 
 COARSE, FINE = 300, 2000
 SHORTLIST = 9
+HOPELESS = 0.02
+"""In diagonals: a guess that is so much worse than the best on a few samples is not measured on many."""
 REFINED = 3
 REFINE_ABOVE = 1e-3
 REFINE_STEPS = 12
@@ -52,16 +54,17 @@ def align(kept: Surface, everything: Surface, predicted: Surface) -> Similarity:
     junk. The residual is the mean of the two directed mean distances over the diagonal of `kept`.
     """
 
-    def measured(guess: Similarity, count: int) -> Similarity:
+    def measured(guess: Similarity, count: int, neighbours: int = NEIGHBOURS) -> Similarity:
         """The guess with its residual over `count` samples a side."""
-        forward = predicted.nearest(guess.undo(kept.points[:count]))[0].mean() * guess.scale
-        back = everything.nearest(guess.apply(predicted.points[:count]))[0].mean()
+        forward = predicted.nearest(guess.undo(kept.points[:count]), neighbours)[0].mean() * guess.scale
+        back = everything.nearest(guess.apply(predicted.points[:count]), neighbours)[0].mean()
         return replace(guess, residual=float(0.5 * (forward + back) / kept.diagonal))
 
     def by_residual(guesses: list[Similarity]) -> list[Similarity]:
         return sorted(guesses, key=lambda guess: guess.residual)
 
-    guesses = by_residual([measured(guess, COARSE) for guess in _guesses(kept, everything, predicted)])[:SHORTLIST]
+    guesses = by_residual([measured(guess, COARSE, 1) for guess in _guesses(kept, everything, predicted)])[:SHORTLIST]
+    guesses = [guess for guess in guesses if guess.residual <= guesses[0].residual + HOPELESS]
     guesses = by_residual([measured(guess, FINE) for guess in guesses])
     improvable = [guess for guess in guesses[:REFINED] if guess.residual > REFINE_ABOVE]
     guesses += [measured(_refined(guess, everything, predicted.points[:FINE]), FINE) for guess in improvable]
