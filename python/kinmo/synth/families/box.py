@@ -78,7 +78,7 @@ def _lid(draw: Draw, above: Node, base: Link, size: _Size, nested: bool) -> list
         pieces = [_vault(x, z, height, size.top, solid=draw.chance(0.4))]
     edge_height = size.top + draw.pick([0.0, 0.5 * thick, -0.02])
     edge = np.array([0, edge_height, -z + draw.pick([0.0, over, -draw.between(0.0, 0.03)])])
-    opens = draw.pick([90.0, 110.0, 130.0, 180.0], [3, 3, 2, 2])
+    opens = draw.pick([90.0, 110.0, 130.0, 180.0], [2, 2, 3, 3])
     rest = draw.between(25, min(opens, 125)) if draw.chance(0.8) else 0.0
     motion = hinge(edge, (-1, 0, 0), 0, opens, rest=rest)
     group = above.add("chest_lid") if nested else above
@@ -137,15 +137,15 @@ def _flaps(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
         if side in ("left", "right"):
             out, reach = (-1.0 if side == "left" else 1.0), min(size.x, size.z)
             slab = box((reach, thick, 2 * size.z), (out * (size.x - reach / 2), y, 0))
-            axis, direction = (out * size.x, y - thick / 2, 0), (0, 0, -out)
+            edge, along = np.array([out * size.x, y - thick / 2, 0]), np.array([0, 0, -out])
         else:
             out, reach = (-1.0 if side == "back" else 1.0), size.z
             slab = box((2 * size.x, thick, reach), (0, y, out * (size.z - reach / 2)))
-            axis, direction = (0, y - thick / 2, out * size.z), (out, 0, 0)
+            edge, along = np.array([0, y - thick / 2, out * size.z]), np.array([out, 0, 0])
         opens = draw.pick([180.0, 230.0, 270.0])
         rest = draw.between(60, 0.9 * opens) if open_all or draw.chance(0.2) else 0.0
         node = above.add(draw.pick(["rotation_lid", "flap"], [3, 1]), slab)
-        links.append(Link("rotation_lid", [node], base, hinge(axis, direction, 0, opens, rest=rest)))
+        links.append(Link("rotation_lid", [node], base, hinge(edge, along, 0, opens, rest=rest)))
     return links
 
 

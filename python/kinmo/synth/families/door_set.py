@@ -130,8 +130,6 @@ class _Leaf:
             leaf.nodes.append(group.add("fixed_part", *movable))
             return []
         node = group.add("moving_part", *movable)
-        if kind == "lever":
-            motion = hinge(place, (0, 0, out), 0, self.draw.between(30, 60))
-        else:
-            motion = spinner(place, (0, 0, 1))
+        turning = hinge(place, (0, 0, out), 0, self.draw.between(30, 60))
+        motion = turning if kind == "lever" else spinner(place, (0, 0, 1))
         return [Link("handle", [node], leaf, motion, lumped_name="handle")]

@@ -63,13 +63,13 @@ def _add_top(draw: Draw, inner: Node, base: Link, links: list[Link], size: _Size
             frame.add("bar", box((0.03, thickness, depth), (side * (width / 2 + 0.015), at[1], 0)))
     elif look == "box" and draw.chance(0.08):
         leaves, reach = top.add("tabletop_dropleaf"), draw.between(0.2, 0.4)
-        for side in (-1.0, 1.0):
-            x = side * width / 2
+        for out in (-1.0, 1.0):
+            x = out * width / 2
             leaf = leaves.add(
-                "board", box((thickness, reach, depth), (x + side * thickness / 2, size.y + thickness - reach / 2, 0))
+                "board", box((thickness, reach, depth), (x + out * thickness / 2, size.y + thickness - reach / 2, 0))
             )
-            axis = (x + side * 0.3 * thickness, size.y + 0.8 * thickness, 0)
-            links.append(Link("board", [leaf], base, hinge(axis, (0, 0, side), 0, 90), lumped_name="rotation_board"))
+            axis = (x + out * 0.3 * thickness, size.y + 0.8 * thickness, 0)
+            links.append(Link("board", [leaf], base, hinge(axis, (0, 0, out), 0, 90), lumped_name="rotation_board"))
 
 
 def _shell(draw: Draw, node: Node, low: tuple[float, float], high: tuple[float, float], size: _Size) -> None:

@@ -49,7 +49,7 @@ def _sliding(draw: Draw, root: Node, base: Link, size: tuple[float, float], dept
     overlap = draw.between(0.0, 0.04)
     length = size[along] / count + overlap / 2
     thickness = depth * draw.between(0.3, 0.45)
-    links = []
+    links: list[Link] = []
     for index in range(count):
         place = (index + 0.5) / count - 0.5
         at = np.zeros(3)
