@@ -1,4 +1,4 @@
-"""Every motion that one part might have: axes from its boxes, its contact with the rest and its symmetries.
+"""Every motion that one part might have: axes from its boxes, and its contact with the rest.
 
 The `kinmo` method decides kind and axis of a joint together, as one choice among these. Nothing here depends on how the object
 is turned: the only outside directions are `up` and the object's own horizontal axes (`object_frame`).
@@ -30,16 +30,15 @@ class Source(IntEnum):
     ALIGNED_BOX_CENTER = 3
     CONTACT_LINE = 4
     CONTACT_CENTER = 5
-    SYMMETRY_AXIS = 6
 
 
-CENTRAL = (Source.MINIMUM_BOX_CENTER, Source.ALIGNED_BOX_CENTER, Source.CONTACT_CENTER, Source.SYMMETRY_AXIS)
+CENTRAL = (Source.MINIMUM_BOX_CENTER, Source.ALIGNED_BOX_CENTER, Source.CONTACT_CENTER)
 """Sources of the axes about which a part may screw."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """Undirected lines: `directions` [K, 3] unit, `pivots` [K, 3] (the point nearest the part's centre), `sources` [K, 7] bool."""
+    """Undirected lines: `directions` [K, 3] unit, `pivots` [K, 3] (the point nearest the part's centre), `sources` [K, 6] bool."""
 
     directions: F64
     pivots: F64
@@ -104,11 +103,11 @@ def merge_lines(directions: F64, pivots: F64, sources: NDArray[np.int64], center
     return Lines(directions[kept], pivots[kept], hot[kept])
 
 
-def candidate_lines(minimum: Box, aligned: Box, contact_points: F64, contact_weights: F64, symmetry_axes: F64) -> Lines:
+def candidate_lines(minimum: Box, aligned: Box, contact_points: F64, contact_weights: F64) -> Lines:
     """All candidate axes of a part.
 
     `minimum` is its minimum-volume box and `aligned` its box along the object's own frame; `contact_points` [M, 3] with weights
-    [M] lie on the part where it comes closest to the rest; `symmetry_axes` [S, 2, 3] are (point, direction).
+    [M] lie on the part where it comes closest to the rest.
     """
     directions, pivots, sources = [], [], []
     for box, edge, middle in (
@@ -122,9 +121,9 @@ def candidate_lines(minimum: Box, aligned: Box, contact_points: F64, contact_wei
     centroid = np.average(contact_points, axis=0, weights=contact_weights)
     spread = (contact_points - centroid).T * contact_weights @ (contact_points - centroid)
     principal = np.linalg.eigh(spread)[1][:, -1]
-    directions += [principal[None], aligned.axes, minimum.axes, symmetry_axes[:, 1]]
-    pivots += [centroid[None], np.repeat(centroid[None], 6, axis=0), symmetry_axes[:, 0]]
-    sources += [Source.CONTACT_LINE] + [Source.CONTACT_CENTER] * 6 + [Source.SYMMETRY_AXIS] * len(symmetry_axes)
+    directions += [principal[None], aligned.axes, minimum.axes]
+    pivots += [centroid[None], np.repeat(centroid[None], 6, axis=0)]
+    sources += [Source.CONTACT_LINE] + [Source.CONTACT_CENTER] * 6
     return merge_lines(np.concatenate(directions), np.concatenate(pivots), np.array(sources), aligned.center)
 
 
