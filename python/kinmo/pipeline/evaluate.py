@@ -140,11 +140,14 @@ def _test_shapes(dataset: Dataset) -> tuple[IndexEntry, ...]:
 
 
 def _tables(judgements: Sequence[Judgement], setting: str, caption: Caption) -> Mapping[str, Table]:
+    """All tables of one setting. Those by category have no columns for ablations, whose names hold a comma."""
     scores: dict[str, list[ShapeScore]] = {}
     for judgement in judgements:
         for name, score in getattr(judgement, setting).items():
             scores.setdefault(name, []).append(score)
-    tables = dict(table1(scores, caption))
+    tables = {name: table for name, table in table1(scores, caption).items() if name.startswith("overview")}
+    headline = {name: found for name, found in scores.items() if "," not in name}
+    tables |= {name: table for name, table in table1(headline, caption).items() if not name.startswith("overview")}
     for name in LABELLERS:
         if name in scores:
             title = replace(caption_for(scores[name], caption), title=f"Truth of the labels of {name}, {_words(setting)}")
