@@ -30,15 +30,16 @@ class Source(IntEnum):
     ALIGNED_BOX_CENTER = 3
     CONTACT_LINE = 4
     CONTACT_CENTER = 5
+    SYMMETRY_AXIS = 6
 
 
-CENTRAL = (Source.MINIMUM_BOX_CENTER, Source.ALIGNED_BOX_CENTER, Source.CONTACT_CENTER)
+CENTRAL = (Source.MINIMUM_BOX_CENTER, Source.ALIGNED_BOX_CENTER, Source.CONTACT_CENTER, Source.SYMMETRY_AXIS)
 """Sources of the axes about which a part may screw."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """Undirected lines: `directions` [K, 3] unit, `pivots` [K, 3] (the point nearest the part's centre), `sources` [K, 6] bool."""
+    """Undirected lines: unit `directions` [K, 3], `pivots` [K, 3] (the points nearest the part's centre), `sources` [K, 7] bool."""
 
     directions: F64
     pivots: F64
@@ -103,11 +104,13 @@ def merge_lines(directions: F64, pivots: F64, sources: NDArray[np.int64], center
     return Lines(directions[kept], pivots[kept], hot[kept])
 
 
-def candidate_lines(minimum: Box, aligned: Box, contact_points: F64, contact_weights: F64) -> Lines:
+def candidate_lines(
+    minimum: Box, aligned: Box, contact_points: F64, contact_weights: F64, symmetry_axes: F64 | None = None
+) -> Lines:
     """All candidate axes of a part.
 
     `minimum` is its minimum-volume box and `aligned` its box along the object's own frame; `contact_points` [M, 3] with weights
-    [M] lie on the part where it comes closest to the rest.
+    [M] lie on the part where it comes closest to the rest; `symmetry_axes` [S, 2, 3] are (point, direction).
     """
     directions, pivots, sources = [], [], []
     for box, edge, middle in (
@@ -124,6 +127,10 @@ def candidate_lines(minimum: Box, aligned: Box, contact_points: F64, contact_wei
     directions += [principal[None], aligned.axes, minimum.axes]
     pivots += [centroid[None], np.repeat(centroid[None], 6, axis=0)]
     sources += [Source.CONTACT_LINE] + [Source.CONTACT_CENTER] * 6
+    if symmetry_axes is not None:
+        directions.append(symmetry_axes[:, 1])
+        pivots.append(symmetry_axes[:, 0])
+        sources += [Source.SYMMETRY_AXIS] * len(symmetry_axes)
     return merge_lines(np.concatenate(directions), np.concatenate(pivots), np.array(sources), aligned.center)
 
 

@@ -1,8 +1,8 @@
 """What speaks for and against every motion that a part might have: the input of the `kinmo` method's ranking network.
 
-For each *unit* (a node of the hierarchy or a rigid body, taken as one part) the candidate axes are those of `kinmo.hypotheses`, and
-each is described by numbers that do not change when the object is turned about `up`. All lengths are in the normalised frame
-(diagonals of the object).
+For each *unit* (a node of the hierarchy or a rigid body, taken as one part) the candidate axes are those of `kinmo.hypotheses`,
+and each is described by numbers that do not change when the object is turned about `up`. All lengths are in the normalised
+frame (diagonals of the object).
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from kinmo import _core
 from kinmo.evidence.scene import Scene, Unit
-from kinmo.hypotheses import Lines
+from kinmo.hypotheses import Lines, Source
 
 F64 = NDArray[np.float64]
 
@@ -102,13 +102,14 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
         "height": (p @ up - scene.extents[0, 2]) / (2.0 * half_object[2]),
         "from the middle": np.stack([np.linalg.norm(horizontal, axis=1), horizontal @ outward], axis=1),
         "mismatch when turned": turned_mismatch(unit, lines, eccentricity / reach),
-        "sources": np.column_stack([lines.sources, lines.sources.sum(axis=1)]).astype(float),
+        "sources": lines.sources[:, : Source.SYMMETRY_AXIS].astype(float),
+        "agreeing sources": lines.sources.sum(axis=1),
     }
     return np.column_stack(list(features.values()))
 
 
 def turned_mismatch(unit: Unit, lines: Lines, eccentricity: F64) -> F64:
-    """How far a part is from itself when turned about each axis [K, 3], in tenths of its size; at most 1, and 1 off its centre."""
+    """How far a part is from itself when turned about each axis [K, 3], in tenths of its size; 1 at most, and off its centre."""
     mismatch = np.ones((len(lines), len(TURNS)))
     central = np.flatnonzero(eccentricity < ECCENTRIC)
     if len(central) == 0:

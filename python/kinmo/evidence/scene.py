@@ -23,14 +23,16 @@ HANGING_AREA = 0.5
 SURFACE_POINTS = 1024
 CONTACT_POINTS = 96
 CONTACT_SCALE = 0.01
+MEETING = 1e-4
+"""Below this distance surfaces meet."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
     """The leaves of one shape in the normalised frame.
 
-    `points` and `normals` [L, n, 3], `areas` [L], `frame` [3, 3] (rows: the object's own axes, `up` last), `extents` [2, 3] (low and
-    high along them), `touching` [L, L] bool.
+    `points` and `normals` [L, n, 3], `areas` [L], `frame` [3, 3] (rows: the object's own axes, `up` last), `extents` [2, 3]
+    (low and high along them), `touching` [L, L] bool.
     """
 
     meshes: _core.Meshes
@@ -98,9 +100,9 @@ class Scene:
 class Unit:
     """One part seen against the rest of its shape.
 
-    `points`, `normals` [n, 3] sample its surface and `distances` [n] are theirs to the rest (1 where there is no rest). `contact`
-    [m, 3] are the points nearest to the rest, with `contact_weights` [m] that sum to one and `toward` [m, 3], the unit vectors
-    from the rest to them. `minimum` is the part's minimum-volume box, `aligned` that along the object's own axes.
+    `points`, `normals` [n, 3] sample its surface and `distances` [n] are theirs to the rest (1 where there is no rest).
+    `contact` [m, 3] are the points nearest to the rest, with `contact_weights` [m] that sum to one and `toward` [m, 3], the unit
+    vectors from the rest to them. `minimum` is the part's minimum-volume box, `aligned` that along the object's own axes.
     """
 
     leaves: tuple[int, ...]
@@ -153,12 +155,12 @@ def _see(scene: Scene, leaves: list[int], minimum: Box, aligned: Box) -> Unit:
     else:
         distances, nearest, rest_normals = np.ones(len(points)), points, np.zeros_like(points)
     order = np.argsort(distances)[:CONTACT_POINTS]
-    weights = np.exp(-(distances[order] - distances[order[0]]) / CONTACT_SCALE)
-    away = points[order] - nearest[order]
+    near, gap, normal = nearest[order], distances[order, None], rest_normals[order]
+    weights = np.exp(-(gap[:, 0] - gap[0, 0]) / CONTACT_SCALE)
     # Where the surfaces meet there is no direction between them: the rest's normal stands in, on the side of the part.
-    facing = np.sign(np.sum(rest_normals[order] * (aligned.center - nearest[order]), axis=1, keepdims=True))
-    meets = distances[order, None] < 1e-4
-    toward = np.where(meets, rest_normals[order] * np.where(facing == 0, 1.0, facing), away / np.maximum(distances[order, None], 1e-9))
+    faces_part = np.sum(normal * (aligned.center - near), axis=1, keepdims=True) >= 0
+    facing = np.where(faces_part, normal, -normal)
+    toward = np.where(gap < MEETING, facing, (points[order] - near) / np.maximum(gap, MEETING))
     return Unit(
         tuple(leaves), rest, riders, minimum, aligned, points, normals, distances,
         points[order], weights / weights.sum(), toward if rest else np.zeros_like(toward),
