@@ -65,6 +65,17 @@ def test_what_killed_runs_leave_is_cleared_away(tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["f"]
 
 
+def test_a_file_that_is_right_already_is_not_touched(tmp_path):
+    path = tmp_path / "f"
+    write_text_atomically(path, "é\n")
+    assert path.read_bytes() == "é\n".encode()
+    before = path.stat()
+    write_text_atomically(path, "é\n")
+    assert (path.stat().st_mtime_ns, path.stat().st_ino) == (before.st_mtime_ns, before.st_ino)
+    write_text_atomically(path, "e\n")
+    assert path.read_text() == "e\n"
+
+
 def test_writing_nothing_is_a_mistake(tmp_path):
     with pytest.raises(FileNotFoundError), write_atomically(tmp_path / "f"):
         pass

@@ -14,6 +14,7 @@ from kinmo.mobility import Mobility
 from kinmo.shape import Mesh, Shape, Vector
 
 _HASH_STEPS = 1e5
+_HASH_RANGE = 1 << 18
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,5 +68,7 @@ def geometry_hash(meshes: Iterable[Mesh]) -> str:
     order of parts, vertices and faces have the same.
     """
     vertices = np.concatenate([mesh.vertices[np.unique(mesh.faces)] for mesh in meshes])
-    rows = np.unique(np.round(vertices * _HASH_STEPS).astype(np.int64), axis=0)
-    return blake2b(np.ascontiguousarray(rows, "<i8").tobytes(), digest_size=16).hexdigest()
+    steps = np.round(vertices * _HASH_STEPS).astype(np.int64) + _HASH_RANGE // 2
+    x, y, z = steps.T  # within half a diagonal of the origin, so that one number holds all three
+    numbers = np.unique((x * _HASH_RANGE + y) * _HASH_RANGE + z)
+    return blake2b(numbers.astype("<i8").tobytes(), digest_size=16).hexdigest()

@@ -52,13 +52,14 @@ def write_atomically(path: Path) -> Iterator[Path]:
 
 
 def write_text_atomically(path: Path, text: str) -> None:
-    """Writes a UTF-8 file with `write_atomically`."""
-    with write_atomically(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+    """Writes a UTF-8 file with `write_atomically`; one that has this text already is left alone."""
+    write_bytes_atomically(path, text.encode("utf-8"))
 
 
 def write_bytes_atomically(path: Path, data: bytes) -> None:
-    """Writes a file with `write_atomically`."""
+    """Writes a file with `write_atomically`; one that has these contents already is left alone."""
+    if _contents(path) == data:
+        return
     with write_atomically(path) as temporary:
         temporary.write_bytes(data)
 
@@ -157,6 +158,13 @@ class Workspace:
 def _plain(value: Mapping[str, Any]) -> Any:
     """`value` as JSON gives it back."""
     return json.loads(json.dumps(value))
+
+
+def _contents(path: Path) -> bytes | None:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return None
 
 
 def _lock(handle: int) -> bool:

@@ -95,9 +95,7 @@ def prepare_folder(
         for job, result in map_unordered(work, jobs, workers):
             name = run.settle(job, result)
             on_progress(run.done, total, name)
-        text = index_text(run.entries)
-        if _text_of(store / INDEX) != text:
-            write_text_atomically(store / INDEX, text)
+        write_text_atomically(store / INDEX, index_text(run.entries))
         return run.report()
 
 
@@ -203,10 +201,3 @@ def _known(target: Path) -> dict[str, Any] | None:
     except InputError:
         return None
     return provenance
-
-
-def _text_of(path: Path) -> str | None:
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, ValueError):
-        return None
