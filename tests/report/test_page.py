@@ -32,7 +32,7 @@ def page() -> Page:
             Section("Table 1", TRICKY, [Table(TRICKY, ["category", "angle"], [["door", "1.0°"]], TRICKY)]),
             Section("Training", charts=[line_chart("loss", {"training": [(0, 1.0), (1, 0.5)]}, "epoch")]),
             Section("Pictures", pictures=[Picture(svg, "100015", [TRICKY])], legend=[("truth", TRICKY)]),
-            Section("More", tables=[Table("c", ["a"], [])], folded=True),
+            Section("More", more=[Table("c", ["a"], [[TRICKY]])]),
         ],
     )
 

@@ -31,7 +31,7 @@ EXAMPLES = "examples.jsonl"
 """Answers to true joints, for the report's pictures."""
 LABELLERS = ("kinmo", "OBB_fine")
 """Rows that make pseudo labels, and whose scores are held against the truth."""
-PRINTED = ("angle", "distance", "overview_micro")
+PRINTED = ("overview_micro", "angle", "distance")
 """The tables that go to the terminal; all of them are written."""
 SECONDS_PER_SHAPE = 2.0
 

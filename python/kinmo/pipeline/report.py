@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from kinmo.errors import InputError
+from kinmo.evaluation.tables import Table as MeasuredTable
 from kinmo.evaluation.tables import read_table
+from kinmo.pipeline.evaluate import EXAMPLES, PRINTED, SETTINGS
 from kinmo.pipeline.examples import Example, chosen, read_examples
 from kinmo.pipeline.journal import runs
 from kinmo.pipeline.models import METRICS
@@ -26,8 +28,6 @@ from kinmo.workspace import Workspace, write_text_atomically
 PICTURES = 12
 """Of hits, and as many of failures, a method."""
 SECONDS_PER_PICTURE = 1.0
-EXAMPLES = Path("all", "examples.jsonl")
-"""In `workspace.evaluation`."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Report:
     workspace: Workspace
 
     def plan(self) -> Plan:
-        wanted = 4 * min(PICTURES, len(read_examples(self.workspace.evaluation / EXAMPLES)))
+        wanted = 4 * min(PICTURES, len(read_examples(self.workspace.evaluation / "all" / EXAMPLES)))
         return Plan((f"write {self._path}",), 1.0 + wanted * SECONDS_PER_PICTURE)
 
     def run(self, observer: Observer) -> Outcome:
@@ -79,12 +79,22 @@ class Report:
         return Section("Data", tables=[Table("Prepared shapes by category and use", ("category", *uses), rows, note)])
 
     def _tables(self) -> Iterator[Section]:
-        for folder in sorted(path for path in self.workspace.evaluation.rglob("*") if path.is_dir()):
-            tables = [read_table(path) for path in sorted(folder.glob("*.json"))]
-            if tables:
-                title = " ".join(folder.relative_to(self.workspace.evaluation).parts).replace("_", " ")
-                shown = [Table(str(t.caption), [c.title for c in t.columns], t.cells()[1:]) for t in tables]
-                yield Section(title, tables=shown)
+        for folder in sorted(path for path in self.workspace.evaluation.glob("*") if path.is_dir()):
+            for setting in SETTINGS:
+                found = {path.stem: read_table(path) for path in sorted((folder / setting).glob("*.json"))}
+                if found:
+                    title = f"Table 1, {setting.replace('_', ' ')}" + ("" if folder.name == "all" else f", {folder.name}")
+                    more = [_shown(table) for name, table in found.items() if name not in PRINTED]
+                    charts = [
+                        chart
+                        for name, table in found.items()
+                        if name.startswith("label_truth")
+                        for chart in _truth_charts(name, table)
+                    ]
+                    yield Section(title, tables=[_shown(found[name]) for name in PRINTED], charts=charts, more=more)
+            files = [read_table(path) for path in sorted(folder.glob("*.json"))]
+            if files:
+                yield Section(folder.name.replace("_", " "), tables=list(map(_shown, files)))
 
     def _curves(self) -> Section | None:
         charts: list[str] = []
@@ -106,7 +116,7 @@ class Report:
             yield Section("Pseudo labels", report["text"], [Table(**table) for table in report["tables"]])
 
     def _pictures(self, store: PreparedStore, observer: Observer) -> Iterator[Section]:
-        examples = read_examples(self.workspace.evaluation / EXAMPLES)
+        examples = read_examples(self.workspace.evaluation / "all" / EXAMPLES)
         for row, network in (("kinmo", None), ("OBB_fine", "GNN_fine")):
             answered = [example for example in examples if row in example.answers]
             for title, wanted in ((f"{row}: right", True), (f"{row}: wrong", False)):
@@ -129,6 +139,24 @@ class Report:
             lines = [f"{example.name}: {example.true_type}", *(f"{n}: {example.answers[n].text}" for n in roles.values())]
             yield Picture(svg, f"{example.category} {example.shape_id}", lines)
             observer.progress(f"drawing {what}", done + 1, len(examples), example.shape_id)
+
+
+def _shown(table: MeasuredTable) -> Table:
+    return Table(str(table.caption), [column.title for column in table.columns], table.cells()[1:])
+
+
+def _truth_charts(name: str, table: MeasuredTable) -> Iterator[str]:
+    """Precision and recall of pseudo labels over the threshold, one line a way of scoring."""
+    titles = [column.title for column in table.columns]
+    for figure in ("precision", "recall"):
+        series: dict[str, list[tuple[float, float]]] = {}
+        for row in table.rows:
+            cells = dict(zip(titles, row, strict=True))
+            tau, value = cells["tau"], cells[figure]
+            if isinstance(tau, float | int) and isinstance(value, float | int):
+                series.setdefault(str(cells["score"]), []).append((tau, value))
+        if series:
+            yield line_chart(f"{name.removeprefix('label_truth_')} as labels: {figure}", series, "threshold")
 
 
 def _explained(right: bool, shown: int, answered: Sequence[Example], row: str) -> str:

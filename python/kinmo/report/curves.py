@@ -6,14 +6,16 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
-WIDTH, HEIGHT = 340, 190
-LEFT, RIGHT, TOP, BOTTOM = 46, 14, 26, 28
+WIDTH, HEIGHT = 340, 204
+LETTER = 5.2
+"""About the width of a letter of the key."""
+LEFT, RIGHT, TOP, BOTTOM = 46, 14, 40, 28
 
 Points = Sequence[tuple[float, float]]
 
 
 def line_chart(title: str, series: Mapping[str, Points], x_label: str) -> str:
-    """A chart [340 x 190] of `series` (name -> points (x, y)), all on one pair of linear axes.
+    """A chart of `series` (name -> points (x, y)), all on one pair of linear axes.
 
     Points that are not finite are left out; a series without points too. Empty if nothing is left to draw.
     """
@@ -39,11 +41,12 @@ def line_chart(title: str, series: Mapping[str, Points], x_label: str) -> str:
         u, _ = place(x, upward[0]).split(",")
         pieces.append(f'<text class="tick" text-anchor="middle" x="{u}" y="{HEIGHT - BOTTOM + 13}">{x:g}</text>')
     pieces.append(f'<text class="tick" text-anchor="end" x="{WIDTH - RIGHT}" y="{HEIGHT - 3}">{escape(x_label)}</text>')
+    key = float(LEFT)
     for index, (name, points) in enumerate(drawn.items()):
         path = " ".join(place(x, y) for x, y in points)
         pieces.append(f'<polyline class="series s{index % 6}" points="{path}"/>')
-        left = WIDTH - RIGHT - 72 * (len(drawn) - index)
-        pieces.append(f'<text class="key s{index % 6}" x="{left}" y="13">{escape(name)}</text>')
+        pieces.append(f'<text class="key s{index % 6}" x="{key:.0f}" y="28">{escape(name)}</text>')
+        key += LETTER * len(name) + 10
     head = f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(title, quote=True)}">'
     return f"{head}{''.join(pieces)}</svg>"
 

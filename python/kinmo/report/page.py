@@ -35,8 +35,8 @@ class Picture:
 class Section:
     """A part of the page.
 
-    `charts` are SVGs of `kinmo.report.curves`; `folded` hides the tables until they are asked for; `legend` explains the
-    roles of the axes in the pictures.
+    `charts` are SVGs of `kinmo.report.curves`; `more` are tables that are folded away; `legend` explains the roles of the axes
+    in the pictures.
     """
 
     title: str
@@ -44,7 +44,7 @@ class Section:
     tables: Sequence[Table] = ()
     charts: Sequence[str] = ()
     pictures: Sequence[Picture] = ()
-    folded: bool = False
+    more: Sequence[Table] = ()
     legend: Sequence[tuple[str, str]] = ()
 
 
