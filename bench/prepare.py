@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import resource
 import tempfile
 import time
 from collections import Counter
@@ -37,6 +38,12 @@ def some_of(data: Path, count: int, folder: Path) -> Path:
     return folder
 
 
+def processor_seconds() -> float:
+    """What this process and its ended workers have used."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(usage.ru_utime + usage.ru_stime for usage in used)
+
+
 def reasons(report: PrepareReport) -> list[tuple[str, int]]:
     """What was repaired, without the names of bodies and parts, and how often."""
     return Counter(reason.partition(": ")[2] or reason for row in report.repaired for reason in row.reasons).most_common(12)
@@ -59,7 +66,7 @@ def main() -> int:
             data = some_of(data, QUICK, folder / "some")
         begin = time.perf_counter()
         report = prepare_folder(data, Workspace(folder / "workspace"), workers=args.workers)
-        seconds = time.perf_counter() - begin
+        seconds, processor = time.perf_counter() - begin, processor_seconds()
         store = PreparedStore(folder / "workspace" / "prepared")
         begin = time.perf_counter()
         again = prepare_folder(data, Workspace(folder / "workspace"), workers=args.workers)
@@ -77,6 +84,7 @@ def main() -> int:
         print(f"          {row.reasons[0]}")
     print(f"parts, leaves        {sum(e.part_count for e in store.entries):8} {sum(e.leaf_count for e in store.entries):6}")
     print(f"seconds              {seconds:8.1f}")
+    print(f"seconds of processor {processor:8.1f}")
     print(f"seconds, once more   {seconds_again:8.1f}")
     print(f"MB in the store      {size / 1e6:8.1f}")
     claim = {
