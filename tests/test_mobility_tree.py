@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.learning.shapes import box_mesh, cabinet, prepare_boxes
 
 from kinmo.joint import CoarseType, MotionType
 from kinmo.learning.edge_predictions import EdgePredictions
@@ -13,6 +12,7 @@ from kinmo.mobility import has_cycle
 from kinmo.mobility_tree import given_tree, predicted_tree
 from kinmo.prepared import PreparedShape
 from kinmo.shape import Part, Shape
+from small_shapes import box_mesh, cabinet, prepare_boxes
 
 
 def told(shape: PreparedShape, sure: float = 0.9) -> EdgePredictions:

@@ -16,17 +16,20 @@ from kinmo.joint import JointKind
 F64 = NDArray[np.float64]
 
 MOST_TURN = math.pi / 2
-"""How far a hinge that nothing stops is taken to open, unless it can go all the way round."""
+"""How far a hinge that nothing stops is taken to open, unless it may go all the way round."""
 WANTED_TURN = math.pi / 3
 WANTED_SLIDE = 0.5
 """What a joint must reach in one sense to be as good as free: an angle, or a share of the part's length along the axis."""
+
+CENTRAL = 0.1
+"""An axis nearer to the part's middle than this share of its diagonal may turn for ever, as a wheel or a knob does."""
 
 
 @dataclass(frozen=True, eq=False)
 class Travel:
     """Of C candidates: how far the part is free to go backwards and forwards, `lower` <= 0 <= `upper` [C], radians or lengths.
 
-    `unlimited` [C]: a hinge that goes all the way round. `freedom` [C] in [0, 1]: how much of what a joint must reach it does.
+    `unlimited` [C]: it may turn for ever. `freedom` [C] in [0, 1]: how much of what a joint must reach it does.
     """
 
     lower: F64
@@ -60,6 +63,9 @@ def free_travel(
         )
     wanted = np.where(slides, WANTED_SLIDE * reach, WANTED_TURN)
     freedom = np.clip(np.maximum(upper, -lower) / wanted, 0.0, 1.0)
-    round_about = ~slides & (upper >= 0.999 * math.pi) & (lower <= -0.999 * math.pi)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0)) - candidates.pivots
+    off_axis = np.linalg.norm(np.cross(middle, candidates.directions), axis=1)
+    central = off_axis < CENTRAL * np.linalg.norm(np.ptp(points, axis=0))
+    round_about = ~slides & central & (upper >= 0.999 * math.pi) & (lower <= -0.999 * math.pi)
     most = np.where(slides, reach, MOST_TURN)
     return Travel(np.maximum(lower, -most), np.minimum(upper, most), round_about, freedom)

@@ -22,7 +22,7 @@ F64 = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class NetworkEstimate:
-    """What is said of one body: `probabilities` over `type_set`, a unit `direction` [3] and a `pivot` [3] (normalised frame)."""
+    """What is said of one body: `probabilities` over `type_set`, a unit `direction` [3], a `pivot` [3] (normalised)."""
 
     type_set: type[MotionType] | type[CoarseType]
     probabilities: F64

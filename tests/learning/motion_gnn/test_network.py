@@ -5,12 +5,12 @@ from itertools import pairwise
 
 import pytest
 import torch
-from tests.learning.shapes import cabinet
 
 from kinmo.config import GnnConfig, load_config
 from kinmo.learning.graph import ShapeGraph, batch_graphs
 from kinmo.learning.motion_gnn.data import shape_graph, thinned
 from kinmo.learning.motion_gnn.network import EDGE_CHANNELS, MotionGnn
+from small_shapes import cabinet
 
 PAPER, SMALL = (load_config(name).gnn for name in ("paper", "small"))
 

@@ -95,7 +95,7 @@ class GraphData:
         if pose.rotation is not None:
             graph = replace(graph, leaf_points=graph.leaf_points @ pose.rotation.T)
         if rng.random() < self.config.hide_names:
-            graph = replace(graph, name_ids=torch.full_like(graph.name_ids, HIDDEN))
+            graph = without_names(graph)
         return graph
 
 
@@ -133,10 +133,16 @@ def thinned(graph: ShapeGraph, points: int, rng: np.random.Generator | None = No
     return replace(graph, leaf_points=graph.leaf_points[:, torch.from_numpy(chosen)])
 
 
+def without_names(graph: ShapeGraph) -> ShapeGraph:
+    """The graph with all names hidden."""
+    counts = torch.ones_like(graph.name_counts)
+    return replace(graph, name_ids=torch.full_like(counts, HIDDEN), name_counts=counts)
+
+
 def rotation_about(axis: F64, angle: float) -> F64:
     """The matrix [3, 3] that turns column vectors by `angle` about the unit vector `axis`."""
     cross = np.cross(np.eye(3), axis)
-    rotation: F64 = np.eye(3) - np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+    rotation: F64 = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
     return rotation
 
 

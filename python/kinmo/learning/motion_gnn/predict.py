@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +12,9 @@ from kinmo.config import GnnConfig, from_table
 from kinmo.joint import CoarseType, MotionType
 from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.learning.graph import batch_graphs
-from kinmo.learning.motion_gnn.data import grouped, shape_graph, thinned, used_edges
+from kinmo.learning.motion_gnn.data import grouped, shape_graph, thinned, used_edges, without_names
 from kinmo.learning.motion_gnn.network import EdgeOutput, MotionGnn
 from kinmo.learning.motion_gnn.train import CLASSES, KIND
-from kinmo.learning.names import HIDDEN
 from kinmo.learning.weights import load_weights, pick_device
 from kinmo.prepared import PreparedShape
 
@@ -48,7 +46,7 @@ class MotionGnnPredictor:
         """`predict_edges` of several shapes, batched."""
         graphs = [thinned(shape_graph(shape, self.config), self.config.leaf.points) for shape in shapes]
         if self.hide_names:
-            graphs = [replace(graph, name_ids=torch.full_like(graph.name_ids, HIDDEN)) for graph in graphs]
+            graphs = [without_names(graph) for graph in graphs]
         pieces: list[EdgeOutput] = []
         for group in grouped(graphs, self.config):
             batch = batch_graphs(group).to(self.device)
