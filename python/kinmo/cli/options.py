@@ -16,9 +16,8 @@ COMMON = "Options of every command"
 
 
 class Method(str, Enum):
-    """The two methods of kinmo."""
+    """The methods of `kinmo.pipeline.predictors`, without importing it."""
 
-    KINMO = "kinmo"
     PAPER = "paper"
 
 

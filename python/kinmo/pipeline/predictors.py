@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -24,7 +24,6 @@ from kinmo.refinement import Refiner
 from kinmo.shape import Shape
 from kinmo.workspace import Workspace, digest
 
-METHODS = ("paper",)
 TypeSet = Literal["fine", "coarse"]
 NETWORKS_KEPT = 8
 """In memory, of each kind."""
@@ -98,11 +97,21 @@ class PaperPredictor:
         return MotionGnnPredictor(gnn.network, replace(gnn.config, edges="contact"), gnn.device, gnn.sha256, gnn.hide_names)
 
 
-def load_predictor(workspace: Workspace, method: str, device: str) -> Predictor:
-    """The predictor of a method of METHODS. Raises InputError if its networks are not trained."""
+def _paper(workspace: Workspace, device: str) -> Predictor:
     predictor = PaperPredictor(workspace, trained_config(workspace).refinement, device=device)
     predictor.check()
     return predictor
+
+
+PREDICTORS: dict[str, Callable[[Workspace, str], Predictor]] = {"paper": _paper}
+"""By method: the trained predictor of a workspace on a device. They raise InputError if a network is not trained."""
+
+
+def load_predictor(workspace: Workspace, method: str, device: str) -> Predictor:
+    """The trained predictor of a method. Raises InputError if there is no such method, or it is not trained."""
+    if method not in PREDICTORS:
+        raise InputError("--method", f"expected one of {', '.join(PREDICTORS)}, got {method}")
+    return PREDICTORS[method](workspace, device)
 
 
 @lru_cache(maxsize=NETWORKS_KEPT)
