@@ -35,7 +35,7 @@ LAYERS = (
     ("prepared", "workspace", "workers", "store", "splits", "prepare", "hypotheses", "evidence"),
     ("candidates", "limits"),
     ("learning",),
-    ("mobility_tree", "part_geometry", "scoring", "refinement"),
+    ("mobility_tree", "part_geometry", "scoring", "refinement", "ranked_mobility"),
     ("pseudo_label",),
     ("evaluation",),
     ("export",),

@@ -124,6 +124,25 @@ class AxisConfig:
 
 
 @dataclass(frozen=True)
+class RankingConfig:
+    """The ranking networks of the `kinmo` method.
+
+    `members` networks are trained side by side, and the mean of their probabilities decides. `hide_names` is the share of
+    shapes whose names are hidden in training, `hide_unit_names` that of parts besides. A shape gives two views, its bodies and
+    its nodes; `batch_views` make a batch.
+    """
+
+    training: TrainingConfig
+    members: int = 3
+    width: int = 128
+    word_features: int = 32
+    dropout: float = 0.1
+    hide_names: float = 0.3
+    hide_unit_names: float = 0.1
+    batch_views: int = 16
+
+
+@dataclass(frozen=True)
 class RefinementConfig:
     """From edges to joints (paper, section 3.3).
 
@@ -150,6 +169,7 @@ class Config:
 
     gnn: GnnConfig
     axis: AxisConfig
+    ranking: RankingConfig
     refinement: RefinementConfig = field(default_factory=RefinementConfig)
 
 

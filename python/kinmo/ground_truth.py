@@ -23,7 +23,8 @@ def distance_to_line(points: NDArray[np.float64], pivot: Vector, direction: Vect
     """Distance [N] of points [N, 3] from the line through `pivot` along the unit vector `direction`."""
     offsets = points - pivot
     along = offsets @ direction
-    return np.sqrt(np.maximum(np.sum(offsets * offsets, axis=-1) - along * along, 0.0))
+    squared: NDArray[np.float64] = np.sum(offsets * offsets, axis=-1) - along * along
+    return np.sqrt(np.maximum(squared, 0.0))
 
 
 def motion_type(joint: Joint, box: Box, up: Vector) -> MotionType:

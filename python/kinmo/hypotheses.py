@@ -39,7 +39,7 @@ CENTRAL = (Source.MINIMUM_BOX_CENTER, Source.ALIGNED_BOX_CENTER, Source.CONTACT_
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """Undirected lines: unit `directions` [K, 3], `pivots` [K, 3] (the points nearest the part's centre), `sources` [K, 7] bool."""
+    """Undirected lines: unit `directions` [K, 3], `pivots` [K, 3] (nearest to the part's centre), `sources` [K, 7] bool."""
 
     directions: F64
     pivots: F64

@@ -52,7 +52,7 @@ def given_tree(shape: PreparedShape, predictions: EdgePredictions) -> MobilityTr
         raise ValueError(f"shape {shape.id} is not annotated")
     owner = shape.edge_labels.bodies
     bodies = tuple(Body(b.id, b.name, b.leaves, b.parent) for b in shape.mobility.bodies)
-    estimates = tuple(_mean_estimate(predictions, np.flatnonzero(owner == index)) for index in range(len(bodies)))
+    estimates = tuple(mean_estimate(predictions, np.flatnonzero(owner == index)) for index in range(len(bodies)))
     return MobilityTree(bodies, estimates)
 
 
@@ -78,7 +78,7 @@ def predicted_tree(shape: PreparedShape, predictions: EdgePredictions) -> Mobili
         bodies.append(
             Body(index, shape.part_names[largest], _leaves(shape, body_of, index), body_of[motion.references[largest]])
         )
-        estimates.append(_mean_estimate(predictions, np.array([edge])))
+        estimates.append(mean_estimate(predictions, np.array([edge])))
     return _without_empty(MobilityTree(tuple(bodies), tuple(estimates)))
 
 
@@ -153,7 +153,7 @@ def _companions(shape: PreparedShape, motion: _Motion, group_of: list[int]) -> d
     return {part: group_of[other] for part, (_, other) in best.items() if other in motion.references}
 
 
-def _mean_estimate(predictions: EdgePredictions, edges: NDArray[np.int64]) -> NetworkEstimate | None:
+def mean_estimate(predictions: EdgePredictions, edges: NDArray[np.int64]) -> NetworkEstimate | None:
     """The mean of some edges; directions and pivots count by how probable a motion is, directions regardless of their sense."""
     if not len(edges):
         return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -31,6 +31,11 @@ class Boxes:
 
     def __getitem__(self, index: int) -> Box:
         return Box(self.centers[index], self.axes[index], self.half_extents[index])
+
+
+def units_of(parts: Sequence[tuple[int, ...]], bodies: Sequence[tuple[int, ...]]) -> tuple[tuple[int, ...], ...]:
+    """The distinct sets of leaves that are a part below the root (all `parts` but the first) or a body, parts first."""
+    return tuple(dict.fromkeys((*parts[1:], *bodies)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +85,15 @@ class PreparedShape:
     """Motion type of every movable body."""
     edge_labels: EdgeLabels | None = None
     evidence: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
-    """Arrays of the `kinmo` method, by name."""
+    """Arrays of the `kinmo` method by name (`kinmo.evidence.Evidence`), for the units of `units_of`."""
+
+    @cached_property
+    def body_leaves(self) -> tuple[tuple[int, ...], ...]:
+        """For every body of the annotation, the positions *in `leaves`* of its leaves, ascending."""
+        if self.mobility is None:
+            return ()
+        position = {leaf: place for place, leaf in enumerate(self.leaves)}
+        return tuple(tuple(sorted(position[leaf] for leaf in body.leaves)) for body in self.mobility.bodies)
 
     @cached_property
     def leaves_below(self) -> tuple[tuple[int, ...], ...]:

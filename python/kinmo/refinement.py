@@ -68,9 +68,9 @@ class Refiner:
         for body, part, estimate in zip(tree.bodies, parts, tree.estimates, strict=True):
             said = self._network_estimate(part, estimate)
             answers = self.estimates(part, estimate) if estimate is not None else ()
-            answers = tuple(_in_frame(answer, frame) for answer in (answers or (replace(said, joint=None),)))
+            answers = tuple(in_file_frame(answer, frame) for answer in (answers or (replace(said, joint=None),)))
             ranked.append(answers)
-            network.append(_in_frame(said, frame))
+            network.append(in_file_frame(said, frame))
             bodies.append(Body(body.id, body.name, body.leaves, body.parent, answers[0].joint))
         mobility = Mobility(tuple(bodies))
         return Prediction(self.shape.id, self.shape.category, mobility, tuple(ranked), tuple(network), method)
@@ -129,16 +129,30 @@ class Refiner:
         return free_travel(self.meshes, part.moving, part.obstacles, candidates, points)
 
     def _network_estimate(self, part: PartGeometry, estimate: NetworkEstimate | None) -> JointEstimate:
-        if estimate is None:
-            return JointEstimate(None, MotionType.NONE, 1.0)
-        motion = estimate.type
-        kind = joint_kind(motion)
-        probability = float(np.max(estimate.probabilities))
-        if kind is None:
-            return JointEstimate(None, motion, probability)
-        alone = Candidates(np.array([KIND_CODES[kind]], np.uint8), estimate.direction[None], estimate.pivot[None], ("network",))
-        limits = self._travel(part, alone).range(0) if self.meshes is not None else (None, None)
-        return JointEstimate(Joint(kind, estimate.direction, estimate.pivot, *limits), motion, probability)
+        said = said_alone(estimate)
+        if said.joint is None or self.meshes is None:
+            return said
+        kind, axis = KIND_CODES[said.joint.kind], said.joint
+        alone = Candidates(np.array([kind], np.uint8), axis.direction[None], axis.pivot[None], (said.source,))
+        lower, upper = self._travel(part, alone).range(0)
+        return replace(said, joint=replace(axis, lower=lower, upper=upper))
+
+
+def said_alone(estimate: NetworkEstimate | None) -> JointEstimate:
+    """What the network says of one body by itself, in the normalised frame, without limits."""
+    if estimate is None:
+        return JointEstimate(None, MotionType.NONE, 1.0)
+    kind = joint_kind(estimate.type)
+    joint = None if kind is None else Joint(kind, estimate.direction, estimate.pivot)
+    return JointEstimate(joint, estimate.type, float(np.max(estimate.probabilities)))
+
+
+def in_file_frame(estimate: JointEstimate, frame: Normalisation) -> JointEstimate:
+    """An estimate of the normalised frame in the shape's own."""
+    if estimate.joint is None:
+        return estimate
+    body = Body(0, "", (), None, estimate.joint)
+    return replace(estimate, joint=frame.undo(Mobility((body,))).bodies[0].joint)
 
 
 def _oriented(candidates: Candidates, index: int, limits: tuple[float | None, float | None], towards: F64) -> Joint:
@@ -154,13 +168,6 @@ def _subset(candidates: Candidates, rows: NDArray[np.intp]) -> Candidates:
         candidates.pivots[rows],
         tuple(candidates.sources[index] for index in rows),
     )
-
-
-def _in_frame(estimate: JointEstimate, frame: Normalisation) -> JointEstimate:
-    if estimate.joint is None:
-        return estimate
-    body = Body(0, "", (), None, estimate.joint)
-    return replace(estimate, joint=frame.undo(Mobility((body,))).bodies[0].joint)
 
 
 def accepted(estimates: Sequence[JointEstimate], threshold: float) -> bool:

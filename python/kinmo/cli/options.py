@@ -18,6 +18,7 @@ COMMON = "Options of every command"
 class Method(str, Enum):
     """The methods of `kinmo.pipeline.predictors`, without importing it."""
 
+    KINMO = "kinmo"
     PAPER = "paper"
 
 

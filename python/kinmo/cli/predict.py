@@ -15,7 +15,7 @@ def predict(
     options: CommonOptions,
     shape: Annotated[Path, Argument(help="A shape's folder, or a folder with shapes anywhere below it.", show_default=False)],
     out: Annotated[Path, Option("--out", "-o", help="Folder for the results, one folder a shape.", show_default=False)],
-    method: Annotated[Method, Option(help="Which method answers.")] = Method.PAPER,
+    method: Annotated[Method, Option(help="Which method answers.")] = Method.KINMO,
 ) -> None:
     """Predict the joints of your own shapes.
 

@@ -15,7 +15,7 @@ def pseudo_label(
     category: Annotated[
         str | None, Option(help="Only shapes of this category, however it is spelled.", show_default=False)
     ] = None,
-    method: Annotated[Method, Option(help="Which method labels.")] = Method.PAPER,
+    method: Annotated[Method, Option(help="Which method labels.")] = Method.KINMO,
     threshold: Annotated[
         float | None, Option(min=0.0, max=1.0, help="Score that every joint of a shape must exceed.", show_default="0.6")
     ] = None,

@@ -7,8 +7,8 @@ frame (diagonals of the object).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,13 +40,29 @@ class Evidence:
     centers: F64
     unit_features: NDArray[np.float32]
 
+    def arrays(self) -> dict[str, NDArray[np.generic]]:
+        """The arrays by name, as `PreparedShape.evidence` keeps them; geometry as float32."""
+        return {
+            name: value.astype(np.float32) if value.dtype == np.float64 else value
+            for name, value in ((field.name, getattr(self, field.name)) for field in fields(self))
+        }
+
+    @classmethod
+    def of(cls, arrays: Mapping[str, NDArray[np.generic]]) -> Evidence:
+        """What `arrays` gave; directions have unit length again."""
+        found = {field.name: np.asarray(arrays[field.name]) for field in fields(cls)}
+        for name in ("directions", "pivots", "centers"):
+            found[name] = found[name].astype(np.float64)
+        found["directions"] /= np.linalg.norm(found["directions"], axis=1, keepdims=True)
+        return cls(**found)
+
     def rows(self, unit: int) -> slice:
         """The rows of one unit's hypotheses."""
         return slice(int(self.offsets[unit]), int(self.offsets[unit + 1]))
 
 
 def gather(scene: Scene, units: Sequence[Sequence[int]]) -> Evidence:
-    """Hypotheses and their evidence for every unit, a list of positions of leaves."""
+    """Hypotheses and their evidence for every unit, a list of positions of leaves; at least one."""
     seen = see_units(scene, units)
     kinds, directions, pivots, features, counts = [], [], [], [], []
     for unit in seen:

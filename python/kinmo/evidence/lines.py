@@ -30,8 +30,9 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
 
     def perpendicular(points: F64) -> F64:
         """Offsets [K, n, 3] of points [n, 3] from each axis."""
-        offset = points[None] - p[:, None]
-        return offset - np.einsum("kni,ki->kn", offset, d)[..., None] * d[:, None]
+        offset: F64 = points[None] - p[:, None]
+        offset -= np.einsum("kni,ki->kn", offset, d)[..., None] * d[:, None]
+        return offset
 
     sparse = unit.points[:: max(1, len(unit.points) // SPARSE_POINTS)]
     away = np.linalg.norm(perpendicular(sparse), axis=-1)
@@ -109,7 +110,7 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
 
 
 def turned_mismatch(unit: Unit, lines: Lines, eccentricity: F64) -> F64:
-    """How far a part is from itself when turned about each axis [K, 3], in tenths of its size; 1 at most, and off its centre."""
+    """How far a part is from itself when turned about each axis [K, 3], in tenths of its size; 1 at most."""
     mismatch = np.ones((len(lines), len(TURNS)))
     central = np.flatnonzero(eccentricity < ECCENTRIC)
     if len(central) == 0:

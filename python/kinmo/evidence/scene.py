@@ -84,13 +84,13 @@ class Scene:
 
     def surroundings(self, unit: Sequence[int]) -> tuple[list[int], list[int]]:
         """Leaves that stay when the unit moves, and its *riders*: those that hang on it alone, such as a knob on a door."""
-        others = np.setdiff1d(np.arange(len(self.areas)), unit)
+        others = np.setdiff1d(np.arange(len(self.areas)), np.asarray(unit))
         if len(others) == 0:
             return [], []
-        _, component = connected_components(self.touching[np.ix_(others, others)], directed=False)
+        _, component = connected_components(self.touching[others][:, others], directed=False)
         mass = np.bincount(component, self.areas[others])
         hangs = np.zeros(len(mass), bool)
-        hangs[component[self.touching[np.ix_(others, list(unit))].any(axis=1)]] = True
+        hangs[component[self.touching[others][:, np.asarray(unit)].any(axis=1)]] = True
         hangs[np.argmax(mass)] = False
         hangs &= mass < HANGING_AREA * self.areas[list(unit)].sum()
         return others[~hangs[component]].tolist(), others[hangs[component]].tolist()
@@ -101,8 +101,8 @@ class Unit:
     """One part seen against the rest of its shape.
 
     `points`, `normals` [n, 3] sample its surface and `distances` [n] are theirs to the rest (1 where there is no rest).
-    `contact` [m, 3] are the points nearest to the rest, with `contact_weights` [m] that sum to one and `toward` [m, 3], the unit
-    vectors from the rest to them. `minimum` is the part's minimum-volume box, `aligned` that along the object's own axes.
+    `contact` [m, 3] are the points nearest to the rest, with `contact_weights` [m] that sum to one and `toward` [m, 3], the
+    unit vectors from the rest to them. `minimum` is the part's minimum-volume box, `aligned` that along the object's own axes.
     """
 
     leaves: tuple[int, ...]

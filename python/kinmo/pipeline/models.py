@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from kinmo.learning.axis_selection.train import train_axis_selection
+from kinmo.learning.joint_ranking.train import train_joint_ranking
 from kinmo.learning.motion_gnn.train import train_motion_gnn
 from kinmo.learning.training import FitResult, Progress
 from kinmo.prepared import PreparedShape
@@ -40,10 +41,11 @@ TRAINERS: dict[str, tuple[str, Trainer]] = {
     "gnn_fine": ("gnn", partial(train_motion_gnn, types="fine")),
     "gnn_coarse": ("gnn", partial(train_motion_gnn, types="coarse")),
     "axis": ("axis", train_axis_selection),
+    "ranking": ("ranking", train_joint_ranking),
 }
 """The section of the configuration and the trainer of every model, in the order of training."""
 
-GROUPS: dict[str, tuple[str, ...]] = {"gnn": ("gnn_fine", "gnn_coarse"), "axis": ("axis",), "all": tuple(TRAINERS)}
+GROUPS: dict[str, tuple[str, ...]] = {"gnn": ("gnn_fine", "gnn_coarse"), "axis": ("axis", "ranking"), "all": tuple(TRAINERS)}
 """What `kinmo train` calls them."""
 
 

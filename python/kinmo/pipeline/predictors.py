@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -13,18 +13,24 @@ from kinmo import _core
 from kinmo.config import RefinementConfig, to_table
 from kinmo.errors import InputError
 from kinmo.learning.axis_selection.predict import AxisSelector
+from kinmo.learning.edge_predictions import EdgePredictions
+from kinmo.learning.joint_ranking.predict import JointRanking
+from kinmo.learning.joint_ranking.views import maximal_nodes
 from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
+from kinmo.mobility import Mobility
 from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree
 from kinmo.normalisation import Normalisation
 from kinmo.pipeline.models import WEIGHTS, weights_for
 from kinmo.pipeline.train import trained_config
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
-from kinmo.refinement import Refiner
+from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of
+from kinmo.refinement import Refiner, in_file_frame
 from kinmo.shape import Shape
 from kinmo.workspace import Workspace, digest
 
 TypeSet = Literal["fine", "coarse"]
+KINMO_MODELS = ("gnn_fine", "ranking")
 NETWORKS_KEPT = 8
 """In memory, of each kind."""
 
@@ -97,13 +103,82 @@ class PaperPredictor:
         return MotionGnnPredictor(gnn.network, replace(gnn.config, edges="contact"), gnn.device, gnn.sha256, gnn.hide_names)
 
 
+@dataclass(frozen=True)
+class KinmoPredictor:
+    """kinmo's own method: every motion that a part's geometry allows is ranked, and kind and axis are chosen together.
+
+    The motion GNN says which moving siblings are one body. Networks are read as in `PaperPredictor`.
+    """
+
+    workspace: Workspace
+    device: str = "auto"
+    hide_names: bool = False
+    method: str = "kinmo"
+
+    @cached_property
+    def weights(self) -> str:
+        return weights_digest(self.workspace, KINMO_MODELS)
+
+    def check(self) -> None:
+        """Raise InputError if one of the networks was never trained."""
+        for model in KINMO_MODELS:
+            if not weights_digest(self.workspace, (model,)):
+                raise InputError(self.workspace.models / model, "not trained yet: run kinmo train all first")
+
+    @property
+    def config(self) -> Mapping[str, Any]:
+        return {"hide_names": self.hide_names}
+
+    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        edges, ranking = self._edges(shape), self._ranking(shape)
+        bodies = predicted_bodies(shape, moving_nodes(shape, ranking), edges)
+        names = ["base", *(shape.part_names[maximal_nodes(shape, leaves)[0]] for leaves in bodies[1:])]
+        answers = ranked_bodies(shape, meshes, bodies, ranking, all_move=True)
+        return self._assembled(shape, meshes, edges, bodies, names, answers)
+
+    def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        if shape.mobility is None:
+            raise ValueError(f"shape {shape.id} is not annotated")
+        names = [body.name for body in shape.mobility.bodies]
+        answers = ranked_bodies(shape, meshes, shape.body_leaves, self._ranking(shape))
+        return self._assembled(shape, meshes, self._edges(shape), shape.body_leaves, names, answers)
+
+    def _assembled(
+        self,
+        shape: PreparedShape,
+        meshes: _core.Meshes,
+        edges: EdgePredictions,
+        bodies: Sequence[tuple[int, ...]],
+        names: Sequence[str],
+        answers: Sequence[tuple[JointEstimate, ...]],
+    ) -> Prediction:
+        frame = Normalisation(shape.center, shape.diagonal)
+        tree, limited = tree_of(shape, meshes, bodies, names, answers)
+        estimates = tuple(tuple(in_file_frame(answer, frame) for answer in found) for found in limited)
+        alone = tuple(in_file_frame(said, frame) for said in network_estimates(shape, bodies, edges))
+        return Prediction(shape.id, shape.category, frame.undo(Mobility(tree)), estimates, alone, self.method)
+
+    def _edges(self, shape: PreparedShape) -> EdgePredictions:
+        gnn = _load_gnn(*_weights(self.workspace, KINMO_MODELS[0], shape.category), self.device, self.hide_names)
+        return gnn.predict_edges(shape)
+
+    def _ranking(self, shape: PreparedShape) -> JointRanking:
+        return _load_ranking(*_weights(self.workspace, KINMO_MODELS[1], shape.category), self.device, self.hide_names)
+
+
+def _kinmo(workspace: Workspace, device: str) -> Predictor:
+    predictor = KinmoPredictor(workspace, device)
+    predictor.check()
+    return predictor
+
+
 def _paper(workspace: Workspace, device: str) -> Predictor:
     predictor = PaperPredictor(workspace, trained_config(workspace).refinement, device=device)
     predictor.check()
     return predictor
 
 
-PREDICTORS: dict[str, Callable[[Workspace, str], Predictor]] = {"paper": _paper}
+PREDICTORS: dict[str, Callable[[Workspace, str], Predictor]] = {"kinmo": _kinmo, "paper": _paper}
 """By method: the trained predictor of a workspace on a device. They raise InputError if a network is not trained."""
 
 
@@ -117,6 +192,11 @@ def load_predictor(workspace: Workspace, method: str, device: str) -> Predictor:
 @lru_cache(maxsize=NETWORKS_KEPT)
 def _load_gnn(weights: Path, written: int, device: str, hide_names: bool) -> MotionGnnPredictor:
     return MotionGnnPredictor.load(weights, device, hide_names)
+
+
+@lru_cache(maxsize=NETWORKS_KEPT)
+def _load_ranking(weights: Path, written: int, device: str, hide_names: bool) -> JointRanking:
+    return JointRanking.load(weights, device, hide_names)
 
 
 @lru_cache(maxsize=NETWORKS_KEPT)

@@ -16,7 +16,7 @@ from kinmo.evaluation.records import annotation
 from kinmo.joint import JointKind
 from kinmo.mobility_tree import MobilityTree
 from kinmo.part_geometry import part_geometries
-from kinmo.pipeline.predictors import PaperPredictor, Predictor, TypeSet, network_alone
+from kinmo.pipeline.predictors import KinmoPredictor, PaperPredictor, Predictor, TypeSet, network_alone
 from kinmo.pipeline.train import trained_config
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
@@ -125,6 +125,11 @@ def chosen_rows(
 ) -> list[Row]:
     """The rows of `methods` in the order of printing. Raises InputError if a method's networks are not trained."""
     rows: list[Row] = []
+    if "kinmo" in methods:
+        own = KinmoPredictor(workspace, device)
+        own.check()
+        rows.append(Row("kinmo", own))
+        rows += [Row("kinmo, names hidden", replace(own, hide_names=True))] if hidden_names else []
     if "paper" in methods:
         config = trained_config(workspace).refinement
         predictors = {types: PaperPredictor(workspace, config, types, device) for types in TYPE_SETS}

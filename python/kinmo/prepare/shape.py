@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
+from kinmo.evidence import Scene, gather
 from kinmo.ground_truth import EdgeLabels, label_edges, motion_type, sibling_edges
 from kinmo.joint import MotionType
 from kinmo.mobility import Mobility
 from kinmo.normalisation import Normalisation, geometry_hash
-from kinmo.prepared import Boxes, PreparedShape
+from kinmo.prepared import Boxes, PreparedShape, units_of
 from kinmo.shape import Shape
 
 F64 = NDArray[np.float64]
@@ -32,15 +33,17 @@ def prepare_shape(shape: Shape, *, points: int = POINTS, seed: int = 0) -> Prepa
     place = {leaf: position for position, leaf in enumerate(shape.leaves)}
     parts = [tuple(place[leaf] for leaf in leaves) for leaves in shape.leaves_below]
     mobility = None if shape.mobility is None else frame.mobility(shape.mobility)
-    bodies = [] if mobility is None else [tuple(place[leaf] for leaf in body.leaves) for body in mobility.bodies]
+    bodies = [] if mobility is None else [tuple(sorted(place[leaf] for leaf in body.leaves)) for body in mobility.bodies]
     symmetric = _fit_boxes(lambda groups: _core.fit_symmetric_boxes(meshes, groups)[:3], parts + bodies)
     symmetric_boxes, body_boxes = _split(symmetric, len(parts))
     samples, normals, _ = _core.sample_surface(meshes, points, seed_of(shape.id, seed))
     edges = sibling_edges(shape)
+    up, areas = np.array(shape.up, np.float64), meshes.areas()
+    scene = Scene.of(meshes, samples, normals, areas, up)
     body_types: dict[int, MotionType] = {}
     edge_labels: EdgeLabels | None = None
     if mobility is not None:
-        body_types = _body_types(mobility, body_boxes, np.array(shape.up, np.float64))
+        body_types = _body_types(mobility, body_boxes, up)
         edge_labels = label_edges(shape, mobility, edges, body_types)
     return PreparedShape(
         id=shape.id,
@@ -49,7 +52,7 @@ def prepare_shape(shape: Shape, *, points: int = POINTS, seed: int = 0) -> Prepa
         source=str(shape.source),
         partnet_id=shape.partnet_id,
         geometry_hash=geometry_hash(leaf_meshes),
-        up=np.array(shape.up, np.float64),
+        up=up,
         center=frame.center,
         diagonal=frame.diagonal,
         part_ids=tuple(part.id for part in shape.parts),
@@ -58,7 +61,7 @@ def prepare_shape(shape: Shape, *, points: int = POINTS, seed: int = 0) -> Prepa
         leaves=shape.leaves,
         leaf_points=samples,
         leaf_normals=normals,
-        leaf_areas=meshes.areas(),
+        leaf_areas=areas,
         minimum_boxes=_fit_boxes(lambda groups: _core.fit_boxes(meshes, groups), parts),
         symmetric_boxes=symmetric_boxes,
         aligned_boxes=_fit_boxes(lambda groups: _core.fit_aligned_boxes(meshes, np.eye(3), groups), parts),
@@ -68,6 +71,7 @@ def prepare_shape(shape: Shape, *, points: int = POINTS, seed: int = 0) -> Prepa
         body_boxes=None if mobility is None else body_boxes,
         body_types=body_types,
         edge_labels=edge_labels,
+        evidence=gather(scene, units_of(parts, bodies)).arrays() if len(parts) > 1 or bodies else {},
     )
 
 

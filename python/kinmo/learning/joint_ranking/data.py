@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,16 +77,27 @@ def collate(
     *,
     rng: np.random.Generator | None = None,
     hide_names: bool = False,
-    drop_all: float = 0.3,
-    drop_unit: float = 0.1,
+    hide_view: float = 0.0,
+    hide_unit: float = 0.0,
 ) -> RankingBatch:
-    """One flat batch of several views. With `rng`, names are dropped at random as in training."""
-    hypotheses, units, targets, rest, weights = [], [], [], [], []
-    unit_of, view_of, slot_of, words, word_unit = [], [], [], [], []
+    """One flat batch of several views.
+
+    With `rng`, the names of a view are hidden with probability `hide_view`, those of a unit with probability `hide_unit`.
+    """
+    hypotheses: list[NDArray[np.float32]] = []
+    units: list[NDArray[np.float32]] = []
+    targets: list[NDArray[np.float64]] = []
+    unit_of: list[NDArray[np.int64]] = []
+    rest: list[float] = []
+    weights: list[float] = []
+    view_of: list[int] = []
+    slot_of: list[int] = []
+    words: list[int] = []
+    word_unit: list[int] = []
     for number, view in enumerate(views):
-        hidden = hide_names or (rng is not None and rng.random() < drop_all)
+        hidden = hide_names or (rng is not None and rng.random() < hide_view)
         for slot, (unit, names, target) in enumerate(zip(view.units, view.words, view.targets, strict=True)):
-            rows = slice(int(view.evidence.offsets[unit]), int(view.evidence.offsets[unit + 1]))
+            rows = view.evidence.rows(unit)
             count = rows.stop - rows.start
             index = len(units)
             hypotheses.append(view.evidence.features[rows])
@@ -97,7 +108,7 @@ def collate(
             unit_of.append(np.full(count, index))
             view_of.append(number)
             slot_of.append(slot)
-            if not hidden and not (rng is not None and rng.random() < drop_unit):
+            if not hidden and not (rng is not None and rng.random() < hide_unit):
                 words.extend(names)
                 word_unit.extend([index] * len(names))
     return RankingBatch(
@@ -112,10 +123,3 @@ def collate(
         torch.tensor(rest, dtype=torch.float32),
         torch.tensor(weights, dtype=torch.float32),
     )
-
-
-def batches(views: Sequence[View], size: int, rng: np.random.Generator) -> Iterable[RankingBatch]:
-    """Batches of `size` views in random order, names dropped at random."""
-    order = rng.permutation(len(views))
-    for start in range(0, len(order), size):
-        yield collate([views[i] for i in order[start : start + size]], rng=rng)

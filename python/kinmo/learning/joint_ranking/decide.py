@@ -28,7 +28,8 @@ def agreement(kinds: NDArray[np.int64], directions: F64, pivots: F64) -> NDArray
     offset = pivots[:, None] - pivots[None]
     offset -= np.einsum("abi,ai->ab", offset, directions)[..., None] * directions[:, None]
     close = (np.linalg.norm(offset, axis=-1) <= AGREE_LINE) | (kinds == PRISMATIC)[:, None]
-    return kind & parallel & close
+    agree: NDArray[np.bool_] = kind & parallel & close
+    return agree
 
 
 def rank_answers(
@@ -40,7 +41,7 @@ def rank_answers(
     probability of all that agree with it, so it is the chance that the answer is right by the strict measure. A part that
     rather rests gets that as its first answer, its best joint as the second.
     """
-    rows = slice(int(evidence.offsets[unit]), int(evidence.offsets[unit + 1]))
+    rows = evidence.rows(unit)
     kinds, directions, pivots = evidence.kinds[rows], evidence.directions[rows], evidence.pivots[rows]
     agree = agreement(kinds, directions, pivots)
     support = agree @ probabilities

@@ -49,6 +49,11 @@ def segment_log_softmax(scores: Tensor, rest: Tensor, unit_of: Tensor) -> tuple[
 class JointRanker(nn.Module):
     """Scores hypotheses. `forward` returns log-probabilities of the hypotheses [H] and of not moving [U]."""
 
+    hypothesis_mean: Tensor
+    hypothesis_scale: Tensor
+    unit_mean: Tensor
+    unit_scale: Tensor
+
     def __init__(
         self, hypothesis_features: int, unit_features: int, width: int = 128, words: int = 32, dropout: float = 0.1
     ) -> None:

@@ -11,7 +11,7 @@ from kinmo.evidence import Evidence
 from kinmo.ground_truth import carriers_of
 from kinmo.joint import Joint
 from kinmo.learning.joint_ranking.data import View, hash_words, hypothesis_costs, soft_target
-from kinmo.prepared import PreparedShape
+from kinmo.prepared import PreparedShape, units_of
 
 
 def maximal_nodes(prepared: PreparedShape, leaves: Sequence[int]) -> list[int]:
@@ -31,58 +31,42 @@ def words_of(prepared: PreparedShape, leaves: Sequence[int]) -> tuple[int, ...]:
     return tuple(words + hash_words("category", prepared.category))
 
 
-def _target(evidence: Evidence, unit: int, joint: Joint | None) -> NDArray[np.float64] | None:
-    if joint is None:
-        return None
-    rows = slice(int(evidence.offsets[unit]), int(evidence.offsets[unit + 1]))
-    return soft_target(hypothesis_costs(evidence, rows, joint, evidence.centers[unit]))
-
-
-def unit_leaves(prepared: PreparedShape) -> tuple[tuple[int, ...], ...]:
-    """The distinct sets of leaves (positions) that are a node below the root or a body, nodes first."""
-    units = list(dict.fromkeys(prepared.leaves_below[1:]))
-    if prepared.mobility is not None:
-        position = {leaf: i for i, leaf in enumerate(prepared.leaves)}
-        bodies = [tuple(sorted(position[leaf] for leaf in body.leaves)) for body in prepared.mobility.bodies]
-        units += [body for body in dict.fromkeys(bodies) if body not in set(units)]
-    return tuple(units)
-
-
 def body_view(prepared: PreparedShape, evidence: Evidence) -> View:
-    """*Parts given*: one unit a body of the annotation, in its order."""
-    assert prepared.mobility is not None, "only an annotated shape has bodies"
-    index = {leaves: i for i, leaves in enumerate(unit_leaves(prepared))}
-    position = {leaf: i for i, leaf in enumerate(prepared.leaves)}
-    leaves = [tuple(sorted(position[leaf] for leaf in body.leaves)) for body in prepared.mobility.bodies]
-    units = tuple(index[each] for each in leaves)
-    return View(
-        prepared.id,
-        evidence,
-        units,
-        True,
-        tuple(words_of(prepared, each) for each in leaves),
-        tuple(_target(evidence, u, body.joint) for u, body in zip(units, prepared.mobility.bodies, strict=True)),
-    )
+    """*Parts given*: one unit a body of the annotation, in its order. Raises ValueError for a shape without one."""
+    if prepared.mobility is None:
+        raise ValueError(f"shape {prepared.id} is not annotated")
+    joints = [body.joint for body in prepared.mobility.bodies]
+    return _view(prepared, evidence, prepared.body_leaves, joints, is_bodies=True)
 
 
 def node_view(prepared: PreparedShape, evidence: Evidence) -> View:
     """*Hierarchy given*: one unit a node below the root, in preorder."""
-    index = {leaves: i for i, leaves in enumerate(unit_leaves(prepared))}
-    nodes = range(1, len(prepared.parents))
-    units = tuple(index[prepared.leaves_below[n]] for n in nodes)
-    joints: list[Joint | None] = [None] * len(units)
+    joints: list[Joint | None] = [None] * (len(prepared.parents) - 1)
     if prepared.mobility is not None:
         leaf_sets = [tuple(prepared.leaves[p] for p in below) for below in prepared.leaves_below]
         carried = carriers_of(leaf_sets, prepared.mobility)
-        for slot, node in enumerate(nodes):
+        for node in range(1, len(prepared.parents)):
             carrier = carried[node]
             if carrier is not None and carried[prepared.parents[node]] != carrier:
-                joints[slot] = prepared.mobility.bodies[carrier].joint
-    return View(
-        prepared.id,
-        evidence,
-        units,
-        False,
-        tuple(words_of(prepared, prepared.leaves_below[n]) for n in nodes),
-        tuple(_target(evidence, u, joint) for u, joint in zip(units, joints, strict=True)),
-    )
+                joints[node - 1] = prepared.mobility.bodies[carrier].joint
+    return _view(prepared, evidence, prepared.leaves_below[1:], joints, is_bodies=False)
+
+
+def _view(
+    prepared: PreparedShape,
+    evidence: Evidence,
+    leaves: Sequence[tuple[int, ...]],
+    joints: Sequence[Joint | None],
+    *,
+    is_bodies: bool,
+) -> View:
+    index = {each: unit for unit, each in enumerate(units_of(prepared.leaves_below, prepared.body_leaves))}
+    units = tuple(index[each] for each in leaves)
+    targets = tuple(_target(evidence, unit, joint) for unit, joint in zip(units, joints, strict=True))
+    return View(prepared.id, evidence, units, is_bodies, tuple(words_of(prepared, each) for each in leaves), targets)
+
+
+def _target(evidence: Evidence, unit: int, joint: Joint | None) -> NDArray[np.float64] | None:
+    if joint is None:
+        return None
+    return soft_target(hypothesis_costs(evidence, evidence.rows(unit), joint, evidence.centers[unit]))
