@@ -1,7 +1,7 @@
 """The `kinmo` method from ranked hypotheses to a mobility tree.
 
-*Parts given*, every body's hypotheses are ranked and the best is its joint. *Hierarchy given*, the nodes are ranked first: those
-that rather move than rest become bodies, siblings that the motion GNN holds to be fixed to each other become one, and the
+*Parts given*, every body's hypotheses are ranked and the best is its joint. *Hierarchy given*, the nodes are ranked first:
+those that rather move than rest become bodies, siblings that the motion GNN holds to be fixed to each other become one, and the
 bodies are then ranked like given ones.
 """
 
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from kinmo import _core
 from kinmo.candidates import KIND_CODES, Candidates
 from kinmo.evidence import Evidence, Scene, gather
+from kinmo.joint import MotionType
 from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.learning.joint_ranking.data import View
 from kinmo.learning.joint_ranking.decide import MOVES, rank_answers
@@ -26,7 +27,7 @@ from kinmo.mobility import Body, descendants
 from kinmo.mobility_tree import mean_estimate
 from kinmo.part_geometry import symmetric_box
 from kinmo.prediction import JointEstimate
-from kinmo.prepared import PreparedShape
+from kinmo.prepared import PreparedShape, units_of
 from kinmo.refinement import said_alone
 
 F64 = NDArray[np.float64]
@@ -38,7 +39,7 @@ FIXED = 0.5
 
 def ranked_bodies(
     shape: PreparedShape,
-    meshes: _core.Meshes,
+    meshes: _core.Meshes | None,
     bodies: Sequence[tuple[int, ...]],
     ranking: JointRanking,
     *,
@@ -46,19 +47,32 @@ def ranked_bodies(
 ) -> list[tuple[JointEstimate, ...]]:
     """Ranked answers for every body (positions of its leaves), in the normalised frame, without limits.
 
-    With `all_move`, only body 0 may rest: it has been decided already that the others move.
+    With `all_move`, only body 0 may rest: it has been decided already that the others move. `meshes` (of the leaves, in the
+    normalised frame) are needed for bodies that `shape` was not prepared with; without them those raise ValueError.
     """
-    evidence = gather(scene_of(shape, meshes), bodies)
-    words = tuple(words_of(shape, leaves) for leaves in bodies)
-    view = View(shape.id, evidence, tuple(range(len(bodies))), True, words, (None,) * len(bodies))
+    wanted = [body for body in bodies if body]
+    units = units_of(shape.leaves_below, shape.body_leaves)
+    if set(wanted) <= set(units) and shape.evidence:
+        evidence = Evidence.of(shape.evidence)
+    elif meshes is None:
+        raise ValueError("meshes: needed for bodies that the shape was not prepared with")
+    else:
+        units = units_of(shape.leaves_below, wanted)
+        evidence = gather(scene_of(shape, meshes), units)
+    place = {leaves: unit for unit, leaves in enumerate(units)}
+    words = tuple(words_of(shape, leaves) for leaves in wanted)
+    view = View(shape.id, evidence, tuple(place[body] for body in wanted), True, words, (None,) * len(wanted))
     probabilities, rest = ranking.probabilities(view)
-    answers = []
-    for unit, leaves in enumerate(bodies):
-        still = float(rest[unit])
-        odds = probabilities[unit]
-        if all_move and unit > 0 and still >= MOVES:
+    said = {body: (odds, float(still)) for body, odds, still in zip(wanted, probabilities, rest, strict=True)}
+    answers: list[tuple[JointEstimate, ...]] = []
+    for index, body in enumerate(bodies):
+        if not body:
+            answers.append((JointEstimate(None, MotionType.FIXED, 1.0, source="ranking"),))
+            continue
+        odds, still = said[body]
+        if all_move and index > 0 and still >= MOVES:
             odds, still = odds / odds.sum() * (1.0 - MOVES / 2), MOVES / 2
-        answers.append(rank_answers(evidence, unit, odds, still, symmetric_box(shape, leaves, meshes), shape.up))
+        answers.append(rank_answers(evidence, place[body], odds, still, symmetric_box(shape, body, meshes), shape.up))
     return answers
 
 

@@ -18,7 +18,7 @@ from kinmo.learning.joint_ranking.data import View, collate
 from kinmo.learning.joint_ranking.network import JointRanker, RankingBatch, ranking_loss
 from kinmo.learning.joint_ranking.views import body_view, node_view
 from kinmo.learning.training import FitResult, Learner, Progress, fit
-from kinmo.learning.weights import save_weights
+from kinmo.learning.weights import load_weights, save_weights
 from kinmo.prepared import PreparedShape
 
 KIND = "joint_ranking"
@@ -46,10 +46,12 @@ def train_joint_ranking(
     device: str = "auto",
     fingerprint: str = "",
     on_progress: Callable[[Progress], None] | None = None,
+    initial: Path | None = None,
 ) -> FitResult:
     """Train on annotated shapes; leaves `weights.safetensors` and `.json` of the best epoch on `validation` in `run_dir`.
 
-    Resumes what was cut off (`training.fit`). Raises InputError if either set has no joint to learn from.
+    `initial` are weights of an earlier training with the same sizes to start from. Resumes what was cut off (`training.fit`).
+    Raises InputError if either set has no joint to learn from, or `initial` does not fit.
     """
     views = [shape_views(shapes) for shapes in (training, validation)]
     for name, found in zip(("training", "validation"), views, strict=True):
@@ -58,6 +60,8 @@ def train_joint_ranking(
     torch.manual_seed(seed)
     data = RankingData(views[0], views[1], config)
     learner = RankingLearner(config, data)
+    if initial is not None:
+        load_weights(initial, KIND).fill(learner.networks)
     result = fit(learner, data, run_dir, seed=seed, device=device, fingerprint=fingerprint, on_progress=on_progress)
     facts = {
         "seed": seed,
