@@ -53,8 +53,9 @@ def fit_symmetric_boxes(
     """Boxes of Fish et al. 2014: centers, axes, half extents as of `fit_boxes`, and the number [G] of symmetric planes.
 
     Of the box of minimum volume and those on the facets of the convex hull, the one of least volume among those with three
-    symmetric middle planes, or else two, or else one, or else of all. A plane is symmetric if the 90th percentile of the squared
-    distances of `samples` mirrored surface samples to the surface, over the squared diagonal of the part, is below `tolerance`.
+    symmetric middle planes, or else two, or else one, or else of all. A plane is symmetric if the 90th percentile of the
+    squared distances of `samples` mirrored surface samples to the surface, over the squared diagonal of the part, is below
+    `tolerance`.
     """
 
 def fit_aligned_boxes(meshes: Meshes, frame: F64, groups: Groups = None) -> tuple[F64, F64, F64]:
@@ -72,4 +73,105 @@ def find_symmetries(
     angle does; 2 for reflections), a point [K, 3] and the unit direction [K, 3] of the axis, or normal of the plane, and the
     error [K]: the 90th percentile of the distances of mapped surface samples to the surface over the part's diagonal, which is
     below `tolerance`.
+
+def part_distances(
+    meshes: Meshes, groups: Groups = None, pairs: U32 | None = None, *, max_distance: float = float("inf")
+) -> tuple[U32, F64, F64, F64]:
+    """Exact distances between the surfaces of parts, with the points at which they are taken.
+
+    `pairs` [E, 2] holds indices of groups; None takes all unordered pairs. Pairs farther apart than `max_distance` are
+    left out. Returns `(pairs [E', 2], distances [E'], witness_a [E', 3], witness_b [E', 3])` in the order of `pairs`, in
+    the lengths of the meshes. The distance is 0 where surfaces touch or cross; it is a distance of *surfaces*: a closed
+    part wholly inside another is as far away as the other's surface is.
+    """
+
+class InteractionRegions:
+    """Interaction regions of E pairs: the samples that see the other part, and how much.
+
+    The samples of pair e are the rows `offsets[e]:offsets[e + 1]` of `samples` and `weights`.
+    """
+
+    @property
+    def centroids(self) -> F64:
+        """Mean [E, 3] of the moving part's samples, weighted by score."""
+    @property
+    def scored(self) -> NDArray[np.bool_]:
+        """[E]: False where no sample of the moving part has a score; the centroid then is the mean of the nearest pairs."""
+    @property
+    def touching(self) -> NDArray[np.bool_]:
+        """[E]: whether the nearest samples of the two parts are within a hundredth of the diagonal of their box."""
+    @property
+    def offsets(self) -> NDArray[np.int64]:
+        """[E + 1]."""
+    @property
+    def samples(self) -> U32:
+        """[S, 2]: mesh and number of the sample within it."""
+    @property
+    def weights(self) -> F64:
+        """[S]: scores, all positive; areas over the squared diagonal of the pair's box."""
+
+def interaction_regions(points: F64 | F32, pairs: U32, groups: Groups = None) -> InteractionRegions:
+    """Interaction regions of pairs of parts, by the interaction bisector surface (IBS) of Hu et al. 2015.
+
+    `points` [P, n, 3] are n surface samples of every mesh; `pairs` [E, 2] are the groups (moving, reference). The IBS is
+    what separates, in the Voronoi diagram of the samples of both parts and of 20 x 40 points of a sphere of radius 2/3
+    diagonal around them, samples of different parts. Each ridge falls into the triangles between its mean corner and its
+    edges. With D the diagonal of the box of all samples of the pair, d the distance of a triangle's centroid to the two
+    samples of its ridge and alpha the angle there between the ridge's normal and the direction to a sample, a triangle
+    gives both samples `area (1 - d / (D / 2))^20 (1 - alpha / (pi / 3))`, 0 where a factor is negative. The score of a
+    sample is the sum over its triangles. Ridges so far away that the base of the power is below 0.6 times that of the
+    nearest pair of samples (less than 4e-5 times its weight) are left out. Where no sample of the moving part has a score,
+    the centroid is the mean of the 10 nearest cross pairs from either side, and `scored` is False.
+    """
+
+def move_points(
+    points: F32, kinds: NDArray[np.uint8], directions: F64, pivots: F64, angles: F64, shifts: F64, *, out: F32 | None = None
+) -> F32:
+    """Points [N, 3] moved along C candidate joints by D displacements each: [C, D, N, 3], written to `out` if given.
+
+    `kinds` [C]: 0 revolute, 1 prismatic, 2 screw; `directions` [C, 3], of length 1; `pivots` [C, 3]; `angles` [C, D] in
+    radians, which prismatic joints ignore together with the pivot; `shifts` [C, D] in lengths, which revolute ones ignore.
+    """
+
+def sweep(
+    meshes: Meshes,
+    moving: Sequence[int],
+    obstacles: Sequence[int],
+    kinds: NDArray[np.uint8],
+    directions: F64,
+    pivots: F64,
+    lower: F64,
+    upper: F64,
+    *,
+    pitches: F64 | None = None,
+    probes: int = 384,
+    steps: int = 24,
+    tolerance: float = 0.01,
+    ignored_share: float = 0.005,
+) -> tuple[F64, F64, F64]:
+    """How far a part can travel along each of C candidate joints before it runs into something.
+
+    The meshes `moving` move as one among the meshes `obstacles`. Joints are given as in `move_points`; `lower` [C] (at
+    most 0) and `upper` [C] (at least 0) are the travels to try, radians for revolute and screw joints, lengths for
+    prismatic ones; `pitches` [C] is the length per radian of screws (None: 0).
+
+    Contact and small overlaps at rest are no collision: both bodies are stood for by `probes` surface samples moved inwards
+    by `tolerance` diagonals of the moving part (in thinner walls to the middle), those that are inside the other body at
+    rest are not used, and a probe collides where its path, in `steps` steps a direction, crosses the other body's surface.
+
+    Returns `(free_lower [C], free_upper [C], penetration [C, 2])`: the travel up to which at most `ignored_share` of the
+    probes of either body have collided (the limit tried if nothing is in the way), too long by up to `tolerance` diagonals
+    where the body starts in contact; and the share of the probes that collide on the whole way, downwards and upwards.
+    """
+
+def box_intersection_volume(centers_a: F64, axes_a: F64, half_a: F64, centers_b: F64, axes_b: F64, half_b: F64) -> F64:
+    """Exact volumes [B] of the intersections of B pairs of oriented boxes.
+
+    `centers` [B, 3], `axes` [B, 3, 3] with the unit axes as rows, `half` [B, 3] half of the extents along them.
+    """
+
+def box_iou(centers_a: F64, axes_a: F64, half_a: F64, centers_b: F64, axes_b: F64, half_b: F64) -> F64:
+    """Exact intersection over union [B] of B pairs of oriented boxes, given as in `box_intersection_volume`.
+
+    0 where neither box has volume.
     """

@@ -1,78 +1,48 @@
-//! Groups of meshes that are one part each, and work done a group at a time.
+//! Groups of meshes and pairs of groups.
 
-use kinmo_geometry::{GeometryError, Mesh};
-use nalgebra::Point3;
-use pyo3::prelude::*;
-use rayon::prelude::*;
+use kinmo_geometry::{GeometryError, Result};
+use numpy::PyReadonlyArrayDyn;
 
-use crate::convert::value_error;
+use crate::arrays::rows_of;
 
-/// Items handed to each thread before Python is asked whether Ctrl-C was pressed.
-const ITEMS_PER_THREAD: usize = 4;
-
-/// Indices of the meshes of every part.
-pub struct Groups(Vec<Vec<usize>>);
-
-impl Groups {
-    /// Checks `groups`; without any, every one of the `mesh_count` meshes is a part by itself.
-    pub fn new(groups: Option<Vec<Vec<i64>>>, mesh_count: usize) -> PyResult<Self> {
-        let Some(groups) = groups else {
-            return Ok(Self((0..mesh_count).map(|mesh| vec![mesh]).collect()));
-        };
-        let checked = groups.into_iter().enumerate().map(|(i, group)| {
-            if group.is_empty() {
-                return Err(GeometryError::new(format!("groups[{i}]"), "empty, expected at least one mesh"));
-            }
-            let index = |mesh: i64| usize::try_from(mesh).ok().filter(|&mesh| mesh < mesh_count);
-            let outside =
-                |mesh: i64| GeometryError::new(format!("groups[{i}]"), format!("{mesh} is outside 0..{mesh_count}"));
-            group.into_iter().map(|mesh| index(mesh).ok_or_else(|| outside(mesh))).collect()
-        });
-        Ok(Self(checked.collect::<Result<_, _>>().map_err(value_error)?))
+/// The indices of the meshes of every group, checked; without groups, every mesh by itself.
+pub fn groups_of<I>(meshes: usize, groups: Option<Vec<Vec<I>>>) -> Result<Vec<Vec<usize>>>
+where
+    I: Copy + TryInto<usize>,
+{
+    let Some(groups) = groups else { return Ok((0..meshes).map(|mesh| vec![mesh]).collect()) };
+    let mut checked = Vec::with_capacity(groups.len());
+    for (index, group) in groups.into_iter().enumerate() {
+        // A negative index is as much out of range as one that is too large.
+        let members: Vec<usize> = group.into_iter().map(|member| member.try_into().unwrap_or(usize::MAX)).collect();
+        check_members(&format!("groups[{index}]"), meshes, &members)?;
+        checked.push(members);
     }
+    Ok(checked)
+}
 
-    /// What `work` makes of every group, in order.
-    pub fn map<T: Send>(&self, py: Python<'_>, work: impl Fn(&[usize]) -> T + Sync) -> PyResult<Vec<T>> {
-        map_in_batches(py, &self.0, |group| work(group))
+/// Refuses an empty list and indices out of range.
+pub fn check_members(name: &str, meshes: usize, members: &[usize]) -> Result<()> {
+    if members.is_empty() {
+        return Err(GeometryError::new(name, "empty, expected at least one mesh"));
     }
-
-    /// What `work` makes of the vertices of every group.
-    pub fn map_vertices<T: Send>(
-        &self,
-        py: Python<'_>,
-        meshes: &[Mesh],
-        work: impl Fn(&[Point3<f64>]) -> T + Sync,
-    ) -> PyResult<Vec<T>> {
-        self.map(py, |group| match group {
-            [only] => work(meshes[*only].vertices()),
-            _ => work(&group.iter().flat_map(|&i| meshes[i].vertices()).copied().collect::<Vec<_>>()),
-        })
-    }
-
-    /// What `work` makes of the mesh of every group.
-    pub fn map_meshes<T: Send>(
-        &self,
-        py: Python<'_>,
-        meshes: &[Mesh],
-        work: impl Fn(&Mesh) -> T + Sync,
-    ) -> PyResult<Vec<T>> {
-        self.map(py, |group| match group {
-            [only] => work(&meshes[*only]),
-            _ => work(&Mesh::union(group.iter().map(|&i| &meshes[i]))),
-        })
+    match members.iter().find(|&&mesh| mesh >= meshes) {
+        Some(mesh) => Err(GeometryError::new(name, format!("index {mesh} is outside 0..{meshes}"))),
+        None => Ok(()),
     }
 }
 
-/// What `work` makes of every item, in order: in parallel, without the GIL, and looking for Ctrl-C between batches.
-pub fn map_in_batches<I: Sync, T: Send>(
-    py: Python<'_>,
-    items: &[I],
-    work: impl Fn(&I) -> T + Sync,
-) -> PyResult<Vec<T>> {
-    let mut results = Vec::with_capacity(items.len());
-    for batch in items.chunks(ITEMS_PER_THREAD * rayon::current_num_threads()) {
-        results.extend(py.detach(|| batch.par_iter().map(&work).collect::<Vec<_>>()));
-        py.check_signals()?;
+/// Pairs [E, 2] of different groups.
+pub fn pairs_of(groups: usize, pairs: &PyReadonlyArrayDyn<'_, u32>) -> Result<Vec<(usize, usize)>> {
+    let rows = rows_of("pairs", pairs.as_array(), 2)?;
+    let pairs: Vec<(usize, usize)> = rows.rows().into_iter().map(|row| (row[0] as usize, row[1] as usize)).collect();
+    for (row, &(a, b)) in pairs.iter().enumerate() {
+        if a >= groups || b >= groups {
+            return Err(GeometryError::new("pairs", format!("row {row} has an index outside 0..{groups}")));
+        }
+        if a == b {
+            return Err(GeometryError::new("pairs", format!("row {row} pairs group {a} with itself")));
+        }
     }
-    Ok(results)
+    Ok(pairs)
 }

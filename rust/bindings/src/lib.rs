@@ -2,10 +2,13 @@
 #![allow(missing_docs)]
 
 mod adjacency;
+mod arrays;
+mod batches;
 mod convert;
 mod groups;
 mod interaction;
 mod iou;
+mod joints;
 mod meshes;
 mod motion;
 mod obb;

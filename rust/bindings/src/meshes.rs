@@ -1,12 +1,14 @@
 //! `Meshes`: the parts of a shape, checked once and handed to every other function.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use kinmo_geometry::bvh::Bvh;
 use kinmo_geometry::{GeometryError, Mesh};
 use nalgebra::Point3;
 use numpy::ndarray::ArrayView2;
 use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
+use rayon::prelude::*;
 
 use crate::convert::value_error;
 
@@ -14,6 +16,20 @@ use crate::convert::value_error;
 #[pyclass(frozen, module = "kinmo._core")]
 pub struct Meshes {
     pub parts: Arc<Vec<Mesh>>,
+    /// A tree a part, built when it is first asked for.
+    trees: Vec<OnceLock<Bvh>>,
+}
+
+impl Meshes {
+    /// The tree over the triangles of one part.
+    pub fn tree(&self, part: usize) -> &Bvh {
+        self.trees[part].get_or_init(|| Bvh::new(&self.parts[part]))
+    }
+
+    /// The trees of the members of every group.
+    pub fn trees_of(&self, groups: &[Vec<usize>]) -> Vec<Vec<&Bvh>> {
+        groups.par_iter().map(|members| members.iter().map(|&part| self.tree(part)).collect()).collect()
+    }
 }
 
 #[pymethods]
@@ -32,7 +48,9 @@ impl Meshes {
         let parts = py.detach(|| {
             arrays.into_iter().enumerate().map(|(part, (v, f))| mesh_of(part, v, f)).collect::<Result<Vec<_>, _>>()
         });
-        Ok(Self { parts: Arc::new(parts.map_err(value_error)?) })
+        let parts = Arc::new(parts.map_err(value_error)?);
+        let trees = parts.iter().map(|_| OnceLock::new()).collect();
+        Ok(Self { parts, trees })
     }
 
     fn __len__(&self) -> usize {

@@ -6,8 +6,8 @@ use nalgebra::Point3;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
+use crate::batches::map_in_batches;
 use crate::convert::value_error;
-use crate::groups::map_in_batches;
 use crate::meshes::Meshes;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {

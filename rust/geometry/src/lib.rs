@@ -5,6 +5,9 @@
 
 pub mod adjacency;
 mod box_search;
+pub mod bvh;
+mod clearance;
+mod convex;
 pub mod error;
 pub mod hull;
 pub mod interaction;
@@ -13,13 +16,18 @@ mod lanes;
 pub mod mesh;
 pub mod motion;
 pub mod obb;
-mod parry;
+mod point_tree;
+pub mod probes;
 mod rectangle;
 mod revolution;
 mod sample_elimination;
 pub mod sampling;
+pub mod surface;
 pub mod sweep;
+pub mod symmetric_box;
 pub mod symmetry;
+mod symmetry_test;
+pub mod triangle;
 
 pub use error::{GeometryError, Result};
 pub use mesh::Mesh;

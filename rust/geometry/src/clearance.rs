@@ -1,0 +1,109 @@
+//! A coarse map of how far away a surface is.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::bvh::{Aabb, Bvh};
+
+/// Cells along the longest side.
+const RESOLUTION: f64 = 64.0;
+/// Cells that no surface is near: the largest count that is told apart.
+const FAR: u8 = 255;
+
+/// Lower bounds of the distance to the triangles of some trees, on a grid around `bounds`.
+pub struct ClearanceGrid {
+    bounds: Aabb,
+    low: Point3<f64>,
+    cell: f64,
+    size: [usize; 3],
+    /// Cells to the nearest one that holds surface, in the maximum norm.
+    steps: Vec<u8>,
+}
+
+impl ClearanceGrid {
+    /// Maps the surfaces that pass through `bounds`, which must not be empty; those outside are not seen.
+    pub fn new(trees: &[&Bvh], bounds: &Aabb) -> Self {
+        let extent = bounds.high - bounds.low;
+        let cell = (extent.max() / RESOLUTION).max(f64::MIN_POSITIVE);
+        // One more cell on every side, see `spread_forward`.
+        let size = [0, 1, 2].map(|axis| (extent[axis] / cell) as usize + 3);
+        let mut grid = Self {
+            bounds: *bounds,
+            low: bounds.low - Vector3::repeat(cell),
+            cell,
+            size,
+            steps: vec![FAR; size[0] * size[1] * size[2]],
+        };
+        for tree in trees {
+            tree.visit_triangles(bounds, |triangle| grid.mark(&Aabb::of(triangle), triangle));
+        }
+        grid.spread();
+        grid
+    }
+
+    /// A lower bound of the distance from `point` to the surface inside the bounds.
+    pub fn clearance(&self, point: &Point3<f64>) -> f64 {
+        let cell = (point - self.low) / self.cell;
+        let inside = (0..3).all(|axis| cell[axis] >= 1.0 && cell[axis] < (self.size[axis] - 1) as f64);
+        if !inside {
+            return self.bounds.squared_distance(&Aabb { low: *point, high: *point }).sqrt();
+        }
+        let steps = self.steps[self.index([cell.x as usize, cell.y as usize, cell.z as usize])];
+        (f64::from(steps) - 1.0).max(0.0) * self.cell
+    }
+
+    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.size[1] + y) * self.size[0] + x
+    }
+
+    fn mark(&mut self, bounds: &Aabb, triangle: &[Point3<f64>; 3]) {
+        let place =
+            |value: f64, axis: usize| ((value - self.low[axis]) / self.cell).clamp(1.0, (self.size[axis] - 2) as f64);
+        let first = [0, 1, 2].map(|axis| place(bounds.low[axis], axis) as usize);
+        let last = [0, 1, 2].map(|axis| place(bounds.high[axis], axis) as usize);
+        let normal = (triangle[1] - triangle[0]).cross(&(triangle[2] - triangle[0]));
+        let reach = 0.5 * self.cell * normal.abs().sum() * (1.0 + 1e-9);
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                for x in first[0]..=last[0] {
+                    let corner = Vector3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5);
+                    let center = self.low + corner * self.cell;
+                    if (center - triangle[0]).dot(&normal).abs() <= reach {
+                        let index = self.index([x, y, z]);
+                        self.steps[index] = 0;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Distances in the maximum norm: every cell is at most one step farther than any of its 26 neighbours. A pass from
+    /// the front looks at the 13 that come before, the same pass on the reversed grid at the other 13.
+    fn spread(&mut self) {
+        for _ in 0..2 {
+            self.spread_forward();
+            self.steps.reverse();
+        }
+    }
+
+    fn spread_forward(&mut self) {
+        let [nx, ny, nz] = self.size;
+        // The outermost cells only spare the others a test for neighbours that are not there.
+        for z in 1..nz - 1 {
+            for y in 1..ny - 1 {
+                let start = self.index([0, y, z]);
+                let (before, row) = self.steps.split_at_mut(start);
+                let row = &mut row[..nx];
+                for (dz, dy) in [(1, 1), (1, 0), (1, -1), (0, 1)] {
+                    let start = start as isize - (dz * ny as isize + dy) * nx as isize;
+                    let other = &before[start as usize..start as usize + nx];
+                    for (value, three) in row[1..].iter_mut().zip(other.windows(3)) {
+                        *value = (*value).min(three[0].min(three[1]).min(three[2]).saturating_add(1));
+                    }
+                }
+                for x in 1..nx {
+                    row[x] = row[x].min(row[x - 1].saturating_add(1));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Sample points that stand for a body in collision tests.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::Mesh;
+use crate::bvh::{Aabb, Bvh};
+
+/// A part or several that move as one: meshes with their trees.
+#[derive(Clone, Copy)]
+pub struct Solid<'a> {
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// The tree over its triangles.
+    pub tree: &'a Bvh,
+}
+
+/// A point a little inside a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Probe {
+    /// The point.
+    pub point: Point3<f64>,
+    /// How far it may move before what it meets counts: 0, or the tolerance where the body is a sheet without inside.
+    pub grace: f64,
+}
+
+/// Draws that may fall outside the region, for every probe wanted.
+const DRAWS_PER_PROBE: usize = 8;
+/// Directions in general position, along which insides are told from outsides by counting crossings.
+const DIRECTIONS: [[f64; 3]; 3] = [[0.6126, 0.2837, 0.7377], [-0.3391, 0.8954, -0.2884], [0.1733, -0.4712, 0.8649]];
+/// Start of a ray off its own surface, in units of the tolerance.
+const LIFT: f64 = 1e-3;
+
+/// At most `count` points spread evenly over the surface inside `region`, each moved inwards by `tolerance` or to the
+/// middle of a wall thinner than twice that. Points that are inside `other` are left out: those bodies overlap as given.
+pub fn probes_of(body: &[Solid<'_>], other: &[Solid<'_>], region: &Aabb, count: usize, tolerance: f64) -> Vec<Probe> {
+    let mut cumulated = Vec::new();
+    let mut total = 0.0;
+    for (part, solid) in body.iter().enumerate() {
+        for face in 0..solid.mesh.faces().len() {
+            let corners = solid.mesh.triangle(face);
+            if Aabb::of(&corners).squared_distance(region) == 0.0 {
+                total += 0.5 * solid.mesh.scaled_normal(face).norm();
+                cumulated.push((total, part, face));
+            }
+        }
+    }
+    let mut probes = Vec::new();
+    if total <= 0.0 {
+        return probes;
+    }
+    for draw in 0..count * DRAWS_PER_PROBE {
+        if probes.len() == count {
+            break;
+        }
+        let [along, u, v] = quasi_random(draw);
+        let (_, part, face) =
+            cumulated[cumulated.partition_point(|entry| entry.0 < along * total).min(cumulated.len() - 1)];
+        let [a, b, c] = body[part].mesh.triangle(face);
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let point = a + (b - a) * u + (c - a) * v;
+        if region.squared_distance(&Aabb { low: point, high: point }) > 0.0 {
+            continue;
+        }
+        let normal = body[part].mesh.scaled_normal(face).normalize();
+        let probe = match inward(body[part].tree, &point, &normal, tolerance) {
+            Some(inset) => Probe { point: point + inset, grace: 0.0 },
+            None => Probe { point, grace: tolerance },
+        };
+        if !other.iter().any(|solid| is_inside(solid.tree, &probe.point)) {
+            probes.push(probe);
+        }
+    }
+    probes
+}
+
+/// The `index`-th point of the additive recurrence with the generalised golden ratio in three dimensions.
+fn quasi_random(index: usize) -> [f64; 3] {
+    const RATIO: f64 = 1.220_744_084_605_759_5;
+    [1, 2, 3].map(|power| (0.5 + (index + 1) as f64 / RATIO.powi(power)).fract())
+}
+
+/// The way from a surface point to the inside; `None` where the surface bounds no inside.
+fn inward(tree: &Bvh, point: &Point3<f64>, normal: &Vector3<f64>, tolerance: f64) -> Option<Vector3<f64>> {
+    let odd =
+        |direction: Vector3<f64>| tree.count_crossings(&(point + direction * (tolerance * LIFT)), &direction) % 2 == 1;
+    let direction = match (odd(*normal), odd(-normal)) {
+        (true, false) => *normal,
+        (false, true) => -normal,
+        _ => return None,
+    };
+    let start = point + direction * (tolerance * LIFT);
+    let span = 2.0 * tolerance;
+    let thickness = tree.first_crossing(&start, &(start + direction * span)).map_or(span, |share| share * span);
+    Some(direction * (0.5 * thickness))
+}
+
+/// Whether most rays from `point` leave an odd number of times.
+fn is_inside(tree: &Bvh, point: &Point3<f64>) -> bool {
+    if tree.bounds().squared_distance(&Aabb { low: *point, high: *point }) > 0.0 {
+        return false;
+    }
+    let odd = |direction: [f64; 3]| tree.count_crossings(point, &Vector3::from(direction)) % 2 == 1;
+    let [first, second] = [odd(DIRECTIONS[0]), odd(DIRECTIONS[1])];
+    if first == second { first } else { odd(DIRECTIONS[2]) }
+}
