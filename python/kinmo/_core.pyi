@@ -65,7 +65,7 @@ def fit_upright_boxes(meshes: Meshes, up: F64, groups: Groups = None) -> tuple[F
     """Boxes of minimum volume with the third axis along `up` [3] (any length but zero), the first the longer of the others."""
 
 def find_symmetries(
-    meshes: Meshes, groups: Groups = None, *, seed: int = 0, samples: int = 200, tolerance: float = 0.01
+    meshes: Meshes, groups: Groups = None, *, seed: int = 0, samples: int = 100, tolerance: float = 0.01
 ) -> tuple[U32, NDArray[np.uint8], U32, F64, F64, F64]:
     """Mirror planes and rotation axes of every part, as K rows in the order of the groups.
 

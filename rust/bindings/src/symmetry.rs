@@ -50,7 +50,7 @@ type Symmetries<'py> = (
 );
 
 #[pyfunction]
-#[pyo3(name = "find_symmetries", signature = (meshes, groups=None, *, seed=0, samples=200, tolerance=0.01))]
+#[pyo3(name = "find_symmetries", signature = (meshes, groups=None, *, seed=0, samples=100, tolerance=0.01))]
 fn py_find_symmetries<'py>(
     py: Python<'py>,
     meshes: &Meshes,

@@ -63,6 +63,13 @@ impl Aabb {
         sum
     }
 
+    /// Squared distance of a point to the box; 0 inside.
+    pub fn squared_distance_to_point(&self, point: &Point3<f64>) -> f64 {
+        let outside = |axis: usize| (self.low[axis] - point[axis]).max(point[axis] - self.high[axis]).max(0.0);
+        let [x, y, z] = [outside(0), outside(1), outside(2)];
+        x * x + y * y + z * z
+    }
+
     /// Whether a ray, given by the inverse of its direction, meets the box before `limit`.
     pub fn meets_ray(&self, origin: &Point3<f64>, inverse: &Vector3<f64>, limit: f64) -> bool {
         let (mut enter, mut leave) = (0.0f64, limit);
@@ -200,26 +207,30 @@ impl Bvh {
 
     /// Squared distance of a point to the surface, if less than `bound`; the search stops at the first one below `enough`.
     pub fn squared_distance_to_point(&self, point: &Point3<f64>, bound: f64, enough: f64) -> Option<f64> {
-        let here = Aabb { low: *point, high: *point };
         let mut best = bound;
-        let mut stack = vec![(0u32, self.bounds().squared_distance(&here))];
-        while let Some((index, squared)) = stack.pop() {
-            let node = &self.nodes[index as usize];
-            if squared >= best {
-                continue;
-            }
-            if node.count == 0 {
-                let [near, far] =
-                    self.children(node).map(|child| (child, self.nodes[child as usize].bounds.squared_distance(&here)));
-                stack.extend(if far.1 < near.1 { [near, far] } else { [far, near] });
-                continue;
-            }
-            best = self.leaf(node).iter().map(|triangle| point_triangle(point, triangle)).fold(best, f64::min);
-            if best < enough {
-                break;
-            }
+        if self.bounds().squared_distance_to_point(point) < bound {
+            self.approach(&self.nodes[0], point, enough, &mut best);
         }
         (best < bound).then_some(best)
+    }
+
+    /// Lowers `best` to the squared distance of `point` to the triangles below `node`.
+    fn approach(&self, node: &Node, point: &Point3<f64>, enough: f64, best: &mut f64) {
+        if node.count > 0 {
+            *best = self.leaf(node).iter().map(|triangle| point_triangle(point, triangle)).fold(*best, f64::min);
+            return;
+        }
+        let (mut near, mut far) = (&self.nodes[node.first as usize], &self.nodes[node.first as usize + 1]);
+        let mut to_near = near.bounds.squared_distance_to_point(point);
+        let mut to_far = far.bounds.squared_distance_to_point(point);
+        if to_far < to_near {
+            (near, far, to_near, to_far) = (far, near, to_far, to_near);
+        }
+        for (child, squared) in [(near, to_near), (far, to_far)] {
+            if squared < *best && *best >= enough {
+                self.approach(child, point, enough, best);
+            }
+        }
     }
 
     /// Share in [0, 1] of the way from `start` to `end` at which the surface is first met.

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 
 use crate::obb::BoxFitter;
 use crate::revolution::axis_of_revolution;
-use crate::sampling::SurfaceSample;
+use crate::sampling::{SurfaceSample, sample_surface};
 use crate::surface::Surface;
 use crate::symmetric_box::most_symmetric_box;
 use crate::symmetry_test::SymmetryTest;
@@ -35,6 +35,9 @@ pub enum SymmetryKind {
     Revolution,
 }
 
+/// Samples from which candidate axes are fitted: they cost less than those that are tested.
+const FITTED_SAMPLES: usize = 512;
+
 /// Turns tried, the finest first: of an axis only the finest is reported.
 const ORDERS: [u32; 6] = [8, 6, 5, 4, 3, 2];
 
@@ -60,8 +63,9 @@ pub fn find_symmetries(surface: &Surface<'_>, samples: usize, tolerance: f64, se
     }
     let test = SymmetryTest::new(surface, samples, tolerance, seed);
     let (symmetric, _) = most_symmetric_box(&fitter, minimal, &test);
-    let (centroid, principal) = principal_axes(test.samples());
-    let mut lines: Vec<(Point3<f64>, Vector3<f64>)> = axis_of_revolution(test.samples()).into_iter().collect();
+    let fitted = sample_surface(surface.mesh(), FITTED_SAMPLES, seed);
+    let (centroid, principal) = principal_axes(&fitted);
+    let mut lines: Vec<(Point3<f64>, Vector3<f64>)> = axis_of_revolution(&fitted).into_iter().collect();
     for candidate in [symmetric, minimal] {
         lines.extend(candidate.axes.iter().map(|axis| (candidate.center, *axis)));
     }

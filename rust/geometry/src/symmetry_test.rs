@@ -28,11 +28,6 @@ impl<'a> SymmetryTest<'a> {
         Self { surface, samples, diagonal, reach: tolerance * diagonal, outliers }
     }
 
-    /// The samples.
-    pub fn samples(&self) -> &[SurfaceSample] {
-        &self.samples
-    }
-
     /// How far mapped samples may be from the surface.
     pub fn reach(&self) -> f64 {
         self.reach
