@@ -19,3 +19,12 @@ pub fn map_in_batches<I: Sync, T: Send>(
     }
     Ok(results)
 }
+
+/// As [`map_in_batches`], for work that leaves its results in the items.
+pub fn for_each_in_batches<I: Send>(py: Python<'_>, items: &mut [I], work: impl Fn(&mut I) + Sync) -> PyResult<()> {
+    for batch in items.chunks_mut(ITEMS_PER_THREAD * rayon::current_num_threads()) {
+        py.detach(|| batch.par_iter_mut().for_each(&work));
+        py.check_signals()?;
+    }
+    Ok(())
+}

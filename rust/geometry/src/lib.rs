@@ -22,6 +22,7 @@ mod rectangle;
 mod revolution;
 mod sample_elimination;
 pub mod sampling;
+mod strata;
 pub mod surface;
 pub mod sweep;
 pub mod symmetric_box;
