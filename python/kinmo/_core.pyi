@@ -65,7 +65,7 @@ def fit_upright_boxes(meshes: Meshes, up: F64, groups: Groups = None) -> tuple[F
     """Boxes of minimum volume with the third axis along `up` [3] (any length but zero), the first the longer of the others."""
 
 def find_symmetries(
-    meshes: Meshes, groups: Groups = None, *, seed: int = 0, samples: int = 200, tolerance: float = 0.01
+    meshes: Meshes, groups: Groups = None, *, seed: int = 0, samples: int = 100, tolerance: float = 0.01
 ) -> tuple[U32, NDArray[np.uint8], U32, F64, F64, F64]:
     """Mirror planes and rotation axes of every part, as K rows in the order of the groups.
 
@@ -73,7 +73,6 @@ def find_symmetries(
     angle does; 2 for reflections), a point [K, 3] and the unit direction [K, 3] of the axis, or normal of the plane, and the
     error [K]: the 90th percentile of the distances of mapped surface samples to the surface over the part's diagonal, which is
     below `tolerance`.
-    """
 
 def part_distances(
     meshes: Meshes, groups: Groups = None, pairs: U32 | None = None, *, max_distance: float = float("inf")

@@ -3,6 +3,7 @@
 
 mod adjacency;
 mod arrays;
+mod batches;
 mod convert;
 mod groups;
 mod interaction;

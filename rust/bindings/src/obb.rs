@@ -2,12 +2,14 @@
 
 use kinmo_geometry::GeometryError;
 use kinmo_geometry::obb::{OrientedBox, aligned_box, minimum_volume_box, upright_box};
-use nalgebra::{Matrix3, Vector3};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use nalgebra::{Matrix3, Point3, Vector3};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 
+use crate::arrays::{matrix_of, vector_of};
+use crate::batches::map_in_batches;
 use crate::convert::value_error;
-use crate::groups::Groups;
+use crate::groups::groups_of;
 use crate::meshes::Meshes;
 
 /// How far the rows of a frame may be from orthonormal.
@@ -33,8 +35,7 @@ pub fn to_arrays<'py>(py: Python<'py>, boxes: &[OrientedBox]) -> PyResult<Boxes<
 #[pyfunction]
 #[pyo3(signature = (meshes, groups=None))]
 fn fit_boxes<'py>(py: Python<'py>, meshes: &Meshes, groups: Option<Vec<Vec<i64>>>) -> PyResult<Boxes<'py>> {
-    let groups = Groups::new(groups, meshes.parts.len())?;
-    to_arrays(py, &groups.map_vertices(py, &meshes.parts, minimum_volume_box)?)
+    fit_each(py, meshes, groups, minimum_volume_box)
 }
 
 #[pyfunction]
@@ -42,12 +43,11 @@ fn fit_boxes<'py>(py: Python<'py>, meshes: &Meshes, groups: Option<Vec<Vec<i64>>
 fn fit_aligned_boxes<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    frame: PyReadonlyArray2<'py, f64>,
+    frame: PyReadonlyArrayDyn<'py, f64>,
     groups: Option<Vec<Vec<i64>>>,
 ) -> PyResult<Boxes<'py>> {
     let axes = orthonormal_rows(&frame).map_err(value_error)?;
-    let groups = Groups::new(groups, meshes.parts.len())?;
-    to_arrays(py, &groups.map_vertices(py, &meshes.parts, |points| aligned_box(points, axes))?)
+    fit_each(py, meshes, groups, |points| aligned_box(points, axes))
 }
 
 #[pyfunction]
@@ -55,36 +55,39 @@ fn fit_aligned_boxes<'py>(
 fn fit_upright_boxes<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    up: PyReadonlyArray1<'py, f64>,
+    up: PyReadonlyArrayDyn<'py, f64>,
     groups: Option<Vec<Vec<i64>>>,
 ) -> PyResult<Boxes<'py>> {
     let up = unit("up", &up).map_err(value_error)?;
-    let groups = Groups::new(groups, meshes.parts.len())?;
-    to_arrays(py, &groups.map_vertices(py, &meshes.parts, |points| upright_box(points, up))?)
+    fit_each(py, meshes, groups, |points| upright_box(points, up))
 }
 
-fn orthonormal_rows(frame: &PyReadonlyArray2<'_, f64>) -> Result<[Vector3<f64>; 3], GeometryError> {
-    if frame.shape() != [3, 3] {
-        return Err(GeometryError::new("frame", format!("shape {:?}, expected [3, 3]", frame.shape())));
-    }
-    let rows = frame.as_array();
-    let axes = [0, 1, 2].map(|i| Vector3::new(rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]));
-    let matrix = Matrix3::from_columns(&axes);
-    let deviation = (matrix.transpose() * matrix - Matrix3::identity()).amax();
-    if deviation <= ORTHONORMAL && matrix.determinant() > 0.0 {
-        Ok(axes)
-    } else {
-        Err(GeometryError::new("frame", "rows are not orthonormal and right-handed"))
-    }
+fn fit_each<'py>(
+    py: Python<'py>,
+    meshes: &Meshes,
+    groups: Option<Vec<Vec<i64>>>,
+    fit: impl Fn(&[Point3<f64>]) -> OrientedBox + Sync,
+) -> PyResult<Boxes<'py>> {
+    let groups = groups_of(meshes.parts.len(), groups).map_err(value_error)?;
+    let boxes = map_in_batches(py, &groups, |group| match group[..] {
+        [only] => fit(meshes.parts[only].vertices()),
+        _ => fit(&group.iter().flat_map(|&part| meshes.parts[part].vertices()).copied().collect::<Vec<_>>()),
+    })?;
+    to_arrays(py, &boxes)
 }
 
-fn unit(argument: &str, direction: &PyReadonlyArray1<'_, f64>) -> Result<Vector3<f64>, GeometryError> {
-    if direction.len() != 3 {
-        return Err(GeometryError::new(argument, format!("{} elements, expected 3", direction.len())));
+fn orthonormal_rows(frame: &PyReadonlyArrayDyn<'_, f64>) -> Result<[Vector3<f64>; 3], GeometryError> {
+    let columns = matrix_of("frame", frame.as_array())?.transpose();
+    let deviation = (columns.transpose() * columns - Matrix3::identity()).amax();
+    if deviation > ORTHONORMAL || columns.determinant() < 0.0 {
+        return Err(GeometryError::new("frame", "rows are not orthonormal and right-handed"));
     }
-    let view = direction.as_array();
-    let vector = Vector3::new(view[0], view[1], view[2]);
-    let finite = vector.iter().all(|x| x.is_finite());
-    let unit = vector.try_normalize(0.0).filter(|_| finite);
-    unit.ok_or_else(|| GeometryError::new(argument, "expected a finite direction that is not zero"))
+    Ok([0, 1, 2].map(|axis| columns.column(axis).into_owned()))
+}
+
+fn unit(argument: &str, direction: &PyReadonlyArrayDyn<'_, f64>) -> Result<Vector3<f64>, GeometryError> {
+    let vector = vector_of(argument, direction.as_array())?;
+    // Scaled first: the square of a very long or short vector is out of range.
+    let scaled = vector / vector.amax();
+    scaled.try_normalize(0.0).filter(|unit| unit.x.is_finite()).ok_or_else(|| GeometryError::new(argument, "is zero"))
 }

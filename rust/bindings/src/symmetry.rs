@@ -2,12 +2,15 @@
 
 use kinmo_geometry::GeometryError;
 use kinmo_geometry::obb::OrientedBox;
-use kinmo_geometry::symmetry::{Symmetry, SymmetryKind, find_symmetries, symmetric_box};
+use kinmo_geometry::surface::Surface;
+use kinmo_geometry::symmetric_box::symmetric_box;
+use kinmo_geometry::symmetry::{Symmetry, SymmetryKind, find_symmetries};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
+use crate::batches::map_in_batches;
 use crate::convert::value_error;
-use crate::groups::Groups;
+use crate::groups::groups_of;
 use crate::meshes::Meshes;
 use crate::obb::to_arrays;
 
@@ -31,8 +34,7 @@ fn fit_symmetric_boxes<'py>(
 ) -> PyResult<SymmetricBoxes<'py>> {
     let samples = at_least_one("samples", samples)?;
     let tolerance = positive("tolerance", tolerance)?;
-    let groups = Groups::new(groups, meshes.parts.len())?;
-    let found = groups.map_meshes(py, &meshes.parts, |mesh| symmetric_box(mesh, samples, tolerance, seed))?;
+    let found = for_each_part(py, meshes, groups, |part| symmetric_box(part, samples, tolerance, seed))?;
     let (boxes, planes): (Vec<OrientedBox>, Vec<u8>) = found.into_iter().unzip();
     let (centers, axes, half_extents) = to_arrays(py, &boxes)?;
     Ok((centers, axes, half_extents, PyArray1::from_vec(py, planes)))
@@ -48,7 +50,7 @@ type Symmetries<'py> = (
 );
 
 #[pyfunction]
-#[pyo3(name = "find_symmetries", signature = (meshes, groups=None, *, seed=0, samples=200, tolerance=0.01))]
+#[pyo3(name = "find_symmetries", signature = (meshes, groups=None, *, seed=0, samples=100, tolerance=0.01))]
 fn py_find_symmetries<'py>(
     py: Python<'py>,
     meshes: &Meshes,
@@ -59,8 +61,7 @@ fn py_find_symmetries<'py>(
 ) -> PyResult<Symmetries<'py>> {
     let samples = at_least_one("samples", samples)?;
     let tolerance = positive("tolerance", tolerance)?;
-    let groups = Groups::new(groups, meshes.parts.len())?;
-    let found = groups.map_meshes(py, &meshes.parts, |mesh| find_symmetries(mesh, samples, tolerance, seed))?;
+    let found = for_each_part(py, meshes, groups, |part| find_symmetries(part, samples, tolerance, seed))?;
     let rows: Vec<(u32, Symmetry)> = found
         .into_iter()
         .enumerate()
@@ -76,6 +77,19 @@ fn py_find_symmetries<'py>(
         PyArray1::from_iter(py, rows.iter().flat_map(|(_, s)| s.direction.data.0[0])).reshape([count, 3])?,
         PyArray1::from_iter(py, rows.iter().map(|(_, s)| s.error)),
     ))
+}
+
+fn for_each_part<T: Send>(
+    py: Python<'_>,
+    meshes: &Meshes,
+    groups: Option<Vec<Vec<i64>>>,
+    work: impl Fn(&Surface<'_>) -> T + Sync,
+) -> PyResult<Vec<T>> {
+    let groups = groups_of(meshes.parts.len(), groups).map_err(value_error)?;
+    map_in_batches(py, &groups, |group| {
+        let members: Vec<_> = group.iter().map(|&part| &meshes.parts[part]).collect();
+        work(&Surface::new(&members, group.iter().map(|&part| meshes.tree(part)).collect()))
+    })
 }
 
 fn kind_and_order(kind: SymmetryKind) -> (u8, u32) {

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::Mesh;
-use crate::triangle::{ClosestPoints, Triangle, nearest_on_triangle, ray_triangle, triangle_triangle};
+use crate::triangle::{ClosestPoints, Triangle, point_triangle, ray_triangle, triangle_triangle};
 
 const LEAF_TRIANGLES: usize = 4;
 
@@ -63,6 +63,13 @@ impl Aabb {
         sum
     }
 
+    /// Squared distance of a point to the box; 0 inside.
+    pub fn squared_distance_to_point(&self, point: &Point3<f64>) -> f64 {
+        let outside = |axis: usize| (self.low[axis] - point[axis]).max(point[axis] - self.high[axis]).max(0.0);
+        let [x, y, z] = [outside(0), outside(1), outside(2)];
+        x * x + y * y + z * z
+    }
+
     /// Whether a ray, given by the inverse of its direction, meets the box before `limit`.
     pub fn meets_ray(&self, origin: &Point3<f64>, inverse: &Vector3<f64>, limit: f64) -> bool {
         let (mut enter, mut leave) = (0.0f64, limit);
@@ -74,11 +81,6 @@ impl Aabb {
             leave = leave.min(a.max(b));
         }
         enter <= leave
-    }
-
-    /// Squared distance of a point; 0 inside.
-    pub fn squared_distance_to(&self, point: &Point3<f64>) -> f64 {
-        (point - self.low.sup(&self.high.inf(point))).norm_squared()
     }
 
     /// Squared length of the diagonal.
@@ -203,35 +205,32 @@ impl Bvh {
         best
     }
 
-    /// The point of the surface nearest to `point` and its triangle, if nearer than the square root of `bound`.
-    ///
-    /// Gives the squared distance, the place and the corners.
-    pub fn nearest(&self, point: &Point3<f64>, bound: f64) -> Option<(f64, Point3<f64>, Triangle)> {
-        let mut best = None;
-        let mut bound = bound;
-        let mut stack = vec![(0u32, self.bounds().squared_distance_to(point))];
-        while let Some((index, squared)) = stack.pop() {
-            if squared >= bound {
-                continue;
-            }
-            let node = &self.nodes[index as usize];
-            if node.count == 0 {
-                let [near, far] = self
-                    .children(node)
-                    .map(|child| (child, self.nodes[child as usize].bounds.squared_distance_to(point)));
-                stack.extend(if far.1 < near.1 { [near, far] } else { [far, near] });
-                continue;
-            }
-            for triangle in self.leaf(node) {
-                let place = nearest_on_triangle(point, triangle);
-                let squared = (place - point).norm_squared();
-                if squared < bound {
-                    bound = squared;
-                    best = Some((squared, place, *triangle));
-                }
+    /// Squared distance of a point to the surface, if less than `bound`; the search stops at the first one below `enough`.
+    pub fn squared_distance_to_point(&self, point: &Point3<f64>, bound: f64, enough: f64) -> Option<f64> {
+        let mut best = bound;
+        if self.bounds().squared_distance_to_point(point) < bound {
+            self.approach(&self.nodes[0], point, enough, &mut best);
+        }
+        (best < bound).then_some(best)
+    }
+
+    /// Lowers `best` to the squared distance of `point` to the triangles below `node`.
+    fn approach(&self, node: &Node, point: &Point3<f64>, enough: f64, best: &mut f64) {
+        if node.count > 0 {
+            *best = self.leaf(node).iter().map(|triangle| point_triangle(point, triangle)).fold(*best, f64::min);
+            return;
+        }
+        let (mut near, mut far) = (&self.nodes[node.first as usize], &self.nodes[node.first as usize + 1]);
+        let mut to_near = near.bounds.squared_distance_to_point(point);
+        let mut to_far = far.bounds.squared_distance_to_point(point);
+        if to_far < to_near {
+            (near, far, to_near, to_far) = (far, near, to_far, to_near);
+        }
+        for (child, squared) in [(near, to_near), (far, to_far)] {
+            if squared < *best && *best >= enough {
+                self.approach(child, point, enough, best);
             }
         }
-        best
     }
 
     /// Share in [0, 1] of the way from `start` to `end` at which the surface is first met.

@@ -7,7 +7,7 @@ use crate::hull::Hull;
 use crate::rectangle::flush_axes;
 
 /// Parts thinner than this share of their extent are flat.
-pub(crate) const FLATNESS: f64 = 1e-9;
+const FLATNESS: f64 = 1e-9;
 
 /// A box of any orientation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,12 +41,7 @@ impl OrientedBox {
 /// Among boxes of equal volume the one most aligned with the coordinate axes is taken. Flat and line-like parts get
 /// extents of about zero in the missing directions, and the least area or length in the others.
 pub fn minimum_volume_box(points: &[Point3<f64>]) -> OrientedBox {
-    let frame = UnitFrame::around(points);
-    let axes = match Hull::of(&frame.points, FLATNESS) {
-        Hull::Solid(hull) => BoxSearch::new(&hull).minimum_volume(),
-        degenerate => degenerate_axes(&frame.points, &degenerate),
-    };
-    frame.ordered_box(axes)
+    BoxFitter::new(points).minimum_volume()
 }
 
 /// The smallest box with sides along three orthonormal `axes`, kept in their order.
@@ -64,15 +59,46 @@ pub fn upright_box(points: &[Point3<f64>], up: Vector3<f64>) -> OrientedBox {
     frame.box_along([x, up.cross(&x), up])
 }
 
+/// Points with their convex hull, to which boxes are fitted.
+pub(crate) struct BoxFitter {
+    frame: UnitFrame,
+    hull: Hull,
+}
+
+impl BoxFitter {
+    pub fn new(points: &[Point3<f64>]) -> Self {
+        let frame = UnitFrame::around(points);
+        let hull = Hull::of(&frame.points, FLATNESS);
+        Self { frame, hull }
+    }
+
+    /// As [`minimum_volume_box`].
+    pub fn minimum_volume(&self) -> OrientedBox {
+        self.frame.ordered_box(match &self.hull {
+            Hull::Solid(hull) => BoxSearch::new(hull).minimum_volume(),
+            Hull::Planar(normal) => flush_axes(&self.frame.points, *normal),
+            Hull::Segment(direction) => flush_axes(&[], *direction),
+            Hull::Point => [Vector3::x(), Vector3::y(), Vector3::z()],
+        })
+    }
+
+    /// The best boxes along the normals of at most `limit` unlike facets of a solid, by ascending volume.
+    pub fn facet_boxes(&self, limit: usize) -> Vec<OrientedBox> {
+        let Hull::Solid(hull) = &self.hull else { return Vec::new() };
+        let boxes = BoxSearch::new(hull).facet_boxes(limit);
+        boxes.into_iter().map(|candidate| self.frame.ordered_box(candidate.axes)).collect()
+    }
+}
+
 /// Points moved and scaled to the order of one, so that tolerances have a meaning; scaling is by a power of two, hence exact.
-pub(crate) struct UnitFrame {
-    pub points: Vec<Point3<f64>>,
+struct UnitFrame {
+    points: Vec<Point3<f64>>,
     origin: Point3<f64>,
     scale: f64,
 }
 
 impl UnitFrame {
-    pub fn around(points: &[Point3<f64>]) -> Self {
+    fn around(points: &[Point3<f64>]) -> Self {
         let first = points.first().copied().unwrap_or_else(Point3::origin);
         let (low, high) = points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
         let origin = low + (high - low) / 2.0;
@@ -83,7 +109,7 @@ impl UnitFrame {
     }
 
     /// The box along `axes`, in the points' own coordinates.
-    pub fn box_along(&self, axes: [Vector3<f64>; 3]) -> OrientedBox {
+    fn box_along(&self, axes: [Vector3<f64>; 3]) -> OrientedBox {
         let (low, high) = bounds_along(&self.points, &axes);
         let middle = (low + high) / 2.0;
         let center = axes[0] * middle.x + axes[1] * middle.y + axes[2] * middle.z;
@@ -91,34 +117,22 @@ impl UnitFrame {
     }
 
     /// The box along `axes`, which are put in the order of descending extent and given definite signs.
-    pub fn ordered_box(&self, axes: [Vector3<f64>; 3]) -> OrientedBox {
-        let half = self.box_along(axes).half_extents;
+    fn ordered_box(&self, axes: [Vector3<f64>; 3]) -> OrientedBox {
+        let OrientedBox { center, half_extents, .. } = self.box_along(axes);
         let mut order = [0, 1, 2];
-        order.sort_by(|&i, &j| half[j].total_cmp(&half[i]));
+        order.sort_by(|&i, &j| half_extents[j].total_cmp(&half_extents[i]));
         let [x, y] = [axes[order[0]], axes[order[1]]].map(towards_positive);
-        self.box_along([x, y, x.cross(&y)])
+        OrientedBox { center, axes: [x, y, x.cross(&y)], half_extents: order.map(|i| half_extents[i]).into() }
     }
 }
 
 /// Least and greatest coordinates of the points along each of `axes`.
-pub(crate) fn bounds_along(points: &[Point3<f64>], axes: &[Vector3<f64>; 3]) -> (Vector3<f64>, Vector3<f64>) {
+fn bounds_along(points: &[Point3<f64>], axes: &[Vector3<f64>; 3]) -> (Vector3<f64>, Vector3<f64>) {
     let start = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     points.iter().fold(start, |(low, high), p| {
         let along = Vector3::new(axes[0].dot(&p.coords), axes[1].dot(&p.coords), axes[2].dot(&p.coords));
         (low.inf(&along), high.sup(&along))
     })
-}
-
-/// Axes of the smallest box of points that span no volume.
-pub(crate) fn degenerate_axes(points: &[Point3<f64>], hull: &Hull) -> [Vector3<f64>; 3] {
-    match *hull {
-        Hull::Segment(direction) => {
-            let [x, y, z] = flush_axes(&[], direction);
-            [z, x, y]
-        }
-        Hull::Planar(normal) => flush_axes(points, normal),
-        _ => [Vector3::x(), Vector3::y(), Vector3::z()],
-    }
 }
 
 /// `axis` or its opposite, whichever has the positive largest component; near ties fall to the first component.
