@@ -8,6 +8,7 @@ mod box_search;
 pub mod bvh;
 mod clearance;
 mod convex;
+mod delaunay;
 pub mod error;
 pub mod hull;
 pub mod interaction;
