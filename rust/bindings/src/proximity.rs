@@ -6,8 +6,8 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::points_of;
-use crate::convert::value_error;
 use crate::batches::map_in_batches;
+use crate::convert::value_error;
 use crate::groups::members_of;
 use crate::meshes::Meshes;
 
