@@ -50,7 +50,7 @@ _PLAIN = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class IndexEntry:
     """One line of the index. `file` is relative to the store; `source` is what was read, `repairs` what the reader mended."""
 
