@@ -41,6 +41,12 @@ pub fn vectors_of(name: &str, array: ArrayViewD<'_, f64>, len: usize) -> Result<
     Ok(rows_of(name, array, 3)?.rows().into_iter().map(|row| Vector3::new(row[0], row[1], row[2])).collect())
 }
 
+/// A finite vector of three.
+pub fn vector_of(name: &str, array: ArrayViewD<'_, f64>) -> Result<Vector3<f64>> {
+    let values = values_of(name, array, 3)?;
+    Ok(Vector3::new(values[0], values[1], values[2]))
+}
+
 /// `len` finite points.
 pub fn points_of(name: &str, array: ArrayViewD<'_, f64>, len: usize) -> Result<Vec<Point3<f64>>> {
     Ok(vectors_of(name, array, len)?.into_iter().map(Point3::from).collect())
@@ -52,4 +58,11 @@ pub fn matrices_of(name: &str, array: ArrayViewD<'_, f64>, len: usize) -> Result
     check_finite(name, &array)?;
     let values: Vec<f64> = array.iter().copied().collect();
     Ok(values.chunks_exact(9).map(Matrix3::from_row_slice).collect())
+}
+
+/// A finite 3 x 3 matrix.
+pub fn matrix_of(name: &str, array: ArrayViewD<'_, f64>) -> Result<Matrix3<f64>> {
+    check_shape(name, &array, &[3, 3])?;
+    check_finite(name, &array)?;
+    Ok(Matrix3::from_row_iterator(array.iter().copied()))
 }

@@ -6,23 +6,19 @@ use numpy::PyReadonlyArrayDyn;
 use crate::arrays::rows_of;
 
 /// The indices of the meshes of every group, checked; without groups, every mesh by itself.
-pub fn groups_of(meshes: usize, groups: Option<Vec<Vec<usize>>>) -> Result<Vec<Vec<usize>>> {
+pub fn groups_of(meshes: usize, groups: Option<Vec<Vec<i64>>>) -> Result<Vec<Vec<usize>>> {
     let Some(groups) = groups else { return Ok((0..meshes).map(|mesh| vec![mesh]).collect()) };
-    for (index, group) in groups.iter().enumerate() {
-        check_members(&format!("groups[{index}]"), meshes, group)?;
-    }
-    Ok(groups)
+    groups.iter().enumerate().map(|(index, group)| members_of(&format!("groups[{index}]"), meshes, group)).collect()
 }
 
-/// Refuses an empty list and indices out of range.
-pub fn check_members(name: &str, meshes: usize, members: &[usize]) -> Result<()> {
+/// A checked list of indices of meshes: not empty, none out of range.
+pub fn members_of(name: &str, meshes: usize, members: &[i64]) -> Result<Vec<usize>> {
     if members.is_empty() {
         return Err(GeometryError::new(name, "empty, expected at least one mesh"));
     }
-    match members.iter().find(|&&mesh| mesh >= meshes) {
-        Some(mesh) => Err(GeometryError::new(name, format!("index {mesh} is outside 0..{meshes}"))),
-        None => Ok(()),
-    }
+    let index = |mesh: i64| usize::try_from(mesh).ok().filter(|&mesh| mesh < meshes);
+    let outside = |mesh: i64| GeometryError::new(name, format!("index {mesh} is outside 0..{meshes}"));
+    members.iter().map(|&mesh| index(mesh).ok_or_else(|| outside(mesh))).collect()
 }
 
 /// Pairs [E, 2] of different groups.

@@ -3,6 +3,7 @@
 
 mod adjacency;
 mod arrays;
+mod batches;
 mod convert;
 mod groups;
 mod interaction;
@@ -11,6 +12,7 @@ mod joints;
 mod meshes;
 mod motion;
 mod obb;
+mod proximity;
 mod sampling;
 mod sweep;
 mod symmetry;
@@ -27,6 +29,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         iou::register,
         motion::register,
         obb::register,
+        proximity::register,
         sampling::register,
         sweep::register,
         symmetry::register,

@@ -74,6 +74,13 @@ impl Aabb {
         sum
     }
 
+    /// Squared distance of a point to the box; 0 inside.
+    pub fn squared_distance_to_point(&self, point: &Point3<f64>) -> f64 {
+        let outside = |axis: usize| greater(greater(self.low[axis] - point[axis], point[axis] - self.high[axis]), 0.0);
+        let [x, y, z] = [outside(0), outside(1), outside(2)];
+        x * x + y * y + z * z
+    }
+
     /// Whether a ray, given by the inverse of its direction, meets the box before `limit`.
     pub fn meets_ray(&self, origin: &Point3<f64>, inverse: &Vector3<f64>, limit: f64) -> bool {
         let (mut enter, mut leave) = (0.0f64, limit);

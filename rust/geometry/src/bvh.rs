@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::Mesh;
 use crate::aabb::{Aabb, greater, lesser};
-use crate::triangle::{ClosestPoints, Triangle, ray_triangle, triangle_triangle};
+use crate::triangle::{ClosestPoints, Triangle, point_triangle, ray_triangle, triangle_triangle};
 
 const LEAF_TRIANGLES: usize = 4;
 /// A split leaves at least one in this many triangles on either side.
@@ -123,6 +123,34 @@ impl Bvh {
             stack.extend([far, near]);
         }
         best.points
+    }
+
+    /// Squared distance of a point to the surface, if less than `bound`; the search stops at the first one below `enough`.
+    pub fn squared_distance_to_point(&self, point: &Point3<f64>, bound: f64, enough: f64) -> Option<f64> {
+        let mut best = bound;
+        if self.bounds().squared_distance_to_point(point) < bound {
+            self.approach(&self.nodes[0], point, enough, &mut best);
+        }
+        (best < bound).then_some(best)
+    }
+
+    /// Lowers `best` to the squared distance of `point` to the triangles below `node`.
+    fn approach(&self, node: &Node, point: &Point3<f64>, enough: f64, best: &mut f64) {
+        if node.count > 0 {
+            *best = self.leaf(node).iter().map(|triangle| point_triangle(point, triangle)).fold(*best, f64::min);
+            return;
+        }
+        let (mut near, mut far) = (&self.nodes[node.first as usize], &self.nodes[node.first as usize + 1]);
+        let mut to_near = near.bounds.squared_distance_to_point(point);
+        let mut to_far = far.bounds.squared_distance_to_point(point);
+        if to_far < to_near {
+            (near, far, to_near, to_far) = (far, near, to_far, to_near);
+        }
+        for (child, squared) in [(near, to_near), (far, to_far)] {
+            if squared < *best && *best >= enough {
+                self.approach(child, point, enough, best);
+            }
+        }
     }
 
     /// Share in [0, 1] of the way from `start` to `end` at which the surface is first met.

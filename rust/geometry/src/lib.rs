@@ -5,23 +5,34 @@
 
 pub mod aabb;
 pub mod adjacency;
+mod box_search;
 pub mod bvh;
 mod clearance;
 mod convex;
 mod delaunay;
 mod edge_table;
 pub mod error;
+pub mod hull;
 pub mod interaction;
 pub mod iou;
+mod lanes;
 pub mod mesh;
 pub mod motion;
 pub mod obb;
-mod parry;
+pub mod parry;
 mod point_tree;
 pub mod probes;
+pub mod proximity;
+mod rectangle;
+mod revolution;
+mod sample_elimination;
 pub mod sampling;
+mod strata;
+pub mod surface;
 pub mod sweep;
+pub mod symmetric_box;
 pub mod symmetry;
+mod symmetry_test;
 pub mod triangle;
 
 pub use error::{GeometryError, Result};

@@ -14,6 +14,7 @@ const LARGEST_COORDINATE: f64 = 1e60;
 pub struct Mesh {
     vertices: Vec<Point3<f64>>,
     faces: Vec<[u32; 3]>,
+    bounds: (Point3<f64>, Point3<f64>),
 }
 
 impl Mesh {
@@ -35,23 +36,13 @@ impl Mesh {
         if let Some(row) = faces.iter().position(|f| f.iter().any(|&i| i as usize >= count)) {
             return Err(GeometryError::new("faces", format!("row {row} has an index outside 0..{count}")));
         }
-        Ok(Self { vertices, faces }.without_unused_vertices())
+        let (vertices, faces) = without_unused_vertices(&vertices, faces);
+        Ok(Self::bounded(vertices, faces))
     }
 
-    fn without_unused_vertices(mut self) -> Self {
-        const UNUSED: u32 = u32::MAX;
-        let mut renumbered = vec![UNUSED; self.vertices.len()];
-        let mut kept = Vec::with_capacity(self.vertices.len());
-        for index in self.faces.iter_mut().flatten() {
-            let slot = &mut renumbered[*index as usize];
-            if *slot == UNUSED {
-                *slot = kept.len() as u32;
-                kept.push(self.vertices[*index as usize]);
-            }
-            *index = *slot;
-        }
-        self.vertices = kept;
-        self
+    fn bounded(vertices: Vec<Point3<f64>>, faces: Vec<[u32; 3]>) -> Self {
+        let bounds = vertices.iter().fold((vertices[0], vertices[0]), |(low, high), v| (low.inf(v), high.sup(v)));
+        Self { vertices, faces, bounds }
     }
 
     /// Vertices, each used by at least one face.
@@ -65,11 +56,13 @@ impl Mesh {
     }
 
     /// Corners of one face.
+    #[inline]
     pub fn triangle(&self, face: usize) -> [Point3<f64>; 3] {
         self.faces[face].map(|i| self.vertices[i as usize])
     }
 
     /// Twice the area vector of one face: normal direction times twice the area.
+    #[inline]
     pub fn scaled_normal(&self, face: usize) -> Vector3<f64> {
         let [a, b, c] = self.triangle(face);
         (b - a).cross(&(c - a))
@@ -82,7 +75,7 @@ impl Mesh {
 
     /// Smallest and largest corner of the axis-aligned bounding box.
     pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
-        self.vertices.iter().fold((self.vertices[0], self.vertices[0]), |(low, high), v| (low.inf(v), high.sup(v)))
+        self.bounds
     }
 
     /// Diagonal of the axis-aligned bounding box.
@@ -100,8 +93,24 @@ impl Mesh {
             faces.extend(mesh.faces.iter().map(|face| face.map(|i| i + offset)));
         }
         assert!(!faces.is_empty(), "union of no meshes");
-        Mesh { vertices, faces }
+        Self::bounded(vertices, faces)
     }
+}
+
+/// The vertices that faces use, in the order of their first use, and the faces renumbered to match.
+fn without_unused_vertices(vertices: &[Point3<f64>], mut faces: Vec<[u32; 3]>) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+    const UNUSED: u32 = u32::MAX;
+    let mut renumbered = vec![UNUSED; vertices.len()];
+    let mut kept = Vec::with_capacity(vertices.len());
+    for index in faces.iter_mut().flatten() {
+        let slot = &mut renumbered[*index as usize];
+        if *slot == UNUSED {
+            *slot = kept.len() as u32;
+            kept.push(vertices[*index as usize]);
+        }
+        *index = *slot;
+    }
+    (kept, faces)
 }
 
 #[cfg(test)]

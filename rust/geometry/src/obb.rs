@@ -1,1 +1,143 @@
 //! Oriented bounding boxes.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::box_search::BoxSearch;
+use crate::hull::Hull;
+use crate::rectangle::flush_axes;
+
+/// Parts thinner than this share of their extent are flat.
+const FLATNESS: f64 = 1e-9;
+
+/// A box of any orientation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrientedBox {
+    /// Middle.
+    pub center: Point3<f64>,
+    /// Orthonormal and right-handed.
+    pub axes: [Vector3<f64>; 3],
+    /// Half the side along each axis.
+    pub half_extents: Vector3<f64>,
+}
+
+impl OrientedBox {
+    /// Volume.
+    pub fn volume(&self) -> f64 {
+        8.0 * self.half_extents.product()
+    }
+
+    /// Whether `point` is inside or within `margin` of the faces.
+    pub fn contains(&self, point: &Point3<f64>, margin: f64) -> bool {
+        let offset = point - self.center;
+        (0..3).all(|i| self.axes[i].dot(&offset).abs() <= self.half_extents[i] + margin)
+    }
+}
+
+/// The box of minimum volume around `points`.
+///
+/// Tried are the directions of all facets and edges of the convex hull, with the best rectangle across each, and the best boxes
+/// are then turned about their axes in turn until none shrinks: boxes that touch the hull by edges alone are reached so.
+/// Axes are ordered by descending extent and point towards positive coordinates (the third completes a right-handed frame).
+/// Among boxes of equal volume the one most aligned with the coordinate axes is taken. Flat and line-like parts get
+/// extents of about zero in the missing directions, and the least area or length in the others.
+pub fn minimum_volume_box(points: &[Point3<f64>]) -> OrientedBox {
+    BoxFitter::new(points).minimum_volume()
+}
+
+/// The smallest box with sides along three orthonormal `axes`, kept in their order.
+pub fn aligned_box(points: &[Point3<f64>], axes: [Vector3<f64>; 3]) -> OrientedBox {
+    UnitFrame::around(points).box_along(axes)
+}
+
+/// The box of minimum volume among those whose third axis is the unit vector `up`; the first is the longer of the others.
+pub fn upright_box(points: &[Point3<f64>], up: Vector3<f64>) -> OrientedBox {
+    let frame = UnitFrame::around(points);
+    let [x, y, _] = flush_axes(&frame.points, up);
+    let found = frame.box_along([x, y, up]);
+    let x = if found.half_extents.x < found.half_extents.y { y } else { x };
+    let x = towards_positive(x);
+    frame.box_along([x, up.cross(&x), up])
+}
+
+/// Points with their convex hull, to which boxes are fitted.
+pub(crate) struct BoxFitter {
+    frame: UnitFrame,
+    hull: Hull,
+}
+
+impl BoxFitter {
+    pub fn new(points: &[Point3<f64>]) -> Self {
+        let frame = UnitFrame::around(points);
+        let hull = Hull::of(&frame.points, FLATNESS);
+        Self { frame, hull }
+    }
+
+    /// As [`minimum_volume_box`].
+    pub fn minimum_volume(&self) -> OrientedBox {
+        self.frame.ordered_box(match &self.hull {
+            Hull::Solid(hull) => BoxSearch::new(hull).minimum_volume(),
+            Hull::Planar(normal) => flush_axes(&self.frame.points, *normal),
+            Hull::Segment(direction) => flush_axes(&[], *direction),
+            Hull::Point => [Vector3::x(), Vector3::y(), Vector3::z()],
+        })
+    }
+
+    /// The best boxes along the normals of at most `limit` unlike facets of a solid, by ascending volume.
+    pub fn facet_boxes(&self, limit: usize) -> Vec<OrientedBox> {
+        let Hull::Solid(hull) = &self.hull else { return Vec::new() };
+        let boxes = BoxSearch::new(hull).facet_boxes(limit);
+        boxes.into_iter().map(|candidate| self.frame.ordered_box(candidate.axes)).collect()
+    }
+}
+
+/// Points moved and scaled to the order of one, so that tolerances have a meaning; scaling is by a power of two, hence exact.
+struct UnitFrame {
+    points: Vec<Point3<f64>>,
+    origin: Point3<f64>,
+    scale: f64,
+}
+
+impl UnitFrame {
+    fn around(points: &[Point3<f64>]) -> Self {
+        let first = points.first().copied().unwrap_or_else(Point3::origin);
+        let (low, high) = points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+        let origin = low + (high - low) / 2.0;
+        let size = (high - low).max();
+        let scale = if size > 0.0 { size.log2().ceil().exp2() } else { 1.0 };
+        let points = points.iter().map(|p| Point3::from((p - origin) / scale)).collect();
+        Self { points, origin, scale }
+    }
+
+    /// The box along `axes`, in the points' own coordinates.
+    fn box_along(&self, axes: [Vector3<f64>; 3]) -> OrientedBox {
+        let (low, high) = bounds_along(&self.points, &axes);
+        let middle = (low + high) / 2.0;
+        let center = axes[0] * middle.x + axes[1] * middle.y + axes[2] * middle.z;
+        OrientedBox { center: self.origin + center * self.scale, axes, half_extents: (high - low) / 2.0 * self.scale }
+    }
+
+    /// The box along `axes`, which are put in the order of descending extent and given definite signs.
+    fn ordered_box(&self, axes: [Vector3<f64>; 3]) -> OrientedBox {
+        let OrientedBox { center, half_extents, .. } = self.box_along(axes);
+        let mut order = [0, 1, 2];
+        order.sort_by(|&i, &j| half_extents[j].total_cmp(&half_extents[i]));
+        let [x, y] = [axes[order[0]], axes[order[1]]].map(towards_positive);
+        OrientedBox { center, axes: [x, y, x.cross(&y)], half_extents: order.map(|i| half_extents[i]).into() }
+    }
+}
+
+/// Least and greatest coordinates of the points along each of `axes`.
+fn bounds_along(points: &[Point3<f64>], axes: &[Vector3<f64>; 3]) -> (Vector3<f64>, Vector3<f64>) {
+    let start = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+    points.iter().fold(start, |(low, high), p| {
+        let along = Vector3::new(axes[0].dot(&p.coords), axes[1].dot(&p.coords), axes[2].dot(&p.coords));
+        (low.inf(&along), high.sup(&along))
+    })
+}
+
+/// `axis` or its opposite, whichever has the positive largest component; near ties fall to the first component.
+fn towards_positive(axis: Vector3<f64>) -> Vector3<f64> {
+    let largest = axis.abs().max() - 1e-6;
+    let positive = axis.iter().find(|x| x.abs() >= largest).is_none_or(|x| *x > 0.0);
+    if positive { axis } else { -axis }
+}

@@ -40,6 +40,9 @@ impl ClosestPoints {
 /// Segments at a squared sine below this are compared by their ends too: their lines have no sharp nearest points.
 const NEARLY_PARALLEL: f64 = 1e-6;
 
+/// Triangles with the sine of an angle below the square root of this are taken for their sides.
+const SLIVER: f64 = 1e-12;
+
 /// A segment, which may be a point.
 #[derive(Clone, Copy)]
 struct Segment {
@@ -202,6 +205,23 @@ pub fn triangle_triangle(p: &Triangle, q: &Triangle, bound: f64) -> Option<Close
         best = flipped.flipped();
     }
     Some(best).filter(|best| best.squared < bound)
+}
+
+/// Squared distance of a point to a triangle.
+pub fn point_triangle(point: &Point3<f64>, triangle: &Triangle) -> f64 {
+    let [a, b, c] = *triangle;
+    let (u, v, w) = (b - a, c - a, point - a);
+    let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
+    let (uw, vw) = (u.dot(&w), v.dot(&w));
+    let determinant = uu * vv - uv * uv;
+    if determinant > SLIVER * uu * vv {
+        let (s, t) = ((vv * uw - uv * vw) / determinant, (uu * vw - uv * uw) / determinant);
+        if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
+            return (w - u * s - v * t).norm_squared();
+        }
+    }
+    let sides = [Segment::new(a, b), Segment::new(b, c), Segment::new(c, a)];
+    sides.iter().map(|side| (point - side.nearest(point)).norm_squared()).fold(f64::INFINITY, f64::min)
 }
 
 /// Parameter at which the line `origin + t * direction`, t >= 0, meets a triangle; lines inside its plane do not.

@@ -1,0 +1,205 @@
+//! Search for the best box around a convex polyhedron.
+
+use nalgebra::{Point2, Vector3};
+
+use crate::hull::Polyhedron;
+use crate::lanes::VectorLanes;
+use crate::rectangle::{flush_axes_of_projection, perpendicular_basis};
+
+/// Boxes whose volumes differ by no more than this share are equally good.
+const TIE: f64 = 1e-5;
+
+/// Directions are tried once per cell of this size, or of cells from `COARSE_CELL` up where there are too many.
+const DIRECTION_CELL: f64 = 2e-6;
+const COARSE_CELL: f64 = 1e-3;
+const MAX_FACET_DIRECTIONS: usize = 256;
+const MAX_EDGE_DIRECTIONS: usize = 128;
+
+/// Edges between facets that differ by less than this (sine) are diagonals of one face.
+const FLAT_EDGE: f64 = 1e-6;
+
+/// Hulls with at most this many edges are also tried along the directions across two of them.
+const CROSSED_EDGES: usize = 24;
+
+/// So many of the best boxes are refined.
+const REFINED: usize = 4;
+const REFINEMENT_ROUNDS: usize = 20;
+
+/// Axes of a box and its volume.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidate {
+    pub axes: [Vector3<f64>; 3],
+    pub volume: f64,
+}
+
+/// A polyhedron with what is needed to find the best box along a direction, again and again.
+pub struct BoxSearch<'a> {
+    hull: &'a Polyhedron,
+    area_vectors: Vec<Vector3<f64>>,
+    facet_lanes: VectorLanes,
+    vertex_lanes: VectorLanes,
+    /// Whether each facet faces along the present direction.
+    facing: Vec<bool>,
+    on_outline: Vec<bool>,
+    outline: Vec<Point2<f64>>,
+}
+
+impl<'a> BoxSearch<'a> {
+    pub fn new(hull: &'a Polyhedron) -> Self {
+        let area_vectors: Vec<_> = (0..hull.facets.len()).map(|facet| hull.area_vector(facet as u32)).collect();
+        let vertices: Vec<_> = hull.vertices.iter().map(|vertex| vertex.coords).collect();
+        Self {
+            hull,
+            facet_lanes: VectorLanes::new(&area_vectors, Vector3::zeros()),
+            vertex_lanes: VectorLanes::new(&vertices, vertices[0]),
+            facing: Vec::new(),
+            area_vectors,
+            on_outline: vec![false; hull.vertices.len()],
+            outline: Vec::new(),
+        }
+    }
+
+    /// Axes of the box of minimum volume.
+    pub fn minimum_volume(&mut self) -> [Vector3<f64>; 3] {
+        let mut directions = distinct(self.facet_directions(), MAX_FACET_DIRECTIONS);
+        directions.extend(self.edge_directions());
+        directions.extend([Vector3::x(), Vector3::y(), Vector3::z()]);
+        let mut found = self.best_along(&distinct(directions, usize::MAX));
+        found.sort_by(|a, b| a.volume.total_cmp(&b.volume));
+        let refined: Vec<_> = found.iter().take(REFINED).map(|&candidate| self.refine(candidate)).collect();
+        found.extend(refined);
+        most_aligned(&found).map_or([Vector3::x(), Vector3::y(), Vector3::z()], |best| best.axes)
+    }
+
+    /// The best box along each facet's normal, by ascending volume, for at most `limit` distinct normals.
+    pub fn facet_boxes(&mut self, limit: usize) -> Vec<Candidate> {
+        let directions = distinct(self.facet_directions(), limit);
+        let mut boxes: Vec<_> = directions.iter().map(|&direction| self.best_box(direction)).collect();
+        boxes.sort_by(|a, b| a.volume.total_cmp(&b.volume));
+        boxes
+    }
+
+    /// Normals of the facets, those of the largest first: they stand for the slivers beside them.
+    fn facet_directions(&self) -> Vec<Vector3<f64>> {
+        let mut vectors = self.area_vectors.clone();
+        vectors.sort_by(|a, b| b.norm_squared().total_cmp(&a.norm_squared()));
+        vectors.iter().filter_map(|vector| vector.try_normalize(0.0)).collect()
+    }
+
+    /// Directions of the edges, and for hulls of few edges the directions perpendicular to two of them.
+    fn edge_directions(&self) -> Vec<Vector3<f64>> {
+        let is_sharp = |facets: [u32; 2]| {
+            let [a, b] = facets.map(|facet| self.area_vectors[facet as usize]);
+            a.cross(&b).norm() > FLAT_EDGE * a.norm() * b.norm() || a.dot(&b) < 0.0
+        };
+        let direction = |[a, b]: [u32; 2]| self.hull.vertices[b as usize] - self.hull.vertices[a as usize];
+        let edges = self.hull.edges.iter().filter(|edge| is_sharp(edge.facets));
+        let directions: Vec<_> = edges.filter_map(|edge| direction(edge.vertices).try_normalize(0.0)).collect();
+        let mut directions = distinct(directions, MAX_EDGE_DIRECTIONS);
+        if directions.len() <= CROSSED_EDGES {
+            let pairs =
+                directions.iter().enumerate().flat_map(|(i, a)| directions[..i].iter().map(move |b| a.cross(b)));
+            let across: Vec<_> = pairs.filter_map(|cross| cross.try_normalize(FLAT_EDGE)).collect();
+            directions.extend(across);
+        }
+        directions
+    }
+
+    /// The best box along those of `directions` that can compete.
+    fn best_along(&mut self, directions: &[Vector3<f64>]) -> Vec<Candidate> {
+        let mut bounded: Vec<_> =
+            directions.iter().map(|direction| (self.least_volume_along(direction), direction)).collect();
+        bounded.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut found: Vec<Candidate> = Vec::new();
+        let mut least = f64::INFINITY;
+        for (bound, direction) in bounded {
+            if bound > least * (1.0 + TIE) {
+                break;
+            }
+            let candidate = self.best_box(*direction);
+            least = least.min(candidate.volume);
+            found.push(candidate);
+        }
+        found
+    }
+
+    /// A lower bound of the volume of boxes with an axis along `direction`: height times projected area.
+    fn least_volume_along(&self, direction: &Vector3<f64>) -> f64 {
+        0.5 * self.facet_lanes.sum_of_absolute_dots(direction) * self.vertex_lanes.spread_along(direction)
+    }
+
+    /// Turns the box about each axis in turn to the best rectangle, until that no longer helps.
+    fn refine(&mut self, mut candidate: Candidate) -> Candidate {
+        for _ in 0..REFINEMENT_ROUNDS {
+            let before = candidate.volume;
+            for axis in 0..3 {
+                let turned = self.best_box(candidate.axes[axis]);
+                if turned.volume < candidate.volume {
+                    candidate = turned;
+                }
+            }
+            if candidate.volume > before * (1.0 - 1e-9) {
+                break;
+            }
+        }
+        candidate
+    }
+
+    /// The best box with an axis along `direction`.
+    fn best_box(&mut self, direction: Vector3<f64>) -> Candidate {
+        let (x, y) = perpendicular_basis(direction);
+        self.find_outline(&direction, &x, &y);
+        let (axes, area) = flush_axes_of_projection(&mut self.outline, [x, y, direction]);
+        Candidate { axes, volume: area * self.vertex_lanes.spread_along(&direction) }
+    }
+
+    /// Projects the corners on edges between facets that face along `direction` and facets that do not.
+    fn find_outline(&mut self, direction: &Vector3<f64>, x: &Vector3<f64>, y: &Vector3<f64>) {
+        self.facet_lanes.mark_facing(direction, &mut self.facing);
+        self.on_outline.fill(false);
+        self.outline.clear();
+        for edge in &self.hull.edges {
+            if self.facing[edge.facets[0] as usize] != self.facing[edge.facets[1] as usize] {
+                for vertex in edge.vertices.map(|v| v as usize) {
+                    if !std::mem::replace(&mut self.on_outline[vertex], true) {
+                        let corner = self.hull.vertices[vertex].coords;
+                        self.outline.push(Point2::new(x.dot(&corner), y.dot(&corner)));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// One of each group of directions (or opposite ones) that fall into one cell of a grid, in the order given.
+fn distinct(mut directions: Vec<Vector3<f64>>, limit: usize) -> Vec<Vector3<f64>> {
+    let mut cell = DIRECTION_CELL;
+    loop {
+        let mut keys: Vec<_> = directions.iter().map(|direction| cell_key(direction, cell)).zip(0..).collect();
+        keys.sort_unstable();
+        keys.dedup_by_key(|(key, _)| *key);
+        let mut kept: Vec<usize> = keys.into_iter().map(|(_, index)| index).collect();
+        kept.sort_unstable();
+        directions = kept.into_iter().map(|index| directions[index]).collect();
+        if directions.len() <= limit {
+            return directions;
+        }
+        cell = (2.0 * cell).max(COARSE_CELL);
+    }
+}
+
+/// The cell that a direction or its opposite falls into.
+fn cell_key(direction: &Vector3<f64>, cell: f64) -> u64 {
+    let cells = (direction / cell).map(|x| x.round() as i64);
+    let leading = cells.iter().find(|x| **x != 0).copied().unwrap_or(1);
+    let canonical = if leading < 0 { -cells } else { cells };
+    canonical.iter().fold(0, |key, x| key << 21 | (x & 0x1f_ffff) as u64)
+}
+
+/// Of the candidates of least volume the one whose axes are nearest to the coordinate axes.
+fn most_aligned(candidates: &[Candidate]) -> Option<&Candidate> {
+    let least = candidates.iter().map(|c| c.volume).fold(f64::INFINITY, f64::min);
+    let alignment = |c: &Candidate| c.axes.iter().map(|axis| axis.abs().max()).sum::<f64>();
+    let best = candidates.iter().filter(|c| c.volume <= least * (1.0 + TIE));
+    best.max_by(|a, b| alignment(a).total_cmp(&alignment(b)).then(b.volume.total_cmp(&a.volume)))
+}

@@ -1,0 +1,104 @@
+//! Stratified draws of elements by weight.
+
+use rand::RngExt;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+
+/// Blocks of elements that a draw passes over, about.
+const BLOCKS_PER_DRAW: usize = 4;
+
+/// Elements strung in a row, each as long as its weight.
+///
+/// Only the weights of blocks of elements are stored: for large meshes computing a weight again is faster than reading it.
+pub struct Strata<W> {
+    count: usize,
+    weight: W,
+    block_size: usize,
+    blocks: Vec<f64>,
+    total: f64,
+}
+
+impl<W: Fn(usize) -> f64> Strata<W> {
+    /// Sums the weights of `count` elements, of which `draws` are to be drawn at a time.
+    pub fn new(count: usize, draws: usize, weight: W) -> Self {
+        let block_size = (count / draws.saturating_mul(BLOCKS_PER_DRAW)).max(1);
+        let block_sum = |first: usize| (first..count.min(first + block_size)).map(&weight).sum();
+        let blocks: Vec<f64> = match block_size {
+            1 => (0..count).map(&weight).collect(),
+            _ => (0..count).step_by(block_size).map(block_sum).collect(),
+        };
+        let total = blocks.iter().sum();
+        Self { count, weight, block_size, blocks, total }
+    }
+
+    /// Sum of the weights.
+    pub fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// Cuts the row into `draws` equal pieces, picks a random place in each, and returns the elements there in random order.
+    pub fn draw_shuffled(&self, draws: usize, rng: &mut ChaCha8Rng) -> Vec<u32> {
+        let jitter: Vec<f64> = (0..draws).map(|_| rng.random()).collect();
+        let mut drawn = self.blocks_at(&jitter);
+        if self.block_size > 1 {
+            self.find_within_blocks(&jitter, &mut drawn);
+        }
+        drawn.shuffle(rng);
+        drawn
+    }
+
+    /// The block that covers each place: that of stratum `i` is `i + jitter[i]` steps along the row.
+    ///
+    /// Every block is written where it begins to cover places, over those that cover none; the gaps are filled by what precedes
+    /// them. That takes no branch that depends on the draws.
+    fn blocks_at(&self, jitter: &[f64]) -> Vec<u32> {
+        let mut blocks = vec![0; jitter.len()];
+        let per_weight = jitter.len() as f64 / self.total;
+        let mut before = 0.0;
+        for (block, &weight) in self.blocks.iter().enumerate() {
+            let steps = before * per_weight;
+            let stratum = steps as usize;
+            if weight > 0.0 && stratum < jitter.len() {
+                let first_covered = stratum + usize::from(jitter[stratum] < steps - stratum as f64);
+                if let Some(slot) = blocks.get_mut(first_covered) {
+                    *slot = block as u32;
+                }
+            }
+            before += weight;
+        }
+        let mut covering = 0;
+        for block in &mut blocks {
+            covering = covering.max(*block);
+            *block = covering;
+        }
+        blocks
+    }
+
+    /// Replaces each block by the element of it that covers the place.
+    fn find_within_blocks(&self, jitter: &[f64], drawn: &mut [u32]) {
+        let step = self.total / jitter.len() as f64;
+        let (mut block, mut before_block) = (0, 0.0);
+        for (stratum, slot) in drawn.iter_mut().enumerate() {
+            let target = (stratum as f64 + jitter[stratum]) * step;
+            while block < *slot as usize {
+                before_block += self.blocks[block];
+                block += 1;
+            }
+            let first = block * self.block_size;
+            let mut sum = before_block;
+            // If rounding leaves the target beyond the end of the block, the last element with a weight covers it.
+            let mut covering = first;
+            for element in first..self.count.min(first + self.block_size) {
+                let weight = (self.weight)(element);
+                if weight > 0.0 {
+                    covering = element;
+                }
+                sum += weight;
+                if sum > target {
+                    break;
+                }
+            }
+            *slot = covering as u32;
+        }
+    }
+}
