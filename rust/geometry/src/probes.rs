@@ -28,6 +28,8 @@ pub struct Probe {
 const DRAWS_PER_PROBE: usize = 8;
 /// Directions in general position, along which insides are told from outsides by counting crossings.
 const DIRECTIONS: [[f64; 3]; 3] = [[0.6126, 0.2837, 0.7377], [-0.3391, 0.8954, -0.2884], [0.1733, -0.4712, 0.8649]];
+/// A probe that is nearer to its own surface than this share of the way that it was moved is not used.
+const SHALLOW: f64 = 0.9;
 /// Start of a ray off its own surface, in units of the tolerance.
 const LIFT: f64 = 1e-3;
 
@@ -65,10 +67,16 @@ pub fn probes_of(body: &[Solid<'_>], other: &[Solid<'_>], region: &Aabb, count: 
             continue;
         }
         let normal = body[part].mesh.scaled_normal(face).normalize();
-        let probe = match inward(body[part].tree, &point, &normal, tolerance) {
+        let tree = body[part].tree;
+        let probe = match inward(tree, &point, &normal, tolerance) {
             Some(inset) => Probe { point: point + inset, grace: 0.0 },
             None => Probe { point, grace: tolerance },
         };
+        // Beside an edge, the way inwards from one face leaves the other as near as it was.
+        let depth = (SHALLOW * (probe.point - point).norm()).powi(2);
+        if tree.squared_distance_to_point(&probe.point, depth, depth).is_some() {
+            continue;
+        }
         if !other.iter().any(|solid| is_inside(solid.tree, &probe.point)) {
             probes.push(probe);
         }
