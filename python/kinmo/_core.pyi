@@ -73,6 +73,7 @@ def find_symmetries(
     angle does; 2 for reflections), a point [K, 3] and the unit direction [K, 3] of the axis, or normal of the plane, and the
     error [K]: the 90th percentile of the distances of mapped surface samples to the surface over the part's diagonal, which is
     below `tolerance`.
+    """
 
 def part_distances(
     meshes: Meshes, groups: Groups = None, pairs: U32 | None = None, *, max_distance: float = float("inf")
