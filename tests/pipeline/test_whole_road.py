@@ -151,6 +151,7 @@ def test_a_stage_without_its_inputs_says_what_to_run_first(
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match="kinmo prepare"):
         stage.run(Listener())
+    assert not list(tmp_path.iterdir())
 
 
 def test_pictures_are_drawn_from_the_sources(road: Road) -> None:
