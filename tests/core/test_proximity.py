@@ -56,5 +56,5 @@ def test_a_triangle_without_area_has_no_normal_but_a_place() -> None:
      ([0], np.zeros((1, 2)), "points")],
 )  # fmt: skip
 def test_what_is_refused_is_named(group: list[int], points: np.ndarray, named: str) -> None:
-    with pytest.raises(ValueError, match=f"^{named}"):
+    with pytest.raises(ValueError, match=rf"^{named}"):
         _core.closest_points(solids(0)[0], group, points)
