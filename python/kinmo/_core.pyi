@@ -73,6 +73,7 @@ def find_symmetries(
     angle does; 2 for reflections), a point [K, 3] and the unit direction [K, 3] of the axis, or normal of the plane, and the
     error [K]: the 90th percentile of the distances of mapped surface samples to the surface over the part's diagonal, which is
     below `tolerance`.
+    """
 
 def part_distances(
     meshes: Meshes, groups: Groups = None, pairs: U32 | None = None, *, max_distance: float = float("inf")
@@ -174,4 +175,11 @@ def box_iou(centers_a: F64, axes_a: F64, half_a: F64, centers_b: F64, axes_b: F6
     """Exact intersection over union [B] of B pairs of oriented boxes, given as in `box_intersection_volume`.
 
     0 where neither box has volume.
+    """
+
+def closest_points(meshes: Meshes, group: Sequence[int], points: F64) -> tuple[F64, F64, F64]:
+    """Where the surfaces of the meshes `group` are nearest to points [N, 3].
+
+    Returns `(distances [N], places [N, 3], normals [N, 3])`: the nearest places and the unit normals of their triangles (zero
+    for a triangle without area).
     """

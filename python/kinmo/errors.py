@@ -12,7 +12,7 @@ class InputError(ValueError):
     """
 
     def __init__(self, where: Path | str, problem: str, field: str | None = None) -> None:
-        self.where = str(where)
+        self.where = str(where).encode("utf-8", "backslashreplace").decode("utf-8")
         self.field = field
         self.problem = problem
         place = self.where if field is None else f"{self.where}: {field}"

@@ -1,12 +1,13 @@
 """What the edges of a hierarchy should say, from an annotated mobility (paper, section 3.1).
 
-A part moves as its *carrier*: the body that the whole part goes along with. An edge i -> j then says how i moves against j: by the
-joint of i's carrier if j's carrier is the body that the joint is attached to, FIXED if both have the same carrier, NONE otherwise.
-Stated so, a label depends on the tree alone, and never on the order in which a file lists children.
+A part moves as its *carrier*: the body that the whole part goes along with. An edge i -> j then says how i moves against j: by
+the joint of i's carrier if j's carrier is the body that the joint is attached to, FIXED if both have the same carrier, NONE
+otherwise. Stated so, a label depends on the tree alone, and never on the order in which a file lists children.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +23,8 @@ def distance_to_line(points: NDArray[np.float64], pivot: Vector, direction: Vect
     """Distance [N] of points [N, 3] from the line through `pivot` along the unit vector `direction`."""
     offsets = points - pivot
     along = offsets @ direction
-    return np.sqrt(np.maximum(np.sum(offsets * offsets, axis=-1) - along * along, 0.0))
+    squared: NDArray[np.float64] = np.sum(offsets * offsets, axis=-1) - along * along
+    return np.sqrt(np.maximum(squared, 0.0))
 
 
 def motion_type(joint: Joint, box: Box, up: Vector) -> MotionType:
@@ -44,16 +46,16 @@ def sibling_edges(shape: Shape) -> NDArray[np.int64]:
     return np.array(pairs, np.int64).reshape(-1, 2)
 
 
-def carriers(shape: Shape, mobility: Mobility) -> tuple[int | None, ...]:
-    """For every part, the index of the body it goes along with; None if it spans bodies that do not hang together."""
+def carriers_of(leaf_sets: Sequence[Sequence[int]], mobility: Mobility) -> tuple[int | None, ...]:
+    """For every set of leaves, the index of the body it goes along with; None if it spans bodies that do not hang together."""
     body_of = {leaf: index for index, body in enumerate(mobility.bodies) for leaf in body.leaves}
     along = [set(mobility.descendants(index)) for index in range(len(mobility.bodies))]
 
-    def carrier(leaves: tuple[int, ...]) -> int | None:
+    def carrier(leaves: Sequence[int]) -> int | None:
         present = {body_of[leaf] for leaf in leaves}
         return next((body for body in sorted(present) if present <= along[body]), None)
 
-    return tuple(carrier(leaves) for leaves in shape.leaves_below)
+    return tuple(carrier(leaves) for leaves in leaf_sets)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,11 +72,9 @@ class EdgeLabels:
     pivots: NDArray[np.float64]
 
 
-def label_edges(
-    shape: Shape, mobility: Mobility, edges: NDArray[np.int64], body_types: dict[int, MotionType]
-) -> EdgeLabels:
+def label_edges(shape: Shape, mobility: Mobility, edges: NDArray[np.int64], body_types: dict[int, MotionType]) -> EdgeLabels:
     """Labels of `edges` [E, 2]; `body_types` holds the motion type of every movable body (`motion_type`)."""
-    carried_by = carriers(shape, mobility)
+    carried_by = carriers_of(shape.leaves_below, mobility)
     count = len(edges)
     labels = EdgeLabels(
         np.full(count, MotionType.NONE, np.int64), np.full(count, -1, np.int64), np.zeros((count, 3)), np.zeros((count, 3))

@@ -13,8 +13,8 @@ from kinmo.mobility import Mobility
 class JointEstimate:
     """One answer for one body: `joint` is None where the body is thought not to move.
 
-    `score` is in [0, 1]; `terms` holds the score's parts by name (feasibility, direction, position, sweep, ...). `source` says where
-    the axis comes from (the network itself, an edge of a box, ...).
+    `score` is in [0, 1]; `terms` holds the score's parts by name (feasibility, direction, position, sweep, ...). `source` says
+    where the axis comes from (the network itself, an edge of a box, ...).
     """
 
     joint: Joint | None

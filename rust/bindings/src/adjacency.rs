@@ -19,7 +19,7 @@ type Distances<'py> =
 fn part_distances<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    groups: Option<Vec<Vec<usize>>>,
+    groups: Option<Vec<Vec<i64>>>,
     pairs: Option<PyReadonlyArrayDyn<'py, u32>>,
     max_distance: f64,
 ) -> PyResult<Distances<'py>> {

@@ -1,4 +1,4 @@
-//! Groups of meshes and pairs of groups.
+//! Groups of meshes that are one part each, and pairs of groups.
 
 use kinmo_geometry::{GeometryError, Result};
 use numpy::PyReadonlyArrayDyn;
@@ -6,30 +6,19 @@ use numpy::PyReadonlyArrayDyn;
 use crate::arrays::rows_of;
 
 /// The indices of the meshes of every group, checked; without groups, every mesh by itself.
-pub fn groups_of<I>(meshes: usize, groups: Option<Vec<Vec<I>>>) -> Result<Vec<Vec<usize>>>
-where
-    I: Copy + TryInto<usize>,
-{
+pub fn groups_of(meshes: usize, groups: Option<Vec<Vec<i64>>>) -> Result<Vec<Vec<usize>>> {
     let Some(groups) = groups else { return Ok((0..meshes).map(|mesh| vec![mesh]).collect()) };
-    let mut checked = Vec::with_capacity(groups.len());
-    for (index, group) in groups.into_iter().enumerate() {
-        // A negative index is as much out of range as one that is too large.
-        let members: Vec<usize> = group.into_iter().map(|member| member.try_into().unwrap_or(usize::MAX)).collect();
-        check_members(&format!("groups[{index}]"), meshes, &members)?;
-        checked.push(members);
-    }
-    Ok(checked)
+    groups.iter().enumerate().map(|(index, group)| members_of(&format!("groups[{index}]"), meshes, group)).collect()
 }
 
-/// Refuses an empty list and indices out of range.
-pub fn check_members(name: &str, meshes: usize, members: &[usize]) -> Result<()> {
+/// A checked list of indices of meshes: not empty, none out of range.
+pub fn members_of(name: &str, meshes: usize, members: &[i64]) -> Result<Vec<usize>> {
     if members.is_empty() {
         return Err(GeometryError::new(name, "empty, expected at least one mesh"));
     }
-    match members.iter().find(|&&mesh| mesh >= meshes) {
-        Some(mesh) => Err(GeometryError::new(name, format!("index {mesh} is outside 0..{meshes}"))),
-        None => Ok(()),
-    }
+    let index = |mesh: i64| usize::try_from(mesh).ok().filter(|&mesh| mesh < meshes);
+    let outside = |mesh: i64| GeometryError::new(name, format!("index {mesh} is outside 0..{meshes}"));
+    members.iter().map(|&mesh| index(mesh).ok_or_else(|| outside(mesh))).collect()
 }
 
 /// Pairs [E, 2] of different groups.

@@ -57,7 +57,7 @@ fn interaction_regions<'py>(
     py: Python<'py>,
     points: Points<'py>,
     pairs: PyReadonlyArrayDyn<'py, u32>,
-    groups: Option<Vec<Vec<usize>>>,
+    groups: Option<Vec<Vec<i64>>>,
 ) -> PyResult<InteractionRegions> {
     let (samples, count) = points.samples().map_err(value_error)?;
     let groups = groups_of(samples.len() / count, groups).map_err(value_error)?;

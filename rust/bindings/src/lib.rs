@@ -12,6 +12,7 @@ mod joints;
 mod meshes;
 mod motion;
 mod obb;
+mod proximity;
 mod sampling;
 mod sweep;
 mod symmetry;
@@ -28,6 +29,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         iou::register,
         motion::register,
         obb::register,
+        proximity::register,
         sampling::register,
         sweep::register,
         symmetry::register,

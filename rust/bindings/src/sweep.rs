@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::values_of;
 use crate::convert::value_error;
-use crate::groups::check_members;
+use crate::groups::members_of;
 use crate::joints::joints_of;
 use crate::meshes::Meshes;
 
@@ -23,8 +23,8 @@ type Travels<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound
 fn sweep_joints<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    moving: Vec<usize>,
-    obstacles: Vec<usize>,
+    moving: Vec<i64>,
+    obstacles: Vec<i64>,
     kinds: PyReadonlyArrayDyn<'py, u8>,
     directions: PyReadonlyArrayDyn<'py, f64>,
     pivots: PyReadonlyArrayDyn<'py, f64>,
@@ -36,8 +36,8 @@ fn sweep_joints<'py>(
     tolerance: f64,
     ignored_share: f64,
 ) -> PyResult<Travels<'py>> {
-    check_members("moving", meshes.parts.len(), &moving).map_err(value_error)?;
-    check_members("obstacles", meshes.parts.len(), &obstacles).map_err(value_error)?;
+    let moving = members_of("moving", meshes.parts.len(), &moving).map_err(value_error)?;
+    let obstacles = members_of("obstacles", meshes.parts.len(), &obstacles).map_err(value_error)?;
     if let Some(mesh) = moving.iter().find(|mesh| obstacles.contains(mesh)) {
         return Err(value_error(GeometryError::new("obstacles", format!("mesh {mesh} is in moving too"))));
     }

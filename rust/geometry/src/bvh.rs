@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::Mesh;
-use crate::triangle::{ClosestPoints, Triangle, point_triangle, ray_triangle, triangle_triangle};
+use crate::triangle::{ClosestPoints, Triangle, nearest_on_triangle, ray_triangle, triangle_triangle};
 
 const LEAF_TRIANGLES: usize = 4;
 
@@ -63,13 +63,6 @@ impl Aabb {
         sum
     }
 
-    /// Squared distance of a point to the box; 0 inside.
-    pub fn squared_distance_to_point(&self, point: &Point3<f64>) -> f64 {
-        let outside = |axis: usize| (self.low[axis] - point[axis]).max(point[axis] - self.high[axis]).max(0.0);
-        let [x, y, z] = [outside(0), outside(1), outside(2)];
-        x * x + y * y + z * z
-    }
-
     /// Whether a ray, given by the inverse of its direction, meets the box before `limit`.
     pub fn meets_ray(&self, origin: &Point3<f64>, inverse: &Vector3<f64>, limit: f64) -> bool {
         let (mut enter, mut leave) = (0.0f64, limit);
@@ -81,6 +74,11 @@ impl Aabb {
             leave = leave.min(a.max(b));
         }
         enter <= leave
+    }
+
+    /// Squared distance of a point; 0 inside.
+    pub fn squared_distance_to(&self, point: &Point3<f64>) -> f64 {
+        (point - self.low.sup(&self.high.inf(point))).norm_squared()
     }
 
     /// Squared length of the diagonal.
@@ -102,6 +100,17 @@ struct Node {
 pub struct Bvh {
     nodes: Vec<Node>,
     triangles: Vec<Triangle>,
+}
+
+/// A place of a surface near a given point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NearestPlace {
+    /// Squared distance of the point.
+    pub squared: f64,
+    /// The place.
+    pub place: Point3<f64>,
+    /// Corners of the triangle it lies on.
+    pub triangle: Triangle,
 }
 
 struct Item {
@@ -205,29 +214,38 @@ impl Bvh {
         best
     }
 
-    /// Squared distance of a point to the surface, if less than `bound`; the search stops at the first one below `enough`.
-    pub fn squared_distance_to_point(&self, point: &Point3<f64>, bound: f64, enough: f64) -> Option<f64> {
-        let mut best = bound;
-        if self.bounds().squared_distance_to_point(point) < bound {
+    /// The place of the surface nearest to `point`, if nearer than the square root of `bound`.
+    ///
+    /// The search stops at the first place whose squared distance is below `enough`.
+    pub fn nearest(&self, point: &Point3<f64>, bound: f64, enough: f64) -> Option<NearestPlace> {
+        let mut best = NearestPlace { squared: bound, place: *point, triangle: self.triangles[0] };
+        if self.bounds().squared_distance_to(point) < bound {
             self.approach(&self.nodes[0], point, enough, &mut best);
         }
-        (best < bound).then_some(best)
+        (best.squared < bound).then_some(best)
     }
 
-    /// Lowers `best` to the squared distance of `point` to the triangles below `node`.
-    fn approach(&self, node: &Node, point: &Point3<f64>, enough: f64, best: &mut f64) {
+    /// Improves `best` by what lies below `node`.
+    fn approach(&self, node: &Node, point: &Point3<f64>, enough: f64, best: &mut NearestPlace) {
         if node.count > 0 {
-            *best = self.leaf(node).iter().map(|triangle| point_triangle(point, triangle)).fold(*best, f64::min);
+            for triangle in self.leaf(node) {
+                let place = nearest_on_triangle(point, triangle);
+                let squared = (place - point).norm_squared();
+                if squared < best.squared {
+                    *best = NearestPlace { squared, place, triangle: *triangle };
+                }
+            }
             return;
         }
-        let (mut near, mut far) = (&self.nodes[node.first as usize], &self.nodes[node.first as usize + 1]);
-        let mut to_near = near.bounds.squared_distance_to_point(point);
-        let mut to_far = far.bounds.squared_distance_to_point(point);
-        if to_far < to_near {
-            (near, far, to_near, to_far) = (far, near, to_far, to_near);
+        let [mut near, mut far] = self.children(node).map(|child| {
+            let child = &self.nodes[child as usize];
+            (child, child.bounds.squared_distance_to(point))
+        });
+        if far.1 < near.1 {
+            (near, far) = (far, near);
         }
-        for (child, squared) in [(near, to_near), (far, to_far)] {
-            if squared < *best && *best >= enough {
+        for (child, squared) in [near, far] {
+            if squared < best.squared && best.squared >= enough {
                 self.approach(child, point, enough, best);
             }
         }

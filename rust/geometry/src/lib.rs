@@ -18,6 +18,7 @@ pub mod motion;
 pub mod obb;
 mod point_tree;
 pub mod probes;
+pub mod proximity;
 mod rectangle;
 mod revolution;
 mod sample_elimination;

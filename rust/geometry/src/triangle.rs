@@ -40,9 +40,6 @@ impl ClosestPoints {
 /// Segments whose directions differ by less than the square root of this are also compared by their ends.
 const NEARLY_PARALLEL: f64 = 1e-10;
 
-/// Triangles with the sine of an angle below the square root of this are taken for their sides.
-const SLIVER: f64 = 1e-12;
-
 /// Parameter in [0, 1] of the point of `origin + t * along` nearest to `point`.
 fn project_on_segment(point: &Point3<f64>, origin: &Point3<f64>, along: &Vector3<f64>) -> f64 {
     let squared = along.norm_squared();
@@ -129,23 +126,19 @@ impl Face {
     }
 }
 
-/// Squared distance of a point to a triangle.
-pub fn point_triangle(point: &Point3<f64>, triangle: &Triangle) -> f64 {
-    let [a, b, c] = triangle;
-    let (u, v, w) = (b - a, c - a, point - a);
-    let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
-    let (uw, vw) = (u.dot(&w), v.dot(&w));
-    let determinant = uu * vv - uv * uv;
-    if determinant > SLIVER * uu * vv {
-        let (s, t) = ((vv * uw - uv * vw) / determinant, (uu * vw - uv * uw) / determinant);
-        if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
-            return (w - u * s - v * t).norm_squared();
-        }
+/// The point of a triangle nearest to `point`.
+pub fn nearest_on_triangle(point: &Point3<f64>, triangle: &Triangle) -> Point3<f64> {
+    if let Some(below) = Face::new(triangle).and_then(|face| face.project(point)) {
+        return below;
     }
-    let to_side = |origin: &Point3<f64>, along: &Vector3<f64>| {
-        (point - origin - along * project_on_segment(point, origin, along)).norm_squared()
+    let on_edge = |i: usize| {
+        let along = triangle[(i + 1) % 3] - triangle[i];
+        triangle[i] + along * project_on_segment(point, &triangle[i], &along)
     };
-    to_side(a, &u).min(to_side(a, &v)).min(to_side(b, &(c - b)))
+    let squared = |place: &Point3<f64>| (place - point).norm_squared();
+    let [first, second, third] = [on_edge(0), on_edge(1), on_edge(2)];
+    let nearer = if squared(&second) < squared(&first) { second } else { first };
+    if squared(&third) < squared(&nearer) { third } else { nearer }
 }
 
 /// Nearest points of two triangles; triangles that cross or overlap are as far apart as rounding puts the common point.

@@ -1,0 +1,75 @@
+# Everything from a fresh clone, with nothing else typed: make demo, make test. `make help` lists the targets.
+# Needs Linux or macOS, Python >= 3.10 with venv, and Rust >= 1.89 (cargo); the rest goes into .venv.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+KINMO  := $(BIN)/kinmo
+DEMO   := demo
+COUNT  ?= 12
+
+RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
+SETUP_STAMP  := $(VENV)/.set-up
+
+export PYO3_PYTHON := $(abspath $(BIN)/python)
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test test-rust test-python lint lint-rust lint-python wheel clean
+
+help: ## list the targets
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|' 2>/dev/null \
+	    || grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST)
+
+setup: $(SETUP_STAMP) ## build the Rust core and install kinmo, its tests' and lint's tools into .venv
+
+$(VENV)/bin/python:
+	@command -v $(PYTHON) >/dev/null || { echo "make: $(PYTHON) is not there; kinmo needs Python >= 3.10 (or say make PYTHON=python3.11)" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' \
+	    || { echo "make: $(PYTHON) is `$(PYTHON) --version`; kinmo needs Python >= 3.10 (or say make PYTHON=python3.11)" >&2; exit 1; }
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null \
+	    || { echo "make: $(PYTHON) has no venv module (Debian and Ubuntu: apt-get install python3-venv)" >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+
+# Installed in place (-e): Python changes need no new set-up, changes of Rust or of the dependencies do.
+$(SETUP_STAMP): pyproject.toml $(RUST_SOURCES) | $(VENV)/bin/python
+	@command -v cargo >/dev/null || { echo "make: cargo is not there; kinmo's core is Rust >= 1.89: https://rustup.rs" >&2; exit 1; }
+	$(BIN)/python -m pip install --quiet -e '.[test,lint]'
+	@touch $@
+
+demo: $(SETUP_STAMP) ## the whole road on procedural shapes: synth, prepare, train, pseudo-label, eval, report (resumable)
+	$(KINMO) synth $(DEMO)/partnet --count $(COUNT)
+	$(KINMO) prepare $(DEMO)/partnet --workspace $(DEMO)/workspace
+	$(KINMO) train all --config small --workspace $(DEMO)/workspace
+	$(KINMO) pseudo-label --workspace $(DEMO)/workspace
+	$(KINMO) eval --workspace $(DEMO)/workspace
+	$(KINMO) report --workspace $(DEMO)/workspace
+
+test: test-rust test-python ## run all tests
+
+test-rust:
+	cargo test --quiet --locked -p kinmo-geometry
+
+test-python: $(SETUP_STAMP)
+	$(BIN)/python -m pytest
+
+lint: lint-rust lint-python ## formats, types, clippy, docs; warnings are errors
+
+lint-rust: $(VENV)/bin/python
+	cargo fmt --all --check
+	cargo clippy --quiet --locked --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS='-D warnings' cargo doc --quiet --locked --workspace --no-deps --document-private-items
+
+lint-python: $(SETUP_STAMP)
+	$(BIN)/ruff check python tests bench
+	$(BIN)/ruff format --check python tests bench
+	$(BIN)/mypy
+
+wheel: $(SETUP_STAMP) ## build the wheel into dist/
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	@ls dist/*.whl
+
+clean: ## remove what was built (not .venv: remove it by hand to set up anew)
+	cargo clean
+	rm -rf dist $(DEMO) .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find python tests bench -name __pycache__ -type d -prune -exec rm -rf {} +

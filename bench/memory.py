@@ -1,0 +1,70 @@
+"""Does the memory of `prepare` stay flat in the number of shapes?
+
+    python bench/memory.py [--shapes 10000] [--workers 2] [--quick]
+
+Procedural shapes in all layouts are prepared; the memory of the process that holds the index (and of the largest worker) is
+read as it goes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import tempfile
+import time
+from pathlib import Path
+
+from kinmo.prepare import prepare_folder
+from kinmo.synth.families import family_names
+from kinmo.synth.generate import Layout, generate
+from kinmo.workspace import Workspace
+
+SHAPES = 10_000
+QUICK = 300
+GOAL = 1.25
+"""At most so much more at the end than at a tenth of the way."""
+PAGE = os.sysconf("SC_PAGE_SIZE")
+
+
+def resident() -> float:
+    """Resident memory of this process in MB."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * PAGE / 1e6
+
+
+def main() -> int:
+    """Prepare and print memory at every tenth."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--shapes", type=int, default=SHAPES)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--data", type=Path, help="where the shapes are, or are to be written (default: a temporary folder)")
+    parser.add_argument("--quick", action="store_true", help=f"{QUICK} shapes")
+    args = parser.parse_args()
+    shapes = QUICK if args.quick else args.shapes
+    seen: dict[int, float] = {}
+    with tempfile.TemporaryDirectory(prefix="memory-") as name:
+        data = args.data or Path(name) / "shapes"
+        per_family = -(-shapes // (2 * len(family_names())))
+        generate(data, count=per_family, layouts=[Layout.PARTNET_MOBILITY, Layout.PARTNET], workers=args.workers)
+
+        def note(done: int, total: int, _: str) -> None:
+            tenth = done * 10 // total
+            if tenth and tenth not in seen:
+                seen[tenth] = resident()
+                print(f"{done:7} shapes  {seen[tenth]:7.1f} MB", flush=True)
+
+        begin = time.perf_counter()
+        report = prepare_folder(data, Workspace(Path(name) / "workspace"), workers=args.workers, on_progress=note)
+        seconds = time.perf_counter() - begin
+    total = len(report.taken) + len(report.repaired) + len(report.left_out)
+    worker = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
+    print(f"{total:7} shapes in {seconds:.0f} s ({total / seconds:.1f} a second), {len(report.left_out)} left out")
+    print(f"largest worker: {worker:.1f} MB")
+    claim = {"claim": f"prepare, {total} shapes: MB at the end and at a tenth", "ours": seen[10], "peer": seen[1]}
+    print(json.dumps({**claim, "ratio": seen[10] / seen[1], "goal": GOAL, "met": seen[10] <= GOAL * seen[1]}))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

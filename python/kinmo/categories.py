@@ -1,0 +1,35 @@
+"""Names of object categories, whatever their spelling.
+
+PartNet-Mobility writes `StorageFurniture` and `Door`, PartNet's trees `storage_furniture` and `door_set`, the paper's tables a
+mixture of both. `canonical_category` brings them to the first spelling; a category that it does not know keeps its own.
+"""
+
+from __future__ import annotations
+
+import re
+
+_KNOWN = (
+    "Bag", "Bed", "Bottle", "Bowl", "Box", "Bucket", "Camera", "Cart", "Chair", "Clock", "CoffeeMachine", "Dishwasher",
+    "Dispenser", "Display", "Door", "Earphone", "Eyeglasses", "Fan", "Faucet", "FoldingChair", "Globe", "Hat", "Kettle",
+    "Keyboard", "KitchenPot", "Knife", "Lamp", "Laptop", "Lighter", "Luggage", "Microwave", "Mouse", "Mug", "Oven",
+    "Pen", "Phone", "Pliers", "Printer", "Refrigerator", "Remote", "Safe", "Scissors", "Stapler", "StorageFurniture",
+    "Suitcase", "Switch", "Table", "Toaster", "Toilet", "TrashCan", "USB", "Vase", "WashingMachine", "Window"
+)  # fmt: skip
+_ALIASES = {"doorset": "Door", "cuttinginstrument": "Knife", "garbagecan": "TrashCan", "monitor": "Display"}
+
+
+def _key(name: str) -> str:
+    return re.sub(r"[^a-z0-9]", "", name.lower())
+
+
+_SPELLING = {_key(name): name for name in _KNOWN} | _ALIASES
+
+
+def canonical_category(name: str) -> str:
+    """The one spelling of a category: `door_set` and `Door` give `Door`."""
+    return _SPELLING.get(_key(name), name)
+
+
+def same_category(one: str, other: str) -> bool:
+    """Whether two spellings mean the same category."""
+    return _key(canonical_category(one)) == _key(canonical_category(other))

@@ -1,0 +1,91 @@
+"""The program `kinmo`: its commands, and what they share."""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from collections.abc import Callable
+from functools import wraps
+from typing import Annotated, Any
+
+from typer import Exit, Option, Typer
+
+from kinmo.cli import eval as evaluation
+from kinmo.cli import predict, prepare, pseudo_label, report, synth, train
+from kinmo.cli.execute import one_line_errors
+from kinmo.cli.options import with_common_options
+
+HELP = """Joints for 3D objects.
+
+kinmo learns how parts move from shapes whose joints are annotated (PartNet-Mobility), labels those that only have a part
+hierarchy (PartNet), and predicts the joints of your own segmented shapes. Everything it makes goes into one workspace; every
+command skips what is done already and goes on where it was stopped.
+
+Start with:
+
+    kinmo synth partnet/                  procedural shapes, if you have no data yet
+    kinmo prepare partnet/                check and convert every shape below a folder
+    kinmo train all                       train the networks
+    kinmo eval                            the paper's Table 1
+    kinmo predict my_shapes/ -o out/      joints and URDFs for your own shapes
+"""
+
+
+def _for_rich(text: str) -> str:
+    """Help as Rich wants it: a paragraph on one line, an indented block kept as it is."""
+    blocks = text.strip("\n").split("\n\n")
+    return "\n\n".join(f"\b\n{block}" if block.startswith("  ") else block.replace("\n", " ") for block in blocks)
+
+
+app = Typer(
+    name="kinmo",
+    help=_for_rich(HELP),
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        import kinmo
+
+        print(f"kinmo {kinmo.__version__}")
+        raise Exit
+
+
+@app.callback()
+def program(
+    version: Annotated[bool, Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")] = False,
+) -> None:
+    """Hold the options of the program itself; its help is HELP."""
+
+
+def _register(name: str, function: Callable[..., None]) -> None:
+    command = with_common_options(function)
+
+    @wraps(command)
+    def guarded(**values: Any) -> None:
+        with one_line_errors():
+            command(**values)
+
+    app.command(name, help=_for_rich(inspect.cleandoc(function.__doc__ or "")))(guarded)
+
+
+_register("synth", synth.synth)
+_register("prepare", prepare.prepare)
+_register("train", train.train)
+_register("pseudo-label", pseudo_label.pseudo_label)
+_register("eval", evaluation.evaluate)
+_register("predict", predict.predict)
+_register("report", report.report)
+
+
+def main() -> None:
+    """Run the program; never returns."""
+    # Paths and names may hold characters that the terminal's encoding lacks: show them escaped rather than fail.
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+    app()

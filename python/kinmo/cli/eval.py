@@ -1,0 +1,52 @@
+"""kinmo eval."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from typer import Argument, BadParameter, Option
+
+from kinmo.cli.execute import execute
+from kinmo.cli.options import CommonOptions, Method
+
+
+def evaluate(
+    options: CommonOptions,
+    files: Annotated[Path | None, Argument(help="Folder of URDF files to score instead.", show_default=False)] = None,
+    truth: Annotated[
+        Path | None, Option(help="Folder of PartNet-Mobility shapes to score the URDF files by.", show_default=False)
+    ] = None,
+    category: Annotated[
+        str | None, Option(help="Only shapes of this category, however it is spelled.", show_default=False)
+    ] = None,
+    method: Annotated[Method | None, Option(help="Only the rows of this method.", show_default="all")] = None,
+    ablations: Annotated[bool, Option("--ablations", help="Add rows with other candidates, terms and edges.")] = False,
+    hidden_names: Annotated[bool, Option("--hidden-names", help="Add rows with all part names hidden.")] = False,
+) -> None:
+    """Print the paper's Table 1 for the test shapes, beside the printed figures.
+
+    Both settings: parts given (as in the paper) and hierarchy given (what a user has). All tables, also as JSON, CSV, Markdown
+    and LaTeX, are in the folder on the last line; docs/metrics.md says what every figure means. With FILES and --truth,
+    anybody's URDF files are scored against annotated shapes by the same measures.
+
+    For example:
+
+        kinmo eval
+        kinmo eval --category refrigerator --ablations
+        kinmo eval out/ --truth partnet/
+    """
+    from kinmo.workspace import Workspace
+
+    workspace = Workspace(options.workspace)
+    if (files is None) != (truth is None):
+        raise BadParameter("FILES and --truth go together", param_hint="--truth")
+    if files is not None and truth is not None:
+        from kinmo.pipeline.evaluate_files import EvaluateFiles
+
+        execute(options, EvaluateFiles(files, truth, workspace, category, options.worker_count))
+        return
+    from kinmo.pipeline.evaluate import Evaluate
+
+    methods = tuple(each.value for each in Method) if method is None else (method.value,)
+    execute(options, Evaluate(workspace, methods, category, ablations, hidden_names, options.seed, options.device))

@@ -1,0 +1,94 @@
+"""Run stages as the common options say, and turn what goes wrong into one line and an exit code."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from typer import BadParameter, Exit
+
+from kinmo.cli.console import duration, observer
+from kinmo.cli.options import CommonOptions
+from kinmo.errors import InputError
+
+if TYPE_CHECKING:
+    from kinmo.pipeline.stage import Outcome, Plan, Stage
+
+FAILED, INTERRUPTED = 1, 130
+
+
+def execute(options: CommonOptions, *stages: Stage) -> None:
+    """Run `stages` one after the other and print the last one's result; with --dry-run only say what they would do.
+
+    Raises Exit with code 1 if a stage failed on something that the user asked for.
+    """
+    if options.dry_run:
+        _print_plans([stage.plan() for stage in stages], as_json=options.json)
+        return
+    outcomes = []
+    with observer(options.quiet) as told:
+        for stage in stages:
+            outcomes.append(stage.run(told))
+    _print_outcomes(outcomes, options)
+    if any(outcome.failed for outcome in outcomes):
+        raise Exit(FAILED)
+
+
+def _print_plans(plans: list[Plan], as_json: bool) -> None:
+    if as_json:
+        print(json.dumps([{"steps": plan.steps, "seconds": plan.seconds} for plan in plans], indent=1))
+        return
+    for step in [step for plan in plans for step in plan.steps] or ["nothing: all of it is done already"]:
+        print(step)
+    seconds = sum(plan.seconds for plan in plans)
+    if seconds:
+        print(f"about {duration(seconds)}")
+
+
+def _print_outcomes(outcomes: list[Outcome], options: CommonOptions) -> None:
+    if options.json:
+        print(json.dumps(outcomes[-1].data if len(outcomes) == 1 else [o.data for o in outcomes], indent=1, ensure_ascii=False))
+        return
+    for outcome in outcomes:
+        if outcome.text and not options.quiet:
+            print(outcome.text)
+    print(outcomes[-1].path)
+
+
+@contextmanager
+def one_line_errors() -> Iterator[None]:
+    """Errors as one line on stderr and an exit code; with KINMO_DEBUG=1 as tracebacks."""
+    if os.environ.get("KINMO_DEBUG"):
+        yield
+        return
+    try:
+        yield
+        sys.stdout.flush()
+    except (Exit, BadParameter):
+        raise
+    except InputError as error:
+        print(f"kinmo: {error}", file=sys.stderr)
+        raise Exit(FAILED) from None
+    except KeyboardInterrupt:
+        print("kinmo: stopped; the same command goes on from here", file=sys.stderr)
+        raise Exit(INTERRUPTED) from None
+    except BrokenPipeError:
+        # Whoever read our output has gone. Nothing more can be written, not even what Python flushes when it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise Exit(FAILED) from None
+    except (OSError, MemoryError) as error:
+        print(f"kinmo: {_sentence(error)}", file=sys.stderr)
+        raise Exit(FAILED) from None
+    except Exception as error:
+        print(f"kinmo: internal error: {type(error).__name__}: {_sentence(error)} (KINMO_DEBUG=1 shows where)", file=sys.stderr)
+        raise Exit(FAILED) from None
+
+
+def _sentence(error: BaseException) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    return " ".join(str(error).split()) or type(error).__name__

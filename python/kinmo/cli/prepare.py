@@ -1,0 +1,32 @@
+"""kinmo prepare."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from typer import Argument
+
+from kinmo.cli.execute import execute
+from kinmo.cli.options import CommonOptions
+
+
+def prepare(
+    options: CommonOptions,
+    folder: Annotated[Path, Argument(help="Folder with shapes anywhere below it.", show_default=False)],
+) -> None:
+    """Find, check and convert every shape below a folder.
+
+    PartNet-Mobility, PartNet and DSG-Net are told apart by what the folders contain, so unpack them anywhere below one folder.
+    What can be mended is mended, what cannot be used is left out, and both are said, shape by shape: in the table at the end,
+    in prepared/report.json, and with --json. Shapes that have not changed since the last time are not prepared again.
+
+    For example:
+
+        kinmo prepare partnet/
+        kinmo prepare partnet/ --json > what_was_wrong.json
+    """
+    from kinmo.pipeline.prepare import Prepare
+    from kinmo.workspace import Workspace
+
+    execute(options, Prepare(folder, Workspace(options.workspace), options.worker_count, options.seed))

@@ -1,0 +1,46 @@
+"""kinmo synth."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+from typer import Argument, Option
+
+from kinmo.cli.execute import execute
+from kinmo.cli.options import CommonOptions
+
+
+class LayoutName(str, Enum):
+    """The layouts of `kinmo.synth`, without importing it."""
+
+    PARTNET_MOBILITY = "partnet_mobility"
+    PARTNET = "partnet"
+    DSG_NET = "dsg_net"
+
+
+def synth(
+    options: CommonOptions,
+    folder: Annotated[Path, Argument(help="Folder to write the shapes into.", show_default=False)],
+    count: Annotated[int, Option("--count", "-n", min=1, help="Labelled shapes a family.")] = 12,
+    family: Annotated[list[str] | None, Option(help="Only this family; may be repeated.", show_default=False)] = None,
+    layout: Annotated[
+        list[LayoutName] | None,
+        Option(help="Only this layout; may be repeated.", show_default=False),
+    ] = None,
+) -> None:
+    """Write procedural shapes, for when there is no PartNet yet.
+
+    Furniture, appliances and tools with their joints, in the layouts of PartNet-Mobility (labelled), PartNet and DSG-Net
+    (unlabelled): the same files that real data comes in, their quirks included. The same seed gives the same files.
+
+    For example:
+
+        kinmo synth partnet/
+        kinmo synth partnet/ --count 50 --family refrigerator --family door
+    """
+    from kinmo.pipeline.synth import Synth
+
+    layouts = tuple(name.value for name in layout or ())
+    execute(options, Synth(folder, count, tuple(family or ()), layouts, None, options.seed, options.worker_count))

@@ -1,0 +1,45 @@
+"""kinmo train."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Annotated
+
+from typer import Argument, Option
+
+from kinmo.cli.execute import execute
+from kinmo.cli.options import CommonOptions
+
+
+class What(str, Enum):
+    """The groups of `kinmo.pipeline.models`, without importing it."""
+
+    GNN = "gnn"
+    AXIS = "axis"
+    ALL = "all"
+
+
+def train(
+    options: CommonOptions,
+    what: Annotated[What, Argument(help="Which networks to train.", show_default=False)],
+    config: Annotated[str, Option("--config", "-c", help="small (a CPU), paper (a GPU), or a TOML file.")] = "small",
+    category: Annotated[
+        str | None, Option(help="Only shapes of this category, however it is spelled.", show_default=False)
+    ] = None,
+) -> None:
+    """Train the networks on the labelled shapes.
+
+    gnn predicts how neighbouring parts move against each other (with ten motion types, and with five), axis judges whether a
+    motion is feasible. The best epoch is chosen on validation shapes; test shapes are never looked at. Training that was
+    stopped goes on from its last epoch.
+
+    For example:
+
+        kinmo train all
+        kinmo train gnn --config paper --device cuda
+        kinmo train axis --category refrigerator
+    """
+    from kinmo.pipeline.train import Train
+    from kinmo.workspace import Workspace
+
+    execute(options, Train(what.value, Workspace(options.workspace), config, category, options.seed, options.device))

@@ -1,0 +1,249 @@
+"""Typed configurations, read from TOML.
+
+A configuration is a tree of frozen dataclasses. `paper` holds the sizes of the paper and its release, `small` those that train
+on two CPU cores; a user's own file has the same keys. Unknown keys and wrong types end in an InputError that names file and
+key.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import MISSING, asdict, dataclass, field, fields, is_dataclass
+from importlib.resources import files
+from pathlib import Path
+from types import UnionType
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from kinmo.errors import InputError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class TrainingConfig:
+    """Adam; `decay` multiplies the learning rate every `decay_epochs` epochs (0: the rate falls to zero along a cosine)."""
+
+    epochs: int
+    learning_rate: float
+    weight_decay: float = 1e-4
+    decay: float = 0.7
+    decay_epochs: int = 20
+    gradient_clip: float = 1.0
+    precision: Literal["32-true", "bf16-mixed", "16-mixed"] = "32-true"
+    devices: int = 1
+
+
+@dataclass(frozen=True)
+class PointEncoderConfig:
+    """A point-cloud encoder.
+
+    `pointnet`: shared layers of `widths`, a maximum over the points, one linear layer to `features`. `dgcnn`: EdgeConv layers
+    of `widths` on `neighbours` neighbours, concatenated to `embedding`, maximum and mean, then layers of `head` to `features`
+    (0: the pooled 2 x `embedding` features are the result). `static` finds neighbours once, by place; `factored` splits an
+    EdgeConv into A x_j + C x_i and normalises after the maximum.
+    """
+
+    kind: Literal["pointnet", "dgcnn"]
+    points: int
+    widths: tuple[int, ...]
+    features: int = 0
+    neighbours: int = 20
+    embedding: int = 0
+    head: tuple[int, ...] = ()
+    norm: Literal["batch", "group", "none"] = "batch"
+    dropout: float = 0.0
+    static: bool = False
+    factored: bool = False
+
+
+@dataclass(frozen=True)
+class GnnConfig:
+    """The motion GNN (paper, section 3.2).
+
+    `inputs`: `paper` has points, boxes, names and the relation of two boxes; `kinmo` adds their relative pose, distance and
+    contact to every edge, and predicts pivots from the moving part's centre. `edges`: all sibling pairs, or those in contact
+    (closer than `contact` diagonals). `direction_loss`: the mean over motion edges of the un-squared L2 norm, one Frobenius
+    norm over all of them, or the mean with the sign of the axis left open. `class_weights`: one a class, empty for ones;
+    `class_balance` multiplies them with (share of the class) ** -class_balance. `turns`: in how many more poses, turned about
+    `up`, a training shape is shown.
+    """
+
+    leaf: PointEncoderConfig
+    training: TrainingConfig
+    inputs: Literal["paper", "kinmo"] = "kinmo"
+    edges: Literal["siblings", "contact"] = "siblings"
+    contact: float = 0.01
+    inner_boxes: bool = True
+    box_features: int = 100
+    node_features: int = 256
+    child_rounds: int = 2
+    relation_features: int = 128
+    name_features: int = 128
+    name_buckets: int = 2048
+    hide_names: float = 0.25
+    graph_hidden: int = 512
+    graph_features: int = 128
+    graph_rounds: int = 5
+    head_features: int = 128
+    direction_loss: Literal["mean", "frobenius", "undirected"] = "mean"
+    class_weights: tuple[float, ...] = ()
+    class_balance: float = 0.0
+    turns: int = 0
+    batch_shapes: int = 2
+    batch_edges: int = 20000
+    per_category: bool = False
+
+
+@dataclass(frozen=True)
+class AxisConfig:
+    """The axis-selection network (paper, section 3.3).
+
+    `articulated`: share of training pairs whose original cloud is itself moved along the true joint. A negative within
+    `near_angle` degrees and `near_distance` diagonals of the truth is none, nor is one that moves the part to within
+    `same_motion` diagonals of where the truth does. `negatives`: `edges` of the movable part's box as printed, or those and the
+    centre lines too. A batch holds `batch_joints` joints, a positive and a negative pair each.
+    """
+
+    encoder: PointEncoderConfig
+    training: TrainingConfig
+    head: tuple[int, ...] = (256, 128)
+    head_dropout: float = 0.5
+    articulated: float = 0.5
+    negatives: Literal["edges", "lines"] = "lines"
+    near_angle: float = 5.0
+    near_distance: float = 0.05
+    same_motion: float = 0.015
+    batch_joints: int = 8
+    batches_per_epoch: int = 0
+
+
+@dataclass(frozen=True)
+class RankingConfig:
+    """The ranking networks of the `kinmo` method.
+
+    `members` networks are trained side by side, and the mean of their probabilities decides. `hide_names` is the share of
+    shapes whose names are hidden in training, `hide_unit_names` that of parts besides. A shape gives two views, its bodies and
+    its nodes; `batch_views` make a batch.
+    """
+
+    training: TrainingConfig
+    members: int = 3
+    width: int = 128
+    word_features: int = 32
+    dropout: float = 0.1
+    hide_names: float = 0.3
+    hide_unit_names: float = 0.1
+    batch_views: int = 16
+
+
+@dataclass(frozen=True)
+class RefinementConfig:
+    """From edges to joints (paper, section 3.3).
+
+    `weights` of feasibility, direction, position and swept freedom; `position` is the reading of s^p (`scoring`); `threshold`
+    is the score above which a joint becomes a pseudo label; `extra` names candidates beyond the paper's (`boxes`, `contact`,
+    `symmetry`); `contact_pivots` says which axes have a second pivot in the interaction region (`candidates`).
+    """
+
+    weights: tuple[float, ...] = (0.5, 0.3, 0.2, 0.0)
+    position: Literal["line", "printed"] = "line"
+    threshold: float = 0.6
+    extra: tuple[Literal["boxes", "contact", "symmetry"], ...] = ()
+    contact_pivots: Literal["central", "revolute", "none"] = "central"
+
+    @property
+    def sweeps(self) -> bool:
+        """Whether the swept term counts."""
+        return any(weight > 0 for weight in self.weights[3:])
+
+
+@dataclass(frozen=True)
+class Config:
+    """Everything that may be chosen beforehand."""
+
+    gnn: GnnConfig
+    axis: AxisConfig
+    ranking: RankingConfig
+    refinement: RefinementConfig = field(default_factory=RefinementConfig)
+
+
+def load_config(name: str | Path) -> Config:
+    """The configuration in a TOML file, or one of those that come with kinmo (`paper`, `small`) by name.
+
+    Raises InputError for a file that is absent or no TOML, an unknown or missing key, or a value of the wrong type.
+    """
+    path = Path(str(files("kinmo") / "configs" / f"{name}.toml")) if str(name) in builtin_configs() else Path(name)
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        known = ", ".join(builtin_configs())
+        raise InputError(path, f"expected a TOML file or one of {known} ({error.strerror})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(path, f"expected TOML ({error})") from error
+    return from_table(Config, table, path)
+
+
+def builtin_configs() -> tuple[str, ...]:
+    """Names of the configurations that come with kinmo."""
+    return tuple(sorted(Path(str(f)).stem for f in (files("kinmo") / "configs").iterdir() if f.name.endswith(".toml")))
+
+
+def to_table(config: Any) -> dict[str, Any]:
+    """A configuration as nested dictionaries, tuples as lists: what `from_table` reads and JSON can hold."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: plain(item) for key, item in value.items()}
+        return [plain(item) for item in value] if isinstance(value, tuple) else value
+
+    return {key: plain(value) for key, value in asdict(config).items()}
+
+
+def from_table(kind: type[T], table: Mapping[str, Any], where: Path | str, prefix: str = "") -> T:
+    """Build the dataclass `kind` from a table of TOML or JSON; `where` and `prefix` are for messages.
+
+    Raises InputError for unknown keys, missing keys, and values of the wrong type.
+    """
+    assert is_dataclass(kind)
+    hints = get_type_hints(kind)
+    known = {f.name: f for f in fields(kind)}
+    for key in table:
+        if key not in known:
+            raise InputError(where, f"unknown key; expected one of {', '.join(known)}", prefix + key)
+    values = {}
+    for name, entry in known.items():
+        if name in table:
+            values[name] = _convert(hints[name], table[name], where, prefix + name)
+        elif entry.default is MISSING and entry.default_factory is MISSING:
+            raise InputError(where, "missing", prefix + name)
+    return kind(**values)
+
+
+def _convert(kind: Any, value: Any, where: Path | str, key: str) -> Any:
+    origin = get_origin(kind)
+    if is_dataclass(kind) and isinstance(kind, type):
+        if not isinstance(value, Mapping):
+            raise InputError(where, "expected a table", key)
+        return from_table(kind, value, where, key + ".")
+    if origin is Literal:
+        if not isinstance(value, str) or value not in get_args(kind):
+            raise InputError(where, f"expected one of {', '.join(get_args(kind))}, got {value!r}", key)
+        return value
+    if origin is tuple:
+        if not isinstance(value, (list, tuple)):
+            raise InputError(where, f"expected a list, got {value!r}", key)
+        return tuple(_convert(get_args(kind)[0], item, where, f"{key}[{i}]") for i, item in enumerate(value))
+    if origin in (Union, UnionType):
+        (kind,) = (option for option in get_args(kind) if option is not type(None))
+        return None if value is None else _convert(kind, value, where, key)
+    if kind is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
+        raise InputError(where, f"expected {kind.__name__}, got {value!r}", key)
+    return value

@@ -1,0 +1,1 @@
+"""What every figure means and how it is taken (docs/metrics.md)."""

@@ -1,0 +1,118 @@
+"""Means over joints and over categories, with intervals.
+
+Every figure is a ratio of two sums over objects: a share, or a mean over those joints that have the figure. An object adds to
+both sums, so that leaving objects out, drawing them again and grouping them are all sums too, and nothing without a value
+counts as 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Scored = TypeVar("Scored")
+Sums = NDArray[np.float64]
+"""[O, F, 2]: numerator and denominator of F figures for each of O objects."""
+
+DRAWS = 1000
+COVERAGE = 0.95
+
+
+class Unit(str, Enum):
+    """What a figure counts. Figures of different units are never averaged."""
+
+    SHARE = "share"
+    DEGREES = "degrees"
+    DIAGONALS = "diagonals"
+    LENGTH = "length"
+
+
+@dataclass(frozen=True)
+class Figure(Generic[Scored]):
+    """A ratio of sums. `sums` gives numerator and denominator of one object."""
+
+    key: str
+    title: str
+    unit: Unit
+    sums: Callable[[Scored], tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value with its 95 % bootstrap interval. `count` is what the mean is over: objects (micro) or categories (macro)."""
+
+    value: float
+    low: float
+    high: float
+    count: int
+
+
+def sums_of(objects: Sequence[Scored], figures: Sequence[Figure[Scored]]) -> Sums:
+    """The sums of all figures for all objects."""
+    rows = [[figure.sums(scored) for figure in figures] for scored in objects]
+    return np.array(rows, float).reshape(len(objects), len(figures), 2)
+
+
+def ratios(sums: Sums) -> NDArray[np.float64]:
+    """Numerators over denominators [..., F]; NaN where nothing was counted."""
+    numerators, denominators = sums[..., 0], sums[..., 1]
+    return np.asarray(np.divide(numerators, denominators, out=np.full(numerators.shape, np.nan), where=denominators > 0))
+
+
+def resampled(sums: Sums, draws: int, rng: np.random.Generator) -> Sums:
+    """Total sums [draws, F, 2] of `draws` samples of the objects, with replacement."""
+    count = len(sums)
+    weights = rng.multinomial(count, np.full(count, 1.0 / count), size=draws).astype(float)
+    return np.asarray(np.einsum("dn,nfk->dfk", weights, sums))
+
+
+def micro(sums: Sums, *, draws: int = DRAWS, seed: int = 0) -> list[Estimate | None]:
+    """Every figure over all joints of all objects; None where no object has it."""
+    if not len(sums):
+        return [None] * sums.shape[1]
+    samples = ratios(resampled(sums, draws, np.random.default_rng(seed)))
+    counts = (sums[..., 1] > 0).sum(axis=0)
+    return _estimates(ratios(sums.sum(axis=0)), samples, counts)
+
+
+def macro(
+    sums: Sums, categories: Sequence[str], *, least_objects: int = 1, draws: int = DRAWS, seed: int = 0
+) -> list[Estimate | None]:
+    """Mean over categories of the figure of each category, over those with at least `least_objects` objects.
+
+    Objects are drawn inside their category. A category without a value for a figure is left out of that figure, and the count
+    says how many are in.
+    """
+    rng = np.random.default_rng(seed)
+    names = np.array(categories)
+    groups = [sums[names == name] for name in sorted(set(categories))]
+    groups = [group for group in groups if len(group) >= least_objects]
+    if not groups:
+        return [None] * sums.shape[1]
+    values = np.array([ratios(group.sum(axis=0)) for group in groups])
+    samples = np.array([ratios(resampled(group, draws, rng)) for group in groups])
+    return _estimates(_mean(values), _mean(samples), (~np.isnan(values)).sum(axis=0))
+
+
+def _mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mean over the first axis of what is not NaN."""
+    known = ~np.isnan(values)
+    return ratios(np.stack([np.where(known, values, 0.0).sum(axis=0), known.sum(axis=0)], axis=-1))
+
+
+def _estimates(values: NDArray[np.float64], samples: NDArray[np.float64], counts: NDArray[np.int64]) -> list[Estimate | None]:
+    tail = 50.0 * (1.0 - COVERAGE)
+    found: list[Estimate | None] = []
+    for value, drawn, count in zip(values, samples.T, counts, strict=True):
+        known = drawn[~np.isnan(drawn)]
+        if np.isnan(value):
+            found.append(None)
+        else:
+            low, high = np.percentile(known, [tail, 100.0 - tail]) if len(known) else (value, value)
+            found.append(Estimate(float(value), float(low), float(high), int(count)))
+    return found

@@ -1,0 +1,41 @@
+"""The first setting: the rigid bodies of the truth are given, and their joints are asked for (paper, Table 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from kinmo.evaluation.records import ShapeScore, annotation, false_alarm, joint_record
+from kinmo.joint import CoarseType
+from kinmo.prediction import JointEstimate
+from kinmo.prepared import PreparedShape
+
+
+def parts_given(
+    truth: PreparedShape,
+    estimates: Mapping[int, JointEstimate],
+    *,
+    parents: Mapping[int, int | None] | None = None,
+    penetrations: Mapping[int, float] | None = None,
+) -> ShapeScore:
+    """Score the answers to the bodies of `truth`, by index of the body, joints in the normalised frame.
+
+    A movable body without an answer, or with one that does not move, is missed; a body of the truth that does not move but is
+    said to is a false alarm. `parents` and `penetrations`, where known, are by body
+    too.
+    """
+    mobility, _ = annotation(truth)
+    records = []
+    for index, body in mobility.movable():
+        record = joint_record(truth, index, estimates.get(index))
+        if parents is not None and not record.is_missed:
+            record = replace(record, parent_ok=parents.get(index) == body.parent)
+        if penetrations is not None and index in penetrations:
+            record = replace(record, penetration=penetrations[index])
+        records.append(record)
+    still = {index for index, body in enumerate(mobility.bodies) if not body.is_movable}
+    alarms = tuple(
+        false_alarm(estimate) for index, estimate in estimates.items() if index in still and estimate.joint is not None
+    )
+    is_fine = not any(isinstance(estimate.type, CoarseType) for estimate in estimates.values())
+    return ShapeScore(truth.id, truth.category, tuple(records), alarms, is_fine)

@@ -1,0 +1,189 @@
+"""Tables as text, JSON, CSV, Markdown and LaTeX."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from kinmo.errors import InputError
+
+Cell = str | float | int | None
+"""None is a figure that there is none of: it is printed as a dash, and no mean counts it."""
+
+DASH = "–"
+
+
+@dataclass(frozen=True)
+class Caption:
+    """What a figure is worth nothing without. `shapes` and `joints` are counts, `seeds` those of the runs."""
+
+    title: str
+    data: str
+    shapes: int
+    joints: int
+    split: str
+    seeds: tuple[int, ...]
+    note: str = ""
+
+    def __str__(self) -> str:
+        seeds = ", ".join(map(str, self.seeds)) or "none"
+        facts = f"{self.data}; {self.shapes} shapes, {self.joints} joints; {self.split}; seeds {seeds}."
+        return " ".join(filter(None, [f"{self.title}.", facts, self.note]))
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of numbers with so many decimals, or of words where `decimals` is None."""
+
+    title: str
+    decimals: int | None = None
+
+    def text(self, cell: Cell) -> str:
+        """The cell as it is printed."""
+        if cell is None:
+            return DASH
+        return f"{cell:.{self.decimals}f}" if isinstance(cell, float) and self.decimals is not None else str(cell)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of cells under columns."""
+
+    caption: Caption
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+    def __post_init__(self) -> None:
+        if any(len(row) != len(self.columns) for row in self.rows):
+            raise ValueError("rows: every row needs a cell a column")
+
+    def cells(self) -> list[list[str]]:
+        """All rows as they are printed, the head first."""
+        body = [[column.text(cell) for column, cell in zip(self.columns, row, strict=True)] for row in self.rows]
+        return [[column.title for column in self.columns], *body]
+
+
+def as_text(table: Table) -> str:
+    """Aligned columns for a terminal: words to the left, numbers to the right."""
+    cells = table.cells()
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+
+    def line(row: Sequence[str]) -> str:
+        padded = (
+            text.ljust(width) if column.decimals is None else text.rjust(width)
+            for text, width, column in zip(row, widths, table.columns, strict=True)
+        )
+        return "  ".join(padded).rstrip()
+
+    rule = "-" * (sum(widths) + 2 * (len(widths) - 1))
+    return "\n".join([str(table.caption), "", line(cells[0]), rule, *map(line, cells[1:]), ""])
+
+
+def as_json(table: Table) -> str:
+    """Caption, columns and full-precision rows; absent figures are null. `read_table` reads it."""
+    caption = table.caption
+    facts = {"data": caption.data, "shapes": caption.shapes, "joints": caption.joints, "split": caption.split}
+    document = {
+        "title": caption.title,
+        **facts,
+        "seeds": list(caption.seeds),
+        "note": caption.note,
+        "columns": [column.title for column in table.columns],
+        "decimals": [column.decimals for column in table.columns],
+        "rows": [list(row) for row in table.rows],
+    }
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def read_table(path: Path) -> Table:
+    """The table of a file that `as_json` made. Raises InputError if it is none."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        caption = {key: data[key] for key in ("title", "data", "shapes", "joints", "split", "note")}
+        columns = tuple(map(Column, data["columns"], data["decimals"]))
+        return Table(Caption(**caption, seeds=tuple(data["seeds"])), columns, tuple(map(tuple, data["rows"])))
+    except OSError as error:
+        raise InputError(path, f"expected a table ({error.strerror})") from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(path, f"expected a table ({error})") from error
+
+
+def as_csv(table: Table) -> str:
+    """Full-precision rows under their head; absent figures are empty. The caption is not in it."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([column.title for column in table.columns])
+    writer.writerows(["" if cell is None else cell for cell in row] for row in table.rows)
+    return text.getvalue()
+
+
+def as_markdown(table: Table) -> str:
+    """A table of GitHub's Markdown, the caption above it."""
+    head, *body = ([cell.replace("\\", "\\\\").replace("|", "\\|").replace("\n", " ") for cell in row] for row in table.cells())
+    rule = [":--" if column.decimals is None else "--:" for column in table.columns]
+    lines = ["| " + " | ".join(row) + " |" for row in (head, rule, *body)]
+    return "\n".join([f"**{table.caption}**", "", *lines, ""])
+
+
+_LATEX = {
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    DASH: "--",
+    **{character: f"\\{character}" for character in "&%$#_{}"},
+}
+
+
+def latex_escaped(text: str) -> str:
+    """Text that LaTeX prints as it is."""
+    return "".join(_LATEX.get(character, character) for character in text)
+
+
+def as_latex(table: Table) -> str:
+    """A table environment with booktabs rules."""
+    head, *body = ([latex_escaped(cell) for cell in row] for row in table.cells())
+    layout = "".join("l" if column.decimals is None else "r" for column in table.columns)
+    return "\n".join(
+        [
+            r"\begin{table}",
+            r"\centering",
+            rf"\caption{{{latex_escaped(str(table.caption))}}}",
+            rf"\begin{{tabular}}{{{layout}}}",
+            r"\toprule",
+            " & ".join(head) + r" \\",
+            r"\midrule",
+            *(" & ".join(row) + r" \\" for row in body),
+            r"\bottomrule",
+            r"\end{tabular}",
+            r"\end{table}",
+            "",
+        ]
+    )
+
+
+WRITERS: dict[str, Callable[[Table], str]] = {
+    "txt": as_text,
+    "json": as_json,
+    "csv": as_csv,
+    "md": as_markdown,
+    "tex": as_latex,
+}
+"""By the ending of the file."""
+
+
+def write_table(table: Table, folder: Path, name: str) -> list[Path]:
+    """Write `folder`/`name`.txt, .json, .csv, .md and .tex; returns their paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for ending, written in WRITERS.items():
+        path, draft = folder / f"{name}.{ending}", folder / f".{name}.{ending}.part"
+        draft.write_text(written(table), encoding="utf-8")
+        draft.replace(path)
+        paths.append(path)
+    return paths

@@ -1,0 +1,140 @@
+"""Folders of URDF files against folders of annotated shapes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kinmo.errors import InputError
+from kinmo.evaluation.aggregate import Estimate, macro, micro, sums_of
+from kinmo.evaluation.urdf_files.figures import FIGURES, MEDIANS
+from kinmo.evaluation.urdf_files.matching import LEAST_IOU
+from kinmo.evaluation.urdf_files.scoring import FAILED, MISSING, SCORED, ObjectScore, score_urdf
+from kinmo.formats import read_partnet_mobility
+
+FIRST_CHOICES = ("model.urdf", "mobility.urdf")
+
+
+@dataclass(frozen=True)
+class FilesReport:
+    """Scores of many objects. `unreadable` holds the truths that could not be read, which nobody is judged by, with reasons."""
+
+    objects: tuple[ObjectScore, ...]
+    unreadable: dict[str, str]
+    least_iou: float
+
+    def count(self, status: str) -> int:
+        """How many objects ended as `status`."""
+        return sum(scored.status == status for scored in self.objects)
+
+
+def score_files(
+    predictions: Path,
+    truth: Path,
+    *,
+    ids: Iterable[str] | None = None,
+    least_iou: float = LEAST_IOU,
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> FilesReport:
+    """Score the URDFs below `predictions` for every annotated shape below `truth`, or those with the given `ids`.
+
+    Shapes are the folders that hold a mobility_v2.json, known by their names. An object without a URDF is missing. `progress`
+    is told how many of how many objects are done.
+    """
+    folders = {file.parent.name: file.parent for file in sorted(truth.rglob("mobility_v2.json"))}
+    if not folders:
+        raise InputError(truth, "expected folders with a mobility_v2.json")
+    wanted = sorted(folders) if ids is None else sorted(set(ids))
+    unknown = [name for name in wanted if name not in folders]
+    if unknown:
+        raise InputError(truth, f"expected a shape {unknown[0]!r}, found none", "ids")
+    score = partial(_score_one, predictions=predictions, least_iou=least_iou)
+    results: list[ObjectScore | InputError] = []
+    for result in _mapped(score, [folders[name] for name in wanted], workers):
+        results.append(result)
+        if progress is not None:
+            progress(len(results), len(wanted))
+    scored = tuple(result for result in results if isinstance(result, ObjectScore))
+    unreadable = {name: str(result) for name, result in zip(wanted, results, strict=True) if isinstance(result, InputError)}
+    return FilesReport(scored, unreadable, least_iou)
+
+
+def _mapped(
+    score: Callable[[Path], ObjectScore | InputError], folders: Sequence[Path], workers: int
+) -> Iterable[ObjectScore | InputError]:
+    if workers <= 1:
+        yield from map(score, folders)
+        return
+    with ProcessPoolExecutor(workers) as pool:
+        yield from pool.map(score, folders)
+
+
+def _score_one(folder: Path, predictions: Path, least_iou: float) -> ObjectScore | InputError:
+    try:
+        truth = read_partnet_mobility(folder)
+        return score_urdf(truth, find_urdf(predictions, folder.name), predictions, least_iou)
+    except InputError as error:
+        return error
+
+
+def find_urdf(predictions: Path, name: str) -> Path | None:
+    """The URDF of the object `name`: `name`.urdf, else below the folder `name` the first by file name, depth and path."""
+    direct = predictions / f"{name}.urdf"
+    if direct.is_file():
+        return direct
+    choices = (f"{name}.urdf", *FIRST_CHOICES)
+
+    def order(path: Path) -> tuple[int, int, str]:
+        rank = choices.index(path.name) if path.name in choices else len(choices)
+        return rank, len(path.parts), str(path)
+
+    return min((path for path in (predictions / name).rglob("*.urdf") if path.is_file()), key=order, default=None)
+
+
+def summarise(report: FilesReport, *, draws: int = 1000, seed: int = 0) -> dict[str, Any]:
+    """The figures of a report: micro, macro (every category counts once) and by category, as plain values for JSON."""
+    sums = sums_of(report.objects, FIGURES)
+    categories = [scored.category for scored in report.objects]
+    by_category = {
+        name: _group([scored for scored in report.objects if scored.category == name], draws, seed)
+        for name in sorted(set(categories))
+    }
+    return {
+        "match": report.least_iou,
+        "micro": _group(report.objects, draws, seed),
+        "macro": _named(macro(sums, categories, draws=draws, seed=seed)),
+        "categories": by_category,
+        "objects": [asdict(scored) for scored in report.objects],
+        "unreadable": report.unreadable,
+    }
+
+
+def _group(objects: Sequence[ObjectScore], draws: int, seed: int) -> dict[str, Any]:
+    parts = [part for scored in objects for part in scored.parts]
+    counts: dict[str, Any] = {"objects": len(objects)}
+    counts |= {status: sum(scored.status == status for scored in objects) for status in (SCORED, FAILED, MISSING)}
+    counts |= {"parts": len(parts), "found": sum(part.found for part in parts)}
+    counts["false_positives"] = sum(scored.false_alarms for scored in objects)
+    for key, value in MEDIANS:
+        known = [found for part in parts if (found := value(part)) is not None]
+        counts[key] = float(np.median(known)) if known else None
+    return counts | _named(micro(sums_of(objects, FIGURES), draws=draws, seed=seed))
+
+
+def _named(estimates: Sequence[Estimate | None]) -> dict[str, Any]:
+    return {
+        figure.key: None if estimate is None else asdict(estimate) for figure, estimate in zip(FIGURES, estimates, strict=True)
+    }
+
+
+def write_json(path: Path, summary: dict[str, Any]) -> None:
+    """Write a summary as JSON."""
+    path.write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")

@@ -1,0 +1,85 @@
+"""What speaks for and against every motion that a part might have: the input of the `kinmo` method's ranking network.
+
+For each *unit* (a node of the hierarchy or a rigid body, taken as one part) the candidate axes are those of `kinmo.hypotheses`,
+and each is described by numbers that do not change when the object is turned about `up`. All lengths are in the normalised
+frame (diagonals of the object).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.evidence.lines import line_features
+from kinmo.evidence.motions import PRISMATIC, REVOLUTE, SCREW, hypotheses_of, motion_features
+from kinmo.evidence.scene import Scene, see_units
+from kinmo.evidence.units import unit_features
+from kinmo.hypotheses import candidate_lines
+
+__all__ = ["PRISMATIC", "REVOLUTE", "SCREW", "Evidence", "Scene", "gather"]
+
+F64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Hypotheses of U units, H in all: unit u owns rows `offsets[u]:offsets[u + 1]`.
+
+    `kinds` [H] (REVOLUTE, PRISMATIC or SCREW), `directions` and `pivots` [H, 3], `features` [H, F] float32, `centers` [U, 3]
+    (middle of the unit's box), `unit_features` [U, G] float32.
+    """
+
+    offsets: NDArray[np.int64]
+    kinds: NDArray[np.int64]
+    directions: F64
+    pivots: F64
+    features: NDArray[np.float32]
+    centers: F64
+    unit_features: NDArray[np.float32]
+
+    def arrays(self) -> dict[str, NDArray[np.generic]]:
+        """The arrays by name, as `PreparedShape.evidence` keeps them; geometry as float32."""
+        return {
+            name: value.astype(np.float32) if value.dtype == np.float64 else value
+            for name, value in ((field.name, getattr(self, field.name)) for field in fields(self))
+        }
+
+    @classmethod
+    def of(cls, arrays: Mapping[str, NDArray[np.generic]]) -> Evidence:
+        """What `arrays` gave; directions have unit length again."""
+        found = {field.name: np.asarray(arrays[field.name]) for field in fields(cls)}
+        for name in ("directions", "pivots", "centers"):
+            found[name] = found[name].astype(np.float64)
+        found["directions"] /= np.linalg.norm(found["directions"], axis=1, keepdims=True)
+        return cls(**found)
+
+    def rows(self, unit: int) -> slice:
+        """The rows of one unit's hypotheses."""
+        return slice(int(self.offsets[unit]), int(self.offsets[unit + 1]))
+
+
+def gather(scene: Scene, units: Sequence[Sequence[int]]) -> Evidence:
+    """Hypotheses and their evidence for every unit, a list of positions of leaves; at least one."""
+    seen = see_units(scene, units)
+    kinds, directions, pivots, features, counts = [], [], [], [], []
+    for unit in seen:
+        lines = candidate_lines(unit.minimum, unit.aligned, unit.contact, unit.contact_weights)
+        kind, line = hypotheses_of(lines)
+        kinds.append(kind)
+        directions.append(lines.directions[line])
+        pivots.append(lines.pivots[line])
+        about = motion_features(scene, unit, kind, directions[-1], pivots[-1])
+        features.append(np.column_stack([line_features(scene, unit, lines)[line], about]))
+        counts.append(len(kind))
+    return Evidence(
+        np.concatenate([[0], np.cumsum(counts)]),
+        np.concatenate(kinds),
+        np.concatenate(directions),
+        np.concatenate(pivots),
+        np.concatenate(features).astype(np.float32),
+        np.array([unit.aligned.center for unit in seen]),
+        np.array([unit_features(scene, unit, seen) for unit in seen], np.float32),
+    )

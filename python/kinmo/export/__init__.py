@@ -1,0 +1,1 @@
+"""Mobilities as files that other programs read."""

@@ -1,0 +1,103 @@
+"""PartNet-Mobility's own layout, so that whatever reads that reads predictions and pseudo labels too.
+
+y-up, degrees for hinges, the file's lengths for everything else, and every joint at 0 in the pose of the meshes.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.export.folders import whole_folder
+from kinmo.export.obj import write_obj
+from kinmo.frames import Y_UP_TO_Z_UP, z_up_rotation
+from kinmo.joint import Joint, JointKind
+from kinmo.mobility import Mobility
+from kinmo.shape import Mesh, Shape
+
+MESHES = "textured_objs"
+
+
+def write_partnet_mobility(shape: Shape, mobility: Mobility, folder: Path, *, meta: Mapping[str, Any] | None = None) -> Path:
+    """Write mobility_v2.json, result.json, meta.json and one OBJ a leaf; returns `folder`, which is replaced as a whole.
+
+    `mobility` is over the leaves of `shape`, in its frame and lengths. Bodies are numbered as they stand; parts keep their ids.
+    `meta` is added to meta.json.
+    """
+    rotation = Y_UP_TO_Z_UP.T @ z_up_rotation(np.asarray(shape.up, float))
+    facts = {"model_cat": shape.category, "model_id": shape.id, "anno_id": shape.partnet_id, **(meta or {})}
+    with whole_folder(folder) as draft:
+        (draft / MESHES).mkdir()
+        for leaf in shape.leaves:
+            mesh = shape.parts[leaf].mesh
+            assert mesh is not None, "a leaf carries a mesh: readers make sure of it"
+            write_obj(draft / MESHES / f"{_mesh_name(leaf)}.obj", Mesh(mesh.vertices @ rotation.T, mesh.faces))
+        _write(draft / "meta.json", {key: value for key, value in facts.items() if value is not None})
+        _write(draft / "result.json", [_node(shape, 0)])
+        _write(draft / "mobility_v2.json", [_body(shape, mobility, i, rotation) for i in range(len(mobility.bodies))])
+    return folder
+
+
+def _write(path: Path, value: Any) -> None:
+    path.write_text(json.dumps(value, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _mesh_name(leaf: int) -> str:
+    return f"original-{leaf}"
+
+
+def _node(shape: Shape, index: int) -> dict[str, Any]:
+    part = shape.parts[index]
+    node: dict[str, Any] = {"text": part.name, "name": part.name, "id": part.id}
+    if part.is_leaf:
+        return {**node, "objs": [_mesh_name(index)]}
+    return {**node, "children": [_node(shape, child) for child in part.children]}
+
+
+def _body(shape: Shape, mobility: Mobility, index: int, rotation: NDArray[np.float64]) -> dict[str, Any]:
+    body = mobility.bodies[index]
+    parts = [shape.parts[leaf] for leaf in body.leaves]
+    entry: dict[str, Any] = {
+        "id": index,
+        "parent": -1 if body.parent is None else body.parent,
+        "joint": _still(body.parent, mobility.junk >= set(body.leaves)),
+        "name": body.name,
+        "parts": [{"id": part.id, "name": part.name, "children": []} for part in parts],
+        "jointData": {},
+    }
+    if body.joint is not None:
+        entry["joint"] = "hinge" if body.joint.kind is JointKind.REVOLUTE else "slider"
+        entry["jointData"] = _joint_data(body.joint, rotation)
+    return entry
+
+
+def _still(parent: int | None, is_junk: bool) -> str:
+    if is_junk:
+        return "junk"
+    return "heavy" if parent is None else "static"
+
+
+def _joint_data(joint: Joint, rotation: NDArray[np.float64]) -> dict[str, Any]:
+    unit = math.degrees(1.0) if joint.kind is JointKind.REVOLUTE else 1.0
+    lower, upper = (
+        (0.0, 0.0)
+        if joint.lower is None or joint.upper is None
+        else (unit * (joint.lower - joint.rest), unit * (joint.upper - joint.rest))
+    )
+    return {
+        "axis": {"origin": (rotation @ joint.pivot).tolist(), "direction": (rotation @ joint.direction).tolist()},
+        "limit": {
+            "a": lower,
+            "b": upper,
+            "noLimit": not joint.is_limited,
+            "rotates": joint.kind is JointKind.SCREW,
+            "noRotationLimit": joint.kind is JointKind.SCREW,
+            "rotationLimit": 0,
+        },
+    }

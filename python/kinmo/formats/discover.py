@@ -1,0 +1,125 @@
+"""Finding shapes below a folder, whatever the layout, by what the folders contain."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+from kinmo.errors import InputError
+from kinmo.formats.annotation import MESH_FOLDERS
+from kinmo.formats.dsg_net import shape_id
+from kinmo.formats.field import clean_text
+from kinmo.formats.files import read_beginning
+from kinmo.formats.partnet import HIERARCHY_FILES
+
+_PEEK = 1 << 16
+_DEEPEST_FOLDER = 64
+
+
+class Layout(str, Enum):
+    """How a dataset lays out a shape."""
+
+    PARTNET_MOBILITY = "partnet_mobility"
+    PARTNET = "partnet"
+    DSG_NET = "dsg_net"
+
+
+@dataclass(frozen=True)
+class Found:
+    """A shape that a reader may be tried on: a folder, or the tree JSON of DSG_NET."""
+
+    path: Path
+    layout: Layout
+    id: str
+
+
+def discover(
+    root: Path, *, skip: tuple[Path, ...] = (), report: Callable[[InputError], None] = lambda error: None
+) -> Iterator[Found]:
+    """All shapes at or below `root`, in the order of their paths.
+
+    Hidden files and folders are passed over. Links to folders are not followed; those that lead out of `root`, and folders
+    that cannot be listed, are told to `report`. `skip` are folders to keep out of, such as a workspace. `root` may also be
+    the tree JSON of one DSG-Net shape. Raises InputError if it is neither that nor a folder.
+    """
+    root = Path(root)
+    if root.is_file() and root.suffix == ".json" and _is_tree(root, root.parent):
+        yield Found(root, Layout.DSG_NET, shape_id(root))
+        return
+    if not root.is_dir():
+        raise InputError(root, "expected a folder of shapes" if root.exists() else "missing, expected a folder of shapes")
+    skipped = {os.path.realpath(path) for path in skip}
+    home = os.path.realpath(root)
+    pending = [(root, 0)]
+    while pending:
+        folder, depth = pending.pop()
+        if skipped and os.path.realpath(folder) in skipped:
+            continue
+        try:
+            listed = [entry for entry in os.scandir(folder) if not entry.name.startswith(".")]
+        except OSError as error:
+            report(InputError(folder, f"cannot be listed ({error.strerror})"))
+            continue
+        entries = sorted(listed, key=lambda entry: entry.name)
+        names = {entry.name for entry in entries}
+        layout = _layout(folder, names)
+        if layout is not None:
+            yield Found(folder, layout, clean_text(Path(os.path.realpath(folder)).name))
+            continue
+        subfolders = []
+        for entry in entries:
+            if entry.is_symlink():
+                _judge_link(Path(entry.path), home, report)
+            elif entry.is_dir(follow_symlinks=False):
+                subfolders.append(Path(entry.path))
+            elif entry.name.endswith(".json") and _is_tree(Path(entry.path), folder):
+                yield Found(Path(entry.path), Layout.DSG_NET, shape_id(Path(entry.path)))
+        if depth >= _DEEPEST_FOLDER and subfolders:
+            report(InputError(folder, f"folders nested deeper than {_DEEPEST_FOLDER} levels"))
+            continue
+        pending += [(path, depth + 1) for path in reversed(subfolders)]
+
+
+def _layout(folder: Path, names: set[str]) -> Layout | None:
+    """The layout of a shape's own folder, None if the folder is not one."""
+    if "mobility_v2.json" in names:
+        return Layout.PARTNET_MOBILITY
+    if names & {*HIERARCHY_FILES} and (names & {*MESH_FOLDERS} or _is_annotation(folder, names)):
+        return Layout.PARTNET
+    return None
+
+
+def _is_annotation(folder: Path, names: set[str]) -> bool:
+    """Whether a result.json without meshes beside it looks like PartNet's, and so deserves a complaint."""
+    text = _beginning(folder / next(name for name in HIERARCHY_FILES if name in names), folder)
+    return bool(re.match(rb"\s*\[\s*\{", text)) and b'"name"' in text and b'"id"' in text
+
+
+def _is_tree(path: Path, folder: Path) -> bool:
+    """Whether a JSON file is one of StructureNet's trees. In a folder `*_hier` all are meant to be."""
+    if Path(os.path.realpath(folder)).name.endswith("_hier"):
+        return True
+    text = _beginning(path, folder)
+    has_fields = b'"label"' in text and b'"id"' in text and (b'"children"' in text or b'"box"' in text)
+    return has_fields and bool(re.match(rb"\s*\{", text))
+
+
+def _beginning(path: Path, folder: Path) -> bytes:
+    try:
+        return read_beginning(path, folder, _PEEK)
+    except InputError:
+        return b""
+
+
+def _judge_link(path: Path, home: str, report: Callable[[InputError], None]) -> None:
+    """A link to a folder inside `home` is found by its own path; one that leads elsewhere would be lost in silence."""
+    try:
+        target = os.path.realpath(path, strict=True)
+    except (OSError, ValueError):
+        return
+    if Path(target).is_dir() and target != home and not target.startswith(home + os.sep):
+        report(InputError(path, "a link that leads out of the folder: not followed, name its target instead"))

@@ -1,0 +1,59 @@
+"""Which files a shape is read from, to notice when they change and to compare copies."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from hashlib import blake2b
+from pathlib import Path
+
+from kinmo.formats.annotation import MESH_FOLDERS
+from kinmo.formats.discover import Found, Layout
+from kinmo.formats.dsg_net import geometry_places
+
+_FILES = ("mobility_v2.json", "result.json", "result_after_merging.json", "meta.json")
+
+
+def fingerprint(found: Found) -> list[list[str | int]]:
+    """Names, sizes in bytes and times of change (ns) of the files that a shape is read from, as plain data."""
+    rows: list[list[str | int]] = []
+    for name, path in _files(found):
+        status = path.lstat()
+        rows.append([name, status.st_size, status.st_mtime_ns])
+    return rows
+
+
+def content_digest(found: Found) -> str:
+    """A hash of the contents of the files that a shape is read from: the same for true copies."""
+    total = blake2b(digest_size=16)
+    for name, path in _files(found):
+        total.update(f"{name}\0".encode())
+        if path.is_file():
+            with path.open("rb") as file:
+                while block := file.read(1 << 20):
+                    total.update(block)
+        total.update(b"\0")
+    return total.hexdigest()
+
+
+def shown(path: Path | str) -> str:
+    """A path as text that can be printed and stored, whatever bytes it is made of."""
+    return os.fsencode(path).decode("utf-8", "backslashreplace")
+
+
+def _files(found: Found) -> Iterator[tuple[str, Path]]:
+    """Names relative to the shape's folder, and paths, in a fixed order."""
+    if found.layout is Layout.DSG_NET:
+        places = [found.path, *geometry_places(found.path)]
+        base = found.path.absolute().parent.parent
+    else:
+        places = [found.path / name for name in (*_FILES, *MESH_FOLDERS)]
+        base = found.path.absolute()
+    for place in places:
+        for path in _meshes(place) if place.is_dir() else [place] * os.path.lexists(place):
+            yield shown(os.path.relpath(path.absolute(), base)), path
+
+
+def _meshes(folder: Path) -> list[Path]:
+    with os.scandir(folder) as entries:
+        return sorted(Path(entry.path) for entry in entries if entry.name.lower().endswith(".obj"))

@@ -1,0 +1,36 @@
+"""The Siamese network that judges a motion by the cloud before and after it (paper, section 3.3)."""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor, nn
+
+from kinmo.config import AxisConfig
+from kinmo.learning.layers import point_encoder
+
+CHANNELS = 4
+"""x, y, z, and 1 on the moving part, 0 elsewhere."""
+
+
+class AxisSelectionNetwork(nn.Module):
+    """One encoder for both clouds, then fully connected layers on the two features."""
+
+    def __init__(self, config: AxisConfig) -> None:
+        super().__init__()
+        self.encoder = point_encoder(config.encoder, CHANNELS)
+        layers: list[nn.Module] = []
+        width = 2 * self.encoder.features
+        for after in config.head:
+            layers += [nn.Linear(width, after, bias=False), nn.BatchNorm1d(after), nn.ReLU(), nn.Dropout(config.head_dropout)]
+            width = after
+        layers.append(nn.Linear(width, 1))
+        self.head = nn.Sequential(*layers)
+
+    def compare(self, original: Tensor, moved: Tensor) -> Tensor:
+        """Logits [B] of feasibility from two features [B, F] of the encoder."""
+        return self.head(torch.cat([original, moved], 1)).squeeze(1)  # type: ignore[no-any-return]
+
+    def forward(self, original: Tensor, *moved: Tensor) -> Tensor:
+        """Logits [k * B] for each of k clouds [B, n, 4] that `original` [B, n, 4] was moved to."""
+        first, *others = self.encoder(torch.cat([original, *moved])).chunk(1 + len(moved))
+        return self.compare(first.repeat(len(moved), 1), torch.cat(others))

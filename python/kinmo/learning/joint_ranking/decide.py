@@ -1,0 +1,63 @@
+"""From probabilities of hypotheses to ranked answers."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.box import Box
+from kinmo.evidence import PRISMATIC, REVOLUTE, SCREW, Evidence
+from kinmo.ground_truth import motion_type
+from kinmo.joint import Joint, JointKind, MotionType
+from kinmo.prediction import JointEstimate
+
+F64 = NDArray[np.float64]
+
+AGREE_DIRECTION = np.cos(np.radians(5.0))
+AGREE_LINE = 0.05
+"""Answers within 5 degrees and 0.05 diagonals of each other count as the same (the strict measure of a joint)."""
+MOVES = 0.5
+ALTERNATIVES = 5
+KINDS = {REVOLUTE: JointKind.REVOLUTE, PRISMATIC: JointKind.PRISMATIC, SCREW: JointKind.SCREW}
+
+
+def agreement(kinds: NDArray[np.int64], directions: F64, pivots: F64) -> NDArray[np.bool_]:
+    """Which hypotheses [h, h] are the same answer by the strict measure. Pivots are the points nearest the part's centre."""
+    kind = kinds[:, None] == kinds[None]
+    parallel = np.abs(directions @ directions.T) >= AGREE_DIRECTION
+    offset = pivots[:, None] - pivots[None]
+    offset -= np.einsum("abi,ai->ab", offset, directions)[..., None] * directions[:, None]
+    close = (np.linalg.norm(offset, axis=-1) <= AGREE_LINE) | (kinds == PRISMATIC)[:, None]
+    agree: NDArray[np.bool_] = kind & parallel & close
+    return agree
+
+
+def rank_answers(
+    evidence: Evidence, unit: int, probabilities: F64, rest: float, box: Box, up: F64
+) -> tuple[JointEstimate, ...]:
+    """Ranked answers for one unit, in the normalised frame; the first one is what kinmo says.
+
+    `probabilities` [h] of the unit's hypotheses and `rest`, that of not moving, sum to one. The score of a hypothesis is the
+    probability of all that agree with it, so it is the chance that the answer is right by the strict measure. A part that
+    rather rests gets that as its first answer, its best joint as the second.
+    """
+    rows = evidence.rows(unit)
+    kinds, directions, pivots = evidence.kinds[rows], evidence.directions[rows], evidence.pivots[rows]
+    agree = agreement(kinds, directions, pivots)
+    support = agree @ probabilities
+    kind_mass = np.array([probabilities[kinds == kind].sum() for kind in sorted(KINDS)])
+    best_kind = int(np.argmax(kind_mass))
+    # The kind is decided first: it gathers more evidence than any single axis of it.
+    order = np.lexsort((-probabilities, -support, kinds != best_kind))
+    answers: list[JointEstimate] = []
+    covered = np.zeros(len(kinds), bool)
+    for index in order:
+        if covered[index] or len(answers) == ALTERNATIVES:
+            continue
+        strongest = int(np.flatnonzero(agree[index] & ~covered)[np.argmax(probabilities[agree[index] & ~covered])])
+        covered |= agree[index]
+        joint = Joint(KINDS[int(kinds[strongest])], directions[strongest], pivots[strongest])
+        terms = {"moves": 1.0 - rest, "kind": float(kind_mass[int(kinds[strongest])]), "axis": float(probabilities[strongest])}
+        answers.append(JointEstimate(joint, motion_type(joint, box, up), float(support[index]), terms, "ranking"))
+    still = JointEstimate(None, MotionType.FIXED, rest, {"moves": 1.0 - rest}, "ranking")
+    return (still, *answers) if rest >= MOVES else (*answers, still)

@@ -1,0 +1,48 @@
+"""Asking trained ranking networks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import nn
+
+from kinmo.config import RankingConfig, from_table
+from kinmo.errors import InputError
+from kinmo.learning.joint_ranking.data import View, collate
+from kinmo.learning.joint_ranking.train import KIND, averaged, rankers
+from kinmo.learning.weights import load_weights, pick_device
+
+F64 = NDArray[np.float64]
+
+
+class JointRanking:
+    """Trained networks. `hide_names` keeps the names of parts and categories from them."""
+
+    def __init__(self, networks: nn.ModuleList, device: str, hide_names: bool = False) -> None:
+        self.networks, self.device, self.hide_names = networks.to(device).eval(), device, hide_names
+
+    @classmethod
+    def load(cls, weights: Path, device: str = "auto", hide_names: bool = False) -> JointRanking:
+        """Read `weights.safetensors` of `train_joint_ranking`. Raises InputError if they are another network's or cut."""
+        device = pick_device(device)
+        loaded = load_weights(weights, KIND)
+        header = weights.with_suffix(".json")
+        config = from_table(RankingConfig, loaded.config, header, "config.")
+        hypothesis_features, unit_features = (loaded.facts.get(name) for name in ("hypothesis_features", "unit_features"))
+        if not (isinstance(hypothesis_features, int) and isinstance(unit_features, int)):
+            raise InputError(header, "expected the numbers of features", "facts")
+        networks = rankers(config, hypothesis_features, unit_features)
+        loaded.fill(networks)
+        return cls(networks, device, hide_names)
+
+    @torch.inference_mode()
+    def probabilities(self, view: View) -> tuple[list[F64], F64]:
+        """For every unit of `view` the probabilities [h] of its hypotheses, and for all of them that of rest [U]."""
+        batch = collate([view], hide_names=self.hide_names).to(torch.device(self.device))
+        hypotheses, rest = averaged(self.networks, batch)
+        flat = hypotheses.double().exp().cpu().numpy()
+        counts = [view.evidence.rows(unit).stop - view.evidence.rows(unit).start for unit in view.units]
+        return np.split(flat, np.cumsum(counts)[:-1]), rest.double().exp().cpu().numpy()

@@ -1,0 +1,158 @@
+"""Training the ranking networks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import nn
+
+from kinmo.config import RankingConfig, to_table
+from kinmo.errors import InputError
+from kinmo.evidence import Evidence
+from kinmo.learning.joint_ranking.data import View, collate
+from kinmo.learning.joint_ranking.network import JointRanker, RankingBatch, ranking_loss
+from kinmo.learning.joint_ranking.views import body_view, node_view
+from kinmo.learning.training import FitResult, Learner, Progress, fit
+from kinmo.learning.weights import load_weights, save_weights
+from kinmo.prepared import PreparedShape
+
+KIND = "joint_ranking"
+WARM_UP = 0.1
+"""Share of the steps in which the learning rate rises."""
+STANDARDIZED_VIEWS = 512
+VALIDATION_VIEWS = 64
+
+
+def rankers(config: RankingConfig, hypothesis_features: int, unit_features: int) -> nn.ModuleList:
+    """`config.members` networks of the same build."""
+    return nn.ModuleList(
+        JointRanker(hypothesis_features, unit_features, config.width, config.word_features, config.dropout)
+        for _ in range(config.members)
+    )
+
+
+def train_joint_ranking(
+    training: Sequence[PreparedShape],
+    validation: Sequence[PreparedShape],
+    config: RankingConfig,
+    run_dir: Path,
+    *,
+    seed: int = 0,
+    device: str = "auto",
+    fingerprint: str = "",
+    on_progress: Callable[[Progress], None] | None = None,
+    initial: Path | None = None,
+) -> FitResult:
+    """Train on annotated shapes; leaves `weights.safetensors` and `.json` of the best epoch on `validation` in `run_dir`.
+
+    `initial` are weights of an earlier training with the same sizes to start from. Resumes what was cut off (`training.fit`).
+    Raises InputError if either set has no joint to learn from, or `initial` does not fit.
+    """
+    views = [shape_views(shapes) for shapes in (training, validation)]
+    for name, found in zip(("training", "validation"), views, strict=True):
+        if not any(target is not None for view in found for target in view.targets):
+            raise InputError(f"{name} shapes", "expected at least one annotated joint")
+    torch.manual_seed(seed)
+    data = RankingData(views[0], views[1], config)
+    learner = RankingLearner(config, data)
+    if initial is not None:
+        load_weights(initial, KIND).fill(learner.networks)
+    result = fit(learner, data, run_dir, seed=seed, device=device, fingerprint=fingerprint, on_progress=on_progress)
+    facts = {
+        "seed": seed,
+        "shapes": len(training),
+        "epochs": len(result.history),
+        "error": result.best_error,
+        "hypothesis_features": data.widths[0],
+        "unit_features": data.widths[1],
+    }
+    save_weights(run_dir / "weights.safetensors", learner.networks, KIND, to_table(config), facts)
+    return result
+
+
+def shape_views(shapes: Sequence[PreparedShape]) -> list[View]:
+    """Both views of every annotated shape that has evidence."""
+    views = []
+    for shape in shapes:
+        if shape.evidence and shape.mobility is not None:
+            evidence = Evidence.of(shape.evidence)
+            views.append(body_view(shape, evidence))
+            if len(shape.parents) > 1:
+                views.append(node_view(shape, evidence))
+    return views
+
+
+class RankingData:
+    """Batches of views in an order that every epoch draws anew, names dropped at random."""
+
+    def __init__(self, training: Sequence[View], validation: Sequence[View], config: RankingConfig) -> None:
+        self.training, self.validation, self.config = training, validation, config
+        spread = np.linspace(0, len(training) - 1, min(STANDARDIZED_VIEWS, len(training))).astype(int)
+        self.sample = collate([training[i] for i in spread])
+        self.widths = self.sample.hypotheses.shape[1], self.sample.units.shape[1]
+
+    @property
+    def steps(self) -> int:
+        """Batches of an epoch."""
+        return math.ceil(len(self.training) / self.config.batch_views)
+
+    def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[RankingBatch]:
+        order = rng.permutation(len(self.training))
+        for some in np.array_split(order, self.steps):
+            views = [self.training[i] for i in some]
+            yield collate(views, rng=rng, hide_view=self.config.hide_names, hide_unit=self.config.hide_unit_names)
+
+    def validation_batches(self) -> Iterator[RankingBatch]:
+        for start in range(0, len(self.validation), VALIDATION_VIEWS):
+            yield collate(self.validation[start : start + VALIDATION_VIEWS])
+
+
+class RankingLearner(Learner):
+    """Cross-entropy of every member; the best epoch is that with the least on validation (`training.MONITOR`)."""
+
+    def __init__(self, config: RankingConfig, data: RankingData) -> None:
+        super().__init__(config.training)
+        self.networks = rankers(config, *data.widths)
+        for network in self.networks:
+            assert isinstance(network, JointRanker)
+            network.standardize(data.sample.hypotheses, data.sample.units)
+        self.steps = data.steps * config.training.epochs
+
+    def training_step(self, batch: RankingBatch, index: int) -> torch.Tensor:
+        losses = [_loss(network(batch), batch) for network in self.networks]
+        self.log(
+            "training/loss", torch.stack(losses).mean().detach(), on_step=False, on_epoch=True, batch_size=len(batch.units)
+        )
+        return torch.stack(losses).sum()
+
+    def validation_step(self, batch: RankingBatch, index: int) -> None:
+        hypotheses, rest = averaged(self.networks, batch)
+        size = len(batch.units)
+        self.log("validation/error", ranking_loss(hypotheses, rest, batch), batch_size=size)
+        right = ((rest > math.log(0.5)).float() == batch.rest_targets).float().mean()
+        self.log("validation/moves_or_not", right, batch_size=size)
+
+    def configure_optimizers(self) -> Any:
+        config = self.training_config
+        optimizer = torch.optim.AdamW(self.parameters(), lr=config.learning_rate, weight_decay=config.weight_decay)
+        schedule = torch.optim.lr_scheduler.OneCycleLR(
+            optimizer, config.learning_rate, total_steps=self.steps + 1, pct_start=WARM_UP
+        )
+        return [optimizer], [{"scheduler": schedule, "interval": "step"}]
+
+
+def _loss(said: tuple[torch.Tensor, torch.Tensor], batch: RankingBatch) -> torch.Tensor:
+    return ranking_loss(said[0], said[1], batch)
+
+
+def averaged(networks: nn.ModuleList, batch: RankingBatch) -> tuple[torch.Tensor, torch.Tensor]:
+    """Logarithms of the members' mean probabilities of hypotheses [H] and of rest [U]."""
+    said = [network(batch) for network in networks]
+    shift = math.log(len(said))
+    hypotheses, rest = (torch.logsumexp(torch.stack(values), dim=0) - shift for values in zip(*said, strict=True))
+    return hypotheses, rest

@@ -1,0 +1,172 @@
+"""Prepared shapes as graphs of tensors, and batches of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from kinmo.config import GnnConfig
+from kinmo.learning.graph import GraphBatch, ShapeGraph, batch_graphs
+from kinmo.learning.motion_gnn.relations import box_sides, box_states, canonical, relative_poses
+from kinmo.learning.names import HIDDEN, bags
+from kinmo.prepared import Boxes, PreparedShape
+
+F64 = NDArray[np.float64]
+
+NEAR = 0.02
+"""Distances are shown to the network as exp(-distance / NEAR)."""
+
+
+def shape_graph(shape: PreparedShape, config: GnnConfig, rotation: F64 | None = None) -> ShapeGraph:
+    """The tensors of one shape, with all points of its leaves and only the edges that `config.edges` wants (`used_edges`).
+
+    Under `rotation` [3, 3], about `up`, everything is as if the shape had been prepared so turned, but the points.
+    """
+    rotation = np.eye(3) if rotation is None else rotation
+    used = used_edges(shape, config)
+    edges = shape.edges[used]
+    boxes = canonical(_turned(shape.symmetric_boxes, rotation), shape.up)
+    distances = shape.edge_distances[used]
+    relation = np.stack([np.exp(-distances / NEAR), distances <= config.contact], axis=1)
+    name_ids, name_counts = bags(shape.part_names, config.name_buckets)
+    labels, count = shape.edge_labels, len(edges)
+    described = np.concatenate([boxes.centers, 2 * boxes.half_extents, boxes.axes.reshape(-1, 9)], axis=1)
+    return ShapeGraph(
+        leaf_points=_unit_clouds(torch.from_numpy(np.array(shape.leaf_points, np.float32))),
+        leaves=_whole(shape.leaves),
+        parents=_whole(shape.parents),
+        depths=_whole(_depths(shape.parents)),
+        boxes=_real(described),
+        name_ids=_whole(name_ids),
+        name_counts=_whole(name_counts),
+        up=_real(shape.up),
+        edges=_whole(edges).reshape(-1, 2),
+        states=_whole(box_states(boxes, edges)),
+        sides=_whole(box_sides(boxes, edges)),
+        pose=_real(np.concatenate([relative_poses(boxes, edges), relation], axis=1)),
+        types=_whole(np.full(count, -1) if labels is None else labels.types[used]),
+        directions=_real(np.zeros((count, 3)) if labels is None else labels.directions[used] @ rotation.T),
+        pivots=_real(np.zeros((count, 3)) if labels is None else labels.pivots[used] @ rotation.T),
+    )
+
+
+def used_edges(shape: PreparedShape, config: GnnConfig) -> NDArray[np.int64]:
+    """Indices of the edges that the network sees: all of them, or those of parts in contact."""
+    if config.edges == "siblings":
+        return np.arange(len(shape.edges))
+    return np.flatnonzero(shape.edge_distances <= config.contact)
+
+
+@dataclass(frozen=True, eq=False)
+class _Pose:
+    graph: ShapeGraph
+    rotation: Tensor | None
+
+
+class GraphData:
+    """Training and validation graphs, batched so that no batch has many more than `batch_edges` edges."""
+
+    def __init__(self, training: Sequence[PreparedShape], validation: Sequence[PreparedShape], config: GnnConfig) -> None:
+        self.config = config
+        self.training = [_poses(shape, config) for shape in training if len(used_edges(shape, config))]
+        graphs = [shape_graph(shape, config) for shape in validation if len(used_edges(shape, config))]
+        self._validation = [batch_graphs(group) for group in grouped((thinned(g, config.leaf.points) for g in graphs), config)]
+
+    @property
+    def labels(self) -> Tensor:
+        """Types [E] of all training edges."""
+        return torch.cat([poses[0].graph.types for poses in self.training])
+
+    def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[GraphBatch]:
+        order = (self._drawn(self.training[i], rng) for i in rng.permutation(len(self.training)))
+        return map(batch_graphs, grouped(order, self.config))
+
+    def validation_batches(self) -> Sequence[GraphBatch]:
+        return self._validation
+
+    def _drawn(self, poses: Sequence[_Pose], rng: np.random.Generator) -> ShapeGraph:
+        pose = poses[int(rng.integers(len(poses)))]
+        graph = thinned(pose.graph, self.config.leaf.points, rng)
+        if pose.rotation is not None:
+            graph = replace(graph, leaf_points=graph.leaf_points @ pose.rotation.T)
+        if rng.random() < self.config.hide_names:
+            graph = without_names(graph)
+        return graph
+
+
+def _poses(shape: PreparedShape, config: GnnConfig) -> list[_Pose]:
+    first = _Pose(shape_graph(shape, config), None)
+    poses = [first]
+    for turn in range(config.turns):
+        rotation = rotation_about(shape.up, 2 * np.pi * (turn + 0.5) / config.turns)
+        graph = replace(shape_graph(shape, config, rotation), leaf_points=first.graph.leaf_points)
+        poses.append(_Pose(graph, _real(rotation)))
+    return poses
+
+
+def grouped(graphs: Iterable[ShapeGraph], config: GnnConfig) -> Iterator[list[ShapeGraph]]:
+    """Runs of at most `batch_shapes` graphs and `batch_edges` edges (more only for one shape that has more)."""
+    group: list[ShapeGraph] = []
+    edges = 0
+    for graph in graphs:
+        if group and (len(group) == config.batch_shapes or edges + len(graph.edges) > config.batch_edges):
+            yield group
+            group, edges = [], 0
+        group.append(graph)
+        edges += len(graph.edges)
+    if group:
+        yield group
+
+
+def thinned(graph: ShapeGraph, points: int, rng: np.random.Generator | None = None) -> ShapeGraph:
+    """The graph with `points` points a leaf: drawn anew with `rng`, evenly spread over the stored ones without."""
+    stored = graph.leaf_points.shape[1]
+    if stored <= points:
+        return graph
+    evenly = np.linspace(0, stored - 1, points).astype(np.int64)
+    chosen = evenly if rng is None else rng.permutation(stored)[:points]
+    return replace(graph, leaf_points=graph.leaf_points[:, torch.from_numpy(chosen)])
+
+
+def without_names(graph: ShapeGraph) -> ShapeGraph:
+    """The graph with all names hidden."""
+    counts = torch.ones_like(graph.name_counts)
+    return replace(graph, name_ids=torch.full_like(counts, HIDDEN), name_counts=counts)
+
+
+def rotation_about(axis: F64, angle: float) -> F64:
+    """The matrix [3, 3] that turns column vectors by `angle` about the unit vector `axis`."""
+    cross = np.cross(np.eye(3), axis)
+    rotation: F64 = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+    return rotation
+
+
+def _turned(boxes: Boxes, rotation: F64) -> Boxes:
+    return Boxes(boxes.centers @ rotation.T, boxes.axes @ rotation.T, boxes.half_extents)
+
+
+def _unit_clouds(points: Tensor) -> Tensor:
+    centered = points - points.mean(1, keepdim=True)
+    radius = centered.norm(dim=2).amax(1).clamp(min=1e-9)
+    scaled: Tensor = centered / radius[:, None, None]
+    return scaled
+
+
+def _depths(parents: Sequence[int]) -> list[int]:
+    depths: list[int] = []
+    for parent in parents:  # preorder: a parent stands before its children
+        depths.append(0 if parent < 0 else depths[parent] + 1)
+    return depths
+
+
+def _whole(values: Sequence[int] | NDArray[np.int64]) -> Tensor:
+    return torch.from_numpy(np.array(values, np.int64))
+
+
+def _real(values: F64) -> Tensor:
+    return torch.from_numpy(np.array(values, np.float32))

@@ -1,0 +1,99 @@
+"""Trained weights: `NAME.safetensors` with the numbers, `NAME.json` with what they are for. No pickle is read."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save_file
+from torch import Tensor, nn
+
+from kinmo import __version__
+from kinmo.errors import InputError
+from kinmo.learning.files import write_atomically, write_text
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Weights:
+    """Tensors by name, the `config` of the network they fill, what it was trained for (`facts`), and the file's SHA-256."""
+
+    path: Path
+    tensors: Mapping[str, Tensor]
+    config: Mapping[str, Any]
+    facts: Mapping[str, Any]
+    sha256: str
+
+    def fill(self, module: nn.Module) -> None:
+        """Copy the tensors into `module`. Raises InputError if names or shapes differ from the module's."""
+        own = module.state_dict()
+        for name in sorted(own.keys() | self.tensors.keys()):
+            if name not in self.tensors:
+                raise InputError(self.path, "missing tensor", name)
+            if name not in own:
+                raise InputError(self.path, "unexpected tensor", name)
+            if own[name].shape != self.tensors[name].shape:
+                found, expected = tuple(self.tensors[name].shape), tuple(own[name].shape)
+                raise InputError(self.path, f"shape {found}, expected {expected}", name)
+        module.load_state_dict(dict(self.tensors))
+
+
+def save_weights(
+    path: Path, module: nn.Module, kind: str, config: Mapping[str, Any], facts: Mapping[str, Any] | None = None
+) -> str:
+    """Write `path` (.safetensors) and the JSON beside it, each atomically; returns the SHA-256 of the weights.
+
+    `kind` names the network ("motion_gnn", ...); `config` and `facts` must be plain JSON.
+    """
+    tensors = {name: tensor.detach().cpu().contiguous() for name, tensor in module.state_dict().items()}
+    write_atomically(path, lambda scratch: save_file(tensors, scratch))
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    header = {"schema": SCHEMA, "kinmo": __version__, "kind": kind, "sha256": digest, "config": config, "facts": facts or {}}
+    write_text(path.with_suffix(".json"), json.dumps(header, indent=1, sort_keys=True) + "\n")
+    return digest
+
+
+def load_weights(path: Path, kind: str, device: str = "cpu") -> Weights:
+    """Read what `save_weights` wrote.
+
+    Raises InputError if a file is absent or cut, if the two do not belong together, or if they are for another kind of network.
+    """
+    header_path = path.with_suffix(".json")
+    try:
+        header = json.loads(header_path.read_text(encoding="utf-8"))
+        digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError as error:
+        raise InputError(Path(error.filename), f"expected trained weights ({error.strerror})") from error
+    except ValueError as error:
+        raise InputError(header_path, f"expected JSON ({error})") from error
+    if not isinstance(header, dict) or not isinstance(header.get("config"), dict):
+        raise InputError(header_path, "expected an object", "config")
+    if header.get("schema") != SCHEMA:
+        raise InputError(header_path, f"expected {SCHEMA}, got {header.get('schema')!r}", "schema")
+    if header.get("kind") != kind:
+        raise InputError(header_path, f"expected {kind!r}, got {header.get('kind')!r}", "kind")
+    if header.get("sha256") != digest:
+        raise InputError(path, f"does not belong to {header_path.name}", "sha256")
+    try:
+        tensors = load_file(path, device=device)
+    except (SafetensorError, ValueError) as error:
+        raise InputError(path, f"expected a safetensors file ({error})") from error
+    return Weights(path, tensors, header["config"], header.get("facts") or {}, digest)
+
+
+def pick_device(name: str) -> str:
+    """`auto` means a GPU where there is one. Raises InputError for a device that is not there."""
+    if name == "auto":
+        return "cuda" if torch.cuda.is_available() else "mps" if torch.backends.mps.is_available() else "cpu"
+    try:
+        torch.empty(0, device=name)
+    except (RuntimeError, AssertionError) as error:
+        raise InputError("--device", f"{name!r} is not available here ({str(error).splitlines()[0]})") from error
+    return name

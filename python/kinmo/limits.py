@@ -1,0 +1,71 @@
+"""How far a part can go along a joint before it runs into the rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo import _core
+from kinmo.candidates import KIND_CODES, Candidates
+from kinmo.joint import JointKind
+
+F64 = NDArray[np.float64]
+
+MOST_TURN = math.pi / 2
+"""How far a hinge that nothing stops is taken to open, unless it may go all the way round."""
+WANTED_TURN = math.pi / 3
+WANTED_SLIDE = 0.5
+"""What a joint must reach in one sense to be as good as free: an angle, or a share of the part's length along the axis."""
+
+CENTRAL = 0.1
+"""An axis nearer to the part's middle than this share of its diagonal may turn for ever, as a wheel or a knob does."""
+
+
+@dataclass(frozen=True, eq=False)
+class Travel:
+    """Of C candidates: how far the part is free to go backwards and forwards, `lower` <= 0 <= `upper` [C], radians or lengths.
+
+    `unlimited` [C]: it may turn for ever. `freedom` [C] in [0, 1]: how much of what a joint must reach it does.
+    """
+
+    lower: F64
+    upper: F64
+    unlimited: NDArray[np.bool_]
+    freedom: F64
+
+    def range(self, index: int) -> tuple[float | None, float | None]:
+        """Lower and upper limit of one candidate; None, None if it has none."""
+        if self.unlimited[index]:
+            return None, None
+        return float(self.lower[index]), float(self.upper[index])
+
+
+def free_travel(
+    meshes: _core.Meshes, moving: Sequence[int], obstacles: Sequence[int], candidates: Candidates, points: F64
+) -> Travel:
+    """Sweep the leaves `moving` (indices of meshes, the part's descendants among them) along each candidate.
+
+    `points` [n, 3] lie on the part: a slider goes no farther than the part is long along its axis. Everything is in one frame.
+    """
+    slides = candidates.kinds != KIND_CODES[JointKind.REVOLUTE]
+    lengths = np.ptp(points @ candidates.directions.T, axis=0)
+    reach = np.where(slides, np.maximum(lengths, 1e-6), math.pi)
+    if not obstacles:
+        lower, upper = -reach, reach.copy()
+    else:
+        codes = np.where(slides, KIND_CODES[JointKind.PRISMATIC], candidates.kinds).astype(np.uint8)
+        lower, upper, _ = _core.sweep(
+            meshes, list(moving), list(obstacles), codes, candidates.directions, candidates.pivots, -reach, reach
+        )
+    wanted = np.where(slides, WANTED_SLIDE * reach, WANTED_TURN)
+    freedom = np.clip(np.maximum(upper, -lower) / wanted, 0.0, 1.0)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0)) - candidates.pivots
+    off_axis = np.linalg.norm(np.cross(middle, candidates.directions), axis=1)
+    central = off_axis < CENTRAL * np.linalg.norm(np.ptp(points, axis=0))
+    round_about = ~slides & central & (upper >= 0.999 * math.pi) & (lower <= -0.999 * math.pi)
+    most = np.where(slides, reach, MOST_TURN)
+    return Travel(np.maximum(lower, -most), np.minimum(upper, most), round_about, freedom)

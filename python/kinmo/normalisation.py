@@ -1,0 +1,74 @@
+"""From a shape's own frame and lengths to the normalised frame, in which models see it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from hashlib import blake2b
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.joint import Joint, JointKind
+from kinmo.mobility import Mobility
+from kinmo.shape import Mesh, Shape, Vector
+
+_HASH_STEPS = 1e5
+_HASH_RANGE = 1 << 18
+
+
+@dataclass(frozen=True, eq=False)
+class Normalisation:
+    """normalised = (file - `center`) / `diagonal`: the file's axes, no turn."""
+
+    center: Vector
+    diagonal: float
+
+    @classmethod
+    def of(cls, shape: Shape) -> Normalisation:
+        """Centre and diagonal of the shape's axis-aligned box."""
+        return cls(shape.center, shape.diagonal)
+
+    def points(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points [..., 3] of the file's frame in the normalised one."""
+        return (points - self.center) / self.diagonal
+
+    def mesh(self, mesh: Mesh) -> Mesh:
+        return Mesh(self.points(mesh.vertices), mesh.faces)
+
+    def joint(self, joint: Joint) -> Joint:
+        return _rescaled(joint, self.points(joint.pivot), 1.0 / self.diagonal)
+
+    def mobility(self, mobility: Mobility) -> Mobility:
+        """The same bodies and joints in the normalised frame."""
+        return _with_joints(mobility, self.joint)
+
+    def undo(self, mobility: Mobility) -> Mobility:
+        """Bodies and joints of the normalised frame in the file's."""
+        return _with_joints(mobility, lambda j: _rescaled(j, j.pivot * self.diagonal + self.center, self.diagonal))
+
+
+def _rescaled(joint: Joint, pivot: Vector, scale: float) -> Joint:
+    if joint.kind is JointKind.REVOLUTE:
+        return replace(joint, pivot=pivot)
+    lower = None if joint.lower is None else joint.lower * scale
+    upper = None if joint.upper is None else joint.upper * scale
+    return replace(joint, pivot=pivot, lower=lower, upper=upper, rest=joint.rest * scale)
+
+
+def _with_joints(mobility: Mobility, change: Callable[[Joint], Joint]) -> Mobility:
+    bodies = (replace(body, joint=None if body.joint is None else change(body.joint)) for body in mobility.bodies)
+    return replace(mobility, bodies=tuple(bodies))
+
+
+def geometry_hash(meshes: Iterable[Mesh]) -> str:
+    """A hash of a shape's surface, given as meshes in the normalised frame.
+
+    It is that of the set of vertices to 1e-5 diagonals: copies of a shape that differ in place, size, segmentation, or the
+    order of parts, vertices and faces have the same.
+    """
+    vertices = np.concatenate([mesh.vertices[np.unique(mesh.faces)] for mesh in meshes])
+    steps = np.round(vertices * _HASH_STEPS).astype(np.int64) + _HASH_RANGE // 2
+    x, y, z = steps.T  # within half a diagonal of the origin, so that one number holds all three
+    numbers = np.unique((x * _HASH_RANGE + y) * _HASH_RANGE + z)
+    return blake2b(numbers.astype("<i8").tobytes(), digest_size=16).hexdigest()

@@ -1,0 +1,55 @@
+"""Which prepared shapes train, choose, test, and get pseudo labels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from kinmo.categories import same_category
+from kinmo.errors import InputError
+from kinmo.prepared import PreparedShape
+from kinmo.splits import Split, leaks, split_of
+from kinmo.store import IndexEntry, PreparedStore, read_header
+from kinmo.workspace import Workspace, digest
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """The prepared shapes of a workspace by their use. `copies` are unlabelled copies of labelled ones, left alone."""
+
+    store: PreparedStore
+    labelled: Mapping[Split, tuple[IndexEntry, ...]]
+    unlabelled: tuple[IndexEntry, ...]
+    copies: tuple[IndexEntry, ...]
+
+    def load(self, entries: Iterable[IndexEntry]) -> list[PreparedShape]:
+        return [self.store.load(entry) for entry in entries]
+
+    def fingerprint(self, entries: Iterable[IndexEntry]) -> str:
+        """Changes whenever the files or the preparation of one of the shapes do."""
+        return digest([read_header(self.store.folder / entry.file)["provenance"]["made_from"] for entry in entries])
+
+    def categories(self) -> tuple[str, ...]:
+        """Categories of the labelled shapes."""
+        return tuple(sorted({entry.category for entries in self.labelled.values() for entry in entries}))
+
+
+def open_dataset(workspace: Workspace, category: str | None = None) -> Dataset:
+    """The dataset of a workspace, or its shapes of one category whatever the spelling.
+
+    Splits are `kinmo.splits`'. Raises InputError if nothing was prepared, or nothing of that category.
+    """
+    store = PreparedStore(workspace.prepared)
+    entries = [entry for entry in store.entries if category is None or same_category(entry.category, category)]
+    if not entries:
+        known = ", ".join(sorted({entry.category for entry in store.entries})) or "none: run kinmo prepare first"
+        raise InputError(workspace.prepared, f"no prepared shape of {category or 'any category'}; there are {known}")
+    labelled = [entry for entry in entries if entry.is_labelled]
+    by_split = {split: tuple(entry for entry in labelled if split_of(entry.id) is split) for split in Split}
+    unlabelled = [entry for entry in entries if not entry.is_labelled]
+    is_copy = leaks(unlabelled, (entry for entry in store.entries if entry.is_labelled), frozenset())
+    originals, copies = (
+        tuple(entry for entry, leaking in zip(unlabelled, is_copy, strict=True) if leaking is wanted)
+        for wanted in (False, True)
+    )
+    return Dataset(store, by_split, originals, copies)

@@ -1,0 +1,167 @@
+"""Table 1 on the test shapes of a workspace, in both settings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from kinmo.config import to_table
+from kinmo.errors import InputError
+from kinmo.evaluation.label_truth import curves, label_truth_table
+from kinmo.evaluation.records import ShapeScore
+from kinmo.evaluation.table1 import caption_for, table1
+from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_table
+from kinmo.formats import Found, Layout, read_found
+from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo.pipeline.examples import write_examples
+from kinmo.pipeline.journal import seconds_per_unit, timed
+from kinmo.pipeline.judge import Judgement, judge
+from kinmo.pipeline.predictors import leaf_meshes
+from kinmo.pipeline.rows import Row, chosen_rows
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.pipeline.train import trained_config
+from kinmo.splits import Split
+from kinmo.store import IndexEntry
+from kinmo.workspace import StageRecord, Workspace, remove_leftovers
+
+SETTINGS = ("parts_given", "hierarchy_given")
+EXAMPLES = "examples.jsonl"
+"""Answers to true joints, for the report's pictures."""
+LABELLERS = ("kinmo", "OBB_fine")
+"""Rows that make pseudo labels, and whose scores are held against the truth."""
+PRINTED = ("overview_micro", "angle", "distance")
+"""The tables that go to the terminal; all of them are written."""
+SECONDS_PER_SHAPE = 2.0
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """Score the trained networks on the test shapes, all or those of one category.
+
+    `methods` says whose rows are wanted; `ablations` adds the rows of other candidates, terms and edges, `hidden_names` those
+    with all part names hidden.
+    """
+
+    workspace: Workspace
+    methods: tuple[str, ...]
+    category: str | None = None
+    ablations: bool = False
+    hidden_names: bool = False
+    seed: int = 0
+    device: str = "auto"
+
+    def plan(self) -> Plan:
+        dataset = open_dataset(self.workspace, self.category)
+        entries, rows = _test_shapes(dataset), self._rows()
+        if self.workspace.is_current(self._stage, self._inputs(dataset, rows)):
+            return Plan((), 0.0)
+        step = f"score {len(rows)} rows on {len(entries)} test shapes, parts given and hierarchy given"
+        return Plan((step,), len(entries) * seconds_per_unit(self.workspace, self._stage, SECONDS_PER_SHAPE))
+
+    def run(self, observer: Observer) -> Outcome:
+        with self.workspace.locked():
+            dataset = open_dataset(self.workspace, self.category)
+            rows = self._rows()
+            inputs = self._inputs(dataset, rows)
+            if self.workspace.is_current(self._stage, inputs):
+                observer.note("evaluated already")
+            else:
+                self.workspace.forget(self._stage)
+                remove_leftovers(self._folder)
+                with timed(self.workspace, self._stage) as watch:
+                    judgements = self._judge(dataset, rows, observer)
+                    written = self._write(judgements)
+                    watch.amount, watch.what = len(judgements), f"{len(rows)} rows on {len(judgements)} test shapes"
+                outputs = tuple(str(path.relative_to(self.workspace.path)) for path in written)
+                self.workspace.write_record(self._stage, StageRecord(inputs, outputs))
+        return self._outcome()
+
+    @property
+    def _stage(self) -> str:
+        return f"eval-{self._folder.name}"
+
+    @property
+    def _folder(self) -> Path:
+        return self.workspace.evaluation / (self.category.lower() if self.category else "all")
+
+    def _rows(self) -> list[Row]:
+        return chosen_rows(self.workspace, self.methods, self.device, self.ablations, self.hidden_names)
+
+    def _inputs(self, dataset: Dataset, rows: Sequence[Row]) -> dict[str, Any]:
+        return {
+            "data": dataset.fingerprint(_test_shapes(dataset)),
+            "rows": {row.name: [row.predictor.weights, dict(row.predictor.config)] for row in rows},
+            "refinement": to_table(trained_config(self.workspace).refinement),
+        }
+
+    def _judge(self, dataset: Dataset, rows: Sequence[Row], observer: Observer) -> list[Judgement]:
+        config = trained_config(self.workspace).refinement
+        entries = _test_shapes(dataset)
+        judgements = []
+        for done, entry in enumerate(entries, start=1):
+            truth = dataset.store.load(entry)
+            shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
+            judgements.append(judge(truth, leaf_meshes(shape, truth), entry.layout, rows, config))
+            for failure in judgements[-1].failures:
+                observer.note(f"failed: {failure}")
+            observer.progress("evaluating shapes", done, len(entries), entry.id)
+        return judgements
+
+    def _write(self, judgements: Sequence[Judgement]) -> list[Path]:
+        written = []
+        failures = sum(len(judgement.failures) for judgement in judgements)
+        note = f"{failures} predictions failed and count as missed." if failures else ""
+        data = f"{self.category or 'all categories'}, {self.workspace.path.absolute().name}"
+        for setting in SETTINGS:
+            caption = Caption(f"Table 1, {_words(setting)}", data, 0, 0, "test split by hashed id", (self.seed,), note)
+            for name, table in _tables(judgements, setting, caption).items():
+                written += write_table(table, self._folder / setting, name)
+        examples = (example for judgement in judgements for example in judgement.examples)
+        write_examples(self._folder / EXAMPLES, examples)
+        return [*written, self._folder / EXAMPLES]
+
+    def _outcome(self) -> Outcome:
+        tables = {
+            setting: {path.stem: read_table(path) for path in sorted((self._folder / setting).glob("*.json"))}
+            for setting in SETTINGS
+        }
+        text = "\n".join(as_text(found[name]) for found in tables.values() for name in PRINTED)
+        data = {setting: {name: _plain(table) for name, table in found.items()} for setting, found in tables.items()}
+        return Outcome(self._folder, data, text)
+
+
+def _test_shapes(dataset: Dataset) -> tuple[IndexEntry, ...]:
+    entries = tuple(entry for entry in dataset.labelled[Split.TEST] if entry.joint_count)
+    if not entries:
+        raise InputError(dataset.store.folder, "expected at least one labelled test shape with a joint")
+    return entries
+
+
+def _tables(judgements: Sequence[Judgement], setting: str, caption: Caption) -> Mapping[str, Table]:
+    """All tables of one setting. Those by category have no columns for ablations, whose names hold a comma."""
+    scores: dict[str, list[ShapeScore]] = {}
+    for judgement in judgements:
+        for name, score in getattr(judgement, setting).items():
+            scores.setdefault(name, []).append(score)
+    tables = {name: table for name, table in table1(scores, caption).items() if name.startswith("overview")}
+    headline = {name: found for name, found in scores.items() if "," not in name}
+    tables |= {name: table for name, table in table1(headline, caption).items() if not name.startswith("overview")}
+    for name in LABELLERS:
+        if name in scores:
+            title = replace(caption_for(scores[name], caption), title=f"Truth of the labels of {name}, {_words(setting)}")
+            tables[f"label_truth_{name}"] = label_truth_table(curves(scores[name]), title)
+    return tables
+
+
+def _words(setting: str) -> str:
+    return setting.replace("_", " ")
+
+
+def _plain(table: Table) -> dict[str, Any]:
+    return {
+        "caption": str(table.caption),
+        "columns": [c.title for c in table.columns],
+        "rows": [list(row) for row in table.rows],
+    }

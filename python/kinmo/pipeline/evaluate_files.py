@@ -1,0 +1,74 @@
+"""Anybody's URDF files against annotated shapes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from kinmo.categories import same_category
+from kinmo.evaluation.tables import Caption, Cell, Column, Table, as_text, write_table
+from kinmo.evaluation.urdf_files import FilesReport, score_files, summarise
+from kinmo.evaluation.urdf_files.figures import FIGURES
+from kinmo.evaluation.urdf_files.files import write_json
+from kinmo.formats import Layout, discover, read_found
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.workspace import Workspace
+
+SECONDS_PER_SHAPE = 1.0
+COUNTS = ("objects", "scored", "failed", "missing", "parts", "found", "false_positives")
+DECIMALS = {"share": 3, "degrees": 2, "diagonals": 4, "length": 4}
+
+
+@dataclass(frozen=True)
+class EvaluateFiles:
+    """Score the URDFs below `predictions` for the annotated shapes below `truth`, all or those of one category."""
+
+    predictions: Path
+    truth: Path
+    workspace: Workspace
+    category: str | None = None
+    workers: int = 1
+
+    def plan(self) -> Plan:
+        count = sum(found.layout is Layout.PARTNET_MOBILITY for found in discover(self.truth))
+        step = f"score the URDFs below {self.predictions} for up to {count} shapes below {self.truth}"
+        return Plan((step,), count * SECONDS_PER_SHAPE / self.workers)
+
+    def run(self, observer: Observer) -> Outcome:
+        report = score_files(
+            self.predictions,
+            self.truth,
+            ids=self._ids(),
+            workers=self.workers,
+            progress=lambda done, total: observer.progress("scoring URDFs", done, total),
+        )
+        for reason in report.unreadable.values():
+            observer.note(f"left out: {reason}")
+        summary = summarise(report)
+        table = self._table(report, summary)
+        folder = self.workspace.evaluation / "urdf_files"
+        write_table(table, folder, "by_category")
+        write_json(self.workspace.evaluation / "urdf_files.json", summary)
+        return Outcome(folder / "by_category.txt", summary, as_text(table))
+
+    def _ids(self) -> list[str] | None:
+        """The shapes of the category, None for all."""
+        if self.category is None:
+            return None
+        mobile = (found for found in discover(self.truth) if found.layout is Layout.PARTNET_MOBILITY)
+        return [found.id for found in mobile if same_category(read_found(found).category, self.category)]
+
+    def _table(self, report: FilesReport, summary: dict[str, Any]) -> Table:
+        columns = [Column("category"), *(Column(name.replace("_", " "), 0) for name in COUNTS)]
+        columns += [Column(figure.title, DECIMALS[figure.unit.value]) for figure in FIGURES]
+
+        def row(name: str, group: dict[str, Any]) -> tuple[Cell, ...]:
+            estimates = (group[figure.key] for figure in FIGURES)
+            return (name, *(group.get(count) for count in COUNTS), *(e and e["value"] for e in estimates))
+
+        rows = [row(name, group) for name, group in summary["categories"].items()]
+        rows += [row("mean of categories", summary["macro"]), row("all", summary["micro"])]
+        parts = summary["micro"]["parts"]
+        caption = Caption("URDF files", str(self.predictions), len(report.objects), parts, f"all of {self.truth}", ())
+        return Table(caption, tuple(columns), tuple(rows))

@@ -1,0 +1,70 @@
+"""When each stage ran and how long it took: what the report shows, and what estimates are made from."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from datetime import datetime, timezone
+from pathlib import Path
+
+from kinmo import __version__
+from kinmo.workspace import Workspace
+
+
+@dataclass(frozen=True)
+class Run:
+    """One finished run of a stage. `started` is ISO 8601 in UTC; `amount` says how much was done, in the stage's own unit."""
+
+    stage: str
+    started: str
+    seconds: float
+    amount: int
+    what: str
+    kinmo: str = __version__
+
+
+class Stopwatch:
+    """Filled in while a stage runs: `amount` of work done, and `what` it was, for people."""
+
+    amount = 0
+    what = ""
+
+
+@contextmanager
+def timed(workspace: Workspace, stage: str) -> Iterator[Stopwatch]:
+    """Add a line to the journal when the block ends well and some work was done."""
+    watch, started, begin = Stopwatch(), datetime.now(timezone.utc), time.monotonic()
+    yield watch
+    if watch.amount:
+        seconds = time.monotonic() - begin
+        run = Run(stage, started.isoformat(timespec="seconds"), round(seconds, 2), watch.amount, watch.what)
+        with _path(workspace).open("a", encoding="utf-8") as lines:
+            lines.write(json.dumps(asdict(run), ensure_ascii=False) + "\n")
+
+
+def runs(workspace: Workspace) -> list[Run]:
+    """All runs, in order. Lines that a killed process left unfinished are passed over."""
+    found = []
+    try:
+        lines = _path(workspace).read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return []
+    for line in lines:
+        try:
+            found.append(Run(**json.loads(line)))
+        except (ValueError, TypeError):
+            continue
+    return found
+
+
+def seconds_per_unit(workspace: Workspace, stage: str, otherwise: float) -> float:
+    """How long a unit of the stage's work took the last time; `otherwise` if it never ran."""
+    past = [run for run in runs(workspace) if run.stage == stage]
+    return past[-1].seconds / past[-1].amount if past else otherwise
+
+
+def _path(workspace: Workspace) -> Path:
+    return workspace.path / "journal.jsonl"

@@ -1,0 +1,87 @@
+"""Scoring all rows of Table 1 on one shape, in both settings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from kinmo import _core
+from kinmo.config import RefinementConfig
+from kinmo.evaluation.hierarchy_given import hierarchy_given
+from kinmo.evaluation.parts_given import parts_given
+from kinmo.evaluation.records import ShapeScore, annotation, failed_shape
+from kinmo.pipeline.examples import Example, answer_of
+from kinmo.pipeline.predictors import Predictor, normalised
+from kinmo.pipeline.rows import Row, frame_answers
+from kinmo.prediction import JointEstimate, Prediction
+from kinmo.prepared import PreparedShape
+
+PICTURED = ("kinmo", "OBB_fine", "GNN_fine")
+"""Rows whose answers are kept for the report's pictures."""
+
+
+@dataclass
+class Judgement:
+    """Scores of one shape by row in either setting, the answers to be pictured, and what went wrong."""
+
+    parts_given: dict[str, ShapeScore] = field(default_factory=dict)
+    hierarchy_given: dict[str, ShapeScore] = field(default_factory=dict)
+    examples: list[Example] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
+
+
+def judge(truth: PreparedShape, meshes: _core.Meshes, layout: str, rows: Sequence[Row], config: RefinementConfig) -> Judgement:
+    """Score every row on the annotated shape `truth`; a row that fails on it has all its joints missed.
+
+    `meshes` are those of the leaves in the normalised frame; `config` says what the paper's candidates are.
+    """
+    result = Judgement()
+    answers: dict[str, dict[int, JointEstimate]] = {}
+    for name, found in frame_answers(truth, meshes, config):
+        result.parts_given[name] = parts_given(truth, found)
+    given, predicted = _Shared(truth, meshes, "predict_given"), _Shared(truth, meshes, "predict")
+    for row in rows:
+        try:
+            prediction = row.of(given(row.predictor))
+            answers[row.name] = normalised({body: found[0] for body, found in enumerate(prediction.estimates)}, truth)
+            result.parts_given[row.name] = parts_given(truth, answers[row.name])
+            result.hierarchy_given[row.name] = hierarchy_given(truth, row.of(predicted(row.predictor)))
+        except ValueError as error:
+            result.failures.append(f"{row.name} on {truth.id}: {error}")
+            for scores in (result.parts_given, result.hierarchy_given):
+                scores.setdefault(row.name, failed_shape(truth, str(error)))
+    result.examples = _examples(truth, layout, result.parts_given, answers)
+    return result
+
+
+class _Shared:
+    """One kind of prediction for one shape, made once a predictor."""
+
+    def __init__(self, truth: PreparedShape, meshes: _core.Meshes, method: str) -> None:
+        self.truth, self.meshes, self.method = truth, meshes, method
+        self.made: dict[int, Prediction] = {}
+
+    def __call__(self, predictor: Predictor) -> Prediction:
+        if id(predictor) not in self.made:
+            ask: Callable[[PreparedShape, _core.Meshes], Prediction] = getattr(predictor, self.method)
+            self.made[id(predictor)] = ask(self.truth, self.meshes)
+        return self.made[id(predictor)]
+
+
+def _examples(
+    truth: PreparedShape, layout: str, scores: Mapping[str, ShapeScore], answers: Mapping[str, Mapping[int, JointEstimate]]
+) -> list[Example]:
+    mobility, _ = annotation(truth)
+    records = {name: {record.body: record for record in scores[name].records} for name in PICTURED if name in answers}
+    return [
+        Example(
+            truth.id,
+            layout,
+            truth.category,
+            body,
+            mobility.bodies[body].name,
+            truth.body_types[body].name,
+            {name: answer_of(found[body], answers[name].get(body)) for name, found in records.items()},
+        )
+        for body, _ in mobility.movable()
+    ]

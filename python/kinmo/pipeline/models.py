@@ -1,0 +1,62 @@
+"""The networks of a workspace: what each is called, where it lies, and how it is trained."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any, Protocol
+
+from kinmo.learning.axis_selection.train import train_axis_selection
+from kinmo.learning.joint_ranking.train import train_joint_ranking
+from kinmo.learning.motion_gnn.train import train_motion_gnn
+from kinmo.learning.training import FitResult, Progress
+from kinmo.prepared import PreparedShape
+from kinmo.workspace import Workspace
+
+WEIGHTS = "weights.safetensors"
+"""Written into a model's folder when its training is done."""
+METRICS = "metrics.json"
+"""One entry an epoch, from the first epoch on."""
+
+
+class Trainer(Protocol):
+    """A function such as `train_motion_gnn`; `config` is its section of the configuration."""
+
+    def __call__(
+        self,
+        training: list[PreparedShape],
+        validation: list[PreparedShape],
+        config: Any,
+        run_dir: Path,
+        *,
+        seed: int,
+        device: str,
+        fingerprint: str,
+        on_progress: Callable[[Progress], None],
+    ) -> FitResult: ...
+
+
+TRAINERS: dict[str, tuple[str, Trainer]] = {
+    "gnn_fine": ("gnn", partial(train_motion_gnn, types="fine")),
+    "gnn_coarse": ("gnn", partial(train_motion_gnn, types="coarse")),
+    "axis": ("axis", train_axis_selection),
+    "ranking": ("ranking", train_joint_ranking),
+}
+"""The section of the configuration and the trainer of every model, in the order of training."""
+
+GROUPS: dict[str, tuple[str, ...]] = {"gnn": ("gnn_fine", "gnn_coarse"), "axis": ("axis", "ranking"), "all": tuple(TRAINERS)}
+"""What `kinmo train` calls them."""
+
+
+def model_folder(workspace: Workspace, model: str, category: str | None = None) -> Path:
+    """Where a model lies; models of a single category have a folder each."""
+    return workspace.models / model / category if category else workspace.models / model
+
+
+def weights_for(workspace: Workspace, model: str, category: str) -> Path | None:
+    """The trained weights for a shape of `category`: those of the category alone, else those of all, else None."""
+    for folder in (model_folder(workspace, model, category), model_folder(workspace, model)):
+        if (folder / WEIGHTS).exists():
+            return folder / WEIGHTS
+    return None

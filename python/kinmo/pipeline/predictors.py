@@ -1,0 +1,250 @@
+"""Trained networks as one object that answers for a shape."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+from kinmo import _core
+from kinmo.config import RefinementConfig, to_table
+from kinmo.errors import InputError
+from kinmo.learning.axis_selection.predict import AxisSelector
+from kinmo.learning.edge_predictions import EdgePredictions
+from kinmo.learning.joint_ranking.predict import JointRanking
+from kinmo.learning.joint_ranking.views import maximal_nodes
+from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
+from kinmo.mobility import Mobility
+from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree
+from kinmo.normalisation import Normalisation
+from kinmo.pipeline.models import WEIGHTS, weights_for
+from kinmo.pipeline.train import trained_config
+from kinmo.prediction import JointEstimate, Prediction
+from kinmo.prepared import PreparedShape
+from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of
+from kinmo.refinement import Refiner, in_file_frame
+from kinmo.shape import Shape
+from kinmo.workspace import Workspace, digest
+
+TypeSet = Literal["fine", "coarse"]
+KINMO_MODELS = ("gnn_fine", "ranking")
+NETWORKS_KEPT = 8
+"""In memory, of each kind."""
+
+
+class Predictor(Protocol):
+    """Answers for shapes, in their own frame and lengths."""
+
+    @property
+    def method(self) -> str: ...
+
+    @property
+    def weights(self) -> str:
+        """A hash of all networks that have a say."""
+
+    @property
+    def config(self) -> Mapping[str, Any]:
+        """What else the answers depend on, as plain data."""
+
+    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        """*Hierarchy given*: bodies and joints. `meshes` are those of the leaves, in the normalised frame."""
+
+    def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        """*Parts given*: the joints of the bodies of the shape's annotation."""
+
+
+@dataclass(frozen=True)
+class PaperPredictor:
+    """The paper's method: motion GNN of fine or coarse `types`, mobility tree, candidates, axis selection.
+
+    Networks are read from `workspace` when they are first needed, those of a shape's own category where there are any.
+    `contact_edges` keeps from the GNN all edges of parts that do not touch.
+    """
+
+    workspace: Workspace
+    refinement: RefinementConfig
+    types: TypeSet = "fine"
+    device: str = "auto"
+    hide_names: bool = False
+    contact_edges: bool = False
+    method: str = "paper"
+
+    @cached_property
+    def weights(self) -> str:
+        return weights_digest(self.workspace, (f"gnn_{self.types}", "axis"))
+
+    def check(self) -> None:
+        """Raise InputError if one of the networks was never trained."""
+        for model in (f"gnn_{self.types}", "axis"):
+            if not weights_digest(self.workspace, (model,)):
+                raise InputError(self.workspace.models / model, "not trained yet: run kinmo train all first")
+
+    @property
+    def config(self) -> Mapping[str, Any]:
+        return {"types": self.types, "refinement": to_table(self.refinement)}
+
+    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        return self._refined(shape, meshes, predicted_tree(shape, self._gnn(shape).predict_edges(shape)))
+
+    def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        return self._refined(shape, meshes, given_tree(shape, self._gnn(shape).predict_edges(shape)))
+
+    def _refined(self, shape: PreparedShape, meshes: _core.Meshes, tree: MobilityTree) -> Prediction:
+        selector = _load_selector(*_weights(self.workspace, "axis", shape.category), self.device)
+        return Refiner(shape, self.refinement, selector, meshes).refine(tree, self.method)
+
+    def _gnn(self, shape: PreparedShape) -> MotionGnnPredictor:
+        gnn = _load_gnn(*_weights(self.workspace, f"gnn_{self.types}", shape.category), self.device, self.hide_names)
+        if not self.contact_edges:
+            return gnn
+        return MotionGnnPredictor(gnn.network, replace(gnn.config, edges="contact"), gnn.device, gnn.sha256, gnn.hide_names)
+
+
+@dataclass(frozen=True)
+class KinmoPredictor:
+    """kinmo's own method: every motion that a part's geometry allows is ranked, and kind and axis are chosen together.
+
+    The motion GNN says which moving siblings are one body. Networks are read as in `PaperPredictor`.
+    """
+
+    workspace: Workspace
+    device: str = "auto"
+    hide_names: bool = False
+    method: str = "kinmo"
+
+    @cached_property
+    def weights(self) -> str:
+        return weights_digest(self.workspace, KINMO_MODELS)
+
+    def check(self) -> None:
+        """Raise InputError if one of the networks was never trained."""
+        for model in KINMO_MODELS:
+            if not weights_digest(self.workspace, (model,)):
+                raise InputError(self.workspace.models / model, "not trained yet: run kinmo train all first")
+
+    @property
+    def config(self) -> Mapping[str, Any]:
+        return {"hide_names": self.hide_names}
+
+    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        edges, ranking = self._edges(shape), self._ranking(shape)
+        bodies = predicted_bodies(shape, moving_nodes(shape, ranking), edges)
+        names = ["base", *(shape.part_names[maximal_nodes(shape, leaves)[0]] for leaves in bodies[1:])]
+        answers = ranked_bodies(shape, meshes, bodies, ranking, all_move=True)
+        return self._assembled(shape, meshes, edges, bodies, names, answers)
+
+    def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        if shape.mobility is None:
+            raise ValueError(f"shape {shape.id} is not annotated")
+        names = [body.name for body in shape.mobility.bodies]
+        answers = ranked_bodies(shape, meshes, shape.body_leaves, self._ranking(shape))
+        return self._assembled(shape, meshes, self._edges(shape), shape.body_leaves, names, answers)
+
+    def _assembled(
+        self,
+        shape: PreparedShape,
+        meshes: _core.Meshes,
+        edges: EdgePredictions,
+        bodies: Sequence[tuple[int, ...]],
+        names: Sequence[str],
+        answers: Sequence[tuple[JointEstimate, ...]],
+    ) -> Prediction:
+        frame = Normalisation(shape.center, shape.diagonal)
+        tree, limited = tree_of(shape, meshes, bodies, names, answers)
+        estimates = tuple(tuple(in_file_frame(answer, frame) for answer in found) for found in limited)
+        alone = tuple(in_file_frame(said, frame) for said in network_estimates(shape, bodies, edges))
+        return Prediction(shape.id, shape.category, frame.undo(Mobility(tree)), estimates, alone, self.method)
+
+    def _edges(self, shape: PreparedShape) -> EdgePredictions:
+        gnn = _load_gnn(*_weights(self.workspace, KINMO_MODELS[0], shape.category), self.device, self.hide_names)
+        return gnn.predict_edges(shape)
+
+    def _ranking(self, shape: PreparedShape) -> JointRanking:
+        return _load_ranking(*_weights(self.workspace, KINMO_MODELS[1], shape.category), self.device, self.hide_names)
+
+
+def _kinmo(workspace: Workspace, device: str) -> Predictor:
+    predictor = KinmoPredictor(workspace, device)
+    predictor.check()
+    return predictor
+
+
+def _paper(workspace: Workspace, device: str) -> Predictor:
+    predictor = PaperPredictor(workspace, trained_config(workspace).refinement, device=device)
+    predictor.check()
+    return predictor
+
+
+PREDICTORS: dict[str, Callable[[Workspace, str], Predictor]] = {"kinmo": _kinmo, "paper": _paper}
+"""By method: the trained predictor of a workspace on a device. They raise InputError if a network is not trained."""
+
+
+def load_predictor(workspace: Workspace, method: str, device: str) -> Predictor:
+    """The trained predictor of a method. Raises InputError if there is no such method, or it is not trained."""
+    if method not in PREDICTORS:
+        raise InputError("--method", f"expected one of {', '.join(PREDICTORS)}, got {method}")
+    return PREDICTORS[method](workspace, device)
+
+
+@lru_cache(maxsize=NETWORKS_KEPT)
+def _load_gnn(weights: Path, written: int, device: str, hide_names: bool) -> MotionGnnPredictor:
+    return MotionGnnPredictor.load(weights, device, hide_names)
+
+
+@lru_cache(maxsize=NETWORKS_KEPT)
+def _load_ranking(weights: Path, written: int, device: str, hide_names: bool) -> JointRanking:
+    return JointRanking.load(weights, device, hide_names)
+
+
+@lru_cache(maxsize=NETWORKS_KEPT)
+def _load_selector(weights: Path, written: int, device: str) -> AxisSelector:
+    return AxisSelector.load(weights, device)
+
+
+def _weights(workspace: Workspace, model: str, category: str) -> tuple[Path, int]:
+    """The weights for a category, and when they were written (ns)."""
+    path = weights_for(workspace, model, category)
+    if path is None:
+        raise InputError(workspace.models / model, f"not trained for {category}: run kinmo train first")
+    return path, path.stat().st_mtime_ns
+
+
+def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:
+    """A hash of all weights of some models, with those of single categories; empty if one of the models has none."""
+    found: dict[str, str] = {}
+    for model in models:
+        headers = sorted((workspace.models / model).rglob(Path(WEIGHTS).with_suffix(".json").name))
+        if not headers:
+            return ""
+        for path in headers:
+            found[str(path.relative_to(workspace.models))] = json.loads(path.read_text(encoding="utf-8"))["sha256"]
+    return digest(found)
+
+
+def leaf_meshes(shape: Shape, prepared: PreparedShape) -> _core.Meshes:
+    """The leaves' meshes of `shape` in the normalised frame of `prepared`."""
+    frame = Normalisation(prepared.center, prepared.diagonal)
+    meshes = [frame.mesh(mesh) for mesh in shape.meshes()]
+    return _core.Meshes([mesh.vertices for mesh in meshes], [mesh.faces for mesh in meshes])
+
+
+def normalised(estimates: Mapping[int, JointEstimate], shape: PreparedShape) -> dict[int, JointEstimate]:
+    """Estimates in the file's frame, in the normalised frame of `shape`."""
+    frame = Normalisation(shape.center, shape.diagonal)
+    return {
+        body: replace(found, joint=None if found.joint is None else frame.joint(found.joint))
+        for body, found in estimates.items()
+    }
+
+
+def network_alone(prediction: Prediction) -> Prediction:
+    """What the network said before refinement, as a prediction of its own."""
+    bodies = tuple(
+        replace(body, joint=said.joint)
+        for body, said in zip(prediction.mobility.bodies, prediction.network_estimates, strict=True)
+    )
+    mobility = replace(prediction.mobility, bodies=bodies)
+    return replace(prediction, mobility=mobility, estimates=tuple((said,) for said in prediction.network_estimates))

@@ -1,0 +1,71 @@
+"""From a folder of shapes to the prepared shapes of the workspace."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from kinmo.formats import discover
+from kinmo.pipeline.journal import seconds_per_unit, timed
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.prepare import PrepareReport, prepare_folder
+from kinmo.workspace import Workspace, write_text_atomically
+
+STAGE = "prepare"
+REPORT = "report.json"
+"""Beside the index: what was taken, repaired and left out."""
+SECONDS_PER_SHAPE = 0.25
+"""On one core, until the journal knows better."""
+LINES = 40
+"""Of shapes left out that are listed; all of them are in the report."""
+
+
+@dataclass(frozen=True)
+class Prepare:
+    """Prepare every shape below `root`."""
+
+    root: Path
+    workspace: Workspace
+    workers: int = 1
+    seed: int = 0
+
+    def plan(self) -> Plan:
+        count = sum(1 for _ in discover(self.root, skip=(self.workspace.path,)))
+        each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_SHAPE / self.workers)
+        return Plan((f"check {count} shapes below {self.root}, and prepare those that are new or changed",), count * each)
+
+    def run(self, observer: Observer) -> Outcome:
+        with timed(self.workspace, STAGE) as watch:
+            report = prepare_folder(
+                self.root,
+                self.workspace,
+                workers=self.workers,
+                seed=self.seed,
+                on_progress=lambda done, total, name: observer.progress("preparing shapes", done, total, name),
+            )
+            watch.amount, watch.what = report.made, f"{report.made} shapes below {self.root}"
+        data = report.as_data()
+        write_text_atomically(self.workspace.prepared / REPORT, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+        usable = len(report.taken) + len(report.repaired)
+        return Outcome(self.workspace.prepared, data, summary(report), failed=0 if usable else 1)
+
+
+def summary(report: PrepareReport) -> str:
+    """The table for people: how many shapes were taken, repaired and left out, and why."""
+    lines = [f"taken     {len(report.taken):6}", f"repaired  {len(report.repaired):6}"]
+    reasons = Counter(_kind(reason) for entry in report.repaired for reason in entry.reasons)
+    lines += [f"{count:16}  {reason}" for reason, count in reasons.most_common(LINES)]
+    lines.append(f"left out  {len(report.left_out):6}")
+    lines += [f"            {reason}" for entry in report.left_out[:LINES] for reason in entry.reasons[:1]]
+    if len(report.left_out) > LINES:
+        lines.append(f"            and {len(report.left_out) - LINES} more: all are in {REPORT}, and in what --json prints")
+    return "\n".join(lines)
+
+
+def _kind(reason: str) -> str:
+    """A repair without what differs from shape to shape: names in brackets, and numbers."""
+    general = re.sub(r"^joint of [^:]*: ", "joint: ", reason)
+    return re.sub(r"\d+([.e+-]+\d+)*(, \d+)*", "#", re.sub(r" \([^)]*\)", "", general))

@@ -1,0 +1,187 @@
+"""Pseudo labels for the shapes of a workspace that have no joints."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from kinmo import __version__
+from kinmo.errors import InputError
+from kinmo.export.partnet_mobility import write_partnet_mobility
+from kinmo.formats import Found, Layout, read_found
+from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo.pipeline.journal import seconds_per_unit, timed
+from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.pipeline.train import trained_config
+from kinmo.pseudo_label import STEPS, JudgedJoint, Judgement, Tally, judge, tally, tally_types
+from kinmo.store import IndexEntry
+from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers, write_text_atomically
+
+STAGE = "pseudo-label"
+ACCEPTANCE = "acceptance.json"
+DECISIONS = "decisions"
+"""A file a shape, accepted or not, written when all else of the shape is: what was decided, and from what."""
+SECONDS_PER_SHAPE = 1.5
+
+
+@dataclass(frozen=True)
+class PseudoLabel:
+    """Label the unlabelled shapes, all or those of one category; `threshold` None is that of the configuration."""
+
+    workspace: Workspace
+    method: str
+    category: str | None = None
+    threshold: float | None = None
+    device: str = "auto"
+
+    def plan(self) -> Plan:
+        dataset = open_dataset(self.workspace, self.category)
+        predictor = load_predictor(self.workspace, self.method, self.device)
+        count = len(dataset.unlabelled)
+        if self.workspace.is_current(STAGE, self._inputs(dataset, predictor)):
+            return Plan((), 0.0)
+        copies = f", {len(dataset.copies)} copies of labelled shapes left alone" if dataset.copies else ""
+        each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_SHAPE)
+        return Plan((f"label {count} shapes by {self.method}{copies}",), count * each)
+
+    def run(self, observer: Observer) -> Outcome:
+        with self.workspace.locked():
+            dataset = open_dataset(self.workspace, self.category)
+            predictor = load_predictor(self.workspace, self.method, self.device)
+            inputs = self._inputs(dataset, predictor)
+            if self.workspace.is_current(STAGE, inputs):
+                observer.note("labelled already")
+            else:
+                self.workspace.forget(STAGE)
+                remove_leftovers(self.workspace.pseudo)
+                judgements = self._label(dataset, predictor, observer)
+                report = acceptance(judgements, len(dataset.copies), self._threshold, self.method)
+                write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
+                outputs = [str(self._report.relative_to(self.workspace.path))]
+                self.workspace.write_record(STAGE, StageRecord(inputs, tuple(outputs)))
+        data = json.loads(self._report.read_text(encoding="utf-8"))
+        return Outcome(self.workspace.pseudo, data, data["text"])
+
+    @property
+    def _threshold(self) -> float:
+        return trained_config(self.workspace).refinement.threshold if self.threshold is None else self.threshold
+
+    @property
+    def _report(self) -> Path:
+        return self.workspace.pseudo / ACCEPTANCE
+
+    def _inputs(self, dataset: Dataset, predictor: Predictor) -> dict[str, Any]:
+        return {"data": dataset.fingerprint(dataset.unlabelled), **self._way(predictor)}
+
+    def _way(self, predictor: Predictor) -> dict[str, Any]:
+        way = {"method": predictor.method, "weights": predictor.weights, "config": dict(predictor.config)}
+        return {**way, "threshold": self._threshold, "kinmo": __version__}
+
+    def _label(self, dataset: Dataset, predictor: Predictor, observer: Observer) -> list[Judgement]:
+        judgements = []
+        with timed(self.workspace, STAGE) as watch:
+            for done, entry in enumerate(dataset.unlabelled, start=1):
+                made_from = digest([dataset.fingerprint([entry]), self._way(predictor)])
+                known = read_decision(self._decision(entry), made_from)
+                if known is None:
+                    known = self._decide(dataset, entry, predictor)
+                    write_decision(self._decision(entry), known, made_from)
+                    watch.amount += 1
+                judgements.append(known)
+                observer.progress("labelling shapes", done, len(dataset.unlabelled), entry.id)
+            watch.what = f"{watch.amount} shapes by {self.method}"
+        return judgements
+
+    def _decide(self, dataset: Dataset, entry: IndexEntry, predictor: Predictor) -> Judgement:
+        """Predict one shape, and write it if it is accepted; whatever was written of it before goes."""
+        folder = self.workspace.pseudo / _name(entry)
+        try:
+            shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
+            prepared = dataset.store.load(entry)
+            prediction = predictor.predict(prepared, leaf_meshes(shape, prepared))
+        except (InputError, ValueError) as error:
+            shutil.rmtree(folder, ignore_errors=True)
+            return Judgement(entry.id, entry.layout, entry.category, refusal=f"failed: {error}")
+        judgement = judge(prediction, entry.layout, self._threshold)
+        if judgement.is_accepted:
+            meta = {"pseudo_label": {"score": judgement.score, "method": prediction.method, "weights": predictor.weights}}
+            write_partnet_mobility(shape, prediction.mobility, folder, meta=meta)
+        else:
+            shutil.rmtree(folder, ignore_errors=True)
+        return judgement
+
+    def _decision(self, entry: IndexEntry) -> Path:
+        return self.workspace.pseudo / DECISIONS / f"{_name(entry)}.json"
+
+
+def _name(entry: IndexEntry) -> str:
+    """A folder's name: the id, and for what is not PartNet's, which may have the same ids, the layout."""
+    name = quote(entry.id, safe=" ")
+    return name if entry.layout == Layout.PARTNET.value else f"{name}-{entry.layout}"
+
+
+def write_decision(path: Path, judgement: Judgement, made_from: str) -> None:
+    """Write what was decided of a shape."""
+    write_text_atomically(path, json.dumps({"made_from": made_from, "judgement": asdict(judgement)}, ensure_ascii=False) + "\n")
+
+
+def read_decision(path: Path, made_from: str) -> Judgement | None:
+    """What was decided of a shape from just the same; None otherwise."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        if data["made_from"] != made_from:
+            return None
+        judgement = data["judgement"]
+        return Judgement(**{**judgement, "joints": tuple(JudgedJoint(**joint) for joint in judgement["joints"])})
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def acceptance(judgements: Sequence[Judgement], copies: int, threshold: float, method: str) -> dict[str, Any]:
+    """The acceptance report as plain data: `text`, `tables` (as `kinmo.report.page.Table` takes them) and every refusal."""
+    whole = tally(judgements)
+    categories = sorted({judgement.category for judgement in judgements})
+    by_category = {name: tally(j for j in judgements if j.category == name) for name in categories} | {"all": whole}
+    reasons: dict[str, list[str]] = {}
+    for judgement in judgements:
+        if not judgement.is_accepted:
+            reasons.setdefault(judgement.refusal, []).append(judgement.shape_id)
+    text = (
+        f"{whole.accepted} of {whole.shapes} shapes were accepted (all joints above {threshold:g}, by {method}), with "
+        f"{whole.accepted_joints} of {whole.joints} joints; {copies} copies of labelled shapes were left alone."
+    )
+    return {
+        "text": text,
+        "threshold": threshold,
+        "method": method,
+        "copies": copies,
+        "tables": [
+            _counts("Pseudo labels by category", "category", by_category),
+            _counts("Pseudo labels by motion type", "type", tally_types(judgements)),
+            {
+                "caption": "Refused",
+                "header": ["reason", "shapes", "for example"],
+                "rows": [
+                    [reason, str(len(ids)), ids[0]] for reason, ids in sorted(reasons.items(), key=lambda item: -len(item[1]))
+                ],
+            },
+        ],
+        "refused": dict(sorted(reasons.items())),
+    }
+
+
+def _counts(caption: str, what: str, groups: Any) -> dict[str, Any]:
+    header = [what, "shapes", "accepted", "joints", "accepted joints", *(f"> {step:g}" for step in STEPS)]
+
+    def row(name: str, group: Tally) -> list[str]:
+        counts = (group.shapes, group.accepted, group.joints, group.accepted_joints, *group.at_least)
+        return [name, *map(str, counts)]
+
+    note = "The columns on the right count joints that score more."
+    return {"caption": caption, "header": header, "rows": [row(name, group) for name, group in groups.items()], "note": note}

@@ -1,0 +1,178 @@
+"""The HTML page of a workspace."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from kinmo.errors import InputError
+from kinmo.evaluation.tables import Table as MeasuredTable
+from kinmo.evaluation.tables import read_table
+from kinmo.pipeline.evaluate import EXAMPLES, PRINTED, SETTINGS
+from kinmo.pipeline.examples import Example, chosen, read_examples
+from kinmo.pipeline.journal import runs
+from kinmo.pipeline.models import METRICS
+from kinmo.pipeline.pictures import draw
+from kinmo.pipeline.prepare import REPORT
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.report.curves import line_chart
+from kinmo.report.page import Page, Picture, Section, Table, render
+from kinmo.splits import split_of
+from kinmo.store import PreparedStore
+from kinmo.workspace import Workspace, write_text_atomically
+
+PICTURES = 12
+"""Of hits, and as many of failures, a method."""
+SECONDS_PER_PICTURE = 1.0
+
+
+@dataclass(frozen=True)
+class Report:
+    """Write report/index.html about whatever the workspace holds."""
+
+    workspace: Workspace
+
+    def plan(self) -> Plan:
+        wanted = 4 * min(PICTURES, len(read_examples(self.workspace.evaluation / "all" / EXAMPLES)))
+        return Plan((f"write {self._path}",), 1.0 + wanted * SECONDS_PER_PICTURE)
+
+    def run(self, observer: Observer) -> Outcome:
+        store = PreparedStore(self.workspace.prepared)
+        sections = [
+            self._runs(),
+            self._data(store),
+            *self._tables(),
+            self._curves(),
+            *self._pseudo_labels(),
+            *self._pictures(store, observer),
+        ]
+        facts = [("workspace", str(self.workspace.path.absolute())), ("prepared shapes", str(len(store)))]
+        page = Page("kinmo report", facts, [section for section in sections if section is not None])
+        write_text_atomically(self._path, render(page))
+        return Outcome(self._path, {"report": str(self._path), "sections": [section.title for section in page.sections]})
+
+    @property
+    def _path(self) -> Path:
+        return self.workspace.report / "index.html"
+
+    def _runs(self) -> Section:
+        rows = [
+            (run.stage, run.what, run.started.replace("T", " ")[:19], f"{run.seconds:.1f}", run.kinmo)
+            for run in runs(self.workspace)
+        ]
+        return Section("What was run", tables=[Table("Stages", ("stage", "what", "started (UTC)", "seconds", "kinmo"), rows)])
+
+    def _data(self, store: PreparedStore) -> Section:
+        counts = Counter((e.category, split_of(e.id).value if e.is_labelled else "unlabelled") for e in store.entries)
+        uses = ("train", "validation", "test", "unlabelled")
+        categories = sorted({entry.category for entry in store.entries})
+        rows = [(name, *(str(counts[name, use]) for use in uses)) for name in categories]
+        rows.append(("all", *(str(sum(counts[name, use] for name in categories)) for use in uses)))
+        note = ""
+        found = _json(self.workspace.prepared / REPORT)
+        if found is not None:
+            note = ", ".join(f"{len(found[key])} {key.replace('_', ' ')}" for key in ("taken", "repaired", "left_out")) + "."
+        return Section("Data", tables=[Table("Prepared shapes by category and use", ("category", *uses), rows, note)])
+
+    def _tables(self) -> Iterator[Section]:
+        for folder in sorted(path for path in self.workspace.evaluation.glob("*") if path.is_dir()):
+            for setting in SETTINGS:
+                found = {path.stem: read_table(path) for path in sorted((folder / setting).glob("*.json"))}
+                if found:
+                    title = f"Table 1, {setting.replace('_', ' ')}" + ("" if folder.name == "all" else f", {folder.name}")
+                    more = [_shown(table) for name, table in found.items() if name not in PRINTED]
+                    charts = [
+                        chart
+                        for name, table in found.items()
+                        if name.startswith("label_truth")
+                        for chart in _truth_charts(name, table)
+                    ]
+                    yield Section(title, tables=[_shown(found[name]) for name in PRINTED], charts=charts, more=more)
+            files = [read_table(path) for path in sorted(folder.glob("*.json"))]
+            if files:
+                yield Section(folder.name.replace("_", " "), tables=list(map(_shown, files)))
+
+    def _curves(self) -> Section | None:
+        charts: list[str] = []
+        for path in sorted(self.workspace.models.rglob(METRICS)):
+            name = " ".join(path.parent.relative_to(self.workspace.models).parts)
+            history = _json(path) or []
+            loss = {kind: _series(history, f"{kind}/loss") for kind in ("training", "validation")}
+            names = [
+                key for key in (history[-1] if history else {}) if key.startswith("validation/") and not key.endswith("loss")
+            ]
+            errors = {key.split("/")[1].replace("_", " "): _series(history, key) for key in names}
+            charts += [line_chart(f"{name}: loss", loss, "epoch"), line_chart(f"{name}: validation", errors, "epoch")]
+        charts = [chart for chart in charts if chart]
+        return Section("Training", charts=charts) if charts else None
+
+    def _pseudo_labels(self) -> Iterator[Section]:
+        report = _json(self.workspace.pseudo / "acceptance.json")
+        if report is not None:
+            yield Section("Pseudo labels", report["text"], [Table(**table) for table in report["tables"]])
+
+    def _pictures(self, store: PreparedStore, observer: Observer) -> Iterator[Section]:
+        examples = read_examples(self.workspace.evaluation / "all" / EXAMPLES)
+        for row, network in (("kinmo", None), ("OBB_fine", "GNN_fine")):
+            answered = [example for example in examples if row in example.answers]
+            for title, wanted in ((f"{row}: right", True), (f"{row}: wrong", False)):
+                some = chosen((e for e in answered if e.answers[row].is_ok is wanted), PICTURES)
+                pictures = list(self._draw_all(store, some, row, network, title, observer))
+                if pictures:
+                    legend = [("truth", "true axis"), ("refined", row), *([("network", network)] if network else [])]
+                    yield Section(title, _explained(wanted, len(some), answered, row), pictures=pictures, legend=legend)
+
+    def _draw_all(
+        self, store: PreparedStore, examples: Sequence[Example], row: str, network: str | None, what: str, observer: Observer
+    ) -> Iterator[Picture]:
+        for done, example in enumerate(examples):
+            roles = {"refined": row} | ({"network": network} if network else {})
+            try:
+                svg = draw(store, example, roles)
+            except InputError as error:
+                observer.note(f"no picture of {example.shape_id}: {error}")
+                continue
+            lines = [f"{example.name}: {example.true_type}", *(f"{n}: {example.answers[n].text}" for n in roles.values())]
+            yield Picture(svg, f"{example.category} {example.shape_id}", lines)
+            observer.progress(f"drawing {what}", done + 1, len(examples), example.shape_id)
+
+
+def _shown(table: MeasuredTable) -> Table:
+    return Table(str(table.caption), [column.title for column in table.columns], table.cells()[1:])
+
+
+def _truth_charts(name: str, table: MeasuredTable) -> Iterator[str]:
+    """Precision and recall of pseudo labels over the threshold, one line a way of scoring."""
+    titles = [column.title for column in table.columns]
+    for figure in ("precision", "recall"):
+        series: dict[str, list[tuple[float, float]]] = {}
+        for row in table.rows:
+            cells = dict(zip(titles, row, strict=True))
+            tau, value = cells["tau"], cells[figure]
+            if isinstance(tau, float | int) and isinstance(value, float | int):
+                series.setdefault(str(cells["score"]), []).append((tau, value))
+        if series:
+            yield line_chart(f"{name.removeprefix('label_truth_')} as labels: {figure}", series, "threshold")
+
+
+def _explained(right: bool, shown: int, answered: Sequence[Example], row: str) -> str:
+    count = sum(example.answers[row].is_ok is right for example in answered)
+    return f"{count} of {len(answered)} true joints of the test shapes, parts given; {shown} are shown, by category in turn."
+
+
+def _series(history: Sequence[Mapping[str, float]], key: str) -> list[tuple[float, float]]:
+    return [(row["epoch"], row[key]) for row in history if key in row]
+
+
+def _json(path: Path) -> Any:
+    """The content of a JSON file; None if there is none."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError:
+        return None
+    except ValueError as error:
+        raise InputError(path, f"expected JSON ({error})") from error

@@ -1,0 +1,141 @@
+"""The rows of Table 1 for one shape: who answers what in which setting."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo import _core
+from kinmo.config import RefinementConfig
+from kinmo.evaluation.frame_rows import ceiling, without_learning
+from kinmo.evaluation.label_truth import WEIGHTS, weighted_score
+from kinmo.evaluation.records import annotation
+from kinmo.joint import JointKind
+from kinmo.mobility_tree import MobilityTree
+from kinmo.part_geometry import part_geometries
+from kinmo.pipeline.predictors import KinmoPredictor, PaperPredictor, Predictor, TypeSet, network_alone
+from kinmo.pipeline.train import trained_config
+from kinmo.prediction import JointEstimate, Prediction
+from kinmo.prepared import PreparedShape
+from kinmo.refinement import Refiner
+from kinmo.workspace import Workspace
+
+TYPE_SETS: tuple[TypeSet, ...] = ("coarse", "fine")
+SWEPT = (0.5, 0.3, 0.2, 0.5)
+"""Weights with the swept collision as a fourth term."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row: its name, who predicts, and how its answers are made from the prediction. Rows share the predictor's work."""
+
+    name: str
+    predictor: Predictor
+    of: Callable[[Prediction], Prediction] = field(default=lambda prediction: prediction)
+
+
+def paper_rows(predictors: Mapping[TypeSet, PaperPredictor]) -> list[Row]:
+    """The paper's four rows; `predictors` by type set."""
+    rows = []
+    for types in TYPE_SETS:
+        rows.append(Row(f"GNN_{types}", predictors[types], network_alone))
+        rows.append(Row(f"OBB_{types}", predictors[types]))
+    return rows
+
+
+def weight_rows(fine: PaperPredictor) -> list[Row]:
+    """OBB_fine with other weights of the same terms."""
+    others = {name: weights for name, weights in WEIGHTS.items() if name in ("feasibility alone", "consistency alone")}
+    return [Row(f"OBB_fine, {name}", fine, Reweighted(weights)) for name, weights in others.items()]
+
+
+def ablation_rows(fine: PaperPredictor) -> list[Row]:
+    """OBB_fine with candidates beyond the paper's, with the swept term, and with edges between touching parts only."""
+    config = fine.refinement
+
+    def changed(**values: object) -> PaperPredictor:
+        return replace(fine, refinement=replace(config, **values))  # type: ignore[arg-type]
+
+    return [
+        Row("OBB_fine, both boxes", changed(extra=("boxes",))),
+        Row("OBB_fine, contact lines", changed(extra=("contact",))),
+        Row("OBB_fine, symmetry axes", changed(extra=("symmetry",))),
+        Row("OBB_fine, all candidates", changed(extra=("boxes", "contact", "symmetry"))),
+        Row("OBB_fine, swept term", changed(weights=SWEPT)),
+        Row("OBB_fine, contact pivots of all hinges", changed(contact_pivots="revolute")),
+        Row("GNN_fine, contact edges", replace(fine, contact_edges=True), network_alone),
+        Row("OBB_fine, contact edges", replace(fine, contact_edges=True)),
+    ]
+
+
+def hidden_name_rows(predictors: Mapping[TypeSet, PaperPredictor]) -> list[Row]:
+    """The fine rows with all part names hidden."""
+    hidden = replace(predictors["fine"], hide_names=True)
+    return [Row("GNN_fine, names hidden", hidden, network_alone), Row("OBB_fine, names hidden", hidden)]
+
+
+@dataclass(frozen=True)
+class Reweighted:
+    """A prediction with its answers ranked anew by other weights of their terms."""
+
+    weights: Mapping[str, float]
+
+    def __call__(self, prediction: Prediction) -> Prediction:
+        estimates = tuple(tuple(sorted(map(self._scored, found), key=_by_score)) for found in prediction.estimates)
+        bodies = tuple(replace(b, joint=e[0].joint) for b, e in zip(prediction.mobility.bodies, estimates, strict=True))
+        return replace(prediction, mobility=replace(prediction.mobility, bodies=bodies), estimates=estimates)
+
+    def _scored(self, estimate: JointEstimate) -> JointEstimate:
+        slides = estimate.joint is not None and estimate.joint.kind is JointKind.PRISMATIC
+        terms = {name: value for name, value in estimate.terms.items() if not (slides and name == "position")}
+        score = weighted_score(terms, self.weights)
+        return estimate if score is None else replace(estimate, score=score)
+
+
+def _by_score(estimate: JointEstimate) -> float:
+    return -estimate.score
+
+
+def frame_answers(
+    truth: PreparedShape, meshes: _core.Meshes, config: RefinementConfig
+) -> Iterator[tuple[str, dict[int, JointEstimate]]]:
+    """The rows that frame the table, *parts given*: the best that candidates allow, and a rule without learning."""
+    yield "ceiling, paper's candidates", ceiling(truth, _candidates(truth, meshes, config))
+    every = replace(config, extra=("boxes", "contact", "symmetry"), contact_pivots="revolute")
+    yield "ceiling, all candidates", ceiling(truth, _candidates(truth, meshes, every))
+    yield "no learning", without_learning(truth)
+
+
+def _candidates(
+    truth: PreparedShape, meshes: _core.Meshes, config: RefinementConfig
+) -> dict[int, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Directions and pivots of the candidates of every movable body, its true type known."""
+    mobility, _ = annotation(truth)
+    parts = part_geometries(truth, MobilityTree(mobility.bodies, (None,) * len(mobility.bodies)))
+    refiner = Refiner(truth, config, None, meshes)
+    found = {index: refiner.candidates(parts[index], truth.body_types[index]) for index, _ in mobility.movable()}
+    return {index: (candidates.directions, candidates.pivots) for index, candidates in found.items()}
+
+
+def chosen_rows(
+    workspace: Workspace, methods: Sequence[str], device: str, ablations: bool = False, hidden_names: bool = False
+) -> list[Row]:
+    """The rows of `methods` in the order of printing. Raises InputError if a method's networks are not trained."""
+    rows: list[Row] = []
+    if "kinmo" in methods:
+        own = KinmoPredictor(workspace, device)
+        own.check()
+        rows.append(Row("kinmo", own))
+        rows += [Row("kinmo, names hidden", replace(own, hide_names=True))] if hidden_names else []
+    if "paper" in methods:
+        config = trained_config(workspace).refinement
+        predictors = {types: PaperPredictor(workspace, config, types, device) for types in TYPE_SETS}
+        for predictor in predictors.values():
+            predictor.check()
+        rows += paper_rows(predictors) + weight_rows(predictors["fine"])
+        rows += ablation_rows(predictors["fine"]) if ablations else []
+        rows += hidden_name_rows(predictors) if hidden_names else []
+    return rows

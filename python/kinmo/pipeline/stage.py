@@ -1,0 +1,46 @@
+"""What all stages have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+
+class Observer(Protocol):
+    """Where a stage tells how far it is."""
+
+    def progress(self, what: str, done: int, total: int, detail: str = "") -> None:
+        """`done` of `total` steps of `what` are finished; `detail` is the latest figure or name."""
+
+    def note(self, text: str) -> None:
+        """One line that is worth reading afterwards."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a stage would do now. `seconds` is a rough guess for this machine; zero where there is nothing to do."""
+
+    steps: tuple[str, ...]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a stage made: the `path` to look at, the result itself as plain `data` (JSON), the same as `text` for people.
+
+    `failed` counts what the user asked for and did not get.
+    """
+
+    path: Path
+    data: Any = field(default_factory=dict)
+    text: str = ""
+    failed: int = 0
+
+
+class Stage(Protocol):
+    """A piece of work that can say what it would do. Nothing is read or written before one of the two is called."""
+
+    def plan(self) -> Plan: ...
+
+    def run(self, observer: Observer) -> Outcome: ...

@@ -1,0 +1,62 @@
+"""Procedural shapes for when there is no PartNet yet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.synth.draw import ParameterRange
+from kinmo.synth.generate import Layout, Order, generate, orders
+
+SECONDS_PER_SHAPE = 0.05
+
+
+@dataclass(frozen=True)
+class Synth:
+    """Write `count` shapes a family and layout (a third of that in DSG-Net's) below `folder`.
+
+    Empty `families` and `layouts` mean all; without a `parameter_range` labelled and unlabelled shapes take their own.
+    """
+
+    folder: Path
+    count: int
+    families: tuple[str, ...] = ()
+    layouts: tuple[str, ...] = ()
+    parameter_range: ParameterRange | None = None
+    seed: int = 0
+    workers: int = 1
+
+    def plan(self) -> Plan:
+        missing = len(self._orders()) - self._there()
+        steps = (f"write {missing} procedural shapes below {self.folder}",) if missing else ()
+        return Plan(steps, missing * SECONDS_PER_SHAPE / self.workers)
+
+    def run(self, observer: Observer) -> Outcome:
+        total = len(self._orders())
+        done = self._there()
+
+        def on_written(path: Path) -> None:
+            nonlocal done
+            done += 1
+            observer.progress("writing shapes", done, total, path.name)
+
+        written = generate(self.folder, **self._wish(), workers=self.workers, on_written=on_written)
+        data = {"folder": str(self.folder), "shapes": total, "written": written}
+        return Outcome(self.folder, data, f"{total} shapes, {written} of them new")
+
+    def _wish(self) -> dict[str, Any]:
+        return {
+            "count": self.count,
+            "families": self.families or None,
+            "layouts": tuple(map(Layout, self.layouts)) or tuple(Layout),
+            "seed": self.seed,
+            "parameter_range": self.parameter_range,
+        }
+
+    def _orders(self) -> list[Order]:
+        return list(orders(**self._wish()))
+
+    def _there(self) -> int:
+        return sum((self.folder / order.layout.value / order.shape_id).exists() for order in self._orders())

@@ -1,0 +1,154 @@
+"""Training the networks of a workspace."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from kinmo.config import Config, from_table, load_config, to_table
+from kinmo.errors import InputError
+from kinmo.learning.training import Progress
+from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo.pipeline.journal import seconds_per_unit, timed
+from kinmo.pipeline.models import GROUPS, METRICS, TRAINERS, WEIGHTS, model_folder
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.splits import Split
+from kinmo.store import IndexEntry
+from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
+
+CONFIG = "config.json"
+"""In `workspace.models`: the configuration of the last training, which prediction follows."""
+SECONDS_PER_SHAPE = {"gnn_fine": 0.02, "gnn_coarse": 0.02, "axis": 0.15, "ranking": 0.02}
+"""Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One network to be trained on the shapes of `training`, chosen by those of `validation`."""
+
+    model: str
+    category: str | None
+    training: tuple[IndexEntry, ...]
+    validation: tuple[IndexEntry, ...]
+    inputs: dict[str, Any]
+
+    @property
+    def name(self) -> str:
+        return f"{self.model} ({self.category})" if self.category else self.model
+
+    @property
+    def stage(self) -> str:
+        return f"train-{self.model}-{self.category}" if self.category else f"train-{self.model}"
+
+
+@dataclass(frozen=True)
+class Train:
+    """Train the networks of `group` (`models.GROUPS`), on all categories or on one."""
+
+    group: str
+    workspace: Workspace
+    config: str
+    category: str | None = None
+    seed: int = 0
+    device: str = "auto"
+
+    def plan(self) -> Plan:
+        config = load_config(self.config)
+        steps, seconds = [], 0.0
+        for task in self._tasks(open_dataset(self.workspace, self.category), config):
+            if not self.workspace.is_current(task.stage, task.inputs):
+                epochs = getattr(config, TRAINERS[task.model][0]).training.epochs
+                shapes = len(task.training)
+                steps.append(f"train {task.name} on {shapes} shapes for {epochs} epochs, choose by {len(task.validation)}")
+                seconds += shapes * epochs * seconds_per_unit(self.workspace, task.stage, SECONDS_PER_SHAPE[task.model])
+        return Plan(tuple(steps), seconds)
+
+    def run(self, observer: Observer) -> Outcome:
+        config = load_config(self.config)
+        with self.workspace.locked():
+            remove_leftovers(self.workspace.models)
+            dataset = open_dataset(self.workspace, self.category)
+            write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
+            results = [self._train(task, dataset, config, observer) for task in self._tasks(dataset, config)]
+        lines = [
+            f"{name}: {result['epochs']} epochs, best {result['best']}, error {result['error']:.4f}" for name, result in results
+        ]
+        return Outcome(self.workspace.models, dict(results), "\n".join(lines))
+
+    def _tasks(self, dataset: Dataset, config: Config) -> Iterator[Task]:
+        for model in GROUPS[self.group]:
+            section = getattr(config, TRAINERS[model][0])
+            categories = dataset.categories() if getattr(section, "per_category", False) else (None,)
+            for category in categories:
+                training, validation = (
+                    tuple(e for e in dataset.labelled[split] if category in (None, e.category))
+                    for split in (Split.TRAIN, Split.VALIDATION)
+                )
+                if not (training and validation):
+                    if category is not None:
+                        continue
+                    problem = f"{len(training)} labelled shapes to train on and {len(validation)} to choose by: both are needed"
+                    raise InputError(self.workspace.prepared, problem)
+                data = {"training": dataset.fingerprint(training), "validation": dataset.fingerprint(validation)}
+                inputs = {"model": model, "config": to_table(section), "seed": self.seed, "data": data}
+                yield Task(model, category, training, validation, inputs)
+
+    def _train(self, task: Task, dataset: Dataset, config: Config, observer: Observer) -> tuple[str, dict[str, Any]]:
+        folder = model_folder(self.workspace, task.model, task.category)
+        if self.workspace.is_current(task.stage, task.inputs):
+            observer.note(f"{task.name}: trained already")
+            return task.name, _result(folder)
+        self.workspace.forget(task.stage)
+        section, trainer = TRAINERS[task.model]
+
+        def on_progress(progress: Progress) -> None:
+            shown = " ".join(
+                f"{name} {value:.3f}" for name, value in progress.metrics.items() if name.endswith(("loss", "/error"))
+            )
+            observer.progress(f"training {task.name}", progress.epoch, progress.epochs, shown)
+
+        with timed(self.workspace, task.stage) as watch:
+            result = trainer(
+                dataset.load(task.training),
+                dataset.load(task.validation),
+                getattr(config, section),
+                folder,
+                seed=self.seed,
+                device=self.device,
+                fingerprint=json.dumps(task.inputs["data"]),
+                on_progress=on_progress,
+            )
+            watch.amount = len(result.history) * len(task.training)
+            watch.what = f"{task.name} on {len(task.training)} shapes for {len(result.history)} epochs"
+        outputs = tuple(str((folder / name).relative_to(self.workspace.path)) for name in (WEIGHTS, METRICS))
+        self.workspace.write_record(task.stage, StageRecord(task.inputs, outputs))
+        return task.name, _result(folder)
+
+
+def _result(folder: Path) -> dict[str, Any]:
+    history = json.loads((folder / METRICS).read_text(encoding="utf-8"))
+    facts = json.loads((folder / WEIGHTS).with_suffix(".json").read_text(encoding="utf-8"))
+    errors = [row["validation/error"] for row in history]
+    best = min(range(len(errors)), key=errors.__getitem__)
+    return {
+        "weights": str(folder / WEIGHTS),
+        "sha256": facts["sha256"],
+        "epochs": len(errors),
+        "best": best,
+        "error": errors[best],
+    }
+
+
+def trained_config(workspace: Workspace) -> Config:
+    """The configuration that the workspace's networks were trained with; `small` if none was trained."""
+    path = workspace.models / CONFIG
+    if not path.exists():
+        return load_config("small")
+    try:
+        table = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise InputError(path, f"expected JSON ({error})") from error
+    return from_table(Config, table, path)

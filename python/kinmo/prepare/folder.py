@@ -1,0 +1,203 @@
+"""Preparing every shape below a folder, resumably and on several processes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from kinmo import __version__
+from kinmo.errors import InputError
+from kinmo.formats import Found, Layout, discover, read_found
+from kinmo.formats.sources import content_digest, fingerprint, shown
+from kinmo.prepare.shape import POINTS, prepare_shape
+from kinmo.store import FORMAT, INDEX, IndexEntry, file_name, index_text, read_header, to_bytes
+from kinmo.workers import Crashed, map_unordered
+from kinmo.workspace import Workspace, digest, remove_leftovers, write_bytes_atomically, write_text_atomically
+
+STAGE = "prepare"
+Progress = Callable[[int, int, str], None]
+"""Called with the number of shapes done so far, the number there are, and the last one's id."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What became of one shape. `id` is empty for a folder or link that could not be looked into."""
+
+    id: str
+    path: str
+    reasons: tuple[str, ...] = ()
+
+
+@dataclass
+class PrepareReport:
+    """Shapes by what became of them, sorted by path. Repaired ones are taken too, but are not listed among `taken`."""
+
+    taken: list[Entry] = field(default_factory=list)
+    repaired: list[Entry] = field(default_factory=list)
+    left_out: list[Entry] = field(default_factory=list)
+    made: int = 0
+    """How many were prepared now; the rest was there from before."""
+
+    def as_data(self) -> dict[str, list[dict[str, Any]]]:
+        """Plain data: {"taken": [...], "repaired": [...], "left_out": [...]}, each entry with id, path and reasons."""
+        return {
+            name: [{**asdict(entry), "reasons": list(entry.reasons)} for entry in getattr(self, name)]
+            for name in ("taken", "repaired", "left_out")
+        }
+
+
+@dataclass(frozen=True)
+class Job:
+    """One shape to prepare, if it is not yet prepared from the same files in the same way."""
+
+    found: Found
+    target: Path
+    points: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class Result:
+    """A line of the index and a file's bytes (None if the file is there already), or the `problem` why there are none."""
+
+    job: Job
+    entry: IndexEntry | None = None
+    data: bytes | None = None
+    problem: str = ""
+
+
+def prepare_folder(
+    root: Path,
+    workspace: Workspace,
+    *,
+    workers: int = 1,
+    seed: int = 0,
+    points: int = POINTS,
+    on_progress: Progress = lambda done, total, name: None,
+) -> PrepareReport:
+    """Prepares all shapes below `root` into `workspace.prepared`, and lists them in its index.
+
+    Shapes that were prepared before from the same files, with the same seed, number of points and version of kinmo, are not
+    prepared again. Index and files do not depend on `workers`, nor on how often a run was cut off. Of copies of one shape
+    the first by path is taken. Raises InputError if `root` is no folder or another process works in the workspace.
+    """
+    root = Path(root)
+    with workspace.locked():
+        store = workspace.prepared
+        remove_leftovers(store)
+        total = sum(1 for _ in discover(root, skip=(workspace.path,)))
+        run = _Run(store)
+        jobs = (
+            Job(found, store / file_name(found.layout.value, found.id), points, seed) for found in run.choose(root, workspace)
+        )
+        for job, result in map_unordered(work, jobs, workers):
+            name = run.settle(job, result)
+            on_progress(run.done, total, name)
+        write_text_atomically(store / INDEX, index_text(run.entries))
+        return run.report()
+
+
+@dataclass
+class _Run:
+    """The state of one run, in the process that writes the files."""
+
+    store: Path
+    entries: list[IndexEntry] = field(default_factory=list)
+    left_out: list[Entry] = field(default_factory=list)
+    copies: dict[str, list[str]] = field(default_factory=dict)
+    made: int = 0
+    done: int = 0
+
+    def choose(self, root: Path, workspace: Workspace) -> Iterator[Found]:
+        """What is below `root`, without copies."""
+
+        def report(error: InputError) -> None:
+            self.left_out.append(Entry("", shown(error.where), (str(error),)))
+
+        first: dict[tuple[Layout, str], Path] = {}
+        for found in discover(root, skip=(workspace.path,), report=report):
+            key = (found.layout, found.id)
+            original = first.setdefault(key, found.path)
+            if original == found.path:
+                yield found
+            elif content_digest(found) == content_digest(Found(original, found.layout, found.id)):
+                self.copies.setdefault(str(original.absolute()), []).append(f"identical copy left aside: {shown(found.path)}")
+            else:
+                self.done += 1
+                reason = f"differs from another copy of {found.id}, which is read instead: {shown(original)}"
+                self.left_out.append(Entry(found.id, shown(found.path), (reason,)))
+
+    def settle(self, job: Job, result: Result | Crashed) -> str:
+        """Writes what a worker made. Returns the shape's id."""
+        self.done += 1
+        found = job.found
+        if isinstance(result, Crashed):
+            result = Result(job, problem=f"{shown(found.path)}: the process that prepared it died")
+        if result.entry is None:
+            self.left_out.append(Entry(found.id, shown(found.path), (result.problem,)))
+            job.target.unlink(missing_ok=True)
+            return found.id
+        if result.data is not None:
+            write_bytes_atomically(job.target, result.data)
+            self.made += 1
+        self.entries.append(result.entry)
+        return found.id
+
+    def report(self) -> PrepareReport:
+        report = PrepareReport(left_out=sorted(self.left_out, key=lambda entry: (entry.path, entry.id)), made=self.made)
+        for entry in sorted(self.entries, key=lambda entry: entry.source):
+            copies = tuple(self.copies.get(entry.source, ()))
+            row = Entry(entry.id, shown(entry.source), entry.repairs + copies)
+            (report.repaired if entry.repairs else report.taken).append(row)
+        return report
+
+
+def work(job: Job) -> Result:
+    """Reads and prepares one shape. What is wrong with the shape becomes the result's `problem`."""
+    try:
+        made_from = {
+            "files": fingerprint(job.found),
+            "points": job.points,
+            "seed": job.seed,
+            "kinmo": __version__,
+            "format": FORMAT,
+        }
+        source = str(job.found.path.absolute())
+        known = _known(job.target)
+        if known is not None and known["made_from"] == digest(made_from) and known["entry"]["source"] == source:
+            return Result(job, IndexEntry(**{**known["entry"], "repairs": tuple(known["entry"]["repairs"])}))
+        shape = read_found(job.found)
+        prepared = prepare_shape(shape, points=job.points, seed=job.seed)
+    except InputError as error:
+        return Result(job, problem=str(error))
+    except (KeyboardInterrupt, SystemExit):
+        raise
+    except BaseException as error:  # also a panic of the Rust core, which is no Exception: one shape must not end the run
+        text = f"cannot be prepared: {error or type(error).__name__}"
+        return Result(job, problem=str(InputError(shown(job.found.path), text)))
+    entry = IndexEntry(
+        id=shape.id,
+        layout=shape.layout,
+        category=shape.category,
+        file=file_name(shape.layout, shape.id),
+        source=source,
+        partnet_id=shape.partnet_id,
+        geometry_hash=prepared.geometry_hash,
+        part_count=len(shape.parts),
+        leaf_count=len(shape.leaves),
+        joint_count=0 if shape.mobility is None else sum(1 for _ in shape.mobility.movable()),
+        is_labelled=shape.mobility is not None,
+        repairs=shape.repairs,
+    )
+    return Result(job, entry, to_bytes(prepared, {"made_from": digest(made_from), "entry": asdict(entry)}))
+
+
+def _known(target: Path) -> dict[str, Any] | None:
+    """The provenance of the file that is there already."""
+    try:
+        provenance: dict[str, Any] = read_header(target)["provenance"]
+    except InputError:
+        return None
+    return provenance

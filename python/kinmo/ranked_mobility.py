@@ -1,0 +1,185 @@
+"""The `kinmo` method from ranked hypotheses to a mobility tree.
+
+*Parts given*, every body's hypotheses are ranked and the best is its joint. *Hierarchy given*, the nodes are ranked first:
+those that rather move than rest become bodies, siblings that the motion GNN holds to be fixed to each other become one, and the
+bodies are then ranked like given ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo import _core
+from kinmo.candidates import KIND_CODES, Candidates
+from kinmo.evidence import Evidence, Scene, gather
+from kinmo.joint import MotionType
+from kinmo.learning.edge_predictions import EdgePredictions
+from kinmo.learning.joint_ranking.data import View
+from kinmo.learning.joint_ranking.decide import MOVES, rank_answers
+from kinmo.learning.joint_ranking.predict import JointRanking
+from kinmo.learning.joint_ranking.views import maximal_nodes, node_view, words_of
+from kinmo.limits import free_travel
+from kinmo.mobility import Body, descendants
+from kinmo.mobility_tree import mean_estimate
+from kinmo.part_geometry import symmetric_box
+from kinmo.prediction import JointEstimate
+from kinmo.prepared import PreparedShape, units_of
+from kinmo.refinement import said_alone
+
+F64 = NDArray[np.float64]
+
+CONTACT_SCALE = 0.01
+FIXED = 0.5
+"""Moving siblings are one body if the GNN's mean probability of FIXED between them is above this."""
+
+
+def ranked_bodies(
+    shape: PreparedShape,
+    meshes: _core.Meshes | None,
+    bodies: Sequence[tuple[int, ...]],
+    ranking: JointRanking,
+    *,
+    all_move: bool = False,
+) -> list[tuple[JointEstimate, ...]]:
+    """Ranked answers for every body (positions of its leaves), in the normalised frame, without limits.
+
+    With `all_move`, only body 0 may rest: it has been decided already that the others move. `meshes` (of the leaves, in the
+    normalised frame) are needed for bodies that `shape` was not prepared with; without them those raise ValueError.
+    """
+    wanted = [body for body in bodies if body]
+    units = units_of(shape.leaves_below, shape.body_leaves)
+    if set(wanted) <= set(units) and shape.evidence:
+        evidence = Evidence.of(shape.evidence)
+    elif meshes is None:
+        raise ValueError("meshes: needed for bodies that the shape was not prepared with")
+    else:
+        units = units_of(shape.leaves_below, wanted)
+        evidence = gather(scene_of(shape, meshes), units)
+    place = {leaves: unit for unit, leaves in enumerate(units)}
+    words = tuple(words_of(shape, leaves) for leaves in wanted)
+    view = View(shape.id, evidence, tuple(place[body] for body in wanted), True, words, (None,) * len(wanted))
+    probabilities, rest = ranking.probabilities(view)
+    said = {body: (odds, float(still)) for body, odds, still in zip(wanted, probabilities, rest, strict=True)}
+    answers: list[tuple[JointEstimate, ...]] = []
+    for index, body in enumerate(bodies):
+        if not body:
+            answers.append((JointEstimate(None, MotionType.FIXED, 1.0, source="ranking"),))
+            continue
+        odds, still = said[body]
+        if all_move and index > 0 and still >= MOVES:
+            odds, still = odds / odds.sum() * (1.0 - MOVES / 2), MOVES / 2
+        answers.append(rank_answers(evidence, place[body], odds, still, symmetric_box(shape, body, meshes), shape.up))
+    return answers
+
+
+def scene_of(shape: PreparedShape, meshes: _core.Meshes) -> Scene:
+    """The scene that `shape` was prepared from."""
+    return Scene.of(meshes, shape.leaf_points, shape.leaf_normals, shape.leaf_areas, shape.up)
+
+
+def moving_nodes(shape: PreparedShape, ranking: JointRanking) -> list[int]:
+    """The nodes that rather move against their surroundings than rest."""
+    if len(shape.parents) < 2:
+        return []
+    _, rest = ranking.probabilities(node_view(replace(shape, mobility=None), Evidence.of(shape.evidence)))
+    return [node for node, still in enumerate(rest, start=1) if still < MOVES]
+
+
+def predicted_bodies(shape: PreparedShape, moving: Sequence[int], edges: EdgePredictions) -> list[tuple[int, ...]]:
+    """Positions of the leaves of every body; body 0 is what everything rests on (it may be empty)."""
+    fixed = edges.type_set.FIXED.value
+    odds: dict[frozenset[int], list[float]] = {}
+    for (part, other), probability in zip(shape.edges.tolist(), edges.type_probabilities[:, fixed], strict=True):
+        odds.setdefault(frozenset((part, other)), []).append(float(probability))
+    group = {node: node for node in moving}
+    for pair, values in odds.items():
+        if pair <= group.keys() and np.mean(values) > FIXED:
+            first, second = sorted(group[node] for node in pair)
+            group = {node: first if leader == second else leader for node, leader in group.items()}
+    owner = [0] * len(shape.parents)
+    for node, parent in enumerate(shape.parents):
+        owner[node] = group[node] if node in group else owner[parent] if parent >= 0 else 0
+    leaves: dict[int, list[int]] = {leader: [] for leader in (0, *sorted(set(group.values())))}
+    for position, leaf in enumerate(shape.leaves):
+        leaves[owner[leaf]].append(position)
+    return [tuple(below) for leader, below in leaves.items() if below or leader == 0]
+
+
+def network_estimates(shape: PreparedShape, bodies: Sequence[tuple[int, ...]], edges: EdgePredictions) -> list[JointEstimate]:
+    """What the motion GNN alone says of every body, by the edges from its parts to siblings outside it (normalised frame)."""
+    parts = [set(maximal_nodes(shape, leaves)) for leaves in bodies]
+    return [
+        said_alone(mean_estimate(edges, np.flatnonzero([i in own and j not in own for i, j in shape.edges.tolist()])))
+        for own in parts
+    ]
+
+
+def attached_to(
+    shape: PreparedShape, meshes: _core.Meshes, bodies: Sequence[tuple[int, ...]], moves: Sequence[bool]
+) -> list[int | None]:
+    """What every moving body is attached to: the body it shares most contact with, of those that are not attached to it.
+
+    Bodies that rest are attached to nothing.
+    """
+    scene = scene_of(shape, meshes)
+    affinity = np.full((len(bodies), len(bodies)), -1.0)
+    for index, leaves in enumerate(bodies):
+        if not moves[index]:
+            continue
+        points, _ = scene.surface(leaves, 512)
+        _, riders = scene.surroundings(leaves)
+        others = [place for place, other in enumerate(bodies) if place != index and other and not set(other) <= set(riders)]
+        if others:
+            gaps = np.array([_core.closest_points(meshes, list(bodies[place]), points)[0] for place in others])
+            affinity[index, others] = np.exp(-(gaps - gaps.min()) / CONTACT_SCALE).mean(axis=1)
+    parents: list[int | None] = [None] * len(bodies)
+    for flat in np.argsort(-affinity, axis=None, kind="stable"):
+        index, other = divmod(int(flat), len(bodies))
+        if affinity[index, other] < 0:
+            break
+        if parents[index] is None and other not in descendants(parents, index):
+            parents[index] = other
+    return parents
+
+
+def with_limits(answer: JointEstimate, shape: PreparedShape, meshes: _core.Meshes, moving: Sequence[int]) -> JointEstimate:
+    """The answer with the range that the part is free to travel, its direction turned to the freer side.
+
+    `moving` are the positions of all leaves that move along.
+    """
+    joint = answer.joint
+    if joint is None:
+        return answer
+    obstacles = sorted(set(range(len(shape.leaves))) - set(moving))
+    alone = Candidates(np.array([KIND_CODES[joint.kind]], np.uint8), joint.direction[None], joint.pivot[None], (answer.source,))
+    points = shape.leaf_points[list(moving)].reshape(-1, 3).astype(np.float64)
+    lower, upper = free_travel(meshes, moving, obstacles, alone, points).range(0)
+    limited = replace(joint, lower=lower, upper=upper)
+    if lower is not None and upper is not None and -lower > upper:
+        limited = limited.reversed()
+    return replace(answer, joint=limited)
+
+
+def tree_of(
+    shape: PreparedShape,
+    meshes: _core.Meshes,
+    bodies: Sequence[tuple[int, ...]],
+    names: Sequence[str],
+    answers: Sequence[tuple[JointEstimate, ...]],
+) -> tuple[tuple[Body, ...], list[tuple[JointEstimate, ...]]]:
+    """Bodies with parents and the best joints, and all answers with their limits, in the normalised frame."""
+    moves = [found[0].joint is not None for found in answers]
+    parents = attached_to(shape, meshes, bodies, moves)
+    limited = []
+    for index, found in enumerate(answers):
+        along = sorted(leaf for body in descendants(parents, index) for leaf in bodies[body])
+        limited.append(tuple(with_limits(answer, shape, meshes, along) for answer in found))
+    tree = tuple(
+        Body(index, name, tuple(shape.leaves[position] for position in leaves), parents[index], found[0].joint)
+        for index, (name, leaves, found) in enumerate(zip(names, bodies, limited, strict=True))
+    )
+    return tree, limited

@@ -1,0 +1,64 @@
+"""Training curves as inline SVG that takes its colours from the page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from html import escape
+
+WIDTH, HEIGHT = 340, 204
+LETTER = 5.2
+"""About the width of a letter of the key."""
+LEFT, RIGHT, TOP, BOTTOM = 46, 14, 40, 28
+
+Points = Sequence[tuple[float, float]]
+
+
+def line_chart(title: str, series: Mapping[str, Points], x_label: str) -> str:
+    """A chart of `series` (name -> points (x, y)), all on one pair of linear axes.
+
+    Points that are not finite are left out; a series without points too. Empty if nothing is left to draw.
+    """
+    drawn = {name: [(x, y) for x, y in points if math.isfinite(x) and math.isfinite(y)] for name, points in series.items()}
+    drawn = {name: points for name, points in drawn.items() if points}
+    if not drawn:
+        return ""
+    xs = [x for points in drawn.values() for x, _ in points]
+    ys = [y for points in drawn.values() for _, y in points]
+    across, upward = _ticks(min(xs), max(xs)), _ticks(min(ys), max(ys))
+
+    def place(x: float, y: float) -> str:
+        u = LEFT + (x - across[0]) / (across[-1] - across[0]) * (WIDTH - LEFT - RIGHT)
+        v = HEIGHT - BOTTOM - (y - upward[0]) / (upward[-1] - upward[0]) * (HEIGHT - TOP - BOTTOM)
+        return f"{u:.1f},{v:.1f}"
+
+    pieces = [f'<text class="title" x="{LEFT}" y="13">{escape(title)}</text>']
+    for y in upward:
+        u, v = place(across[0], y).split(",")
+        pieces.append(f'<line class="grid" x1="{u}" x2="{WIDTH - RIGHT}" y1="{v}" y2="{v}"/>')
+        pieces.append(f'<text class="tick" text-anchor="end" x="{float(u) - 4:.1f}" y="{float(v) + 3:.1f}">{y:g}</text>')
+    for x in across:
+        u, _ = place(x, upward[0]).split(",")
+        pieces.append(f'<text class="tick" text-anchor="middle" x="{u}" y="{HEIGHT - BOTTOM + 13}">{x:g}</text>')
+    pieces.append(f'<text class="tick" text-anchor="end" x="{WIDTH - RIGHT}" y="{HEIGHT - 3}">{escape(x_label)}</text>')
+    key = float(LEFT)
+    for index, (name, points) in enumerate(drawn.items()):
+        path = " ".join(place(x, y) for x, y in points)
+        pieces.append(f'<polyline class="series s{index % 6}" points="{path}"/>')
+        pieces.append(f'<text class="key s{index % 6}" x="{key:.0f}" y="28">{escape(name)}</text>')
+        key += LETTER * len(name) + 10
+    head = f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(title, quote=True)}">'
+    return f"{head}{''.join(pieces)}</svg>"
+
+
+def _ticks(low: float, high: float, about: int = 4) -> list[float]:
+    """Round numbers, evenly spaced, that cover `low`..`high`; at least two."""
+    least = 1e-6 * max(abs(low), abs(high), 1e-6)
+    if high - low < least:
+        low, high = low - least, high + least
+    raw = (high - low) / about
+    unit = 10.0 ** math.floor(math.log10(raw))
+    step = next(unit * factor for factor in (1.0, 2.0, 2.5, 5.0, 10.0) if unit * factor >= raw * 0.999)
+    first = math.floor(low / step + 1e-9)
+    last = math.ceil(high / step - 1e-9)
+    return [index * step for index in range(first, last + 1)]

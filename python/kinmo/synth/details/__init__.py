@@ -1,0 +1,1 @@
+"""Parts that many families share: handles, knobs, buttons, feet, panels."""

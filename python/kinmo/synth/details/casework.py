@@ -1,0 +1,213 @@
+"""Drawers, doors and the panels they are made of, named and nested as in PartNet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.details.handles import pull
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import Link, Node, hinge, slider
+from kinmo.synth.primitives import box, box_between, cylinder, extrude, join, move, turn
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A rectangular hole in a carcass: centre (x, y), size, the depth behind it, and the plane z of the carcass's front."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+    depth: float
+    front: float
+
+    @property
+    def low(self) -> float:
+        return self.y - self.height / 2
+
+    @property
+    def high(self) -> float:
+        return self.y + self.height / 2
+
+
+@dataclass(frozen=True)
+class Fronts:
+    """What the fronts of one piece of furniture have in common."""
+
+    thickness: float
+    gap: float
+    """Between a front and its opening's edge; negative where fronts lie on the carcass and overlap it."""
+    look: str
+    has_handles: bool
+    handle_length: float
+
+    @staticmethod
+    def drawn(draw: Draw, unit: float) -> Fronts:
+        """Fronts for furniture with panels about `unit` thick."""
+        gap = draw.pick([draw.between(0.05, 0.4) * unit, 0.0, -draw.between(0.2, 0.9) * unit], [4, 2, 4])
+        look = draw.pick(["plain", "framed", "raised", "bowed"], [6, 3, 2, 1])
+        return Fronts(draw.between(0.8, 2.0) * unit, gap, look, draw.chance(0.85), draw.between(0.08, 0.3))
+
+    def back_plane(self, opening: Opening) -> float:
+        """Where the back of a front is: behind the carcass's front if it is inset, on it if it overlaps."""
+        return opening.front if self.gap < 0 else opening.front - self.thickness
+
+
+def front_panel(draw: Draw, width: float, height: float, thickness: float, look: str) -> list[Mesh]:
+    """A door's or drawer's front, centred, its back on z = 0."""
+    if look == "bowed":
+        x = np.linspace(width / 2, -width / 2, 9)
+        bow = thickness * draw.between(1.0, 2.5)
+        outline = np.stack([x, thickness + bow * (1 - (2 * x / width) ** 2)], axis=1)
+        outline = np.concatenate([[[-width / 2, 0.0], [width / 2, 0.0]], outline])[:, ::-1]
+        return [extrude(outline, height, "y", capped=True)]
+    slab = box((width, height, thickness), (0, 0, thickness / 2))
+    rim = min(0.2 * min(width, height), 2.5 * thickness)
+    if look == "plain" or rim <= 0:
+        return [slab]
+    inner_width, inner_height = width - 2 * rim, height - 2 * rim
+    if look == "raised":
+        return [slab, box((inner_width, inner_height, 0.4 * thickness), (0, 0, 1.2 * thickness))]
+    across = [box((width, rim, thickness), (0, s * (height - rim) / 2, thickness / 2)) for s in (-1, 1)]
+    upright = [box((rim, inner_height, thickness), (s * (width - rim) / 2, 0, thickness / 2)) for s in (-1, 1)]
+    return [*across, *upright, box((inner_width, inner_height, 0.5 * thickness), (0, 0, 0.35 * thickness))]
+
+
+def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:
+    """A drawer that slides out to +z. Its box is a group of boards, or only a front and a bottom, as annotators left it."""
+    node = above.add("drawer")
+    box_node = node.add("drawer_box")
+    width, height = opening.width - 2 * fronts.gap, opening.height - 2 * fronts.gap
+    back = fronts.back_plane(opening)
+    panel = front_panel(draw, width, height, fronts.thickness, fronts.look)
+    box_node.add("drawer_front", *(move(piece, (opening.x, opening.y, back)) for piece in panel))
+    depth = _add_drawer_box(draw, box_node, opening, back)
+    if fronts.has_handles:
+        count = 2 if opening.width > 0.8 and draw.chance(0.3) else 1
+        length = min(fronts.handle_length, 0.8 * opening.width / count)
+        y = opening.y + draw.pick([0.0, 0.3 * opening.height], [4, 1])
+        for place in range(count):
+            x = opening.x + width * ((place + 0.5) / count - 0.5)
+            node.add("handle", *pull(draw, length, (x, y, back + _face(fronts)), vertical=False))
+    travel = depth * draw.between(0.55, 0.98)
+    rest = travel * draw.between(0.2, 0.95) if draw.chance(0.15) else 0.0
+    return Link("drawer", [node], carcass, slider((0, 0, 1), 0, travel, rest=rest))
+
+
+def _add_drawer_box(draw: Draw, node: Node, opening: Opening, back: float) -> float:
+    """The boards behind a drawer's front; returns how deep they reach."""
+    board = min(draw.between(0.015, 0.04), 0.1 * opening.width)
+    clear = draw.pick([0.0, draw.between(0.002, 0.03)])
+    depth = opening.depth * draw.between(0.75, 0.98)
+    half = opening.width / 2 - clear
+    low, high = opening.low + clear, opening.low + opening.height * draw.between(0.5, 0.95)
+    far = back - depth
+    if draw.chance(0.1):
+        block = box_between((opening.x - half, low, far), (opening.x + half, high, back))
+        node.children[0].pieces.append(block)
+        return depth
+    for side in (-1, 1):
+        x = opening.x + side * (half - board / 2)
+        node.add("drawer_side", box_between((x - board / 2, low, far), (x + board / 2, high, back)))
+    inner = half - board
+    node.add("drawer_back", box_between((opening.x - inner, low, far), (opening.x + inner, high, far + board)))
+    floor = low + draw.pick([0.0, 0.3 * board])
+    thin = draw.pick([board, 0.5 * board, 0.0], [6, 3, 1])
+    bottom = box_between((opening.x - inner, floor, far), (opening.x + inner, floor + thin, back))
+    node.add("drawer_bottom", bottom)
+    if draw.chance(0.3):
+        order = sorted(range(len(node.children)), key=lambda _: draw.integer(0, 1 << 20))
+        node.children[:] = [node.children[i] for i in order]
+    return depth
+
+
+def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, side: str, names: DoorNames) -> Link:
+    """A door hinged at `side` ("left", "right", "top", "bottom"), its handle near the opposite edge."""
+    width, height = opening.width - 2 * fronts.gap, opening.height - 2 * fronts.gap
+    back = fronts.back_plane(opening)
+    node = above.add(names.group)
+    place = (opening.x, opening.y, back)
+    node.add(names.surface, *(move(piece, place) for piece in front_panel(draw, width, height, fronts.thickness, fronts.look)))
+    out = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}[side]
+    upright = out[0] != 0
+    if fronts.has_handles:
+        margin = draw.between(0.06, 0.12) * (width if upright else height)
+        along = draw.pick([0.0, draw.between(-0.35, 0.35)], [2, 1])
+        x = opening.x - out[0] * (width / 2 - margin) + (0 if upright else along * width * 0.3)
+        y = opening.y - out[1] * (height / 2 - margin) + (along * height if upright else 0)
+        length = min(fronts.handle_length * draw.between(0.8, 1.5), 0.7 * (height if upright else width))
+        node.add("handle", *pull(draw, length, (x, y, back + _face(fronts)), vertical=upright))
+    inward = draw.pick([0.0, draw.between(0.0, 0.02), draw.between(0.02, 0.05)], [4, 4, 1]) * (width if upright else height)
+    axis = np.array([opening.x, opening.y, back + fronts.thickness * draw.pick([0.0, 0.5, 1.0, -0.2], [4, 3, 2, 1])])
+    axis[0 if upright else 1] += (out[0] * width if upright else out[1] * height) / 2 - (sum(out) * inward)
+    if draw.chance(0.2):
+        _add_hinges(draw, node, axis, upright, height if upright else width)
+    direction = (0, out[0], 0) if upright else (-out[1], 0, 0)
+    opens = draw.pick([90.0, 120.0, 160.0, 180.0], [6, 2, 1, 1])
+    rest = draw.between(10, 0.9 * opens) if draw.chance(0.12) else 0.0
+    return Link(names.link, [node], carcass, hinge(axis, direction, 0, opens, rest=rest), lumped_name=names.lumped)
+
+
+@dataclass(frozen=True)
+class DoorNames:
+    """What a door's group, its surface, its body, and its only leaf are called."""
+
+    group: str = "cabinet_door"
+    surface: str = "cabinet_door_surface"
+    link: str = "cabinet_door"
+    lumped: str = "door"
+
+
+def add_sliding_doors(draw: Draw, above: Node, carcass: Link, opening: Opening, thickness: float) -> list[Link]:
+    """Two doors on parallel tracks that slide past each other along x."""
+    links = []
+    width = opening.width * draw.between(0.5, 0.54)
+    for side, track in ((-1.0, 0), (1.0, 1)):
+        x = opening.x + side * (opening.width - width) / 2
+        node = above.add("cabinet_door")
+        z = opening.front - (1.1 * track + 1.0) * thickness
+        node.add(
+            "cabinet_door_surface",
+            *(move(p, (x, opening.y, z)) for p in front_panel(draw, width, opening.height, thickness, "plain")),
+        )
+        if track == 0 or draw.chance(0.5):
+            grip = pull(draw, 0.12, (x + side * 0.4 * width, opening.y, z + thickness), vertical=True, reach=0.1 * thickness)
+            node.add("handle", *grip)
+        travel = opening.width - width
+        links.append(Link("cabinet_door", [node], carcass, slider((-side, 0, 0), 0, travel), lumped_name="translation_door"))
+    return links
+
+
+def legs(draw: Draw, half_x: float, half_z: float, low: float, high: float, thickness: float) -> list[Mesh]:
+    """Four legs between the heights `low` and `high`: square, round, tapered, or splayed."""
+    kind = draw.pick(["square", "round", "tapered", "splayed"], [5, 2, 2, 1])
+    length, middle = high - low, 0.5 * (low + high)
+    if kind == "square":
+        leg = box((thickness, length, thickness))
+    elif kind == "round":
+        leg = cylinder(thickness / 2, length, segments=draw.pick([8, 16, 24]))
+    else:
+        leg = cylinder(0.3 * thickness, length, segments=draw.pick([4, 8, 16]), top_radius=0.55 * thickness)
+    found = []
+    for sx, sz in ((1, 1), (1, -1), (-1, -1), (-1, 1)):
+        tilted = turn(turn(leg, (0, 0, 1), 6.0 * sx), (1, 0, 0), -6.0 * sz) if kind == "splayed" else leg
+        found.append(move(tilted, (sx * half_x, middle, sz * half_z)))
+    return found
+
+
+def _add_hinges(draw: Draw, node: Node, axis: np.ndarray, upright: bool, length: float) -> None:
+    """Two small hinge barrels on the axis."""
+    radius = 0.01
+    for place in (-0.35, 0.35):
+        at = axis + np.array([0, place * length, 0] if upright else [place * length, 0, 0])
+        barrel = cylinder(radius, 0.08 * length, "y" if upright else "x", at, 10)
+        plate = box((0.04, 0.08 * length, 0.004) if upright else (0.08 * length, 0.04, 0.004), at)
+        node.add("hinge", *(draw.pick([[barrel], [join(barrel, plate)]])))
+
+
+def _face(fronts: Fronts) -> float:
+    """How far the middle of a front stands above its back."""
+    return fronts.thickness * {"bowed": 1.6, "framed": 0.9, "raised": 1.35}.get(fronts.look, 1.0)

@@ -1,0 +1,66 @@
+"""Pulls, bars and knobs that stand on the front (+z) of a door or drawer."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.draw import Draw
+from kinmo.synth.primitives import arc_path, box, cylinder, ellipsoid, join, lathe, move, rounded_path, sweep, turn
+from kinmo.synth.primitives.place import Point
+
+
+def bar_handle(draw: Draw, length: float, thickness: float, reach: float, *, vertical: bool) -> list[Mesh]:
+    """A bar on two posts, built along y or x, standing on the plane z = 0; one piece a rod."""
+    axis = "y" if vertical else "x"
+    side = np.eye(3)[1 if vertical else 0]
+    posts = [side * s * length * draw.between(0.36, 0.46) for s in (-1, 1)]
+    if draw.chance(0.5):
+        bar = cylinder(thickness / 2, length, axis, (0, 0, reach), draw.pick([8, 12, 16]))
+    else:
+        bar = box(np.where(side > 0, length, thickness), (0, 0, reach))
+    return [bar, *(box((thickness, thickness, reach), (p[0], p[1], reach / 2)) for p in posts)]
+
+
+def bow_handle(draw: Draw, length: float, thickness: float, reach: float, *, vertical: bool) -> list[Mesh]:
+    """A rod bent to a bow or a square bracket, in one piece."""
+    if draw.chance(0.5):
+        path = arc_path((0, 0, 0), length / 2, 0, 180, "y", 12, aspect=2 * reach / length)[:, [2, 1, 0]]
+    else:
+        ends = [[-length / 2, 0, 0], [-length / 2, 0, reach], [length / 2, 0, reach], [length / 2, 0, 0]]
+        path = rounded_path(np.array(ends), 0.6 * reach)
+    rod = sweep(path, thickness / 2, draw.pick([6, 8, 10]))
+    return [turn(rod, (0, 0, 1), 90.0) if vertical else rod]
+
+
+def knob_handle(draw: Draw, radius: float, reach: float) -> list[Mesh]:
+    """A turned knob along +z."""
+    segments = draw.pick([12, 16, 24])
+    neck = radius * draw.between(0.3, 0.6)
+    profile = np.array(
+        [[neck, 0], [neck, 0.5 * reach], [radius, 0.6 * reach], [radius, 0.9 * reach], [0.8 * radius, reach], [0, reach]]
+    )
+    turned = lathe(profile, segments)
+    if draw.chance(0.3):
+        ball = ellipsoid((radius, radius, radius), (0, 0, reach), segments, 8)
+        return [join(cylinder(neck, reach, "z", (0, 0, reach / 2), segments), ball)]
+    return [turn(turned, (1, 0, 0), 90.0)]
+
+
+def pull(
+    draw: Draw, length: float, at: Point, *, vertical: bool, thickness: float | None = None, reach: float | None = None
+) -> list[Mesh]:
+    """Some handle of about `length`, its foot at the point `at`, pieces in the order they are fastened."""
+    thickness = length * draw.between(0.06, 0.16) if thickness is None else thickness
+    reach = max(1.5 * thickness, length * draw.between(0.12, 0.3)) if reach is None else reach
+    kind = draw.pick(["bar", "bow", "knob", "block"], [4, 3, 2, 1])
+    if kind == "bar":
+        pieces = bar_handle(draw, length, thickness, reach, vertical=vertical)
+    elif kind == "bow":
+        pieces = bow_handle(draw, length, thickness, reach, vertical=vertical)
+    elif kind == "knob":
+        pieces = knob_handle(draw, min(0.2 * length, draw.between(0.8, 1.6) * thickness), reach)
+    else:
+        size = (thickness, length, reach) if vertical else (length, thickness, reach)
+        pieces = [box(size, (0, 0, reach / 2))]
+    return [move(piece, at) for piece in pieces]

@@ -1,0 +1,184 @@
+"""Boxes with lids and flaps: chests, cartons, cases; most real ones stand open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.details.handles import bow_handle
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import Link, Node, SynthObject, hinge
+from kinmo.synth.primitives import box, box_between, cylinder, extrude, inside_out, join, move, turn
+from kinmo.synth.primitives.place import rotation_about, transform
+
+
+@dataclass(frozen=True)
+class _Size:
+    """Half extents (x, z) of the body; it stands on 0 and ends at `top`."""
+
+    x: float
+    z: float
+    top: float
+    wall: float
+
+
+def build(draw: Draw) -> SynthObject:
+    size = _Size(
+        draw.between(0.35, 0.9),
+        draw.between(0.3, 0.6),
+        draw.between(0.2, 0.9),
+        draw.pick([0.0, draw.between(0.01, 0.06)], [1, 5]),
+    )
+    nested = draw.chance(0.2)
+    root = Node(draw.pick(["Box", "box"], [5, 1]) if not nested else "storage_furniture")
+    above = root.add("chest") if nested else root
+    body = above.add("chest_box" if nested else "base_body", *_tub(size))
+    base = Link("base_body", [body])
+    links = [base]
+    if draw.chance(0.2):
+        links += _flaps(draw, above, base, size)
+    else:
+        links += _lid(draw, above, base, size, nested)
+    _decorate(draw, above, base, size)
+    if draw.chance(0.3):
+        links += _side_handles(draw, above, base, size)
+    return SynthObject("Box", root, links)
+
+
+def _tub(size: _Size) -> list[Mesh]:
+    """Four walls and a floor, open above; walls without thickness are sheets."""
+    x, z, top, wall = size.x, size.z, size.top, size.wall
+    return [
+        box_between((-x, 0, -z), (-x + wall, top, z)),
+        box_between((x - wall, 0, -z), (x, top, z)),
+        box_between((-x + wall, 0, -z), (x - wall, top, -z + wall)),
+        box_between((-x + wall, 0, z - wall), (x - wall, top, z)),
+        box_between((-x + wall, 0, -z + wall), (x - wall, wall, z - wall)),
+    ]
+
+
+def _lid(draw: Draw, above: Node, base: Link, size: _Size, nested: bool) -> list[Link]:
+    """One lid hinged at the rear rim (or a side): flat, a hollow half, or vaulted; with a latch or lock at the front."""
+    over = draw.pick([0.0, draw.between(0.0, 0.05)])
+    x, z = size.x + over, size.z + over
+    kind = draw.pick(["flat", "hollow", "vaulted"], [4, 3, 2])
+    thick = draw.between(0.02, 0.12)
+    if kind == "flat":
+        height, pieces = thick, [box_between((-x, size.top, -z), (x, size.top + thick, z))]
+    elif kind == "hollow":
+        height = draw.between(0.08, 0.5) * size.top + 0.03
+        wall = max(size.wall, 0.008)
+        shell = _tub(_Size(x, z, height, wall))
+        pieces = [transform(piece, rotation_about((0, 0, 1), 180, (0, height / 2, 0))) for piece in shell]
+        pieces = [move(piece, (0, size.top, 0)) for piece in pieces]
+    else:
+        height = draw.between(0.3, 0.9) * z
+        pieces = [_vault(x, z, height, size.top, solid=draw.chance(0.4))]
+    edge_height = size.top + draw.pick([0.0, 0.5 * thick, -0.02])
+    edge = np.array([0, edge_height, -z + draw.pick([0.0, over, -draw.between(0.0, 0.03)])])
+    opens = draw.pick([90.0, 110.0, 130.0, 180.0], [2, 2, 3, 3])
+    rest = draw.between(25, min(opens, 125)) if draw.chance(0.8) else 0.0
+    motion = hinge(edge, (-1, 0, 0), 0, opens, rest=rest)
+    group = above.add("chest_lid") if nested else above
+    node = group.add("lid_surface" if nested else draw.pick(["rotation_lid", "lid"], [4, 1]), *pieces)
+    lid = Link("rotation_lid", [node], base, motion, lumped_name="rotation_lid")
+    links = [lid]
+    if draw.chance(0.3):
+        hinges = [cylinder(0.02, 0.12, "x", edge + [s * 0.6 * x, 0, 0], 10) for s in (-1, 1)]
+        owner = draw.pick([base, lid])
+        owner.nodes.append(group.add("hinge", *hinges))
+    if draw.chance(0.35):
+        links += _locks(draw, above, base, lid, size, z)
+    return links
+
+
+def _vault(x: float, z: float, height: float, low: float, *, solid: bool) -> Mesh:
+    """A barrel-shaped lid: half an elliptic cylinder along x, solid or a shell."""
+    angles = np.linspace(0, np.pi, 13)
+    outer = np.stack([height * np.sin(angles), z * np.cos(angles)], axis=1)
+    if solid:
+        return extrude(outer, 2 * x, "x", (0, low, 0))
+    inner = 0.9 * outer
+    shells = [extrude(outer, 2 * x, "x", capped=False), inside_out(extrude(inner, 2 * x, "x", capped=False))]
+    return move(join(*shells), (0, low, 0))
+
+
+def _locks(draw: Draw, above: Node, base: Link, lid: Link, size: _Size, z: float) -> list[Link]:
+    """Latches at the front, which turn up on the body or down from the lid, or a fixed lock plate."""
+    places = draw.pick([[0.0], [-0.6, 0.6]])
+    if draw.chance(0.35):
+        plate = above.add("lock", *(box((0.12, 0.14, 0.03), (p * size.x, size.top - 0.08, size.z + 0.015)) for p in places))
+        base.nodes.append(plate)
+        return []
+    links = []
+    on_lid = draw.chance(0.5)
+    for place in places:
+        tall = draw.between(0.08, 0.15)
+        top = size.top + (0.02 if on_lid else 0.0)
+        latch = above.add(
+            "lock" if not on_lid else "buckle", box((0.1, tall, 0.025), (place * size.x, top - tall / 2, z + 0.0125))
+        )
+        axis = (place * size.x, top if on_lid else top - tall, z)
+        motion = hinge(axis, (-1 if on_lid else 1, 0, 0), 0, draw.pick([25.0, 90.0, 120.0]))
+        links.append(Link("lock", [latch], lid if on_lid else base, motion))
+    return links
+
+
+def _flaps(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
+    """A carton: two or four flaps on the rim, each more or less open."""
+    thick = max(0.004, 0.3 * size.wall)
+    links = []
+    sides = draw.pick([("left", "right"), ("front", "back"), ("left", "right", "front", "back")], [1, 1, 3])
+    open_all = draw.chance(0.85)
+    for level, side in enumerate(sides):
+        y = size.top + thick * (0.5 + (level // 2))
+        if side in ("left", "right"):
+            out, reach = (-1.0 if side == "left" else 1.0), min(size.x, size.z)
+            slab = box((reach, thick, 2 * size.z), (out * (size.x - reach / 2), y, 0))
+            edge, along = np.array([out * size.x, y - thick / 2, 0]), np.array([0, 0, -out])
+        else:
+            out, reach = (-1.0 if side == "back" else 1.0), size.z
+            slab = box((2 * size.x, thick, reach), (0, y, out * (size.z - reach / 2)))
+            edge, along = np.array([0, y - thick / 2, out * size.z]), np.array([out, 0, 0])
+        opens = draw.pick([180.0, 230.0, 270.0])
+        rest = draw.between(60, 0.9 * opens) if open_all or draw.chance(0.2) else 0.0
+        node = above.add(draw.pick(["rotation_lid", "flap"], [3, 1]), slab)
+        links.append(Link("rotation_lid", [node], base, hinge(edge, along, 0, opens, rest=rest)))
+    return links
+
+
+def _decorate(draw: Draw, above: Node, base: Link, size: _Size) -> None:
+    """Feet, corner fittings, bands round the body, or something inside."""
+    body = base.nodes[0]
+    kind = draw.pick(["none", "feet", "corners", "bands", "contents"], [4, 2, 2, 2, 1])
+    corners = [(sx * size.x, sz * size.z) for sx in (-1, 1) for sz in (-1, 1)]
+    if kind == "feet":
+        body.pieces += [box((0.08, 0.06, 0.08), (0.9 * cx, -0.03, 0.9 * cz)) for cx, cz in corners]
+    elif kind == "corners":
+        body.pieces += [box((0.1, 0.1, 0.1), (cx * 0.97, h, cz * 0.97)) for cx, cz in corners for h in (0.04, size.top - 0.06)]
+    elif kind == "bands":
+        for height in (0.2, 0.7):
+            body.pieces.append(box((2.02 * size.x, 0.05, 2.02 * size.z), (0, height * size.top, 0)))
+    elif kind == "contents":
+        lump = turn(box((0.8 * size.x, 0.5 * size.top, 0.7 * size.z)), (0, 1, 0), draw.between(-30, 30))
+        base.nodes.append(above.add("other", move(lump, (0, 0.3 * size.top, 0))))
+
+
+def _side_handles(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
+    """A swinging handle at each end."""
+    links = []
+    length, rod = draw.between(0.2, 0.6) * size.z, 0.02
+    fixed = draw.chance(0.4)
+    for side in (-1.0, 1.0):
+        bow = turn(bow_handle(draw, length, rod, 0.35 * length, vertical=False)[0], (0, 1, 0), 90 * side)
+        height = 0.7 * size.top
+        hanging = turn(bow, (0, 0, 1), -80 * side)
+        node = above.add("handle", move(hanging, (side * (size.x + rod), height, 0)))
+        if fixed:
+            base.nodes.append(node)
+        else:
+            motion = hinge((side * (size.x + rod), height, 0), (0, 0, side), 0, draw.pick([90.0, 150.0, 180.0]))
+            links.append(Link("handle", [node], base, motion))
+    return links

@@ -1,0 +1,154 @@
+"""Carts and trolleys: a platform or baskets on wheels and casters, with fixed, folding or pulling handles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import Link, Node, SynthObject, hinge, slider, spinner
+from kinmo.synth.primitives import box, box_between, cylinder, join, sweep, torus, tube, turn
+from kinmo.synth.primitives.turned import rounded_path
+
+
+def build(draw: Draw) -> SynthObject:
+    width, length = draw.between(0.5, 0.9), draw.between(0.8, 1.5)
+    radius = draw.between(0.07, 0.2)
+    floor = 2 * radius + draw.between(0.02, 0.1)
+    root = Node(draw.pick(["cart", "Cart"], [3, 1]))
+    body = root.add("body")
+    base = Link("body", [body])
+    links = [base]
+    kind = draw.pick(["platform", "shelves", "basket", "barrow"], [3, 3, 3, 2])
+    if kind == "barrow":
+        _barrow(draw, body, width, length, floor)
+        links += _wheel(draw, root, base, (0, radius, 0.55 * length), radius, 0.06, "wheel")
+    else:
+        _deck(draw, body, kind, width, length, floor)
+        links += _wheels(draw, root, base, width, length, radius, floor)
+        links += _handle(draw, root, base, width, length, floor)
+        if kind == "basket" and draw.chance(0.4):
+            links.append(_tailgate(draw, root, base, width, length, floor))
+    return SynthObject("Cart", root, links)
+
+
+def _deck(draw: Draw, body: Node, kind: str, width: float, length: float, floor: float) -> None:
+    """What carries the load: a plate, two to three shelves between posts, or a basket of bars."""
+    x, z, rod = width / 2, length / 2, 0.018
+    body.add("platform", box((width, draw.between(0.02, 0.06), length), (0, floor, 0)))
+    if kind == "shelves":
+        height = draw.between(0.6, 1.1)
+        for sx in (-1, 1):
+            for sz in (-1, 1):
+                body.add("leg", cylinder(rod, height, "y", (sx * (x - rod), floor + height / 2, sz * (z - rod)), 10))
+        for level in draw.pick([(1.0,), (0.5, 1.0)]):
+            body.add("shelf", box((width, 0.025, length), (0, floor + level * height, 0)))
+    elif kind == "basket":
+        height = draw.between(0.3, 0.6)
+        if draw.chance(0.5):
+            walls = [box_between((s * x - rod, floor, -z), (s * x + rod, floor + height, z)) for s in (-1, 1)]
+            ends = [box_between((-x, floor, s * z - rod), (x, floor + height, s * z + rod)) for s in (-1, 1)]
+            body.add("basket", *walls, *ends)
+            return
+        bars: list[Mesh] = []
+        for level in np.linspace(0.2, 1.0, draw.integer(2, 5)) * height + floor:
+            bars += [box((rod, rod, length), (s * x, level, 0)) for s in (-1, 1)]
+            bars += [box((width, rod, rod), (0, level, s * z)) for s in (-1, 1)]
+        body.add(
+            "basket",
+            join(*bars),
+            join(*(box((rod, height, rod), (sx * x, floor + height / 2, sz * z)) for sx in (-1, 1) for sz in (-1, 1))),
+        )
+
+
+def _wheel(
+    draw: Draw, root: Node, carrier: Link, at: tuple[float, float, float], radius: float, thick: float, name: str
+) -> list[Link]:
+    """A wheel that turns about x: a disc, a tyre with spokes, or a rim with a hub."""
+    kind = draw.pick(["disc", "spokes", "rim"])
+    pieces = [cylinder(radius, thick, "x", at, draw.pick([16, 24, 32]))]
+    if kind == "spokes":
+        spokes = [turn(box((0.3 * thick, 1.8 * radius, 0.1 * radius), at), (1, 0, 0), 60 * k, at) for k in range(3)]
+        pieces = [torus(0.88 * radius, 0.12 * radius, "x", at), cylinder(0.2 * radius, thick, "x", at, 14), *spokes]
+    elif kind == "rim":
+        pieces = [tube(radius, 0.7 * radius, thick, "x", at), cylinder(0.7 * radius, 0.5 * thick, "x", at, 20)]
+    return [Link(name, [root.add(name, *pieces)], carrier, spinner(at, (1, 0, 0)))]
+
+
+def _wheels(draw: Draw, root: Node, base: Link, width: float, length: float, radius: float, floor: float) -> list[Link]:
+    """Four wheels, two of them or all as casters, or two on one axle with a stand."""
+    links: list[Link] = []
+    thick = draw.between(0.03, 0.07)
+    casters = draw.pick([(), (1,), (-1, 1)], [2, 4, 2])
+    outside = draw.pick([-1.0, 1.0], [3, 1])
+    for sz in (-1, 1):
+        for sx in (-1, 1):
+            at = np.array([sx * (width / 2 + outside * thick), radius, sz * (length / 2 - 1.2 * radius)])
+            carrier = base
+            if sz in casters:
+                trail = 0.5 * radius
+                stem = cylinder(
+                    0.02, floor - 1.6 * radius + 0.02, "y", (at[0], 0.5 * (floor + 1.6 * radius), at[2] + trail), 12
+                )
+                fork = [
+                    box((0.012, 1.3 * radius, 0.4 * radius), at + [s * 0.7 * thick, 0.4 * radius, 0.3 * trail]) for s in (-1, 1)
+                ]
+                node = root.add("caster", stem, *fork)
+                carrier = Link("caster", [node], base, spinner(at + [0, radius, trail], (0, 1, 0)))
+                links.append(carrier)
+            links += _wheel(draw, root, carrier, (at[0], at[1], at[2]), radius, thick, "wheel")
+    return links
+
+
+def _handle(draw: Draw, root: Node, base: Link, width: float, length: float, floor: float) -> list[Link]:
+    """A push bar at the rear: fixed, folding down onto the deck, or sliding up; or a drawbar at the front."""
+    kind = draw.pick(["fixed", "folding", "telescopic", "drawbar"], [4, 3, 1, 2])
+    rise, half = draw.between(0.5, 1.0), 0.45 * width
+    if kind == "drawbar":
+        z, y = length / 2, floor - 0.03
+        path = np.array([[0, y, z], [0, y, z + 0.7 * rise], [0, y, z + 0.8 * rise]])
+        bar = sweep(path, 0.02, 8)
+        grip = cylinder(0.02, 0.3, "x", (0, y, z + 0.8 * rise), 10)
+        motion = hinge((0, y, z), (-1, 0, 0), draw.pick([-10.0, 0.0]), draw.pick([60.0, 90.0]), rest=draw.between(0, 55))
+        return [Link("steering", [root.add("handle", bar, grip)], base, motion)]
+    z = -length / 2 + draw.pick([0.02, -0.02])
+    corners = [[-half, floor, z], [-half, floor + rise, z - 0.1], [half, floor + rise, z - 0.1], [half, floor, z]]
+    bar = sweep(rounded_path(np.array(corners), 0.1), draw.between(0.014, 0.025), 10)
+    node = root.add("handle", bar)
+    if kind == "fixed":
+        base.nodes.append(node)
+        return []
+    if kind == "telescopic":
+        return [Link("handle", [node], base, slider((0, 1, -0.1 / rise), -0.3 * rise, 0.2 * rise))]
+    rest = draw.between(0, 80) if draw.chance(0.2) else 0.0
+    return [Link("handle", [node], base, hinge((0, floor + 0.03, z), (1, 0, 0), 0, 88, rest=rest))]
+
+
+def _tailgate(draw: Draw, root: Node, base: Link, width: float, length: float, floor: float) -> Link:
+    """A board at the front that folds down."""
+    z = length / 2 + 0.04
+    node = root.add("door", box_between((-width / 2, floor, z), (width / 2, floor + 0.35, z + 0.03)))
+    return Link("door", [node], base, hinge((0, floor, z), (1, 0, 0), 0, draw.pick([90.0, 180.0])))
+
+
+def _barrow(draw: Draw, body: Node, width: float, length: float, floor: float) -> None:
+    """A tray on two long handles, with two legs at the rear."""
+    tray_low, tray_high = floor + 0.1, floor + draw.between(0.35, 0.5)
+    outline = [(-0.3 * width, -0.3 * length), (0.3 * width, 0.3 * length)]
+    (x0, z0), (x1, z1) = outline
+    flare = 1.5
+    lower = np.array([[x0, tray_low, z0], [x1, tray_low, z0], [x1, tray_low, z1], [x0, tray_low, z1]])
+    upper = lower * [flare, 1, flare] + [0, tray_high - tray_low, 0]
+    sides = [[i, (i + 1) % 4, 4 + (i + 1) % 4] for i in range(4)] + [[i, 4 + (i + 1) % 4, 4 + i] for i in range(4)]
+    faces = np.array([*sides, [0, 2, 1], [0, 3, 2]], np.uint32)[:, ::-1]
+    body.add("container", Mesh(np.concatenate([lower, upper]), faces))
+    for side in (-1, 1):
+        path = np.array(
+            [
+                [side * 0.06, 0.9 * floor * 0.5, 0.6 * length],
+                [side * 0.25 * width, tray_low, 0.0],
+                [side * 0.4 * width, tray_low + 0.2, -0.9 * length],
+            ]
+        )
+        body.add("frame", sweep(rounded_path(path, 0.2), 0.02, 8))
+        body.add("leg", box((0.03, tray_low, 0.04), (side * 0.25 * width, tray_low / 2, -0.25 * length)))

@@ -1,0 +1,120 @@
+"""Dishwashers: a door that folds down about its lower edge, controls above or on it, racks that slide out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.details.appliance import add_dial, add_feet, add_keypad, frame, housing
+from kinmo.synth.details.handles import pull
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
+from kinmo.synth.primitives import box, box_between, cylinder, join, sheet, turn
+
+
+def build(draw: Draw) -> SynthObject:
+    width, height, depth = draw.between(0.8, 1.25), draw.between(1.0, 1.5), draw.between(0.8, 1.15)
+    x, y, z = width / 2, height / 2, depth / 2
+    wall = draw.between(0.02, 0.06)
+    root = Node("dishwasher")
+    body = root.add("body")
+    casing = body.add("frame", *housing(draw, np.array([-x, -y, -z]), np.array([x, y, z]), wall))
+    base = Link("frame", [casing], kind=draw.pick([JointName.HEAVY, JointName.FREE], [8, 1]))
+    links = [base]
+    strip = draw.pick([0.0, draw.between(0.08, 0.15) * height], [1, 3])
+    kick = draw.pick([0.0, draw.between(0.04, 0.15) * height], [1, 3])
+    door = _door(draw, body, base, (x, -y + kick, y - strip), z, wall)
+    links.append(door)
+    if strip:
+        links += _controls(draw, body, base, x, y - strip / 2, strip, z)
+    if draw.chance(0.5):
+        links += _racks(draw, body, base, x - wall, y, depth)
+    if kick and draw.chance(0.7):
+        surface = box_between((-x, -y - 0.02, -z), (x, -y + kick, z - draw.between(0.02, 0.1)))
+        base.nodes.append(root.add("base").add("surface_base").add("surface", surface))
+    elif draw.chance(0.5):
+        base.nodes.append(add_feet(draw, root, x, z, -y))
+    return SynthObject("Dishwasher", root, links)
+
+
+def _door(draw: Draw, body: Node, base: Link, extent: tuple[float, float, float], z: float, wall: float) -> Link:
+    """The door between the heights extent[1:], as wide as the body; its axis near the lower edge."""
+    x, low, high = extent
+    node = body.add("door")
+    thickness = draw.between(0.03, 0.12)
+    back = z - draw.pick([0.0, 0.5 * thickness])
+    inset = draw.pick([0.0, wall, 0.01])
+    panel: list[Mesh] = [box_between((-x + inset, low, back), (x - inset, high, back + thickness))]
+    if draw.chance(0.3):
+        panel.append(box_between((-x + 2 * wall, low + 0.05, back - 0.03), (x - 2 * wall, high - 0.05, back)))
+    node.add("door_frame", *panel)
+    if draw.chance(0.8):
+        top = high - draw.between(0.04, 0.15) * (high - low)
+        length = 2 * x * draw.between(0.3, 0.95)
+        grip = pull(
+            draw,
+            length,
+            (0, top, back + thickness),
+            vertical=False,
+            thickness=draw.between(0.02, 0.06),
+            reach=draw.between(0.04, 0.09),
+        )
+        node.add("handle", *grip)
+    if draw.chance(0.15):
+        size = (1.4 * x, 0.6 * (high - low))
+        node.add("glass", sheet(size, (0, 0.5 * (low + high), back + thickness + 0.002), "z"))
+    axis = (0, low + draw.pick([0.0, draw.between(0.0, 0.06)]), back + thickness * draw.pick([0.0, 0.3, 0.6]))
+    rest = draw.pick([90.0, draw.between(15, 85)]) if draw.chance(0.25) else 0.0
+    return Link("door", [node], base, hinge(axis, (1, 0, 0), 0, 90, rest=rest))
+
+
+def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: float, z: float) -> list[Link]:
+    """A panel above the door with buttons, a display, or a dial."""
+    panel = body.add("side_controls")
+    front = z + draw.between(0.0, 0.04)
+    plate = box_between((-x, y - height / 2, z - 0.02), (x, y + height / 2, front)) if draw.chance(0.7) else None
+    base.nodes.append(panel.add("control_panel", plate or sheet((2 * x, height), (0, y, front), "z")))
+    links: list[Link] = []
+    if draw.chance(0.5):
+        base.nodes.append(panel.add("display_panel", box((0.6 * x, 0.5 * height, 0.006), (0, y, front + 0.003))))
+    kind = draw.pick(["row", "dial", "keypad", "none"], [4, 2, 2, 2])
+    side = draw.sign()
+    if kind == "row":
+        count, radius = draw.integer(1, 6), draw.between(0.15, 0.3) * height
+        travel = draw.between(0.01, 0.04)
+        for index in range(count):
+            at = (side * (0.85 * x - 2.6 * index * radius), y, front + travel / 2)
+            knob = cylinder(radius, travel, "z", at, 16) if draw.chance(0.6) else box((1.6 * radius, radius, travel), at)
+            node = panel.add("control_button", knob)
+            links.append(Link("control_button", [node], base, slider((0, 0, -1), 0, travel), lumped_name="button"))
+    elif kind == "dial":
+        links.append(add_dial(draw, panel, base, (side * 0.7 * x, y, front), 0.35 * height, "control_button"))
+    elif kind == "keypad":
+        pad = (0.5 * x, 0.7 * height)
+        links += add_keypad(draw, panel, base, (side * 0.65 * x, y, front), pad, "control_button", moving=draw.chance(0.5))
+    return links
+
+
+def _racks(draw: Draw, body: Node, base: Link, x: float, y: float, depth: float) -> list[Link]:
+    """Wire or plain baskets, which slide out where that is annotated."""
+    inside = body.add("body_interior")
+    links = []
+    sliding = draw.chance(0.5)
+    for height in draw.pick([[-0.45], [0.25], [-0.45, 0.25]], [1, 1, 3]):
+        low, tall = np.array([-0.92 * x, height * y, -0.42 * depth]), draw.between(0.15, 0.3) * y
+        high = np.array([0.92 * x, height * y + tall, 0.4 * depth])
+        wires = [
+            box_between((low[0], low[1], z), (high[0], low[1] + 0.012, z + 0.012)) for z in np.linspace(low[2], high[2], 7)[:-1]
+        ]
+        rim = turn(frame(np.array([low[0], low[2], 0]), np.array([high[0], high[2], 0.012]), 0.012), (1, 0, 0), -90)
+        rims = [type(rim)(rim.vertices * [1, 1, -1] + [0, level, 0], rim.faces[:, ::-1]) for level in (low[1], high[1])]
+        node = inside.add("shelf", join(*wires, *rims))
+        if sliding:
+            links.append(
+                Link(
+                    "shelf", [node], base, slider((0, 0, 1), 0, draw.between(0.4, 0.8) * depth), lumped_name="translation_tray"
+                )
+            )
+        else:
+            base.nodes.append(node)
+    return links

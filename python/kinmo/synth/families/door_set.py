@@ -1,0 +1,135 @@
+"""Doors in a frame: one or two leaves that turn, slide or revolve, with handles, knobs and glass."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.details.handles import pull
+from kinmo.synth.details.leafs import board, sash
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
+from kinmo.synth.primitives import box, box_between, cylinder, join, move, torus, turn
+
+
+def build(draw: Draw) -> SynthObject:
+    root = Node(draw.pick(["door_set", "Door"], [4, 1]))
+    leaves = draw.pick([1, 2], [3, 2])
+    width, height = draw.between(0.7, 1.1) * leaves, draw.between(1.7, 2.3)
+    rim, depth = draw.between(0.03, 0.12), draw.between(0.05, 0.2)
+    frame_node = root.add("outside_frame", *_frame(draw, width, height, rim, depth))
+    base = Link("outside_frame", [frame_node], kind=draw.pick([JointName.STATIC, JointName.HEAVY], [4, 1]))
+    links = [base]
+    thickness = draw.between(0.03, 0.07)
+    sliding = draw.chance(0.15)
+    face = draw.pick([0.0, depth / 2 - thickness / 2, -depth / 2 + thickness / 2])
+    side = draw.sign()
+    glazed = draw.chance(0.35)
+    for index in range(leaves):
+        out = side if leaves == 1 else (-1.0, 1.0)[index]
+        x = 0.0 if leaves == 1 else out * width / 4
+        leaf = _Leaf(draw, root, base, (x, 0.0, face), width / leaves, height, thickness)
+        leaf.fill(glazed=glazed)
+        links.append(leaf.sliding(out, index * 1.1 * thickness) if sliding else leaf.hinged(out))
+        links += leaf.hardware(out, links[-1])
+    if draw.chance(0.25):
+        bars, glass = sash(draw, width, 0.3, 0.6 * depth)
+        over = root.add("transom")
+        base.nodes.append(over)
+        up = height / 2 + rim + 0.15
+        over.add("horizontal_bar", *(move(bar, (0, up, 0)) for bar in bars))
+        over.add("glass", *(move(pane, (0, up, 0)) for pane in glass))
+    return SynthObject("Door", root, links)
+
+
+def _frame(draw: Draw, width: float, height: float, rim: float, depth: float) -> list[Mesh]:
+    """Two posts and a lintel round the opening, sometimes a threshold and a casing."""
+    x, y = width / 2, height / 2
+    posts = [box((rim, height, depth), (s * (x + rim / 2), 0, 0)) for s in (-1, 1)]
+    pieces = [*posts, box((width + 2 * rim, rim, depth), (0, y + rim / 2, 0))]
+    if draw.chance(0.3):
+        pieces.append(box((width, 0.02, depth), (0, -y - 0.01, 0)))
+    if draw.chance(0.3):
+        pieces += [box((1.6 * rim, height + rim, 0.02), (s * (x + 0.8 * rim), rim / 2, depth / 2)) for s in (-1, 1)]
+    return pieces
+
+
+class _Leaf:
+    """One leaf, centred at `at`, and how it moves."""
+
+    def __init__(
+        self, draw: Draw, root: Node, base: Link, at: tuple[float, float, float], width: float, height: float, thickness: float
+    ) -> None:
+        self.draw, self.base, self.at, self.thickness = draw, base, np.array(at), thickness
+        gap = draw.pick([0.0, draw.between(0.002, 0.012)])
+        self.width, self.height = width - 2 * gap, height - gap
+        self.node = root.add("door")
+        self.body = self.node.add("door_body")
+
+    def fill(self, *, glazed: bool) -> None:
+        if glazed:
+            bars, glass = sash(self.draw, self.width, self.height, self.thickness)
+            self.body.add("surface_board" if self.draw.chance(0.5) else "vertical_bar", *self._placed(bars))
+            self.body.add("glass", *self._placed(glass))
+        else:
+            self.body.add("surface_board", *self._placed(board(self.draw, self.width, self.height, self.thickness)))
+
+    def _placed(self, pieces: list[Mesh]) -> list[Mesh]:
+        return [move(piece, self.at) for piece in pieces]
+
+    def hinged(self, out: float) -> Link:
+        """Turns about its outer edge, to the front or to the rear."""
+        front = self.draw.sign()
+        offset = self.draw.pick([0.0, front * 0.5 * self.thickness, front * 0.7 * self.thickness])
+        axis = self.at + [out * (self.width / 2 - self.draw.pick([0.0, self.draw.between(-0.01, 0.02)])), 0, offset]
+        limits = self.draw.pick([(0.0, 90.0), (0.0, 120.0), (0.0, 180.0), (-90.0, 90.0)], [5, 1, 1, 1])
+        rest = self.draw.between(15, 85) if self.draw.chance(0.4) else 0.0
+        if self.draw.chance(0.3):
+            for level in (-0.38, 0.0, 0.38):
+                barrel = cylinder(0.012, 0.1, "y", axis + [0, level * self.height, 0], 10)
+                self.body.children[0].pieces.append(barrel)
+        return Link(
+            "door", [self.body], self.base, hinge(axis, (0, out * front, 0), *limits, rest=rest), lumped_name="rotation_door"
+        )
+
+    def sliding(self, out: float, shift: float) -> Link:
+        """Slides sideways, before or behind what stands beside it."""
+        travel = self.width * self.draw.between(0.7, 0.95)
+        for leaf in self.body.leaves():
+            leaf.pieces = [move(piece, (0, 0, shift)) for piece in leaf.pieces]
+        rest = travel * self.draw.between(0.1, 0.8) if self.draw.chance(0.3) else 0.0
+        return Link("door", [self.body], self.base, slider((out, 0, 0), 0, travel, rest=rest), lumped_name="translation_door")
+
+    def hardware(self, out: float, leaf: Link) -> list[Link]:
+        """A fixed pull, or a lever or knob that turns, on one or both faces, away from the hinge."""
+        kind = self.draw.pick(["lever", "knob", "pull", "none"], [4, 3, 3, 1])
+        x, y = -out * self.width * self.draw.between(0.38, 0.46), self.draw.between(-0.1, 0.05) * self.height
+        place = self.at + [x, y, 0]
+        if kind == "none":
+            return []
+        group = self.node.add("handle")
+        if kind == "pull":
+            grip = pull(self.draw, self.draw.between(0.1, 0.4), place + [0, 0, self.thickness / 2], vertical=True)
+            leaf.nodes.append(group.add("fixed_part", *grip))
+            return []
+        reach = self.draw.between(0.04, 0.07)
+        movable: list[Mesh] = []
+        for face in (1.0, -1.0) if self.draw.chance(0.6) else (1.0,):
+            start = place + [0, 0, face * self.thickness / 2]
+            hub = cylinder(0.018, reach, "z", start + [0, 0, face * reach / 2], 12)
+            if kind == "lever":
+                arm = box((0.14, 0.025, 0.018), start + [out * 0.06, 0, face * reach])
+            else:
+                knob = join(cylinder(0.035, 0.035, "z", segments=20), torus(0.03, 0.012, "z"))
+                arm = move(turn(knob, (0, 0, 1), 10), start + [0, 0, face * reach])
+            movable += [hub, arm]
+        if self.draw.chance(0.5):
+            plate = box_between(place - [0.03, 0.09, 0.52 * self.thickness], place + [0.03, 0.09, 0.52 * self.thickness])
+            leaf.nodes.append(group.add("fixed_part", plate))
+        if self.draw.chance(0.35):
+            leaf.nodes.append(group.add("fixed_part", *movable))
+            return []
+        node = group.add("moving_part", *movable)
+        turning = hinge(place, (0, 0, out), 0, self.draw.between(30, 60))
+        motion = turning if kind == "lever" else spinner(place, (0, 0, 1))
+        return [Link("handle", [node], leaf, motion, lumped_name="handle")]

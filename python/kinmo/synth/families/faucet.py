@@ -1,0 +1,215 @@
+"""Faucets: spouts, some of which swivel, and switches on stems that stand upright, leaning or level."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.details.spouts import add_spout, arm_path, neck_path
+from kinmo.synth.details.turning_handles import lever, turned_cap, turning_handle
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
+from kinmo.synth.primitives import (
+    X,
+    Y,
+    Z,
+    along,
+    box,
+    cylinder,
+    lathe,
+    move,
+    rounded_box,
+    rounded_path,
+    torus,
+    turn,
+)
+
+
+@dataclass
+class _Faucet:
+    """A faucet under construction: its groups as PartNet names them, and its links."""
+
+    draw: Draw
+    frame: Node
+    spout: Node
+    unit: Node
+    base: Link
+    links: list[Link]
+
+    def add_switch(self, pieces: list[Mesh], motion: Motion) -> None:
+        node = self.unit.add("switch", *pieces)
+        self.links.append(Link("switch", [node], self.base, motion))
+
+
+def build(draw: Draw) -> SynthObject:
+    root = Node("faucet")
+    unit = root.add("normal_faucet")
+    frame, spout = Node("frame"), Node("spout")
+    base = Link("frame", [frame], kind=draw.pick([JointName.STATIC, JointName.FREE, JointName.HEAVY], [4, 1, 1]))
+    faucet = _Faucet(draw, frame, spout, unit, base, [base])
+    kind = draw.pick([_single_lever, _side_lever, _two_handles, _wall_tap, _wall_pair], [7, 2, 3, 2, 1])
+    kind(faucet)
+    unit.children += [node for node in (frame, spout) if node.children]
+    if not any(spout in link.nodes for link in faucet.links) and spout.children:
+        base.nodes.append(spout)
+    if not frame.children:
+        base.nodes.remove(frame)
+    return SynthObject("Faucet", root, faucet.links)
+
+
+def _single_lever(faucet: _Faucet) -> None:
+    """A post with the spout in front and the switch on top, all of it upright or leaning forwards."""
+    draw = faucet.draw
+    radius, height = draw.between(0.08, 0.16), draw.between(0.4, 1.0)
+    _post(faucet, radius, height)
+    reach, root_height = draw.between(0.5, 1.1), height * draw.between(0.45, 0.85)
+    add_spout(draw, faucet.spout, arm_path(draw, reach, root_height, radius), radius * draw.between(0.5, 0.85))
+    top = height + draw.pick([0.0, 0.003, draw.between(-0.02, 0.0)])
+    cap = radius * draw.between(0.85, 1.15)
+    cap_height = draw.between(0.1, 0.3)
+    length = draw.between(0.35, 0.95)
+    arm = lever(draw, length, draw.between(0.018, 0.04), cap_height * draw.between(0.4, 0.95))
+    pieces = [turned_cap(draw, cap, cap_height), *arm]
+    if draw.chance(0.12):
+        pieces = turning_handle(draw, draw.between(0.15, 0.3), cap_height)
+    pieces = [move(piece, (0, top, 0)) for piece in pieces]
+    lean = draw.between(-30.0, 25.0) if draw.chance(0.2) else 0.0
+    axis = np.array([0.0, np.cos(np.radians(lean)), np.sin(np.radians(lean))])
+    pieces = [turn(piece, X, lean, (0, top, 0)) for piece in pieces]
+    low = (0.0, draw.pick([0.0, top, 0.5 * top]), 0.0) if lean == 0.0 else (0.0, top, 0.0)
+    rest = draw.between(-70.0, 70.0) if draw.chance(0.15) else 0.0
+    swing = draw.pick([90.0, 60.0, 45.0, 120.0], [5, 1, 1, 1])
+    faucet.add_switch(pieces, hinge(low, axis * draw.sign(), -swing, swing, rest=rest))
+    if draw.chance(0.2):
+        rod = [
+            cylinder(0.012, draw.between(0.2, 0.5), "y", (0, height * 0.7, 0), 8),
+            cylinder(0.03, 0.04, "y", (0, height, 0), 12),
+        ]
+        back = -radius - 0.04
+        other = faucet.unit.add("other").add("other_leaf")
+        other.pieces = [turn(move(p, (0, 0, back)), X, draw.between(-20.0, 0.0), (0, height, back)) for p in rod]
+        faucet.links.append(Link("slider", [other], faucet.base, slider(Y, 0.0, draw.between(0.03, 0.1))))
+
+
+def _side_lever(faucet: _Faucet) -> None:
+    """A tall post with a curved spout that may swivel; the lever sits on a stub at the side."""
+    draw = faucet.draw
+    radius, height = draw.between(0.05, 0.1), draw.between(0.3, 0.8)
+    _post(faucet, radius, height)
+    stem = height * draw.between(0.35, 0.8)
+    side = draw.sign()
+    stub = draw.between(0.03, 0.12)
+    thick = radius * draw.between(0.5, 0.9)
+    faucet.frame.add("horizontal_support", cylinder(thick, radius + stub, "x", (side * 0.5 * (radius + stub), stem, 0), 16))
+    pieces = turning_handle(draw, draw.between(0.2, 0.45), draw.between(0.05, 0.15))
+    pieces = [turn(along(piece, "x"), X, draw.pick([0.0, 90.0, 180.0, draw.between(0.0, 360.0)])) for piece in pieces]
+    if side < 0:
+        pieces = [turn(piece, Y, 180.0) for piece in pieces]
+    at = (side * (radius + stub), stem, 0.0)
+    faucet.add_switch([move(p, at) for p in pieces], hinge((0, stem, 0) if draw.chance(0.5) else at, X, -45.0, 60.0))
+    _high_spout(faucet, height, radius * draw.between(0.6, 1.0))
+
+
+def _two_handles(faucet: _Faucet) -> None:
+    """Two switches beside a spout in the middle, on one plate or each on a foot of its own."""
+    draw = faucet.draw
+    apart = draw.between(0.3, 0.7)
+    foot, stem = draw.between(0.06, 0.12), draw.between(0.08, 0.35)
+    plate = draw.between(0.03, 0.08)
+    joined = draw.chance(0.6)
+    if joined:
+        size = (2 * apart + 3 * foot, plate, 3 * foot)
+        faucet.frame.add("surface_base", rounded_box(size, 1.4 * foot, "y", (0, 0.5 * plate, 0), 6))
+    else:
+        faucet.frame.add("surface_base", *(cylinder(1.4 * foot, plate, "y", (x, 0.5 * plate, 0)) for x in (-apart, 0.0, apart)))
+        if draw.chance(0.5):
+            level = plate + draw.between(0.2, 0.8) * stem
+            faucet.frame.add("horizontal_support", cylinder(0.4 * foot, 2 * apart, "x", (0, level, 0), 14))
+    stems = [cylinder(0.8 * foot, stem, "y", (x, plate + 0.5 * stem, 0), 18, top_radius=0.6 * foot) for x in (-apart, apart)]
+    faucet.frame.add("vertical_support", *stems)
+    lean = draw.between(5.0, 30.0) if draw.chance(0.2) else 0.0
+    grip = turning_handle(draw, draw.between(0.15, 0.32), draw.between(0.08, 0.2))
+    facing = draw.pick([90.0, 0.0, 45.0])
+    screws = draw.chance(0.15)
+    for side in (-1.0, 1.0):
+        at = (side * apart, plate + stem, 0.0)
+        pieces = [turn(move(turn(p, Y, side * facing), at), Z, -side * lean, at) for p in grip]
+        axis = (side * np.sin(np.radians(lean)), np.cos(np.radians(lean)), 0.0)
+        if screws:
+            motion = screw(at, axis, 0.0, draw.between(0.02, 0.06), turns=draw.pick([180.0, 360.0, None]))
+        else:
+            motion = (
+                spinner(at, axis)
+                if draw.chance(0.2)
+                else hinge(at, axis, *draw.pick([(-90, 90), (0, 90), (-45, 45), (0, 180)]))
+            )
+        faucet.add_switch(pieces, motion)
+    _high_spout(faucet, plate, foot * draw.between(0.4, 0.7))
+
+
+def _wall_tap(faucet: _Faucet) -> None:
+    """A level pipe from the wall behind, its spout bent down, the switch on an upright stem."""
+    draw = faucet.draw
+    radius, length = draw.between(0.06, 0.1), draw.between(0.4, 0.9)
+    faucet.frame.add("surface_base", cylinder(radius * draw.between(1.5, 2.5), 0.05, "z", (0, 0, 0.025)))
+    faucet.frame.add("horizontal_support", cylinder(radius, length, "z", (0, 0, 0.5 * length), 18))
+    mouth = length + draw.between(0.1, 0.4)
+    way = [(0, 0, length - 0.05), (0, 0, mouth), (0, -draw.between(0.15, 0.5), mouth + draw.between(0.0, 0.15))]
+    add_spout(draw, faucet.spout, rounded_path(np.array(way), 0.2, 8), 0.85 * radius)
+    z, stem = length * draw.between(0.5, 0.9), draw.between(0.12, 0.3)
+    faucet.frame.add("vertical_support", cylinder(0.7 * radius, stem, "y", (0, 0.5 * stem, z), 16))
+    tilt = draw.pick([0.0, draw.between(-35.0, 35.0)], [3, 1])
+    grip = turning_handle(draw, draw.between(0.15, 0.3), draw.between(0.05, 0.12))
+    pieces = [turn(move(p, (0, stem, z)), X, tilt, (0, 0, z)) for p in grip]
+    axis = (0.0, np.cos(np.radians(tilt)), np.sin(np.radians(tilt)))
+    if tilt:
+        faucet.frame.children[-1].pieces = [turn(p, X, tilt, (0, 0, z)) for p in faucet.frame.children[-1].pieces]
+    rise = draw.between(0.03, 0.08)
+    motion = draw.pick([screw((0, 0, z), axis, 0, rise, turns=None), spinner((0, 0, z), axis), hinge((0, 0, z), axis, -90, 90)])
+    faucet.add_switch(pieces, motion)
+
+
+def _wall_pair(faucet: _Faucet) -> None:
+    """A level bar with a switch at either end, turning about the bar, and a spout in the middle."""
+    draw = faucet.draw
+    radius, half = draw.between(0.07, 0.12), draw.between(0.4, 0.7)
+    faucet.frame.add("horizontal_support", cylinder(radius, 2 * half, "x", (0, 0, 0), 20))
+    feet = [cylinder(0.7 * radius, 0.3, "z", (x, 0, -0.15), 14) for x in (-0.6 * half, 0.6 * half)]
+    faucet.frame.add("surface_base", *feet)
+    grip = turning_handle(draw, draw.between(0.12, 0.25), draw.between(0.1, 0.2))
+    for side in (-1.0, 1.0):
+        pieces = [move(turn(along(p, "x"), Y, 0.0 if side > 0 else 180.0), (side * half, 0, 0)) for p in grip]
+        faucet.add_switch(pieces, hinge((side * half * draw.pick([0.0, 1.0]), 0, 0), X, *draw.pick([(-90, 90), (0, 120)])))
+    way = [(0, 0, 0.5 * radius), (0, 0, draw.between(0.3, 0.6)), (0, -draw.between(0.1, 0.3), draw.between(0.55, 0.8))]
+    add_spout(draw, faucet.spout, rounded_path(np.array(way), 0.15), 0.5 * radius)
+
+
+def _post(faucet: _Faucet, radius: float, height: float) -> None:
+    draw = faucet.draw
+    foot = draw.between(0.02, 0.08)
+    if draw.chance(0.6):
+        flange = radius * draw.between(1.15, 1.7)
+        faucet.frame.add("surface_base", cylinder(flange, foot, "y", (0, 0.5 * foot, 0), 24))
+    kind = draw.pick(["round", "cone", "square", "vase"], [5, 2, 2, 1])
+    if kind == "square":
+        post = box((1.8 * radius, height, 1.8 * radius), (0, 0.5 * height, 0))
+    elif kind == "vase":
+        profile = [[0, 0], [1.2, 0], [0.8, 0.2], [0.7, 0.5], [1.05, 0.75], [1.0, 1.0], [0, 1]]
+        post = lathe(np.array(profile) * (radius, height), 20)
+    else:
+        wide = radius * (draw.between(1.1, 1.6) if kind == "cone" else 1.0)
+        post = cylinder(wide, height, "y", (0, 0.5 * height, 0), 24, top_radius=radius)
+    rings = [torus(1.02 * radius, 0.015, "y", (0, height * draw.between(0.2, 0.95), 0))] if draw.chance(0.25) else []
+    faucet.frame.add("vertical_support", post, *rings)
+
+
+def _high_spout(faucet: _Faucet, foot: float, radius: float) -> None:
+    """A spout that stands on `foot` and may swivel about its upright."""
+    draw = faucet.draw
+    add_spout(draw, faucet.spout, neck_path(draw, foot), radius)
+    if draw.chance(0.55):
+        turned = draw.between(-60.0, 60.0) if draw.chance(0.2) else 0.0
+        motion = hinge((0, draw.pick([0.0, foot]), 0), Y, *draw.pick([(-90, 90), (-60, 60), (-180, 180)]), rest=turned)
+        faucet.links.append(Link("spout", [faucet.spout], faucet.base, motion))

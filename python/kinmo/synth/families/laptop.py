@@ -1,0 +1,198 @@
+"""Laptops: a screen side that turns about a line near the rear edge of the base, mostly through one or two shafts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
+from kinmo.synth.primitives import (
+    X,
+    Y,
+    box,
+    box_between,
+    cylinder,
+    ellipsoid,
+    move,
+    rounded_box,
+    rounded_path,
+    sheet,
+    sweep,
+    turn,
+)
+
+KEY_HEIGHT = 0.01
+"""How high the highest keys stand above the base."""
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """Sizes of one laptop. The hinge line runs along x at (`hinge_y`, `hinge_z`); the base stands on y = 0."""
+
+    width: float
+    depth: float
+    thickness: float
+    hinge_y: float
+    hinge_z: float
+    screen_thickness: float
+    screen_front: float
+    screen_bottom: float
+    screen_top: float
+
+
+def build(draw: Draw) -> SynthObject:
+    """A laptop, built with the screen upright."""
+    plan = _plan(draw)
+    root = Node("laptop")
+    screen_side, base_side = root.add("screen_side"), root.add("base_side")
+    _fill_screen_side(draw, plan, screen_side)
+    _fill_base_side(draw, plan, base_side)
+    moving, still = [screen_side], [base_side]
+    if draw.chance(0.75):
+        connector = root.add("connector")
+        _add_shafts(draw, plan, connector)
+        (moving if draw.chance(0.75) else still).append(connector)
+    if draw.chance(0.2):
+        feet = root.add("other")
+        feet.add("other_leaf", *_feet(plan, draw.between(0.02, 0.06)))
+        still.append(feet)
+    if draw.chance(0.12):
+        size = plan.width * draw.between(0.05, 0.2)
+        middle = 0.5 * (plan.screen_bottom + plan.screen_top)
+        logo = root.add("other")
+        logo.add("other_leaf", box((size, size, 0.004), (0.0, middle, plan.screen_front - plan.screen_thickness)))
+        moving.append(logo)
+    base = Link("base_side", still, kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    tilt = draw.pick([draw.between(2.0, 45.0), draw.between(-85.0, 2.0), -90.0, 80.0], [0.84, 0.08, 0.06, 0.02])
+    origin = (draw.between(-0.5, 0.5) * plan.width, plan.hinge_y, plan.hinge_z)
+    back = max(draw.pick([0.0, 30.0, 45.0, 80.0]), tilt)
+    screen = Link(draw.pick(["screen_side", "shaft", "screen"]), moving, base, hinge(origin, X, -back, 90.0, rest=-tilt))
+    links = [base, screen]
+    if draw.chance(0.08):
+        links.append(Link("other_leaf", [_mouse(draw, plan, root.add("other"))], kind=JointName.JUNK))
+    return SynthObject("Laptop", root, links)
+
+
+def _plan(draw: Draw) -> _Plan:
+    width = draw.between(1.0, 1.7)
+    depth = draw.between(0.78, 1.05)
+    thickness = draw.between(0.025, 0.11) if draw.chance(0.92) else draw.between(0.11, 0.22)
+    screen_thickness = draw.between(0.012, 0.06)
+    hinge_z = -0.5 * depth + draw.between(-0.01, 0.07) * depth
+    # The closed screen must find room above the base: the lower the hinge, the further back the screen.
+    hinge_y = thickness * draw.between(0.45, 1.35)
+    above = hinge_y - thickness - KEY_HEIGHT
+    forward = above > 0.0 and draw.chance(0.5)
+    screen_front = hinge_z + min(screen_thickness, above) if forward else hinge_z + min(above, 0.0) - draw.between(0.0, 0.01)
+    behind = screen_front < -0.5 * depth
+    screen_bottom = thickness * draw.between(0.2, 1.0) if behind else max(thickness, hinge_y - 0.5 * screen_thickness)
+    screen_bottom += draw.between(0.0, 0.015)
+    height = depth * draw.between(0.9, 1.02)
+    return _Plan(
+        width, depth, thickness, hinge_y, hinge_z, screen_thickness, screen_front, screen_bottom, screen_bottom + height
+    )
+
+
+def _fill_screen_side(draw: Draw, plan: _Plan, screen_side: Node) -> None:
+    width = plan.width * draw.between(0.97, 1.0)
+    height = plan.screen_top - plan.screen_bottom
+    middle = 0.5 * (plan.screen_bottom + plan.screen_top)
+    bezel = draw.between(0.02, 0.09)
+    chin = bezel * draw.between(1.0, 2.0)
+    pane = (width - 2 * bezel, height - bezel - chin)
+    pane_middle = middle + 0.5 * (chin - bezel)
+    recess = draw.pick([0.0, 0.003, -0.004])
+    screen_at = plan.screen_front - recess
+    screen = sheet((pane[0], pane[1]), (0.0, pane_middle, screen_at), axis="z")
+    if draw.chance(0.6):
+        screen = box((*pane, 0.3 * plan.screen_thickness), (0.0, pane_middle, screen_at - 0.15 * plan.screen_thickness))
+    screen_side.add("screen", screen)
+    back_thickness = 0.7 * plan.screen_thickness
+    back_at = plan.screen_front - plan.screen_thickness + 0.5 * back_thickness
+    back = rounded_box((width, height, back_thickness), draw.between(0.005, 0.06), "z", (0.0, middle, back_at))
+    frame = [back]
+    low, high = plan.screen_front - plan.screen_thickness + back_thickness, plan.screen_front
+    for side in (-1.0, 1.0):
+        edge, inner = side * 0.5 * width, side * (0.5 * width - bezel)
+        frame.append(box_between((min(edge, inner), plan.screen_bottom, low), (max(edge, inner), plan.screen_top, high)))
+    half = 0.5 * width - bezel
+    frame.append(box_between((-half, plan.screen_bottom, low), (half, plan.screen_bottom + chin, high)))
+    frame.append(box_between((-half, plan.screen_top - bezel, low), (half, plan.screen_top, high)))
+    screen_side.add("screen_frame", *(frame if draw.chance(0.85) else frame[:1]))
+    if draw.chance(0.3):
+        at = (0.0, plan.screen_top - 0.5 * bezel, plan.screen_front)
+        screen_side.add("camera", draw.pick([ellipsoid((0.012, 0.012, 0.006), at), box((0.05, 0.02, 0.01), at)]))
+
+
+def _fill_base_side(draw: Draw, plan: _Plan, base_side: Node) -> None:
+    top = plan.thickness
+    frame = [rounded_box((plan.width, top, plan.depth), draw.between(0.005, 0.08), "y", (0.0, 0.5 * top, 0.0))]
+    if draw.chance(0.25):
+        frame += _feet(plan, draw.between(0.02, 0.06))
+    keys_depth = plan.depth * draw.between(0.32, 0.45)
+    keys_middle = -0.5 * plan.depth + 0.1 * plan.depth + 0.5 * keys_depth
+    keys_width = plan.width * draw.between(0.78, 0.94)
+    base_side.add("keyboard", *_keyboard(draw, keys_width, keys_depth, top, keys_middle))
+    if draw.chance(0.85):
+        front = keys_middle + 0.5 * keys_depth
+        pad_depth = (0.5 * plan.depth - front) * draw.between(0.5, 0.75)
+        pad_width = plan.width * draw.between(0.15, 0.35)
+        middle = front + 0.5 * (0.5 * plan.depth - front)
+        touchpad = base_side.add("touchpad")
+        touchpad.add("touchpad_surface", box((pad_width, 0.004, pad_depth), (0.0, top, middle)))
+        buttons = draw.integer(0, 2)
+        for index in range(buttons):
+            wide = pad_width / buttons * 0.96
+            x = (index - 0.5 * (buttons - 1)) * pad_width / buttons
+            touchpad.add("button", box((wide, 0.008, 0.2 * pad_depth), (x, top, middle + 0.62 * pad_depth)))
+    base_side.add("base_frame", *frame)
+
+
+def _keyboard(draw: Draw, width: float, depth: float, top: float, middle: float) -> list[Mesh]:
+    height = draw.between(0.4, 1.0) * KEY_HEIGHT
+    if draw.chance(0.3):
+        return [box((width, height, depth), (0.0, top + 0.5 * height, middle))]
+    rows, columns = draw.integer(4, 6), draw.integer(9, 14)
+    step_x, step_z = width / columns, depth / rows
+    keys = []
+    for row in range(rows):
+        z = middle + (row - 0.5 * (rows - 1)) * step_z
+        if row == rows - 1:
+            keys.append(box((0.4 * width, height, 0.8 * step_z), (0.0, top + 0.5 * height, z)))
+        for column in range(columns):
+            x = (column - 0.5 * (columns - 1)) * step_x
+            if row < rows - 1 or abs(x) > 0.2 * width + 0.5 * step_x:
+                keys.append(box((0.85 * step_x, height, 0.8 * step_z), (x, top + 0.5 * height, z)))
+    return keys
+
+
+def _add_shafts(draw: Draw, plan: _Plan, connector: Node) -> None:
+    radius = draw.between(0.25, 0.6) * plan.thickness
+    if draw.chance(0.5):
+        shafts = [(0.0, plan.width * draw.between(0.3, 0.95))]
+    else:
+        offset = plan.width * draw.between(0.25, 0.42)
+        shafts = [(side * offset, plan.width * draw.between(0.04, 0.14)) for side in (-1.0, 1.0)]
+    round_one = draw.chance(0.75)
+    for x, length in shafts:
+        at = (x, plan.hinge_y, plan.hinge_z)
+        reach = (length, 2 * radius, 2.5 * radius)
+        connector.add("shaft", cylinder(radius, length, "x", at, 14) if round_one else box(reach, at))
+
+
+def _feet(plan: _Plan, size: float) -> list[Mesh]:
+    places = [(x * 0.42 * plan.width, z * 0.4 * plan.depth) for x in (-1, 1) for z in (-1, 1)]
+    return [cylinder(size, 0.015, "y", (x, -0.0075, z), 12) for x, z in places]
+
+
+def _mouse(draw: Draw, plan: _Plan, other: Node) -> Node:
+    """A mouse with its cable, lying beside the laptop."""
+    x, z = 0.5 * plan.width + draw.between(0.15, 0.3), draw.between(-0.1, 0.3)
+    body = turn(ellipsoid((0.07, 0.04, 0.12)), Y, draw.between(-25.0, 25.0))
+    way = rounded_path(
+        np.array([(x, 0.03, z - 0.1), (x, 0.01, z - 0.3), (x - 0.1, 0.01, z - 0.4), (x - 0.05, 0.01, z - 0.6)]), 0.1
+    )
+    return other.add("other_leaf", move(body, (x, 0.03, z)), sweep(rounded_path(way, 0.1), 0.006, 6))

@@ -1,0 +1,66 @@
+"""Phones: fields of buttons, keys at the sides, flaps and halves that slide or fold."""
+
+from __future__ import annotations
+
+from kinmo.synth.details.keypads import keypad, side_keys
+from kinmo.synth.details.posture import reorient
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
+from kinmo.synth.primitives import X, Y, box, cylinder, rounded_box
+from kinmo.synth.primitives.place import rotation_about
+
+
+def build(draw: Draw) -> SynthObject:
+    """Built standing, keys to +z."""
+    kind = draw.pick(["bar", "flip", "slide", "smart"], [2, 3, 2, 2])
+    width, height, depth = draw.between(0.35, 0.6), draw.between(0.9, 1.5), draw.between(0.06, 0.22)
+    root = Node("Phone")
+    round_edge = draw.between(0.01, 0.25) * width
+    body = Node("base_body", pieces=[rounded_box((width, height, depth), round_edge, "z")])
+    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    links = [base]
+    front = 0.5 * depth
+    if kind == "smart":
+        body.pieces.append(box((0.9 * width, 0.8 * height, 0.004), (0, 0, front)))
+        home = cylinder(0.07 * width, 0.012, "z", (0, -0.45 * height, front), 18)
+        links.append(Link("button", [Node("button", pieces=[home])], base, slider((0, 0, -1), 0.0, 0.006)))
+    else:
+        whole = kind in ("flip", "slide")
+        share = draw.between(0.75, 0.95) if whole else draw.between(0.4, 0.55)
+        links += keypad(draw, base, width, height, front, share)
+        if kind == "bar":
+            body.pieces.append(box((0.8 * width, 0.3 * height, 0.006), (0, 0.3 * height, front)))
+    if kind == "flip":
+        links.append(_flap(draw, base, width, height, depth))
+    elif kind == "slide":
+        cover = Node("lid", pieces=[rounded_box((width, height, 0.6 * depth), round_edge, "z", (0, 0, front + 0.35 * depth))])
+        travel = height * draw.between(0.3, 0.55)
+        rest = draw.pick([0.0, travel, draw.between(0.0, travel)])
+        links.append(Link("slider", [cover], base, slider(Y, 0.0, travel, rest=rest)))
+    if draw.chance(0.5):
+        links += side_keys(draw, base, width, height)
+    root.children = [node for link in links[1:] for node in link.nodes] + [body]
+    shape = SynthObject("Phone", root, links)
+    if draw.chance(0.3):
+        reorient(shape, rotation_about(X, -90.0, (0, 0, 0)))
+    return shape
+
+
+def _flap(draw: Draw, base: Link, width: float, height: float, depth: float) -> Link:
+    """The other half of a folding phone, hinged along its upper edge or, rarely, at its side."""
+    thick = depth * draw.between(0.6, 1.0)
+    upright = draw.chance(0.15)
+    gap = 0.01
+    lid = rounded_box((width, height, thick), 0.05, "z", (0, 0, 0.5 * (depth + thick) + gap))
+    inset = draw.between(-0.03, 0.04)
+    line = 0.5 * depth + draw.pick([0.0, 0.5 * gap, 0.5 * thick])
+    opening = draw.between(100.0, 175.0)
+    rest = draw.pick([0.0, draw.between(30.0, opening)], [1, 3])
+    if upright:
+        motion = hinge((-0.5 * width + inset, 0, line), Y, -opening, 0.0, rest=-rest)
+        pin = cylinder(0.3 * depth, 0.5 * height, "y", (-0.5 * width + inset, 0, line), 12)
+    else:
+        # The flap's lower edge comes up to the front: about -x through the upper edge.
+        motion = hinge((0, 0.5 * height - inset, line), X, -opening, 0.0, rest=-rest)
+        pin = cylinder(0.3 * depth, 0.5 * width, "x", (0, 0.5 * height - inset, line), 12)
+    return Link("lid", [Node("lid", pieces=[lid, pin] if draw.chance(0.5) else [lid])], base, motion)

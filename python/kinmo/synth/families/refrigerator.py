@@ -1,0 +1,140 @@
+"""Refrigerators: one to four doors, side by side or one above the other, freezer drawers, and shelves inside."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.synth.details.appliance import add_feet, housing
+from kinmo.synth.details.handles import pull
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
+from kinmo.synth.primitives import box, box_between, cylinder, rounded_box, sheet
+
+Cell = tuple[float, float, float, float, str]
+"""left, low, right, high of a door, and what it is: a side on which it is hinged, or "drawer"."""
+
+
+def build(draw: Draw) -> SynthObject:
+    width, height, depth = draw.between(0.6, 1.2), draw.between(1.0, 2.0), draw.between(0.6, 1.0)
+    x, y, z = width / 2, height / 2, depth / 2
+    wall = draw.between(0.03, 0.08)
+    root = Node("refrigerator")
+    body = root.add("body")
+    casing = body.add("frame", *housing(draw, np.array([-x, -y, -z]), np.array([x, y, z]), wall))
+    base = Link("frame", [casing], kind=draw.pick([JointName.HEAVY, JointName.STATIC], [8, 1]))
+    links = [base]
+    low = -y + draw.pick([0.0, draw.between(0.03, 0.12)])
+    thickness = draw.between(0.03, 0.12)
+    handles = draw.chance(0.85)
+    for cell in _cells(draw, x, low, y):
+        links.append(
+            _drawer(draw, body, base, cell, z, thickness, depth)
+            if cell[4] == "drawer"
+            else _door(draw, body, base, cell, z, thickness, handles)
+        )
+    if draw.chance(0.35):
+        inside = body.add("body_interior")
+        base.nodes.append(inside)
+        for row in range(draw.integer(1, 4)):
+            at = (0, low + (row + 1) * 0.2 * height, -0.02)
+            inside.add("shelf", box((width - 2 * wall, 0.012, 0.75 * depth), at))
+    if draw.chance(0.5):
+        base.nodes.append(add_feet(draw, root, x, z, -y))
+    return SynthObject("Refrigerator", root, links)
+
+
+def _cells(draw: Draw, x: float, low: float, high: float) -> list[Cell]:
+    """How the front is divided."""
+    side = draw.pick(["left", "right"], [1, 2])
+    plan = draw.pick(["single", "two", "beside", "french", "four"], [1, 4, 4, 2, 1])
+    gap = draw.pick([0.0, draw.between(0.002, 0.012)])
+    split = low + (high - low) * draw.pick([draw.between(0.28, 0.45), draw.between(0.6, 0.75)])
+    if plan == "single":
+        return [(-x, low, x, high, side)]
+    if plan == "two":
+        below = "drawer" if draw.chance(0.2) and split < (low + high) / 2 else side
+        return [(-x, split + gap, x, high, side), (-x, low, x, split - gap, below)]
+    middle = draw.pick([0.0, draw.between(-0.2, 0.1) * x], [1, 2]) if plan == "beside" else 0.0
+    floor = low if plan == "beside" else split
+    pair = [(-x, floor + gap, middle - gap, high, "left"), (middle + gap, floor + gap, x, high, "right")]
+    if plan == "beside":
+        return pair
+    if plan == "four":
+        return [*pair, (-x, low, -gap, split - gap, "left"), (gap, low, x, split - gap, "right")]
+    rows = draw.integer(1, 2)
+    step = (split - low) / rows
+    return [*pair, *((-x, low + row * step, x, low + (row + 1) * step - gap, "drawer") for row in range(rows))]
+
+
+def _panel(draw: Draw, node: Node, cell: Cell, back: float, thickness: float) -> None:
+    left, low, right, high, _ = cell
+    size, at = (right - left, high - low, thickness), ((left + right) / 2, (low + high) / 2, back + thickness / 2)
+    slab = rounded_box(size, draw.between(0.1, 0.5) * thickness, "y", at, 3) if draw.chance(0.4) else box(size, at)
+    panel = node.add("door_frame", slab)
+    if draw.chance(0.3):
+        panel.pieces.append(box((0.96 * size[0], 0.97 * size[1], 0.01), (at[0], at[1], back - 0.005)))
+    if draw.chance(0.15):
+        logo = (at[0], high - 0.12 * size[1], back + thickness + 0.002)
+        node.add("other").add("other_leaf", sheet((0.15 * size[0], 0.02), logo, "z"))
+
+
+def _door(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: float, handles: bool) -> Link:
+    left, low, right, high, side = cell
+    node = body.add("door")
+    back = z + draw.pick([0.0, draw.between(0.0, 0.01)])
+    _panel(draw, node, cell, back, thickness)
+    out = -1.0 if side == "left" else 1.0
+    edge = left if side == "left" else right
+    width, height = right - left, high - low
+    if handles:
+        x = edge - out * (width - draw.between(0.05, 0.14) * width)
+        length = height * draw.between(0.2, 0.8)
+        y = (low + high) / 2 + draw.between(-0.4, 0.4) * (height - length)
+        grip = pull(
+            draw,
+            length,
+            (x, y, back + thickness),
+            vertical=True,
+            thickness=draw.between(0.02, 0.05),
+            reach=draw.between(0.04, 0.09),
+        )
+        node.add("handle", *grip)
+    if draw.chance(0.3):
+        for row in range(draw.integer(1, 3)):
+            shelf = box((0.75 * width, 0.06, 0.1), ((left + right) / 2, low + (row + 0.7) * height / 4, back - 0.05))
+            node.add("other").add("other_leaf", shelf)
+    inward, forward = draw.between(0.0, 0.05) * width, thickness * draw.pick([0.0, 0.3, 0.6, -0.3])
+    axis = (edge - out * inward, high, back + forward)
+    if draw.chance(0.2):
+        (node if draw.chance(0.4) else _own(body, base)).add(
+            "hinge", cylinder(0.02, 0.03, "y", (axis[0], high + 0.015, axis[2]), 12)
+        )
+    rest = draw.between(20, 110) if draw.chance(0.15) else 0.0
+    return Link("door", [node], base, hinge(axis, (0, out, 0), 0, draw.pick([90.0, 120.0, 180.0], [2, 2, 4]), rest=rest))
+
+
+def _drawer(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: float, depth: float) -> Link:
+    left, low, right, high, _ = cell
+    node = body.add("drawer")
+    _panel(draw, node, cell, z, thickness)
+    if draw.chance(0.7):
+        inner = box_between((left + 0.08, low + 0.03, z - 0.8 * depth), (right - 0.08, low + 0.7 * (high - low), z))
+        node.add("drawer_box", inner)
+    grip = pull(
+        draw,
+        0.6 * (right - left),
+        ((left + right) / 2, high - 0.15 * (high - low), z + thickness),
+        vertical=False,
+        thickness=0.03,
+    )
+    node.add("handle", *grip)
+    travel = draw.between(0.4, 0.75) * depth
+    rest = travel * draw.between(0.2, 0.9) if draw.chance(0.12) else 0.0
+    return Link("drawer", [node], base, slider((0, 0, 1), 0, travel, rest=rest))
+
+
+def _own(body: Node, base: Link) -> Node:
+    """A group of hardware that belongs to the housing."""
+    group = body.add("other")
+    base.nodes.append(group)
+    return group

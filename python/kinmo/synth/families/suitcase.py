@@ -1,0 +1,146 @@
+"""Suitcases: an attaché case that folds open, a bag with swinging handles, a trolley with telescopic handle and wheels."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import Link, Node, SynthObject, hinge, slider, spinner
+from kinmo.synth.primitives import arc_path, box, box_between, cylinder, rounded_box, rounded_path, sweep, tube
+
+
+def build(draw: Draw) -> SynthObject:
+    root = Node(draw.pick(["Suitcase", "luggage"], [3, 1]))
+    kind = draw.pick(["case", "bag", "trolley"], [5, 2, 3])
+    links = {"case": _case, "bag": _bag, "trolley": _trolley}[kind](draw, root)
+    return SynthObject("Suitcase", root, links)
+
+
+def _half(draw: Draw, width: float, height: float, back: float, front: float, *, hollow: bool) -> list[Mesh]:
+    """Half a shell between two planes z: a rounded slab, or four walls and a floor towards the outside."""
+    if not hollow:
+        return [rounded_box((width, height, front - back), draw.between(0.02, 0.2), "z", (0, 0, 0.5 * (back + front)))]
+    wall, x, y = 0.02, width / 2, height / 2
+    outside = (back, back + wall) if back < 0 else (front - wall, front)
+    return [
+        box_between((-x, -y, back), (-x + wall, y, front)),
+        box_between((x - wall, -y, back), (x, y, front)),
+        box_between((-x, -y, back), (x, -y + wall, front)),
+        box_between((-x, y - wall, back), (x, y, front)),
+        box_between((-x, -y, outside[0]), (x, y, outside[1])),
+    ]
+
+
+def _case(draw: Draw, root: Node) -> list[Link]:
+    """Two halves hinged at the lower edge; a carrying handle and locks on the upper one."""
+    width, height, depth = draw.between(1.1, 1.7), draw.between(0.8, 1.4), draw.between(0.3, 0.6)
+    split = depth * draw.between(-0.1, 0.25)
+    rest = draw.between(60, 110) if draw.chance(0.45) else 0.0
+    hollow = rest > 0 or draw.chance(0.5)
+    base = Link("base_body", [root.add("base_body", *_half(draw, width, height, -depth / 2, split, hollow=hollow))])
+    low = -height / 2
+    axis = (0, low + draw.pick([0.0, 0.02]), split + draw.pick([0.0, -0.01]))
+    lid_node = root.add("lid", *_half(draw, width, height, split, depth / 2, hollow=hollow))
+    lid = Link("lid", [lid_node], base, hinge(axis, (1, 0, 0), 0, draw.pick([90.0, 120.0, 180.0]), rest=rest))
+    links = [base, lid, _carrying_handle(draw, root, base, width * draw.between(0.15, 0.35), height / 2, split - 0.04)]
+    for side in (-1, 1) if draw.chance(0.5) else ():
+        size, x = draw.between(0.04, 0.1), side * 0.33 * width
+        if draw.chance(0.4):
+            node = root.add("lock", box((size, 0.02, size), (x, height / 2 + 0.01, split - 0.06)))
+            links.append(Link("button", [node], base, slider((0, -1, 0), 0, 0.012), lumped_name="lock"))
+        else:
+            node = root.add("lock", box((size, 0.015, 0.18), (x, height / 2 + 0.008, split)))
+            links.append(
+                Link("lock", [node], base, hinge((x, height / 2, split - 0.09), (-1, 0, 0), 0, draw.pick([90.0, 180.0])))
+            )
+    return links
+
+
+def _carrying_handle(draw: Draw, root: Node, carrier: Link, half: float, height: float, z: float) -> Link:
+    """A grip on the upper edge that folds down to both sides, or to one."""
+    reach, rod = draw.between(0.06, 0.15), draw.between(0.012, 0.025)
+    corners = [[-half, 0, 0], [-half, reach, 0], [half, reach, 0], [half, 0, 0]]
+    path = rounded_path(np.array(corners, float), 0.8 * reach) + [0, height, z]
+    grip = sweep(path, rod, 8)
+    a, b = draw.pick([(-90.0, 90.0), (0.0, 90.0), (-70.0, 70.0)])
+    rest = draw.between(-80, 80) if a < 0 and draw.chance(0.4) else 0.0
+    motion = hinge((0, height, z), (1, 0, 0), a, b, rest=rest)
+    return Link("handle", [root.add("handle", grip)], carrier, motion)
+
+
+def _bag(draw: Draw, root: Node) -> list[Link]:
+    """A soft body, with one or two high handles that swing about its upper edge."""
+    width, height, depth = draw.between(1.1, 1.5), draw.between(0.6, 1.0), draw.between(0.3, 0.6)
+    axis = draw.pick(["x", "y", "z"])
+    pieces = [rounded_box((width, height, depth), draw.between(0.05, 0.25), axis)]
+    if draw.chance(0.6):
+        pieces += [box((0.06, 1.01 * height, 1.02 * depth), (s * 0.3 * width, 0, 0)) for s in (-1, 1)]
+    base = Link("base_body", [root.add("base_body", *pieces)])
+    links = [base]
+    count = draw.pick([1, 2], [1, 2])
+    for index in range(count):
+        z = 0.0 if count == 1 else (index - 0.5) * depth * draw.between(0.3, 0.9)
+        half, rise = width * draw.between(0.15, 0.48), draw.between(0.3, 0.8)
+        foot = height / 2 - draw.between(0.0, 0.1)
+        path = arc_path((0, foot, z), half, 0, 180, "z", 16, aspect=rise / half)
+        node = root.add("handle", sweep(path, draw.between(0.012, 0.03), 8))
+        out = 1.0 if z >= 0 else -1.0
+        limits = (-90.0, 90.0) if count == 1 else (-3.0, 170.0)
+        links.append(Link("handle", [node], base, hinge((0, foot, z), (out, 0, 0), *limits)))
+    return links
+
+
+def _trolley(draw: Draw, root: Node) -> list[Link]:
+    """An upright case with two to four wheels, a handle that slides up, and a grip on the side or the top."""
+    width, height, depth = draw.between(0.7, 1.0), draw.between(1.0, 1.4), draw.between(0.35, 0.6)
+    x, y, z = width / 2, height / 2, depth / 2
+    case = rounded_box((width, height, depth), draw.between(0.02, 0.15), draw.pick(["y", "z"]))
+    ribs = [box((0.03, 0.95 * height, 0.02), (s * 0.15 * width, 0, z)) for s in range(-2, 3)] if draw.chance(0.4) else []
+    base = Link("base_body", [root.add("base_body", case, *ribs)])
+    links = [base]
+    reach, half = draw.between(0.3, 0.6) * height, draw.between(0.25, 0.4) * width
+    z_rod, rod = -z + draw.between(0.03, 0.08), draw.between(0.012, 0.022)
+    foot = y - reach * draw.between(0.9, 1.1)
+    top = y + draw.between(0.02, 0.06)
+    rods: list[Mesh] = [box_between((s * half - rod, foot, z_rod - rod), (s * half + rod, top, z_rod + rod)) for s in (-1, 1)]
+    if draw.chance(0.6):
+        grip = box((2 * half + 4 * rod, 3 * rod, 3 * rod), (0, top, z_rod))
+    else:
+        grip = cylinder(1.6 * rod, 2 * half + 4 * rod, "x", (0, top, z_rod), 12)
+    node = root.add(draw.pick(["handle", "translation_handle"]), *rods, grip)
+    rest = reach * draw.between(0.3, 1.0) if draw.chance(0.5) else 0.0
+    links.append(Link("handle", [node], base, slider((0, 1, 0), 0, reach, rest=rest), lumped_name="translation_handle"))
+    wheels = _wheels(draw, root, base, x, y, z)
+    if draw.chance(0.4):
+        base.nodes += [node for wheel in wheels for node in wheel.nodes]
+    else:
+        links += wheels
+    if draw.chance(0.5):
+        links.append(_carrying_handle(draw, root, base, 0.2 * width, y, z * draw.between(0.0, 0.5)))
+    if draw.chance(0.25):
+        front = root.add("lid", rounded_box((0.9 * width, 0.85 * height, 0.06), 0.05, "z", (0, 0, z + 0.03)))
+        motion = hinge((-0.45 * width, 0, z), (0, -1, 0), 0, 150, rest=draw.pick([0.0, draw.between(20, 100)]))
+        links.append(Link("lid", [front], base, motion))
+    return links
+
+
+def _wheels(draw: Draw, root: Node, base: Link, x: float, y: float, z: float) -> list[Link]:
+    """Two wheels on a line, or four, that turn about x; the outer ones also as casters about y."""
+    links = []
+    radius, thick = draw.between(0.04, 0.08), draw.between(0.02, 0.05)
+    rows = draw.pick([(-1,), (-1, 1)])
+    casters = len(rows) == 2 and draw.chance(0.5)
+    for sz in rows:
+        for sx in (-1, 1):
+            at = np.array([sx * (x - thick), -y - 0.6 * radius, sz * (z - radius)])
+            pieces = [cylinder(radius, thick, "x", at, 20)]
+            if draw.chance(0.4):
+                pieces = [tube(radius, 0.6 * radius, thick, "x", at, 20), cylinder(0.6 * radius, 0.6 * thick, "x", at, 16)]
+            carrier = base
+            if casters:
+                fork = root.add("caster", box((1.5 * thick, radius, 0.5 * radius), at + [0, 0.9 * radius, -0.2 * radius]))
+                carrier = Link("caster", [fork], base, spinner(at + [0, radius, -0.4 * radius], (0, 1, 0)))
+                links.append(carrier)
+            links.append(Link("wheel", [root.add("wheel", *pieces)], carrier, spinner(at, (1, 0, 0))))
+    return links

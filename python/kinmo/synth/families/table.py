@@ -1,0 +1,216 @@
+"""Tables and desks: a top on legs or panels, with drawers under it, beside the knees, or instead of them, and doors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinmo.synth.details.casework import DoorNames, Fronts, Opening, add_door, add_drawer, legs
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
+from kinmo.synth.primitives import box, box_between, cylinder, extrude, rounded_box
+
+
+@dataclass(frozen=True)
+class _Size:
+    """Half extents of the drawer base (x, z), its height `y` (the floor is 0), and the thickness of boards."""
+
+    x: float
+    y: float
+    z: float
+    board: float
+
+
+def build(draw: Draw) -> SynthObject:
+    kind = draw.pick(["apron", "stand", "pedestal", "cabinet"], [6, 3, 2, 1])
+    width = draw.between(1.0, 2.0) if kind == "pedestal" else draw.between(0.6, 1.4)
+    size = _Size(width / 2, draw.between(0.6, 1.3), draw.between(0.3, 0.6), draw.between(0.025, 0.065))
+    root = Node("table")
+    inner = root.add(draw.pick(["regular_table", "desk"]))
+    base = Link("board", [], kind=draw.pick([JointName.HEAVY, JointName.STATIC], [9, 1]), lumped_name="base_body")
+    links = [base]
+    _add_top(draw, inner, base, links, size)
+    parent = inner.add("table_base") if draw.chance(0.5) else inner
+    drawers = parent.add("drawer_base")
+    {"apron": _apron, "stand": _stand, "pedestal": _pedestal, "cabinet": _stand}[kind](draw, drawers, links, size)
+    moving = {node for link in links[1:] for node in link.nodes}
+    base.nodes += [node for node in drawers.children if node not in moving]
+    return SynthObject("Table", root, links)
+
+
+def _add_top(draw: Draw, inner: Node, base: Link, links: list[Link], size: _Size) -> None:
+    """The board, sometimes with a frame round it, sometimes with a drop leaf at each end."""
+    over, thickness = draw.between(0.0, 0.12), draw.between(0.6, 2.0) * size.board
+    width, depth = 2 * (size.x + over), 2 * (size.z + draw.between(0.0, 0.08))
+    top = inner.add("tabletop")
+    at = (0, size.y + thickness / 2, 0)
+    look = draw.pick(["box", "rounded", "oval"], [6, 2, 1])
+    if look == "box":
+        board = box((width, thickness, depth), at)
+    elif look == "rounded":
+        board = rounded_box((width, thickness, depth), draw.between(0.02, 0.3), "y", at)
+    else:
+        around = np.linspace(0, 2 * np.pi, 32, endpoint=False)
+        board = extrude(np.stack([0.55 * depth * np.cos(around), 0.55 * width * np.sin(around)], axis=1), thickness, "y", at)
+    surface = top.add("tabletop_surface")
+    base.nodes.append(surface.add("board", board))
+    if draw.chance(0.2):
+        frame = top.add("tabletop_frame")
+        base.nodes.append(frame)
+        for side in (-1, 1):
+            frame.add("bar", box((width, thickness, 0.03), (0, at[1], side * (depth / 2 + 0.015))))
+            frame.add("bar", box((0.03, thickness, depth), (side * (width / 2 + 0.015), at[1], 0)))
+    elif look == "box" and draw.chance(0.08):
+        leaves, reach = top.add("tabletop_dropleaf"), draw.between(0.2, 0.4)
+        for out in (-1.0, 1.0):
+            x = out * width / 2
+            leaf = leaves.add(
+                "board", box((thickness, reach, depth), (x + out * thickness / 2, size.y + thickness - reach / 2, 0))
+            )
+            axis = (x + out * 0.3 * thickness, size.y + 0.8 * thickness, 0)
+            links.append(Link("board", [leaf], base, hinge(axis, (0, 0, out), 0, 90), lumped_name="rotation_board"))
+
+
+def _shell(draw: Draw, node: Node, low: tuple[float, float], high: tuple[float, float], size: _Size) -> None:
+    """Side and back panels round a block of drawers between (x, y) `low` and `high`, sometimes a bottom."""
+    board, z = size.board, size.z - draw.pick([0.0, 0.02])
+    for x in (low[0], high[0] - board):
+        node.add("vertical_side_panel", box_between((x, low[1], -z), (x + board, high[1], z)))
+    thin = draw.pick([board, 0.3 * board])
+    node.add("back_panel", box_between((low[0] + board, low[1], -z), (high[0] - board, high[1], -z + thin)))
+    if draw.chance(0.6):
+        node.add("bottom_panel", box_between((low[0] + board, low[1], -z + thin), (high[0] - board, low[1] + 0.6 * board, z)))
+
+
+def _row(
+    draw: Draw, node: Node, links: list[Link], low: tuple[float, float], high: tuple[float, float], size: _Size, columns: int
+) -> None:
+    """Drawers side by side between (x, y) `low` and `high`, with dividers."""
+    fronts = Fronts.drawn(draw, size.board)
+    board = size.board
+    width = (high[0] - low[0] - (columns - 1) * board) / columns
+    for column in range(columns):
+        left = low[0] + column * (width + board)
+        opening = Opening(left + width / 2, (low[1] + high[1]) / 2, width, high[1] - low[1], 2 * size.z - 2 * board, size.z)
+        links.append(add_drawer(draw, node, links[0], opening, fronts))
+        if column:
+            divider = box_between((left - board, low[1], -size.z + board), (left, high[1], size.z - board))
+            node.add("vertical_divider_panel", divider)
+
+
+def _add_legs(draw: Draw, node: Node, size: _Size, high: float, thickness: float) -> None:
+    for leg in legs(draw, size.x - thickness / 2, size.z - thickness / 2, 0, high, thickness):
+        node.add("leg", leg)
+    if draw.chance(0.5):
+        y, half = draw.between(0.08, 0.4) * size.y, thickness / 3
+        for side in (-1, 1):
+            node.add("bar_stretcher", box((half, half, 2 * (size.z - thickness)), (side * (size.x - thickness / 2), y, 0)))
+            if draw.chance(0.5):
+                node.add("bar_stretcher", box((2 * (size.x - thickness), half, half), (0, y, side * (size.z - thickness / 2))))
+        if draw.chance(0.5):
+            node.add("shelf", box((2 * size.x - thickness, 0.6 * half, 2 * size.z - thickness), (0, y + half, 0)))
+
+
+def _connectors(draw: Draw, node: Node, size: _Size) -> None:
+    """Battens under the top."""
+    for side in (-1, 1):
+        if draw.chance(0.3):
+            at = (side * (size.x - size.board / 2), size.y - size.board, 0)
+            node.add("tabletop_connector", box((size.board, size.board, 1.6 * size.z), at))
+
+
+def _apron(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
+    """Legs all the way up, and one row of drawers between them under the top."""
+    height = draw.between(0.1, 0.35) * min(1.0, size.y)
+    low = size.y - height
+    thickness = draw.between(1.2, 2.6) * size.board + 0.02
+    _add_legs(draw, node, size, size.y, thickness)
+    inset = draw.pick([0.0, thickness])
+    _shell(draw, node, (-size.x + inset, low), (size.x - inset, size.y), size)
+    _connectors(draw, node, size)
+    edge = size.x - inset - size.board
+    if draw.chance(0.2):
+        front = box_between((-edge, low, size.z - size.board), (edge, low + 0.2 * height, size.z))
+        node.add("vertical_front_panel", front)
+        low += 0.2 * height
+    _row(draw, node, links, (-edge, low), (edge, size.y), size, draw.pick([1, 2, 3], [7, 2, 1]))
+
+
+def _stand(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
+    """A body down to feet or floor, with drawers one above the other, a shelf space, or a door below a drawer."""
+    low = draw.pick([0.0, draw.between(0.05, 0.5) * size.y], [1, 2])
+    _shell(draw, node, (-size.x, low), (size.x, size.y), size)
+    if low > 0:
+        size_legs = _Size(size.x, low, size.z, size.board)
+        _add_legs(draw, node, size_legs, low, draw.between(0.03, 0.1))
+    edge, board = size.x - size.board, size.board
+    count = draw.pick([1, 2, 3, 4], [4, 4, 2, 1])
+    height = (size.y - low - board) / count
+    for row in range(count):
+        top = size.y - row * height
+        if row and draw.chance(0.25):
+            opening = Opening(0, (top + low) / 2, 2 * edge, top - low - board, 2 * (size.z - board), size.z)
+            _doors(draw, node, links, opening, Fronts.drawn(draw, board))
+            break
+        _row(draw, node, links, (-edge, top - height + board), (edge, top), size, draw.pick([1, 2], [5, 1]))
+        shelf = box_between((-edge, top - height, -size.z + board), (edge, top - height + 0.7 * board, size.z - 0.01))
+        node.add("shelf", shelf)
+        if draw.chance(0.4):
+            break
+
+
+def _pedestal(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
+    """A desk: drawers or a door at one or both ends, knees between, maybe a drawer above them."""
+    low = draw.pick([0.0, draw.between(0.02, 0.15)])
+    width = draw.between(0.22, 0.32) * 2 * size.x
+    sides: list[float] = draw.pick([[-1.0], [1.0], [-1.0, 1.0]], [2, 2, 3])
+    for side in (-1.0, 1.0):
+        outer, inner = side * size.x, side * (size.x - width)
+        if side not in sides:
+            left = min(outer, outer - side * size.board)
+            panel = box_between((left, 0, -size.z), (left + size.board, size.y, size.z))
+            node.add("vertical_side_panel", panel)
+            continue
+        left, right = min(outer, inner), max(outer, inner)
+        _shell(draw, node, (left, low), (right, size.y), size)
+        _column(draw, node, links, left + size.board, right - size.board, low, size)
+        if low:
+            for z in (-0.8, 0.8):
+                node.add("foot", cylinder(0.025, low, "y", ((left + right) / 2, low / 2, z * size.z), 12))
+    free_left = -size.x + (width if -1.0 in sides else size.board)
+    free_right = size.x - (width if 1.0 in sides else size.board)
+    if draw.chance(0.4):
+        _row(draw, node, links, (free_left, size.y - draw.between(0.1, 0.18)), (free_right, size.y), size, 1)
+    if draw.chance(0.6):
+        back = box_between((free_left, 0.4 * size.y, -size.z), (free_right, size.y, -size.z + size.board))
+        node.add("back_panel", back)
+
+
+def _column(draw: Draw, node: Node, links: list[Link], left: float, right: float, low: float, size: _Size) -> None:
+    """What a pedestal holds: two to five drawers, or a door, maybe under a drawer."""
+    fronts, board = Fronts.drawn(draw, size.board), size.board
+    depth = 2 * (size.z - board)
+    count = draw.integer(2, 5)
+    height = (size.y - low - board) / count
+    x, width = (left + right) / 2, right - left
+    door_below = draw.chance(0.25)
+    for row in range(count):
+        top = size.y - row * height
+        if door_below and row >= draw.integer(0, 1):
+            opening = Opening(x, (top + low + board) / 2, width, top - low - board, depth, size.z)
+            links.append(add_door(draw, node, links[0], opening, fronts, draw.pick(["left", "right"]), DoorNames()))
+            return
+        opening = Opening(x, top - height / 2, width, height - draw.pick([0.0, 0.3 * board]), depth, size.z)
+        links.append(add_drawer(draw, node, links[0], opening, fronts))
+
+
+def _doors(draw: Draw, node: Node, links: list[Link], opening: Opening, fronts: Fronts) -> None:
+    """One door, or two that meet in the middle."""
+    if draw.chance(0.5):
+        links.append(add_door(draw, node, links[0], opening, fronts, draw.pick(["left", "right"]), DoorNames()))
+        return
+    for side, name in ((-1, "left"), (1, "right")):
+        x = opening.x + side * opening.width / 4
+        half = Opening(x, opening.y, opening.width / 2, opening.height, opening.depth, opening.front)
+        links.append(add_door(draw, node, links[0], half, fronts, name, DoorNames()))

@@ -1,0 +1,173 @@
+"""Toasters: levers that go down along the ends, dials and buttons on the end faces, sometimes a crumb tray."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.details.controls import button, dial
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
+from kinmo.synth.primitives import X, Y, box, box_between, cylinder, extrude, move, rounded_box, rounded_outline, turn
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """The body: x across, z along the slots, standing on y = 0. `front` is where the end face is."""
+
+    width: float
+    height: float
+    length: float
+    slots: int
+    rows: int
+
+    @property
+    def front(self) -> float:
+        return 0.5 * self.length
+
+
+def build(draw: Draw) -> SynthObject:
+    slots, rows = draw.pick([(1, 1), (2, 1), (2, 2), (4, 1)], [1, 6, 1, 1])
+    length = draw.between(1.2, 1.6) * (1.3 if rows == 2 else 1.0)
+    plan = _Plan(draw.between(0.38, 0.56) * slots**0.65, draw.between(0.75, 1.1), length, slots, rows)
+    root = Node("Toaster")
+    body = Node("base_body", pieces=_body(draw, plan))
+    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY], [4, 1, 1]))
+    links = [base, *_end_controls(draw, plan, base, body)]
+    if draw.chance(0.12):
+        tray = Node("tray", pieces=[box((0.8 * plan.width, 0.03, 0.9 * plan.length), (0, -0.01, 0.03))])
+        if draw.chance(0.5):
+            tray.pieces.append(box((0.3 * plan.width, 0.05, 0.05), (0, 0.0, plan.front)))
+        out = slider((0, 0, 1), 0.0, 0.6 * plan.length, rest=draw.pick([0.0, draw.between(0.0, 0.4)], [3, 1]))
+        links.append(Link("tray", [tray], base, out))
+    if draw.chance(0.2):
+        links += _racks(draw, plan, base)
+    root.children = [node for link in links[1:] for node in link.nodes] + [body]
+    return SynthObject("Toaster", root, links)
+
+
+def _body(draw: Draw, plan: _Plan) -> list[Mesh]:
+    """A block with bars between the slots on top, rounded across or along."""
+    deep = plan.height * draw.between(0.4, 0.9)
+    floor = plan.height - deep
+    wall = draw.between(0.06, 0.15) * plan.width
+    end = 0.5 * (plan.length - draw.between(0.7, 0.85) * plan.length)
+    radius = draw.pick([draw.between(0.02, 0.15), draw.between(0.15, 0.32)]) * plan.width
+    pieces = [box((plan.width, floor, plan.length - 2 * end), (0, 0.5 * floor, 0))]
+    for side in (-1.0, 1.0):
+        middle = (0, 0.5 * plan.height, side * (plan.front - 0.5 * end))
+        pieces.append(rounded_box((plan.width, plan.height, end), radius, "z", middle))
+    opening = (plan.width - 2 * wall) / plan.slots * draw.between(0.5, 0.75)
+    bar = (plan.width - 2 * wall - plan.slots * opening) / max(plan.slots - 1, 1)
+    x = -0.5 * plan.width
+    for index in range(plan.slots + 1):
+        wide = wall if index in (0, plan.slots) else bar
+        pieces.append(box_between((x, floor, -plan.front + end), (x + wide, plan.height, plan.front - end)))
+        x += wide + opening
+    if plan.rows == 2:
+        pieces.append(box((plan.width, deep, end), (0, floor + 0.5 * deep, 0)))
+    if draw.chance(0.3):
+        # Sides that bulge over the block.
+        bulge = draw.between(0.03, 0.08)
+        outline = rounded_outline(0.9 * plan.length, 0.85 * plan.height, 0.2 * plan.height)
+        sides = [extrude(outline[:, ::-1], bulge, "x", (s * (plan.width + bulge) / 2, plan.height / 2, 0)) for s in (-1, 1)]
+        pieces += sides
+    if draw.chance(0.5):
+        places = [(x * 0.38 * plan.width, z * 0.4 * plan.length) for x in (-1, 1) for z in (-1, 1)]
+        pieces += [cylinder(0.05, 0.05, "y", (x, -0.025, z), 12) for x, z in places]
+    if draw.chance(0.15):
+        slice_size = (0.6 * opening, 0.5 * plan.height, 0.5 * plan.length)
+        pieces.append(box(slice_size, (-0.5 * plan.width + wall + 0.5 * opening, plan.height, 0)))
+    return pieces
+
+
+def _racks(draw: Draw, plan: _Plan, base: Link) -> list[Link]:
+    """Wire racks in the slots that lift the bread."""
+    wide = plan.width * draw.between(0.08, 0.15)
+    tall, long = plan.height * draw.between(0.5, 0.7), plan.length * draw.between(0.45, 0.6)
+    motion = slider(Y, 0.0, plan.height * draw.between(0.1, 0.8))
+    links = []
+    for index in range(plan.slots):
+        x = (index - 0.5 * (plan.slots - 1)) * 0.8 * plan.width / plan.slots
+        low = plan.height - tall
+        rails = [box((0.01, 0.02, long), (x + s * wide, plan.height - 0.01, 0)) for s in (-1, 1)]
+        wires = [box((2 * wide, tall, 0.01), (x, low + 0.5 * tall, (i - 3) * long / 6)) for i in range(7)]
+        slot = Node("other")
+        slot.add("slot", *rails, *wires)
+        links.append(Link("slot", [slot], base, motion))
+    return links
+
+
+def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]:
+    levers = [(0.0, 1.0)]
+    if plan.rows == 2 or (plan.slots == 4 and draw.chance(0.5)) or draw.chance(0.08):
+        levers = [(0.0, 1.0), (0.0, -1.0)] if draw.chance(0.5) else [(-0.22, 1.0), (0.22, 1.0)]
+    elif draw.chance(0.25):
+        levers = [(draw.between(-0.3, 0.3), 1.0)]
+    links = [_lever(draw, plan, base, body, x * plan.width, facing, len(levers)) for x, facing in levers]
+    taken = levers[0][0] * plan.width
+    # Below the lever, or beside it.
+    beside = -np.sign(taken or draw.sign()) * draw.between(0.2, 0.35) * plan.width
+    radius = draw.between(0.035, 0.08)
+    at = draw.pick([(taken, 0.2), (beside, draw.between(0.15, 0.4))])
+    place = (at[0], max(at[1] * plan.height, 1.2 * radius), plan.front)
+    if draw.chance(0.6):
+        lean = draw.between(-25.0, 0.0) if draw.chance(0.15) else 0.0
+        knob = Node(draw.pick(["button", "knob"], [3, 1]))
+        knob.pieces = [turn(piece, X, lean, place) for piece in dial(draw, radius, draw.between(0.02, 0.1), place)]
+        axis = (0.0, -np.sin(np.radians(lean)), np.cos(np.radians(lean)))
+        origin = (place[0], place[1], draw.pick([0.0, place[2]])) if lean == 0.0 else place
+        motion = spinner(origin, axis) if draw.chance(0.75) else hinge(origin, axis, *draw.pick([(-135, 135), (0, 270)]))
+        links.append(Link("knob", [knob], base, motion))
+    elif draw.chance(0.3):
+        tab = Node("slider", pieces=[box((0.05, 0.06, 0.05), (place[0], place[1], plan.front + 0.02))])
+        body.pieces.append(box((0.5 * plan.width, 0.02, 0.01), (0, place[1], plan.front)))
+        links.append(Link("slider", [tab], base, slider(X, -0.2 * plan.width - place[0], 0.2 * plan.width - place[0])))
+    if draw.chance(0.35):
+        links += _buttons(draw, plan, base, -place[0] if abs(place[0]) > 0.1 else beside)
+    return links
+
+
+def _lever(draw: Draw, plan: _Plan, base: Link, body: Node, x: float, facing: float, count: int) -> Link:
+    wide = draw.between(0.12, 0.45) * min(plan.width, 0.6) / (1.0 if count == 1 else 1.5)
+    tall, reach = draw.between(0.03, 0.12), draw.between(0.05, 0.16)
+    top = plan.height * draw.between(0.55, 0.9)
+    travel = (top - 0.15 * plan.height) * draw.between(0.5, 0.9)
+    grip = box((wide, tall, reach), (0, 0, 0.5 * reach + 0.02))
+    if draw.chance(0.3):
+        grip = rounded_box((wide, tall, reach), 0.4 * tall, "x", (0, 0, 0.5 * reach + 0.02))
+    elif draw.chance(0.2):
+        grip = cylinder(0.5 * tall, wide, "x", (0, 0, 0.5 * reach + 0.02), 14)
+    pieces = [grip]
+    if draw.chance(0.5):
+        inside = draw.between(0.03, 0.35)
+        pieces.append(box((0.3 * wide, 0.5 * tall, inside), (0, 0, 0.03 - 0.5 * inside)))
+    if draw.chance(0.2):
+        # The carriage behind the wall.
+        pieces.append(box((1.3 * wide, draw.between(0.05, 0.4) * plan.height, 0.02), (0, 0, -0.05)))
+    if draw.chance(0.6):
+        track = [box((0.02, 1.1 * travel, 0.004), (x + s * 0.02, top - 0.5 * travel, facing * plan.front)) for s in (-1, 1)]
+        body.pieces += track
+    spun = 0.0 if facing > 0 else 180.0
+    node = Node("slider", pieces=[move(turn(piece, Y, spun), (x, top, facing * plan.front)) for piece in pieces])
+    rest = -travel * draw.pick([0.0, 1.0, draw.between(0.0, 1.0)], [5, 1, 1])
+    if draw.chance(0.3):
+        return Link("slider", [node], base, slider((0, -1, 0), 0.0, travel, rest=-rest))
+    return Link("slider", [node], base, slider(Y, -travel, draw.pick([0.0, 0.1 * travel]), rest=rest))
+
+
+def _buttons(draw: Draw, plan: _Plan, base: Link, x: float) -> list[Link]:
+    count = draw.integer(1, 4)
+    size = min(draw.between(0.04, 0.08), 0.12 * plan.height)
+    pitch = size * draw.between(1.2, 1.6)
+    depth = draw.between(0.008, 0.03)
+    low = plan.height * draw.between(0.15, 0.4)
+    links = []
+    for index in range(count):
+        node = Node("button", pieces=[button(draw, size, 0.8 * size, depth, (x, low + index * pitch, plan.front))])
+        inwards = draw.chance(0.3)
+        motion = slider((0, 0, -1), 0, 0.6 * depth) if inwards else slider((0, 0, 1), -0.6 * depth, 0)
+        links.append(Link("button", [node], base, motion))
+    return links

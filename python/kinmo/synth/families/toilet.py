@@ -1,0 +1,128 @@
+"""Toilets: a bowl with a seat and a lid that turn up about a line behind them, a tank with a button or lever."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.shape import Mesh
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import Link, Node, SynthObject, hinge, slider
+from kinmo.synth.primitives import box, box_between, cylinder, extrude, join, lathe, move, rounded_box, scale, sheet
+from kinmo.synth.primitives.turned import grid_faces
+
+
+def build(draw: Draw) -> SynthObject:
+    root = Node(draw.pick(["Toilet", "toilet"], [3, 1]))
+    width, length = draw.between(0.6, 0.85), draw.between(0.75, 1.1)
+    rim = draw.between(0.6, 0.8)
+    base_node = root.add("base_body", *_bowl(draw, width, length, rim))
+    base = Link("base_body", [base_node])
+    links = [base]
+    rear = -length / 2
+    tank_top = _tank(draw, root, base, links, width, rear, rim)
+    level = rim
+    thick = draw.between(0.025, 0.06)
+    axis_z = rear + draw.between(0.0, 0.08)
+    lid_open = draw.pick([0.0, draw.between(80, 98)], [3, 2])
+    seat_open = lid_open * draw.between(0.9, 0.97) if lid_open and draw.chance(0.3) else 0.0
+    if draw.chance(0.75):
+        seat = root.add("seat", _ring(width, length, 0.62, thick, level))
+        motion = hinge(
+            (0, level + draw.between(0.0, 1.0) * thick, axis_z), (-1, 0, 0), 0, draw.pick([90.0, 97.0]), rest=seat_open
+        )
+        links.append(Link("seat", [seat], base, motion))
+        level += thick
+    if draw.chance(0.85) or len(links) == 1:
+        lid = root.add("lid", extrude(_oval(width, length), thick, "y", (0, level + thick / 2, 0)))
+        if draw.chance(0.4):
+            lid.pieces.append(box((0.5 * width, 0.6 * thick, 0.08), (0, level + 0.3 * thick, rear + 0.02)))
+        motion = hinge(
+            (0, level + draw.between(0.0, 1.0) * thick, axis_z), (-1, 0, 0), 0, draw.pick([90.0, 100.0, 105.0]), rest=lid_open
+        )
+        links.append(Link("lid", [lid], base, motion))
+    if draw.chance(0.3):
+        base_node.pieces += [cylinder(0.025, 0.08, "x", (s * 0.2 * width, rim + 0.02, axis_z), 12) for s in (-1, 1)]
+    if tank_top and draw.chance(0.2):
+        base.nodes.append(root.add("other", box((0.12, 0.1, 0.08), (0.2 * width, tank_top + 0.05, rear - 0.12))))
+    return SynthObject("Toilet", root, links)
+
+
+def _oval(width: float, length: float, segments: int = 32) -> NDArray[np.float64]:
+    """The outline of a seat as (z, x): round at the front, blunter at the rear, from -length/2 to length/2."""
+    angles = np.linspace(0, 2 * np.pi, segments, endpoint=False)
+    z = 0.5 * length * np.sign(np.cos(angles)) * np.abs(np.cos(angles)) ** np.where(np.cos(angles) < 0, 0.6, 1.0)
+    return np.stack([z, 0.5 * width * np.sin(angles)], axis=1)
+
+
+def _ring(width: float, length: float, share: float, thick: float, low: float) -> Mesh:
+    """A seat: the outline with a hole of `share` of its size."""
+    outer = _oval(width, length)
+    inner = share * outer + [0.04 * length, 0.0]
+    rings = [(outer, low), (outer, low + thick), (inner, low + thick), (inner, low), (outer, low)]
+    vertices = np.concatenate([np.stack([o[:, 1], np.full(len(o), y), o[:, 0]], axis=1) for o, y in rings])
+    return Mesh(vertices, grid_faces(len(rings), len(outer), closed=True))
+
+
+def _bowl(draw: Draw, width: float, length: float, rim: float) -> list[Mesh]:
+    """The bowl on its foot, open above, and a block towards the wall."""
+    foot = draw.between(0.45, 0.7)
+    profile = np.array(
+        [
+            [0, 0],
+            [foot, 0],
+            [0.8 * foot, 0.3 * rim],
+            [0.9, 0.75 * rim],
+            [1.0, rim],
+            [0.75, rim],
+            [0.55, 0.55 * rim],
+            [0, 0.45 * rim],
+        ]
+    )
+    unit = lathe(profile, 28)
+    bowl = scale(unit, (0.48 * width, 1.0, 0.5 * length))
+    pieces = [bowl]
+    if draw.chance(0.8):
+        pieces.append(box_between((-0.3 * width, 0, -0.7 * length), (0.3 * width, 0.97 * rim, -0.25 * length)))
+    return pieces
+
+
+def _tank(draw: Draw, root: Node, base: Link, links: list[Link], width: float, rear: float, rim: float) -> float:
+    """The tank behind the bowl with its cover and what flushes it; returns its height, or 0 without a tank."""
+    if draw.chance(0.15):
+        return 0.0
+    deep, tall = draw.between(0.25, 0.4), draw.between(0.45, 0.7)
+    wide = width * draw.between(0.95, 1.2)
+    low, top = rim - draw.between(0.0, 0.1), rim + tall
+    middle = rear - deep / 2 - draw.between(0.0, 0.06)
+    size = (wide, top - low, deep)
+    at = (0, 0.5 * (low + top), middle)
+    tank = rounded_box(size, 0.05, "y", at) if draw.chance(0.5) else box(size, at)
+    base.nodes[0].pieces.append(tank)
+    cover = rounded_box((1.05 * wide, 0.05, 1.08 * deep), 0.05, "y", (0, top + 0.025, middle))
+    if draw.chance(0.25):
+        node = root.add("lid", cover)
+        links.append(Link("lid", [node], base, slider((0, 1, 0), 0, draw.between(0.1, 0.4)), lumped_name="lid"))
+    else:
+        base.nodes[0].pieces.append(cover)
+    kind = draw.pick(["top", "side", "lever", "none"], [4, 2, 3, 1])
+    travel = draw.between(0.008, 0.02)
+    if kind == "top":
+        count = draw.pick([1, 2])
+        for index in range(count):
+            x = (index - 0.5 * (count - 1)) * 0.09
+            node = root.add("button", cylinder(0.04, 2 * travel, "y", (x, top + 0.05 + travel, middle), 20))
+            links.append(Link("button", [node], base, slider((0, -1, 0), 0, travel)))
+    elif kind == "side":
+        side = draw.sign()
+        node = root.add("button", box((2 * travel, 0.08, 0.08), (side * (wide / 2 + travel), top - 0.12, middle)))
+        links.append(Link("button", [node], base, slider((-side, 0, 0), 0, travel)))
+    elif kind == "lever":
+        front, x = middle + deep / 2, -0.35 * wide * draw.sign()
+        hub = cylinder(0.025, 0.05, "z", (x, top - 0.1, front + 0.025), 14)
+        arm = box((0.16, 0.03, 0.02), (x + 0.07, top - 0.1, front + 0.05))
+        node = root.add("lever", join(hub, arm))
+        links.append(Link("lever", [node], base, hinge((x, top - 0.1, front), (0, 0, -1), 0, draw.between(20, 50))))
+    if draw.chance(0.1):
+        base.nodes[0].pieces.append(move(sheet((0.3, 0.2), axis="z"), (0, top - 0.2, middle + deep / 2 + 0.001)))
+    return top

@@ -1,0 +1,158 @@
+"""Washing machines: a round door in the front that turns about its side, or a lid on top; knobs, buttons, a drawer."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.synth.details.appliance import add_dial, add_feet, add_keypad
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
+from kinmo.synth.primitives import (
+    along,
+    box,
+    box_between,
+    cylinder,
+    dome,
+    join,
+    lathe,
+    move,
+    rounded_box,
+    sheet,
+    torus,
+    tube,
+    turn,
+)
+
+
+def build(draw: Draw) -> SynthObject:
+    width, height, depth = draw.between(0.9, 1.2), draw.between(1.0, 1.6), draw.between(0.8, 1.25)
+    x, y, z = width / 2, height / 2, depth / 2
+    root = Node(draw.pick(["WashingMachine", "washing_machine"], [3, 1]))
+    shell = (
+        rounded_box((width, height, depth), draw.between(0.01, 0.1), "y") if draw.chance(0.4) else box((width, height, depth))
+    )
+    body = root.add("base_body", shell)
+    base = Link("base_body", [body], kind=draw.pick([JointName.HEAVY, JointName.STATIC, JointName.FREE], [5, 1, 1]))
+    links = [base]
+    if draw.chance(0.7):
+        links.append(_porthole(draw, root, body, base, x, y, z))
+        links += _front_controls(draw, root, base, x, y, z)
+    else:
+        links += _top_loader(draw, root, body, base, x, y, z)
+    if draw.chance(0.4):
+        base.nodes.append(add_feet(draw, root, x, z, -y))
+    return SynthObject("WashingMachine", root, links)
+
+
+def _porthole(draw: Draw, root: Node, body: Node, base: Link, x: float, y: float, z: float) -> Link:
+    """A round door: a ring with a bulging glass, hinged beside its rim."""
+    radius = draw.between(0.5, 0.75) * x
+    up = draw.between(-0.2, 0.05) * y
+    thickness = draw.between(0.03, 0.1)
+    center = np.array([draw.pick([0.0, draw.between(-0.1, 0.1)]) * x, up, z])
+    if draw.chance(0.5):
+        body.pieces.append(move(tube(1.12 * radius, radius, 0.04, "z"), center))
+    if draw.chance(0.5):
+        body.pieces.append(move(cylinder(0.85 * radius, 0.02, "z"), center))
+    node = root.add("door")
+    segments = draw.pick([20, 28, 40])
+    if draw.chance(0.7):
+        node.pieces.append(move(tube(radius, 0.72 * radius, thickness, "z", (0, 0, thickness / 2), segments), center))
+        bulge = draw.between(-0.35, 0.2) * radius
+        glass = dome((0.74 * radius, abs(bulge), 0.74 * radius), axis="z", segments=segments)
+        flipped = turn(glass, (0, 1, 0), 180) if bulge < 0 else glass
+        node.pieces.append(move(flipped, center + [0, 0, thickness / 2]))
+    else:
+        profile = np.array(
+            [
+                [radius, 0],
+                [radius, 0.6 * thickness],
+                [0.8 * radius, thickness],
+                [0.4 * radius, 1.2 * thickness],
+                [0, 1.2 * thickness],
+            ]
+        )
+        node.pieces.append(move(along(lathe(profile, segments), "z"), center))
+    side = draw.pick([-1.0, 1.0], [2, 1])
+    if draw.chance(0.6):
+        grip = box((0.1 * radius, 0.3 * radius, 0.5 * thickness), (-side * 0.88 * radius, 0, 1.1 * thickness))
+        node.pieces.append(move(grip, center))
+    reach = radius * draw.between(0.95, 1.1)
+    axis = center + [side * reach, 0, thickness * draw.pick([0.0, 0.5])]
+    if draw.chance(0.5):
+        bracket = box((0.14 * radius, 0.4 * radius, 0.6 * thickness), (side * reach, 0, 0.3 * thickness))
+        (node if draw.chance(0.5) else body).pieces.append(move(bracket, center))
+    rest = draw.between(20, 130) if draw.chance(0.3) else 0.0
+    return Link("door", [node], base, hinge(axis, (0, side, 0), 0, draw.pick([90.0, 120.0, 178.0]), rest=rest))
+
+
+def _front_controls(draw: Draw, root: Node, base: Link, x: float, y: float, z: float) -> list[Link]:
+    """A knob, a row of buttons, and a drawer for the powder, in the upper strip of the front."""
+    links: list[Link] = []
+    level = draw.between(0.75, 0.85) * y
+    if draw.chance(0.8):
+        at = (draw.between(-0.3, 0.6) * x, level, z)
+        links.append(add_dial(draw, root, base, at, draw.between(0.06, 0.13) * x, draw.pick(["button", "knob", "switch"])))
+    if draw.chance(0.6):
+        count, size, travel = draw.integer(2, 8), draw.between(0.03, 0.06), draw.between(0.002, 0.015)
+        for index in range(count):
+            node = root.add(
+                "button", box((size, size, travel), (0.9 * x - 1.5 * size * (index + 1), level - 0.09, z + travel / 2))
+            )
+            links.append(Link("button", [node], base, slider((0, 0, -1), 0, travel)))
+    if draw.chance(0.4):
+        width, height, deep = 0.5 * x, draw.between(0.1, 0.16), draw.between(0.3, 0.6) * z
+        left = -0.95 * x
+        front = box_between((left, level - height / 2, z - 0.01), (left + width, level + height / 2, z + 0.03))
+        inner = box_between((left + 0.02, level - 0.4 * height, z - deep), (left + width - 0.02, level + 0.2 * height, z))
+        node = root.add("drawer", *([front, inner] if draw.chance(0.6) else [front]))
+        links.append(
+            Link("drawer", [node], base, slider((0, 0, 1), 0, draw.between(0.6, 0.95) * deep), lumped_name="translation_drawer")
+        )
+    return links
+
+
+def _top_loader(draw: Draw, root: Node, body: Node, base: Link, x: float, y: float, z: float) -> list[Link]:
+    """A lid on top, hinged at the rear or a side, before a raised and tilted control panel."""
+    rear = -z + draw.between(0.25, 0.4) * z
+    tilt = draw.between(0, 35)
+    panel_height = draw.between(0.2, 0.35)
+    panel = turn(box((2 * x, panel_height, 0.12)), (1, 0, 0), -tilt)
+    at = np.array([0, y + 0.4 * panel_height, rear - 0.12])
+    body.pieces.append(move(panel, at))
+    front = z - draw.between(0.05, 0.15) * z
+    half = x * draw.between(0.6, 0.95)
+    thick = draw.between(0.02, 0.05)
+    round_lid = draw.chance(0.25)
+    center = np.array([0, y + thick / 2, 0.5 * (rear + front)])
+    span = min(half, 0.5 * (front - rear))
+    slab = cylinder(span, thick, segments=28) if round_lid else box((2 * half, thick, front - rear))
+    lid = root.add(draw.pick(["door", "lid"]), move(slab, center))
+    if draw.chance(0.5):
+        lid.pieces.append(move(torus(0.08, 0.015, "y"), center + [0, thick / 2, 0.35 * (front - rear)]))
+    if draw.chance(0.5):
+        lid.pieces.append(
+            join(*(sheet((0.3 * half, 0.5 * half), center + [s * 0.3 * half, 0.51 * thick, 0], "y") for s in (-1, 1)))
+        )
+    rest = draw.between(20, 90) if draw.chance(0.35) else 0.0
+    if draw.chance(0.75):
+        edge = center + [0, 0, -(span if round_lid else 0.5 * (front - rear))]
+        motion = hinge(edge, (-1, 0, 0), 0, draw.pick([90.0, 100.0]), rest=rest)
+    else:
+        motion = hinge(center + [-(span if round_lid else half), 0, 0], (0, 0, 1), 0, 95.0, rest=rest)
+    links = [Link("door", [lid], base, motion, lumped_name="door")]
+    normal = np.array([0, -np.sin(np.radians(-tilt)), np.cos(np.radians(tilt))])
+    for index in range(draw.integer(1, 4)):
+        radius = draw.between(0.03, 0.08)
+        place = at + [x * (0.75 - 0.4 * index), 0, 0] + normal * 0.06
+        knob_node = Node("control")
+        knob = add_dial(draw, knob_node, base, (0.0, 0.0, 0.0), radius, draw.pick(["button", "knob"]))
+        leaf = knob.nodes[0]
+        leaf.pieces = [move(turn(piece, (1, 0, 0), -tilt), place) for piece in leaf.pieces]
+        root.children.append(leaf)
+        assert knob.motion is not None
+        turned = type(knob.motion)(knob.motion.joint, place, normal, knob.motion.a, knob.motion.b, knob.motion.no_limit)
+        links.append(Link("knob", [leaf], base, turned))
+    if draw.chance(0.3):
+        links += add_keypad(draw, root, base, (0.4 * x, 0.5 * y, z), (0.3 * x, 0.2 * y), "button", moving=True)
+    return links

@@ -1,0 +1,128 @@
+"""Windows: sashes that slide sideways or up, casements, awnings, and panes that turn about their middle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.details.appliance import frame
+from kinmo.synth.details.leafs import sash
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, slider
+from kinmo.synth.primitives import box, cylinder, join, move
+
+
+def build(draw: Draw) -> SynthObject:
+    width, height = draw.between(0.9, 1.6), draw.between(0.9, 1.6)
+    rim, depth = draw.between(0.04, 0.1), draw.between(0.06, 0.16)
+    root = Node(draw.pick(["Window", "window"], [4, 1]))
+    half = np.array([width / 2, height / 2, depth / 2])
+    body = root.add("base_body", frame(-half, half, rim))
+    if draw.chance(0.3):
+        body.pieces.append(box((1.1 * width, 0.04, 2 * depth), (0, -height / 2 - 0.02, depth / 2)))
+    base = Link("base_body", [body], kind=JointName.STATIC)
+    opening = (width - 2 * rim, height - 2 * rim)
+    kind = draw.pick(["slide", "hung", "casement", "awning", "pivot"], [4, 3, 4, 3, 1])
+    if kind in ("slide", "hung"):
+        links = _sliding(draw, root, base, opening, depth, upright=kind == "hung")
+    else:
+        links = _turning(draw, root, base, opening, depth, kind)
+    return SynthObject("Window", root, [base, *links])
+
+
+def _add_sash(draw: Draw, root: Node, name: str, size: tuple[float, float], at: np.ndarray, thickness: float) -> Node:
+    """A sash as one leaf, or as a frame, a pane and maybe a handle."""
+    bars, glass = sash(draw, *size, thickness)
+    bars, glass = [move(piece, at) for piece in bars], [move(piece, at) for piece in glass]
+    if draw.chance(0.6):
+        return root.add(name, *bars, *glass)
+    node = root.add(name)
+    node.add("frame", *bars)
+    node.add("glass", *glass)
+    return node
+
+
+def _sliding(draw: Draw, root: Node, base: Link, size: tuple[float, float], depth: float, *, upright: bool) -> list[Link]:
+    """Two or three sashes on tracks, at least one of which slides over another."""
+    along = 1 if upright else 0
+    count = 2 if upright else draw.pick([2, 3], [4, 1])
+    overlap = draw.between(0.0, 0.04)
+    length = size[along] / count + overlap / 2
+    thickness = depth * draw.between(0.3, 0.45)
+    links: list[Link] = []
+    for index in range(count):
+        place = (index + 0.5) / count - 0.5
+        at = np.zeros(3)
+        at[along] = place * (size[along] - overlap)
+        at[2] = (-0.25 if index % 2 else 0.25) * depth
+        extent = (size[0], length) if upright else (length, size[1])
+        moves = draw.chance(0.8) or (index == count - 1 and not links)
+        node = _add_sash(draw, root, "translation" if moves else "fixed_sash", extent, at, thickness)
+        if not moves:
+            base.nodes.append(node)
+            continue
+        direction = np.zeros(3)
+        direction[along] = -1.0 if place > 0 else 1.0
+        travel = length * draw.between(0.75, 0.98)
+        rest = travel * draw.between(0.1, 0.8) if draw.chance(0.25) else 0.0
+        motion = slider(direction, draw.pick([0.0, -0.01]), travel, rest=rest)
+        links.append(Link("translation_window", [node], base, motion, lumped_name="translation"))
+    return links
+
+
+def _turning(draw: Draw, root: Node, base: Link, size: tuple[float, float], depth: float, kind: str) -> list[Link]:
+    """One or two sashes that turn about a side, the upper or lower edge, or their middle, beside fixed ones."""
+    pair = kind == "casement" and draw.chance(0.4)
+    columns = 2 if pair or draw.chance(0.4) else 1
+    rows = 2 if not pair and draw.chance(0.25) else 1
+    width, height = size[0] / columns, size[1] / rows
+    thickness = depth * draw.between(0.3, 0.8)
+    moving = {(0, 0), (1, 0)} if pair else {(draw.integer(0, columns - 1), draw.integer(0, rows - 1))}
+    links = []
+    for column in range(columns):
+        for row in range(rows):
+            at = np.array([width * (column + 0.5) - size[0] / 2, height * (row + 0.5) - size[1] / 2, 0.0])
+            if (column, row) not in moving:
+                bars, glass = sash(draw, width, height, 0.8 * thickness)
+                base.nodes[0].pieces += [move(piece, at) for piece in bars + glass]
+                continue
+            at[2] = draw.pick([0.0, depth / 2])
+            gap = draw.pick([0.0, 0.005])
+            node = _add_sash(draw, root, "rotation", (width - 2 * gap, height - 2 * gap), at, thickness)
+            out = (1.0 if column else -1.0) if pair else draw.sign()
+            motion, handle_side = _axis(draw, kind, at, width, height, thickness, out)
+            _latch(draw, node, at, handle_side, (width, height), thickness)
+            links.append(Link("rotation_window", [node], base, motion, lumped_name="rotation"))
+    return links
+
+
+def _axis(
+    draw: Draw, kind: str, at: np.ndarray, width: float, height: float, thickness: float, out: float
+) -> tuple[Motion, np.ndarray]:
+    """The hinge of a sash, and the direction in which its handle lies from the middle."""
+    rest = draw.between(10, 80) if draw.chance(0.5) else 0.0
+    lift = np.array([0, 0, thickness * draw.pick([0.0, 0.5, -0.3])])
+    if kind == "casement":
+        axis = at + lift + [out * (width / 2 - draw.between(0.0, 0.03)), 0, 0]
+        return hinge(
+            axis, (0, out * draw.pick([1.0, -1.0], [4, 1]), 0), 0, draw.pick([90.0, 150.0, 175.0]), rest=rest
+        ), np.array([-out, 0, 0])
+    if kind == "awning":
+        upper = 1.0 if draw.chance(0.7) else -1.0
+        axis = at + lift + [0, upper * (height / 2 - draw.between(0.0, 0.03)), 0]
+        return hinge(axis, (-upper, 0, 0), 0, draw.pick([45.0, 90.0]), rest=0.6 * rest), np.array([0, -upper, 0])
+    direction = draw.pick([(1, 0, 0), (0, 1, 0)])
+    return hinge(at, direction, -90, 90, rest=draw.sign() * rest), np.array([1, 0, 0])
+
+
+def _latch(draw: Draw, node: Node, at: np.ndarray, side: np.ndarray, size: tuple[float, float], thickness: float) -> None:
+    """A small handle opposite the hinge."""
+    if draw.chance(0.5):
+        return
+    place = at + side * [0.46 * size[0], 0.46 * size[1], 0] + [0, 0, thickness / 2]
+    knob: Mesh = cylinder(0.012, 0.04, "z", place + [0, 0, 0.02], 10)
+    lever = box((0.02, 0.1, 0.015), place + [0, -0.04, 0.04])
+    if node.children:
+        node.add("handle", knob, lever)
+    else:
+        node.pieces.append(join(knob, lever))

@@ -1,0 +1,169 @@
+"""Writing procedural shapes to a folder, any number of them, on any number of processes."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from enum import Enum
+from itertools import starmap
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from kinmo.errors import InputError
+from kinmo.synth.draw import Draw, ParameterRange
+from kinmo.synth.families import family, family_names
+from kinmo.synth.hierarchy_style import arrange
+from kinmo.synth.joint_quirks import misstate
+from kinmo.synth.mesh_quirks import roughen
+from kinmo.synth.model import SynthObject
+from kinmo.synth.writers import dsg_net, partnet, partnet_mobility
+
+
+class Layout(str, Enum):
+    """The layouts that can be written; each goes to a subfolder of this name."""
+
+    PARTNET_MOBILITY = "partnet_mobility"
+    PARTNET = "partnet"
+    DSG_NET = "dsg_net"
+
+    @property
+    def letter(self) -> str:
+        return {"partnet_mobility": "m", "partnet": "p", "dsg_net": "d"}[self.value]
+
+    @property
+    def writer(self) -> ModuleType:
+        return {"partnet_mobility": partnet_mobility, "partnet": partnet, "dsg_net": dsg_net}[self.value]
+
+
+@dataclass(frozen=True)
+class Order:
+    """One shape to be made. The shape depends on these fields and on nothing else."""
+
+    family: str
+    index: int
+    seed: int
+    layout: Layout
+    parameter_range: ParameterRange
+
+    @property
+    def shape_id(self) -> str:
+        """Unique over families, ranges, layouts and seeds, and no id that a real object has."""
+        return f"{self.family}-{self.seed}-{self.layout.letter}{self.parameter_range.value[0]}{self.index:05d}"
+
+    def draw(self, purpose: str) -> Draw:
+        """Random values for one purpose, independent of those for others."""
+        key = zlib.crc32(f"{self.family}/{self.layout.value}/{self.parameter_range.value}/{purpose}".encode())
+        rng = np.random.default_rng([self.seed, key, self.index])
+        return Draw(rng, self.parameter_range if purpose == "shape" else ParameterRange.BOTH)
+
+
+def build(order: Order) -> SynthObject:
+    """The object of an order, with the style and the quirks of real files, ready to be written."""
+    obj = family(order.family)(order.draw("shape"))
+    obj.check()
+    obj.settle()
+    finish = order.draw("finish")
+    obj.normalise(finish.between(1.8, 2.25), [finish.between(-0.03, 0.03) for _ in range(3)])
+    arrange(obj, finish)
+    roughen(obj, finish)
+    misstate(obj, finish)
+    return obj
+
+
+def orders(
+    count: int,
+    *,
+    families: Sequence[str] | None = None,
+    layouts: Sequence[Layout] = tuple(Layout),
+    seed: int = 0,
+    parameter_range: ParameterRange | None = None,
+) -> Iterator[Order]:
+    """`count` shapes a family and layout; a third of that, at least one, in DSG-Net's layout.
+
+    Without a `parameter_range`, labelled and unlabelled layouts take the range that is meant for them.
+    """
+    chosen = family_names() if families is None else tuple(families)
+    for name in chosen:
+        family(name)
+    for layout in layouts:
+        labelled = layout is Layout.PARTNET_MOBILITY
+        fitting = ParameterRange.LABELLED if labelled else ParameterRange.UNLABELLED
+        number = max(1, count // 3) if layout is Layout.DSG_NET else count
+        for name in chosen:
+            for index in range(number):
+                yield Order(name, index, seed, layout, parameter_range or fitting)
+
+
+def generate(
+    out: Path,
+    *,
+    count: int,
+    families: Sequence[str] | None = None,
+    layouts: Sequence[Layout] = tuple(Layout),
+    seed: int = 0,
+    parameter_range: ParameterRange | None = None,
+    workers: int = 1,
+    on_written: Callable[[Path], None] | None = None,
+) -> int:
+    """Write shapes below `out`/<layout>/ and return how many were written; those that are there already are left as they are.
+
+    Every shape is whole or absent, and the same whatever `workers` is. `on_written` hears of each new one.
+    Raises InputError for an unknown family or a count below one.
+    """
+    if count < 1:
+        raise InputError("count", f"expected at least 1, got {count}")
+    todo = orders(count, families=families, layouts=layouts, seed=seed, parameter_range=parameter_range)
+    jobs = ((order, out) for order in todo if not _target(order, out).exists())
+    written = 0
+    if workers == 1:
+        results: Iterator[Path] = starmap(write, jobs)
+        written = _report(results, on_written)
+    else:
+        with ProcessPoolExecutor(workers) as pool:
+            for batch in _batches(jobs, 64 * workers):
+                written += _report(pool.map(write, *zip(*batch, strict=True), chunksize=8), on_written)
+    return written
+
+
+def write(order: Order, out: Path) -> Path:
+    """Make one shape and put it in place as a whole."""
+    target = _target(order, out)
+    unfinished = target.with_name(f".{target.name}.{os.getpid()}")
+    shutil.rmtree(unfinished, ignore_errors=True)
+    unfinished.mkdir(parents=True)
+    try:
+        order.layout.writer.write(build(order), order.shape_id, unfinished, order.draw("files"))
+        unfinished.rename(target)
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+    return target
+
+
+def _target(order: Order, out: Path) -> Path:
+    return out / order.layout.value / order.shape_id
+
+
+def _report(results: Iterator[Path], on_written: Callable[[Path], None] | None) -> int:
+    written = 0
+    for path in results:
+        written += 1
+        if on_written is not None:
+            on_written(path)
+    return written
+
+
+def _batches(jobs: Iterator[tuple[Order, Path]], size: int) -> Iterator[list[tuple[Order, Path]]]:
+    batch: list[tuple[Order, Path]] = []
+    for job in jobs:
+        batch.append(job)
+        if len(batch) == size:
+            yield batch
+            batch = []
+    if batch:
+        yield batch

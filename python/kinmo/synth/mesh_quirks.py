@@ -1,0 +1,59 @@
+"""What modelling tools leave behind: fine or torn triangulations, unwelded and doubled faces, surfaces inside out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import SynthObject
+from kinmo.synth.primitives.place import inside_out, join
+
+UNWELDED_SHARE = 0.2
+"""Share of objects whose triangles share no vertices."""
+INSIDE_OUT_SHARE = 0.04
+DOUBLED_SHARE = 0.03
+TORN_SHARE = 0.02
+"""Shares of pieces that are inside out, there twice, or lack some triangles."""
+FINE_SHARE = 0.8
+"""Share of objects of which some pieces are subdivided."""
+LARGEST_PIECE = 4000
+"""Triangles a piece may have after subdivision."""
+
+
+def roughen(obj: SynthObject, draw: Draw) -> None:
+    """Give the meshes of an object their flaws, in place. No surface moves."""
+    unwelded, fine = draw.chance(UNWELDED_SHARE), draw.chance(FINE_SHARE)
+    for leaf in obj.root.leaves():
+        leaf.pieces = [_roughened(piece, draw, unwelded, fine) for piece in leaf.pieces]
+
+
+def _roughened(piece: Mesh, draw: Draw, unwelded: bool, fine: bool) -> Mesh:
+    levels = draw.pick([0, 1, 2, 3, 4], [3, 4, 4, 2, 1]) if fine else 0
+    for _ in range(levels):
+        if 4 * len(piece.faces) <= LARGEST_PIECE:
+            piece = subdivided(piece)
+    flaw = draw.between(0, 1)
+    if flaw < INSIDE_OUT_SHARE:
+        piece = inside_out(piece)
+    elif flaw < INSIDE_OUT_SHARE + DOUBLED_SHARE:
+        piece = join(piece, inside_out(piece))
+    elif flaw < INSIDE_OUT_SHARE + DOUBLED_SHARE + TORN_SHARE and len(piece.faces) > 40:
+        start = draw.integer(0, len(piece.faces) - 1)
+        piece = Mesh(piece.vertices, np.delete(piece.faces, np.arange(start, min(start + 4, len(piece.faces))), axis=0))
+    if unwelded:
+        piece = Mesh(piece.vertices[piece.faces.ravel()], np.arange(piece.faces.size, dtype=np.uint32).reshape(-1, 3))
+    return piece
+
+
+def subdivided(mesh: Mesh) -> Mesh:
+    """Every triangle in four, through the midpoints of its edges."""
+    faces = mesh.faces.astype(np.int64)
+    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    keys, index = np.unique(edges[:, 0] * len(mesh.vertices) + edges[:, 1], return_inverse=True)
+    ends = np.stack(np.divmod(keys, len(mesh.vertices)), axis=1)
+    middles = mesh.vertices[ends].mean(axis=1)
+    ab, bc, ca = (len(mesh.vertices) + index.reshape(-1, 3)).T
+    a, b, c = faces.T
+    quartered = np.stack([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca], axis=1).reshape(-1, 3)
+    return Mesh(np.concatenate([mesh.vertices, middles]), quartered.astype(np.uint32))

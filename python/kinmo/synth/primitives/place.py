@@ -1,0 +1,74 @@
+"""Moving, turning, scaling and joining meshes. Nothing is changed in place."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.shape import Mesh, Vector
+
+Point = Sequence[float] | Vector
+X, Y, Z = (np.eye(3)[i] for i in range(3))
+
+
+def transform(mesh: Mesh, matrix: NDArray[np.float64]) -> Mesh:
+    """`mesh` under a rigid or affine transform [4, 4]."""
+    return Mesh(mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3], mesh.faces)
+
+
+def move(mesh: Mesh, offset: Point) -> Mesh:
+    return Mesh(mesh.vertices + np.asarray(offset, float), mesh.faces)
+
+
+def scale(mesh: Mesh, factors: float | Point) -> Mesh:
+    """Scale about the origin, by one factor or one an axis. A mirrored mesh (negative product) keeps its outside outside."""
+    factors = np.broadcast_to(np.asarray(factors, float), 3)
+    faces = mesh.faces[:, ::-1] if np.prod(factors) < 0 else mesh.faces
+    return Mesh(mesh.vertices * factors, faces)
+
+
+def mirror(mesh: Mesh, axis: int = 0) -> Mesh:
+    """The mirror image in the plane through the origin across axis 0, 1 or 2."""
+    factors = np.ones(3)
+    factors[axis] = -1.0
+    return scale(mesh, factors)
+
+
+def rotation(direction: Point, degrees: float) -> NDArray[np.float64]:
+    """Rotation matrix [3, 3] about `direction` (any length), right-handed."""
+    x, y, z = np.asarray(direction, float) / np.linalg.norm(direction)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    angle = np.radians(degrees)
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+
+
+def rotation_about(direction: Point, degrees: float, origin: Point) -> NDArray[np.float64]:
+    """Rigid transform [4, 4] that turns about the line through `origin` along `direction`."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation(direction, degrees)
+    matrix[:3, 3] = np.asarray(origin, float) - matrix[:3, :3] @ np.asarray(origin, float)
+    return matrix
+
+
+def turn(mesh: Mesh, direction: Point, degrees: float, origin: Point = (0.0, 0.0, 0.0)) -> Mesh:
+    """`mesh` turned by degrees about the line through `origin` along `direction`."""
+    return transform(mesh, rotation_about(direction, degrees, origin))
+
+
+def along(mesh: Mesh, axis: str) -> Mesh:
+    """A mesh that is built along y, laid along "x", "y" or "z"."""
+    order = {"x": [1, 2, 0], "y": [0, 1, 2], "z": [2, 0, 1]}[axis]
+    return Mesh(mesh.vertices[:, order], mesh.faces)
+
+
+def join(*meshes: Mesh) -> Mesh:
+    """One mesh of several, without welding."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])]).astype(np.uint32)
+    vertices = np.concatenate([mesh.vertices for mesh in meshes])
+    return Mesh(vertices, np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]))
+
+
+def inside_out(mesh: Mesh) -> Mesh:
+    return Mesh(mesh.vertices, mesh.faces[:, ::-1])

@@ -1,0 +1,1 @@
+"""One writer a layout. Each writes one object into a folder that does not exist yet."""

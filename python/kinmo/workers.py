@@ -1,0 +1,97 @@
+"""A pool of processes that outlives what its work does to it, and does not outlive its owner."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from itertools import islice
+from multiprocessing import connection
+from typing import TypeVar
+
+Job = TypeVar("Job")
+Answer = TypeVar("Answer")
+_QUEUED_PER_WORKER = 4
+
+
+@dataclass(frozen=True)
+class Crashed:
+    """The answer to a job at which the worker process died."""
+
+
+def map_unordered(
+    function: Callable[[Job], Answer], jobs: Iterable[Job], workers: int
+) -> Iterator[tuple[Job, Answer | Crashed]]:
+    """`function` of every job, as the answers come; with one worker in this process, in order.
+
+    Only a few jobs a worker are taken from `jobs` ahead of time, so memory does not grow with their number. `function` must be
+    importable by name. If a worker dies, the jobs in flight are done again one at a time, and the one that kills it is answered
+    with `Crashed`. Workers use one thread each and end with this process, however that ends.
+    """
+    if workers <= 1:
+        for job in jobs:
+            yield job, function(job)
+        return
+    remaining = iter(jobs)
+    suspects: list[Job] = []
+    finished = False
+    while suspects or not finished:
+        if suspects:
+            yield from _one_at_a_time(function, suspects)
+            suspects = []
+        else:
+            in_flight: dict[Future[Answer], Job] = {}
+            with _pool(workers) as pool:
+                try:
+                    while True:
+                        for job in islice(remaining, _QUEUED_PER_WORKER * workers - len(in_flight)):
+                            in_flight[pool.submit(function, job)] = job
+                        if not in_flight:
+                            finished = True
+                            break
+                        for future in wait(in_flight, return_when=FIRST_COMPLETED).done:
+                            answer = future.result()
+                            yield in_flight.pop(future), answer
+                except BrokenProcessPool:
+                    suspects = list(in_flight.values())
+                except BaseException:
+                    pool.shutdown(wait=False, cancel_futures=True)
+                    raise
+
+
+def _one_at_a_time(function: Callable[[Job], Answer], jobs: list[Job]) -> Iterator[tuple[Job, Answer | Crashed]]:
+    pending = list(jobs)
+    while pending:
+        with _pool(1) as pool:
+            while pending:
+                job = pending.pop(0)
+                try:
+                    answer: Answer | Crashed = pool.submit(function, job).result()
+                except BrokenProcessPool:
+                    answer = Crashed()
+                yield job, answer
+                if isinstance(answer, Crashed):
+                    break
+
+
+def _pool(workers: int) -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=_start_worker)
+
+
+def _start_worker() -> None:
+    """One thread a worker; Ctrl-C is left to the owner, with which the worker ends."""
+    os.environ |= dict.fromkeys(("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    owner = multiprocessing.parent_process()
+    if owner is not None:
+        threading.Thread(target=_end_with, args=(owner.sentinel,), daemon=True).start()
+
+
+def _end_with(sentinel: int) -> None:
+    connection.wait([sentinel])
+    os._exit(1)

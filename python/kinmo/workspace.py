@@ -1,0 +1,212 @@
+"""The folder in which the stages of kinmo keep what they make.
+
+A file in it is either whole or absent: everything is written beside its place and renamed. A stage writes its record last;
+a record says from what the stage made its files, so that the same stage with the same inputs has nothing left to do.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+from kinmo import __version__
+from kinmo.errors import InputError
+
+_TEMPORARY = ".{name}.tmp~"
+_REPLACED = ".{name}.old~"
+
+
+@contextmanager
+def write_atomically(path: Path) -> Iterator[Path]:
+    """Gives a place to write a file or a folder, and moves it to `path` once the block is done.
+
+    Whatever happens in between, `path` is what it was before, or (for a folder that is replaced) absent, or whole. The
+    temporary place has a fixed name beside `path`, so that a run that was killed leaves nothing that the next one does not
+    clear away.
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.parent / _TEMPORARY.format(name=path.name)
+    replaced = path.parent / _REPLACED.format(name=path.name)
+    _remove(temporary)
+    try:
+        yield temporary
+        if not os.path.lexists(temporary):
+            raise FileNotFoundError(f"nothing was written to {temporary}")
+        _sync(temporary)
+        if path.is_dir() and not path.is_symlink():
+            _remove(replaced)
+            path.rename(replaced)
+        temporary.replace(path)
+        _sync_folder(path.parent)
+    finally:
+        _remove(temporary)
+        _remove(replaced)
+
+
+def write_text_atomically(path: Path, text: str) -> None:
+    """Writes a UTF-8 file with `write_atomically`; one that has this text already is left alone."""
+    write_bytes_atomically(path, text.encode("utf-8"))
+
+
+def write_bytes_atomically(path: Path, data: bytes) -> None:
+    """Writes a file with `write_atomically`; one that has these contents already is left alone."""
+    if _contents(path) == data:
+        return
+    with write_atomically(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Clears away what runs that were killed left in `folder` and below. Only for the holder of the workspace's lock."""
+    for pattern in (_TEMPORARY, _REPLACED):
+        for path in Path(folder).rglob(pattern.format(name="*")):
+            _remove(path)
+
+
+def digest(value: object) -> str:
+    """A hash (32 hex digits) of plain data: the same for equal values, whatever the order of keys."""
+    return blake2b(json.dumps(value, sort_keys=True, separators=(",", ":")).encode(), digest_size=16).hexdigest()
+
+
+@dataclass(frozen=True)
+class StageRecord:
+    """What a stage made from what. `inputs` is plain data; `outputs` are paths relative to the workspace."""
+
+    inputs: Mapping[str, Any]
+    outputs: tuple[str, ...] = ()
+    kinmo: str = __version__
+
+
+class Workspace:
+    """A workspace. `prepared`, `models`, `pseudo`, `scans`, `evaluation` and `report` are the folders of the stages."""
+
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
+        self.prepared = self.path / "prepared"
+        self.models = self.path / "models"
+        self.pseudo = self.path / "pseudo"
+        self.scans = self.path / "scans"
+        self.evaluation = self.path / "eval"
+        self.report = self.path / "report"
+        self._records = self.path / "records"
+
+    def make(self) -> None:
+        """Creates the folder. Raises InputError if that is impossible."""
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(self.path, f"cannot be a workspace ({error.strerror})") from None
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keeps other kinmo processes from writing here. The system frees the lock of a process that dies, however it dies.
+
+        Raises InputError if another process holds it.
+        """
+        self.make()
+        path = self.path / ".lock"
+        try:
+            handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+        except OSError as error:
+            raise InputError(self.path, f"cannot be written to ({error.strerror})") from None
+        try:
+            if not _lock(handle):
+                holder = os.pread(handle, 32, 0).decode("ascii", "replace").strip() or "unknown"
+                raise InputError(
+                    self.path, f"another kinmo (process {holder}) works in this workspace: wait for it, or name another"
+                )
+            os.ftruncate(handle, 0)
+            os.pwrite(handle, f"{os.getpid()}\n".encode(), 0)
+            yield
+            os.ftruncate(handle, 0)
+        finally:
+            os.close(handle)
+
+    def record(self, stage: str) -> StageRecord | None:
+        """What `stage` wrote last; None if it never finished, or its record cannot be read."""
+        try:
+            data = json.loads((self._records / f"{stage}.json").read_text(encoding="utf-8"))
+            return StageRecord(data["inputs"], tuple(data["outputs"]), data["kinmo"])
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+
+    def write_record(self, stage: str, record: StageRecord) -> None:
+        """Says that `stage` is finished. To be called when all its outputs are in place."""
+        data = {"inputs": _plain(record.inputs), "outputs": list(record.outputs), "kinmo": record.kinmo}
+        write_text_atomically(self._records / f"{stage}.json", json.dumps(data, indent=1, sort_keys=True) + "\n")
+
+    def forget(self, stage: str) -> None:
+        """Drops the record of `stage`: to be called before its outputs change."""
+        (self._records / f"{stage}.json").unlink(missing_ok=True)
+
+    def is_current(self, stage: str, inputs: Mapping[str, Any]) -> bool:
+        """Whether `stage` was finished by this version of kinmo from just these inputs, and its outputs are still there."""
+        record = self.record(stage)
+        if record is None or record.kinmo != __version__ or record.inputs != _plain(inputs):
+            return False
+        return all((self.path / output).exists() for output in record.outputs)
+
+
+def _plain(value: Mapping[str, Any]) -> Any:
+    """`value` as JSON gives it back."""
+    return json.loads(json.dumps(value))
+
+
+def _contents(path: Path) -> bytes | None:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return None
+
+
+def _lock(handle: int) -> bool:
+    """Whether the lock on an open file was free. Without fcntl (Windows) there are no locks."""
+    try:
+        import fcntl
+    except ImportError:
+        return True
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _sync(path: Path) -> None:
+    """Brings a file, or all of a folder, to the disk."""
+    if path.is_dir():
+        for below in path.rglob("*"):
+            if below.is_file():
+                _sync_file(below)
+    else:
+        _sync_file(path)
+
+
+def _sync_file(path: Path) -> None:
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())
+
+
+def _sync_folder(path: Path) -> None:
+    if os.name != "posix":
+        return
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

@@ -1,0 +1,46 @@
+use kinmo_geometry::proximity::{self, Nearest};
+use nalgebra::{Point3, Vector3};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::arrays::points_of;
+use crate::batches::map_in_batches;
+use crate::convert::value_error;
+use crate::groups::members_of;
+use crate::meshes::Meshes;
+
+/// Points handed to a thread at a time.
+const CHUNK: usize = 256;
+
+type Found<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+#[pyfunction]
+fn closest_points<'py>(
+    py: Python<'py>,
+    meshes: &Meshes,
+    group: Vec<i64>,
+    points: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Found<'py>> {
+    let group = members_of("group", meshes.parts.len(), &group).map_err(value_error)?;
+    let view = points.as_array();
+    let points = points_of("points", view.into_dyn(), view.nrows()).map_err(value_error)?;
+    let trees: Vec<_> = py.detach(|| group.iter().map(|&part| meshes.tree(part)).collect());
+    let chunks: Vec<&[Point3<f64>]> = points.chunks(CHUNK).collect();
+    let found: Vec<Nearest> = map_in_batches(py, &chunks, |chunk| {
+        chunk.iter().map(|point| proximity::nearest(&trees, point)).collect::<Vec<_>>()
+    })?
+    .concat();
+    let rows = |of: fn(&Nearest) -> Vector3<f64>| {
+        Array2::from_shape_fn((found.len(), 3), |(row, axis)| of(&found[row])[axis]).into_pyarray(py)
+    };
+    Ok((
+        PyArray1::from_iter(py, found.iter().map(|nearest| nearest.distance)),
+        rows(|nearest| nearest.point.coords),
+        rows(|nearest| nearest.normal),
+    ))
+}
+
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(closest_points, module)?)
+}

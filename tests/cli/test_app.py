@@ -1,0 +1,76 @@
+"""The program as a user starts it."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.main import get_command
+from typer.testing import CliRunner
+
+from kinmo import __version__
+from kinmo.cli.app import app
+
+COMMANDS = sorted(get_command(app).commands)  # type: ignore[attr-defined]
+PLAIN = {"TERM": "dumb", "NO_COLOR": "1", "COLUMNS": "140"}
+
+
+def kinmo(*arguments: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from kinmo.cli import main; main()", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env={**os.environ, **PLAIN}, timeout=120)
+
+
+def test_help_starts_without_torch_or_numpy_heavies() -> None:
+    code = (
+        "import sys\nfrom typer.testing import CliRunner\nfrom kinmo.cli.app import app\n"
+        "assert CliRunner().invoke(app, ['--help']).exit_code == 0\n"
+        "print(*{'torch', 'lightning', 'scipy', 'matplotlib', 'trimesh', 'pybullet', 'jinja2'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout.strip() == ""
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_teaches_itself_by_example(command: str) -> None:
+    result = CliRunner().invoke(app, [command, "--help"], env=PLAIN)
+    assert result.exit_code == 0
+    assert "For example:" in result.output
+    assert f"kinmo {command}" in result.output.split("For example:")[1]
+    for option in ("--workspace", "--device", "--seed", "--workers", "--dry-run", "--quiet", "--json"):
+        assert option in result.output
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_examples_of_the_help_parse(command: str, tmp_path: Path) -> None:
+    text = CliRunner().invoke(app, [command, "--help"], env=PLAIN).output.split("For example:")[1].split("╭")[0]
+    examples = re.findall(rf"kinmo {command}[^\n]*", text)
+    assert examples
+    for example in examples:
+        result = kinmo(*example.split(" >")[0].split()[1:], "--dry-run", "--workspace", tmp_path / "workspace", cwd=tmp_path)
+        assert result.returncode in (0, 1), result.stderr  # 2 is usage
+        assert "Traceback" not in result.stderr
+
+
+def test_no_command_shows_the_help() -> None:
+    result = CliRunner().invoke(app, [], env=PLAIN)
+    assert all(command in result.output for command in COMMANDS)
+
+
+def test_the_version_is_the_packages() -> None:
+    assert CliRunner().invoke(app, ["--version"]).output == f"kinmo {__version__}\n"
+
+
+@pytest.mark.parametrize(
+    "arguments", [["nonsense"], ["synth"], ["synth", "x", "--count", "none"], ["synth", "x", "--count", "0"]]
+)
+def test_wrong_usage_is_exit_code_2(arguments: list[str]) -> None:
+    assert CliRunner().invoke(app, arguments).exit_code == 2
+
+
+def test_the_workspace_can_be_named_by_the_environment() -> None:
+    result = CliRunner().invoke(app, ["synth", "--help"], env=PLAIN)
+    assert "KINMO_WORKSPACE" in result.output

@@ -1,0 +1,135 @@
+"""What every command shares: dry runs, JSON, exit codes, and errors on one line."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from typer import Exit
+
+from kinmo.cli.execute import execute, one_line_errors
+from kinmo.cli.options import CommonOptions
+from kinmo.errors import InputError
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+
+
+@dataclass
+class Sample:
+    """A stage that does nothing."""
+
+    failed: int = 0
+    ran: bool = False
+
+    def plan(self) -> Plan:
+        return Plan(("stir", "pour"), 120.0)
+
+    def run(self, observer: Observer) -> Outcome:
+        self.ran = True
+        observer.progress("stirring", 1, 1, "tea")
+        observer.note("poured")
+        return Outcome(Path("cup"), {"cups": 1}, "one cup", self.failed)
+
+
+def test_the_path_of_the_result_is_the_last_line_of_stdout(capsys: pytest.CaptureFixture[str]) -> None:
+    execute(CommonOptions(), Sample())
+    out, err = capsys.readouterr()
+    assert out == "one cup\ncup\n"
+    assert err == "stirring: 1/1 tea\npoured\n"
+
+
+def test_quiet_leaves_the_path_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    execute(CommonOptions(quiet=True), Sample())
+    assert capsys.readouterr() == ("cup\n", "")
+
+
+def test_json_prints_the_result_itself(capsys: pytest.CaptureFixture[str]) -> None:
+    execute(CommonOptions(json=True), Sample())
+    assert json.loads(capsys.readouterr().out) == {"cups": 1}
+
+
+def test_a_dry_run_says_what_would_run_and_runs_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    stage = Sample()
+    execute(CommonOptions(dry_run=True), stage, stage)
+    assert not stage.ran
+    assert capsys.readouterr().out == "stir\npour\nstir\npour\nabout 4 min\n"
+
+
+def test_what_failed_gives_exit_code_1_after_the_result(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(Exit) as stop:
+        execute(CommonOptions(), Sample(failed=2))
+    assert stop.value.exit_code == 1
+    assert capsys.readouterr().out.endswith("cup\n")
+
+
+@pytest.mark.parametrize(
+    ("error", "line", "code"),
+    [
+        (InputError(Path("a.json"), "expected a\nlist", "parts"), "kinmo: a.json: parts: expected a list\n", 1),
+        (KeyboardInterrupt(), "kinmo: stopped; the same command goes on from here\n", 130),
+        (PermissionError(13, "Permission denied", "out"), "kinmo: out: Permission denied\n", 1),
+        (ZeroDivisionError("division\nby zero"), None, 1),
+    ],
+)
+def test_errors_are_one_line(error: BaseException, line: str | None, code: int, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(Exit) as stop, one_line_errors():
+        raise error
+    assert stop.value.exit_code == code
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1
+    assert line in (None, err)
+
+
+def test_an_exit_code_passes_through(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(Exit) as stop, one_line_errors():
+        raise Exit(7)
+    assert stop.value.exit_code == 7
+    assert capsys.readouterr().err == ""
+
+
+def test_debugging_shows_the_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("KINMO_DEBUG", "1")
+    with pytest.raises(InputError), one_line_errors():
+        raise InputError("x", "y")
+
+
+def run_python(code: str) -> subprocess.Popen[str]:
+    return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def test_a_closed_pipe_ends_without_a_word() -> None:
+    code = (
+        "import sys\nfrom typer import Exit\nfrom kinmo.cli.execute import one_line_errors\n"
+        "try:\n  with one_line_errors():\n    sys.stdin.read()\n    print('x' * 100_000)\n"
+        "except Exit as stop:\n  sys.exit(stop.exit_code)\n"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    assert process.stdout and process.stdin and process.stderr
+    process.stdout.close()
+    process.stdin.close()
+    assert process.wait(30) == 1
+    assert process.stderr.read() == b""
+    process.stderr.close()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals differ on Windows")
+def test_ctrl_c_says_one_line() -> None:
+    code = (
+        "import sys, time\nfrom typer import Exit\nfrom kinmo.cli.execute import one_line_errors\n"
+        "try:\n  with one_line_errors():\n    print('go', flush=True)\n    time.sleep(30)\n"
+        "except Exit as stop:\n  sys.exit(stop.exit_code)\n"
+    )
+    process = run_python(code)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "go\n"
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert err == "kinmo: stopped; the same command goes on from here\n"

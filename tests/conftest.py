@@ -1,0 +1,18 @@
+"""Fixtures that tests of several modules use."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+REAL_DATA = Path(__file__).parents[1] / "data" / "partnet"
+
+
+@pytest.fixture(scope="session")
+def real_objects() -> list[Path]:
+    """Folders of the real PartNet-Mobility objects, sorted; skips the test where there are none."""
+    folders = sorted(file.parent for file in REAL_DATA.glob("*/*/mobility_v2.json"))
+    if not folders:
+        pytest.skip(f"no PartNet-Mobility objects below {REAL_DATA}")
+    return folders

@@ -1,0 +1,53 @@
+"""The swept penetration: what has room, and what runs into something."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from articulated import shape_of_boxes
+from kinmo.evaluation.penetration import penetrations
+from kinmo.joint import Joint, JointKind
+from kinmo.mobility import Body
+
+FRONT = np.array([0.0, 0, 1])
+
+
+def penetration(joint, boxes=(((0, 0, 0), (1, 1, 0.5)), ((0, 0, 0.5), (1, 1, 0.6)))):
+    """Of a panel in front of a block, which the joint moves."""
+    shape = shape_of_boxes(boxes, (Body(0, "body", (1,)), Body(1, "panel", (2,), 0, joint)))
+    return penetrations(shape.meshes(), shape.leaves, shape.mobility).get(1)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_drawer_that_comes_out_is_free_and_one_that_goes_in_is_not(sign):
+    slide = Joint(JointKind.PRISMATIC, sign * FRONT, np.zeros(3))
+    out = replace(slide, lower=min(0.0, 0.4 * sign), upper=max(0.0, 0.4 * sign))
+    assert penetration(out) == 0.0
+    assert penetration(replace(out, lower=-out.upper, upper=-out.lower)) > 0.3
+
+
+def test_a_door_that_opens_to_the_wrong_side_runs_into_its_frame():
+    door = Joint(JointKind.REVOLUTE, np.array([0.0, 1, 0]), np.array([0.0, 0, 0.6]), -1.5, 0.0)
+    assert penetration(door) == 0.0
+    assert penetration(replace(door, lower=0.0, upper=1.5)) > 0.3
+    assert penetration(replace(door, lower=None, upper=None)) > 0.3
+
+
+def test_the_range_counts_from_the_pose_of_the_file():
+    slide = Joint(JointKind.PRISMATIC, FRONT, np.zeros(3), 0.0, 0.4)
+    assert penetration(replace(slide, lower=0.3, upper=0.7, rest=0.3)) == penetration(slide)
+
+
+def test_what_cannot_be_swept_has_no_figure():
+    assert penetration(Joint(JointKind.PRISMATIC, FRONT, np.zeros(3))) is None
+
+
+def test_a_part_takes_its_descendants_along():
+    boxes = (((0, 0, 0), (1, 1, 0.5)), ((0, 0, 0.5), (1, 1, 0.6)), ((0.4, 0.4, 0.6), (0.6, 0.6, 0.7)))
+    slide = Joint(JointKind.PRISMATIC, FRONT, np.zeros(3), 0.0, 0.4)
+    knob = Joint(JointKind.REVOLUTE, FRONT, np.array([0.5, 0.5, 0]), 0.0, math.pi)
+    bodies = (Body(0, "body", (1,)), Body(1, "drawer", (2,), 0, slide), Body(2, "knob", (3,), 1, knob))
+    shape = shape_of_boxes(boxes, bodies)
+    assert penetrations(shape.meshes(), shape.leaves, shape.mobility)[1] == 0.0

@@ -1,0 +1,39 @@
+"""Tables come back from their JSON as they were."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinmo.errors import InputError
+from kinmo.evaluation.tables import Caption, Column, Table, read_table, write_table
+
+cells = st.one_of(
+    st.none(), st.text(max_size=8), st.integers(-(2**40), 2**40), st.floats(allow_nan=False, allow_infinity=False)
+)
+
+
+@settings(max_examples=50, deadline=None)
+@given(rows=st.lists(st.tuples(st.text(max_size=8), cells), max_size=5), decimals=st.one_of(st.none(), st.integers(0, 4)))
+def test_a_written_table_is_read_as_it_was(rows: list[tuple[str, float | None]], decimals: int | None) -> None:
+    caption = Caption("Table 1", "sample", 3, 4, "test", (0, 1), "note")
+    table = Table(caption, (Column("category"), Column("axis", decimals)), tuple(rows))
+    with TemporaryDirectory() as folder:
+        write_table(table, Path(folder), "t")
+        found = read_table(Path(folder) / "t.json")
+    assert found == table
+    assert all(not isinstance(cell, float) or math.isfinite(cell) for row in found.rows for cell in row)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"title": 1}'])
+def test_what_is_no_table_is_refused(text: str, tmp_path: Path) -> None:
+    (tmp_path / "t.json").write_text(text)
+    with pytest.raises(InputError, match=r"t\.json"):
+        read_table(tmp_path / "t.json")
+    with pytest.raises(InputError):
+        read_table(tmp_path / "absent.json")

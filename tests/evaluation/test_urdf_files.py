@@ -1,0 +1,219 @@
+"""Scoring of URDF files: exact figures for known errors, a reason for every failure."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from articulated import shape_of_boxes
+from kinmo.errors import InputError
+from kinmo.evaluation.tables import Caption
+from kinmo.evaluation.urdf_files import failures_table, files_table, find_urdf, score_files, score_urdf, summarise
+from kinmo.evaluation.urdf_files.alignment import align, axis_rotations
+from kinmo.evaluation.urdf_files.mesh_files import triangles_of
+from kinmo.evaluation.urdf_files.surface import Surface
+from kinmo.export.partnet_mobility import write_partnet_mobility
+from kinmo.export.urdf import write_urdf
+from kinmo.joint import Joint, JointKind
+from kinmo.mobility import Body, Mobility
+
+UP = np.array([0.0, 1, 0])
+BOXES = [
+    ((0, 0, 0), (1, 2, 0.8)),
+    ((0, 0.9, 0.8), (0.9, 2, 0.86)),
+    ((0.05, 0.1, 0.3), (0.9, 0.7, 0.95)),
+    ((0.3, 2.0, 0.3), (0.5, 2.2, 0.5)),
+]
+DOOR = Joint(JointKind.REVOLUTE, UP, np.array([0.0, 0, 0.8]), 0.0, 1.5)
+DRAWER = Joint(JointKind.PRISMATIC, np.array([0.0, 0, 1]), np.zeros(3), 0.0, 0.5)
+VALVE = Joint(JointKind.SCREW, UP, np.array([0.4, 2.0, 0.4]), 0.0, 0.1)
+BODIES = (
+    Body(0, "body", (1,)),
+    Body(1, "door", (2,), 0, DOOR),
+    Body(2, "drawer", (3,), 0, DRAWER),
+    Body(3, "valve", (4,), 0, VALVE),
+)
+TRUTH = shape_of_boxes(BOXES, BODIES)
+
+
+def with_joint(body, joint):
+    return Mobility(tuple(replace(b, joint=joint) if i == body else b for i, b in enumerate(BODIES)))
+
+
+def scored(tmp_path, mobility=TRUTH.mobility, truth=TRUTH, **options):
+    return score_urdf(truth, write_urdf(TRUTH, mobility, tmp_path / "7", **options), tmp_path)
+
+
+def part(score, name):
+    return next(part for part in score.parts if part.name == name)
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.37, 25.0])
+def test_the_truth_itself_is_perfect_in_any_unit(tmp_path, scale):
+    score = scored(tmp_path, metres_per_unit=scale)
+    assert (score.status, score.false_alarms) == ("scored", 0)
+    assert score.residual < 1e-4
+    for found in score.parts:
+        assert found.kind_ok
+        assert found.parent_ok
+        assert found.is_relative
+        assert found.limited_ok
+        assert found.angle == pytest.approx(0, abs=1e-9)
+        assert found.range_iou == pytest.approx(1)
+        assert found.line == (None if found.name == "drawer" else pytest.approx(0, abs=1e-9))
+
+
+def test_a_turned_axis_and_a_moved_pivot_read_as_much(tmp_path):
+    turned = replace(DOOR, direction=Rotation.from_rotvec([0, 0, math.radians(7)]).apply(UP))
+    door = part(scored(tmp_path / "a", with_joint(1, turned)), "door")
+    assert math.degrees(door.angle) == pytest.approx(7)
+    shifted = replace(DOOR, pivot=DOOR.pivot + 0.03 * TRUTH.diagonal * np.array([1.0, 0, 0]))
+    door = part(scored(tmp_path / "b", with_joint(1, shifted)), "door")
+    assert door.line == pytest.approx(0.03)
+    assert door.line_at_part == pytest.approx(0.03)
+
+
+def test_a_reversed_axis_with_its_range_is_the_same_joint(tmp_path):
+    door = part(scored(tmp_path, with_joint(1, DOOR.reversed())), "door")
+    assert door.range_iou == pytest.approx(1)
+
+
+def test_a_joint_that_is_missing_and_one_too_many_are_found_out(tmp_path):
+    glued = Mobility((replace(BODIES[0], leaves=(1, 3)), BODIES[1], replace(BODIES[3], id=2)))
+    score = scored(tmp_path / "a", glued)
+    assert {p.name: p.found for p in score.parts} == {"door": True, "drawer": False, "valve": True}
+    still = shape_of_boxes(BOXES, (replace(BODIES[0], leaves=(1, 3)), BODIES[1], replace(BODIES[3], id=2)))
+    assert scored(tmp_path / "b", truth=still).false_alarms == 1
+
+
+def test_a_wrong_kind_moves_but_is_not_right(tmp_path):
+    door = part(scored(tmp_path, with_joint(1, replace(DOOR, kind=JointKind.PRISMATIC))), "door")
+    assert door.found
+    assert not door.kind_ok
+    assert door.angle is None
+
+
+def test_a_wrong_parent_is_noticed(tmp_path):
+    bodies = (*BODIES[:3], replace(BODIES[3], parent=1))
+    assert not part(scored(tmp_path, Mobility(bodies)), "valve").parent_ok
+
+
+def test_junk_may_be_kept_or_dropped(tmp_path):
+    bodies = (*BODIES[:3], Body(3, "dust", (4,)))
+    truth = replace(TRUTH, mobility=Mobility(bodies, frozenset({4})))
+    kept = scored(tmp_path / "a", Mobility((replace(BODIES[0], leaves=(1, 4)), *BODIES[1:3])), truth)
+    lean = shape_of_boxes(BOXES[:3], BODIES[:3])
+    dropped = score_urdf(truth, write_urdf(lean, lean.mobility, tmp_path / "b"), tmp_path)
+    for score in (kept, dropped):
+        assert score.status == "scored"
+        assert all(found.kind_ok for found in score.parts)
+        assert score.false_alarms == 0
+
+
+def test_another_shape_is_misaligned_and_all_its_joints_are_missed(tmp_path):
+    boxes = [((0, 0, 0), (1, 1, 1)), ((3, 0, 0), (4, 1, 1))]
+    other = shape_of_boxes(boxes, (Body(0, "a", (1,)), Body(1, "b", (2,), 0, DRAWER)))
+    score = score_urdf(TRUTH, write_urdf(other, other.mobility, tmp_path / "7"), tmp_path)
+    assert score.status == "failed"
+    assert "misaligned" in score.reason
+    assert not any(found.found for found in score.parts)
+
+
+def test_there_are_24_axis_rotations_and_each_is_found_again():
+    rotations = axis_rotations()
+    assert len(rotations) == 24
+    rng = np.random.default_rng(0)
+    soup = np.concatenate([triangles_of(mesh) for mesh in TRUTH.meshes()])
+    truth = Surface(soup, 3000, rng)
+    for rotation in rotations[::5]:
+        found = align(truth, truth, Surface((soup @ rotation - [3, 2, 1]) * 0.5, 3000, rng))
+        assert found.apply((soup @ rotation - [3, 2, 1]).reshape(-1, 3) * 0.5) == pytest.approx(soup.reshape(-1, 3), abs=1e-3)
+
+
+def test_distances_to_a_surface_are_those_of_an_exact_query():
+    rng = np.random.default_rng(0)
+    mesh = trimesh.creation.icosphere(subdivisions=2)
+    queries = rng.normal(size=(200, 3))
+    distances, feet = Surface(np.array(mesh.triangles), 4000, rng).nearest(queries)
+    exact = trimesh.triangles.closest_point(np.repeat(mesh.triangles, 200, 0), np.tile(queries, (len(mesh.faces), 1)))
+    best = np.linalg.norm(exact.reshape(-1, 200, 3) - queries, axis=2).min(axis=0)
+    assert distances == pytest.approx(best, abs=1e-3)
+    assert np.linalg.norm(feet - queries, axis=1) == pytest.approx(distances)
+
+
+def folders(tmp_path):
+    """Four shapes: one predicted right, one wrongly, one broken, one not at all."""
+    truth, predictions = tmp_path / "truth", tmp_path / "predictions"
+    for name in ("1", "2", "3", "4"):
+        write_partnet_mobility(TRUTH, TRUTH.mobility, truth / name)
+    write_urdf(TRUTH, TRUTH.mobility, predictions / "1")
+    write_urdf(TRUTH, with_joint(1, replace(DOOR, direction=np.array([1.0, 0, 0]))), predictions / "2", name="mobility")
+    (predictions / "3.urdf").write_text("<robot/>")
+    return truth, predictions
+
+
+def test_folders_are_scored_with_failures_and_absences_counted(tmp_path):
+    truth, predictions = folders(tmp_path)
+    seen = []
+    report = score_files(predictions, truth, progress=lambda done, total: seen.append((done, total)))
+    assert [scored.status for scored in report.objects] == ["scored", "scored", "failed", "missing"]
+    assert seen[-1] == (4, 4)
+    figures = json.loads(json.dumps(summarise(report, draws=50), allow_nan=False))
+    assert figures["micro"]["recall"]["value"] == pytest.approx(0.5)
+    assert figures["micro"]["recall_scored"]["value"] == 1.0
+    assert figures["micro"]["precision"]["value"] == 1.0
+    assert figures["micro"]["strict_a5"]["value"] == pytest.approx(5 / 12)
+    assert figures["micro"]["a5"]["value"] == pytest.approx(5 / 6)
+    assert figures["micro"]["angle"]["value"] == pytest.approx(15.0)
+    assert figures["categories"]["Cabinet"]["failed"] == 1
+
+
+def test_workers_change_nothing(tmp_path):
+    truth, predictions = folders(tmp_path)
+    alone = score_files(predictions, truth, ids=["1", "2"])
+    assert score_files(predictions, truth, ids=["2", "1"], workers=2) == alone
+
+
+def test_a_truth_that_cannot_be_read_is_nobodys_failure(tmp_path):
+    truth, predictions = folders(tmp_path)
+    (truth / "1" / "result.json").write_text("[")
+    report = score_files(predictions, truth, ids=["1"])
+    assert not report.objects
+    assert "result.json" in report.unreadable["1"]
+
+
+def test_wrong_folders_and_ids_are_refused(tmp_path):
+    truth, predictions = folders(tmp_path)
+    with pytest.raises(InputError, match="mobility_v2"):
+        score_files(predictions, predictions)
+    with pytest.raises(InputError, match="'99'"):
+        score_files(predictions, truth, ids=["99"])
+
+
+def test_urdfs_are_found_by_name_then_depth_then_path(tmp_path):
+    names = ("7/z/model.urdf", "7/a/b.urdf", "7/c.urdf", "7/d.urdf")
+    for name in names:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    for expected in ("7/z/model.urdf", "7/c.urdf", "7/d.urdf", "7/a/b.urdf"):
+        assert find_urdf(tmp_path, "7") == tmp_path / expected
+        (tmp_path / expected).unlink()
+    assert find_urdf(tmp_path, "7") is None
+    (tmp_path / "7.urdf").touch()
+    assert find_urdf(tmp_path, "7") == tmp_path / "7.urdf"
+
+
+def test_the_tables_hold_every_category_and_every_failure(tmp_path):
+    truth, predictions = folders(tmp_path)
+    report = score_files(predictions, truth)
+    caption = Caption("URDF files", "synthetic", 0, 0, "all", ())
+    table = files_table(summarise(report, draws=10), report, caption)
+    assert [row[0] for row in table.rows] == ["Cabinet", "all parts", "mean of categories"]
+    assert (table.caption.shapes, table.caption.joints) == (4, 12)
+    failures = failures_table(report, caption)
+    assert [(row[0], row[2]) for row in failures.rows] == [("3", "failed"), ("4", "missing")]
+    assert "link" in failures.rows[0][3]

@@ -1,0 +1,72 @@
+"""Shapes in PartNet-Mobility's layout: the reader gets back what was written."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from articulated import articulated_shapes, shape_of_boxes
+from kinmo.evaluation import metrics
+from kinmo.export.partnet_mobility import write_partnet_mobility
+from kinmo.formats import read_partnet_mobility
+from kinmo.joint import Joint, JointKind
+from kinmo.mobility import Body, Mobility
+
+
+def around_rest(shape):
+    """The shape with ranges that hold the pose of the file, as every real joint's does."""
+    bodies = []
+    for body in shape.mobility.bodies:
+        joint = body.joint
+        if joint is not None and joint.is_limited:
+            joint = replace(joint, rest=0.5 * (joint.lower + joint.upper))
+        bodies.append(replace(body, joint=joint))
+    return replace(shape, mobility=Mobility(tuple(bodies), shape.mobility.junk))
+
+
+@settings(max_examples=25, deadline=None)
+@given(articulated_shapes())
+def test_the_reader_gets_back_what_was_written(tmp_path_factory, shape):
+    shape = around_rest(shape)
+    folder = write_partnet_mobility(shape, shape.mobility, tmp_path_factory.mktemp("labels") / shape.id)
+    found = read_partnet_mobility(folder)
+    assert (found.id, found.category) == (shape.id, shape.category)
+    assert [(p.id, p.parent, p.children) for p in found.parts] == [(p.id, p.parent, p.children) for p in shape.parts]
+    for mesh, written in zip(found.meshes(), shape.meshes(), strict=True):
+        assert np.array_equal(mesh.vertices, written.vertices)
+        assert np.array_equal(mesh.faces, written.faces)
+    for body, written in zip(found.mobility.bodies, shape.mobility.bodies, strict=True):
+        assert (body.leaves, body.parent) == (written.leaves, written.parent)
+        assert (body.joint is None) == (written.joint is None)
+        if written.joint is not None:
+            same_joint(body.joint, written.joint)
+
+
+def same_joint(found, written):
+    assert found.kind is written.kind
+    assert found.direction == pytest.approx(written.direction)
+    assert found.pivot == pytest.approx(written.pivot)
+    assert found.is_limited == written.is_limited
+    if written.is_limited:
+        assert found.lower - found.rest == pytest.approx(written.lower - written.rest)
+        assert found.upper - found.rest == pytest.approx(written.upper - written.rest)
+        assert metrics.range_iou(found, replace(written, lower=found.lower, upper=found.upper)) == pytest.approx(1)
+
+
+def test_other_up_axes_are_turned_to_y(tmp_path):
+    up = (0.0, 0.0, 1.0)
+    joint = Joint(JointKind.REVOLUTE, np.array(up), np.array([1.0, 0.0, 0.0]), 0.0, math.pi / 2)
+    boxes = [((0, 0, 0), (1, 1, 3)), ((1, 0, 0), (2, 0.1, 3))]
+    shape = shape_of_boxes(boxes, (Body(0, "a", (1,)), Body(1, "b", (2,), 0, joint)), up=up)
+    found = read_partnet_mobility(write_partnet_mobility(shape, shape.mobility, tmp_path / "7"))
+    assert found.mobility.bodies[1].joint.direction == pytest.approx([0, 1, 0])
+    low, high = found.bounds
+    assert (high - low)[1] == pytest.approx(3)
+
+
+def test_junk_stays_junk(tmp_path):
+    boxes = [((0, 0, 0), (1, 1, 1)), ((1, 0, 0), (2, 1, 1))]
+    shape = shape_of_boxes(boxes, (Body(0, "a", (1,)), Body(1, "b", (2,))), junk=frozenset({2}))
+    assert read_partnet_mobility(write_partnet_mobility(shape, shape.mobility, tmp_path / "7")).mobility.junk == {2}

@@ -1,0 +1,102 @@
+"""Both networks learn something from a handful of shapes, and the paper's sizes run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinmo.candidates import paper_candidates
+from kinmo.config import load_config
+from kinmo.joint import CoarseType, MotionType
+from kinmo.learning.axis_selection.data import moving_leaves
+from kinmo.learning.axis_selection.predict import AxisSelector
+from kinmo.learning.axis_selection.train import train_axis_selection
+from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
+from kinmo.learning.motion_gnn.train import train_motion_gnn
+from small_shapes import cabinet
+
+SMALL, PAPER = load_config("small"), load_config("paper")
+
+
+@pytest.fixture(scope="module")
+def predictor(tmp_path_factory: pytest.TempPathFactory) -> MotionGnnPredictor:
+    folder = tmp_path_factory.mktemp("gnn")
+    config = replace(SMALL.gnn, training=replace(SMALL.gnn.training, epochs=20), batch_shapes=6)
+    shapes = [cabinet(seed) for seed in range(36)]
+    result = train_motion_gnn(shapes[:30], shapes[30:], config, folder, device="cpu")
+    assert result.history[-1]["training/loss"] < 0.4 * result.history[0]["training/loss"]
+    return MotionGnnPredictor.load(folder / "weights.safetensors", "cpu")
+
+
+def test_the_motion_gnn_tells_types_of_shapes_it_has_not_seen(predictor: MotionGnnPredictor) -> None:
+    shapes = [cabinet(seed) for seed in range(100, 110)]
+    found = predictor.predict_many(shapes)
+    right = np.concatenate([f.types == s.edge_labels.types for f, s in zip(found, shapes, strict=True)])
+    assert right.mean() > 0.9
+
+
+def test_predictions_are_unit_vectors_and_probabilities(predictor: MotionGnnPredictor) -> None:
+    found = predictor.predict_edges(cabinet(100))
+    np.testing.assert_allclose(np.linalg.norm(found.directions, axis=1), 1)
+    np.testing.assert_allclose(found.type_probabilities.sum(axis=1), 1)
+    assert found.type_set is MotionType
+
+
+def test_hidden_names_are_not_seen(predictor: MotionGnnPredictor) -> None:
+    blind = MotionGnnPredictor(predictor.network, predictor.config, "cpu", hide_names=True)
+    shape = cabinet(100)
+    renamed = replace(shape, part_names=tuple("other" for _ in shape.part_names))
+    np.testing.assert_array_equal(
+        blind.predict_edges(shape).type_probabilities, blind.predict_edges(renamed).type_probabilities
+    )
+    assert not np.allclose(
+        predictor.predict_edges(shape).type_probabilities, predictor.predict_edges(renamed).type_probabilities
+    )
+
+
+def test_edges_that_a_contact_network_does_not_see_are_none(tmp_path: Path) -> None:
+    config = replace(SMALL.gnn, edges="contact", contact=0.01, training=replace(SMALL.gnn.training, epochs=1))
+    shapes = [cabinet(seed) for seed in range(4)]
+    train_motion_gnn(shapes[:3], shapes[3:], config, tmp_path, types="coarse", device="cpu")
+    shape = next(s for s in map(cabinet, range(100)) if (s.edge_distances > 0.01).any())
+    found = MotionGnnPredictor.load(tmp_path / "weights.safetensors", "cpu").predict_edges(shape)
+    assert found.type_set is CoarseType
+    assert (found.types[shape.edge_distances > 0.01] == CoarseType.NONE).all()
+
+
+def test_axis_selection_ranks_a_true_hinge_above_the_other_axes(tmp_path: Path) -> None:
+    config = replace(
+        SMALL.axis,
+        training=replace(SMALL.axis.training, epochs=12),
+        encoder=replace(SMALL.axis.encoder, points=128),
+        batch_joints=12,
+    )
+    shapes = [cabinet(seed) for seed in range(40)]
+    result = train_axis_selection(shapes[:34], shapes[34:], config, tmp_path, device="cpu")
+    assert max(row["validation/ranked_right"] for row in result.history) > 0.8
+    selector = AxisSelector.load(tmp_path / "weights.safetensors", "cpu")
+    shape = cabinet(200)
+    body, _ = next(shape.mobility.movable())
+    candidates = paper_candidates(shape.body_types[body], shape.body_boxes[body], shape.up)
+    scores = [selector.score_candidates(shape, moving_leaves(shape, body), candidates) for _ in range(2)]
+    np.testing.assert_array_equal(*scores)
+    assert ((scores[0] >= 0) & (scores[0] <= 1)).all()
+
+
+def test_two_steps_of_the_papers_sizes_run(tmp_path: Path) -> None:
+    gnn = replace(PAPER.gnn, training=replace(PAPER.gnn.training, epochs=1), leaf=replace(PAPER.gnn.leaf, points=128))
+    shapes = [cabinet(seed) for seed in (0, 1, 2, 3, 4)]
+    result = train_motion_gnn(shapes[:4], shapes[4:], gnn, tmp_path / "gnn", device="cpu")
+    assert np.isfinite(result.best_error)
+    axis = replace(
+        PAPER.axis,
+        training=replace(PAPER.axis.training, epochs=1),
+        encoder=replace(PAPER.axis.encoder, points=512),
+        batch_joints=1,
+        batches_per_epoch=2,
+    )
+    result = train_axis_selection(shapes[:2], shapes[4:], axis, tmp_path / "axis", device="cpu")
+    assert np.isfinite(result.best_error)

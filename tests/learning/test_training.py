@@ -1,0 +1,130 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor, nn
+
+from kinmo.config import TrainingConfig
+from kinmo.errors import InputError
+from kinmo.learning.training import MONITOR, Learner, fit
+
+CONFIG = TrainingConfig(epochs=5, learning_rate=0.05, decay_epochs=2)
+
+
+class Line(Learner):
+    def __init__(self, config: TrainingConfig = CONFIG) -> None:
+        super().__init__(config)
+        torch.manual_seed(0)
+        self.layers = nn.Sequential(nn.Linear(2, 8), nn.Dropout(0.3), nn.ReLU(), nn.Linear(8, 1))
+
+    def training_step(self, batch: Tensor, index: int) -> Tensor:
+        return (self.layers(batch[:, :2]) - batch[:, 2:]).square().mean()
+
+    def validation_step(self, batch: Tensor, index: int) -> None:
+        self.log(MONITOR, (self.layers(batch[:, :2]) - batch[:, 2:]).abs().mean())
+
+
+class Points:
+    """Random points of a plane; `fail_at` is the (epoch, batch) at which reading them fails."""
+
+    def __init__(self, fail_at: tuple[int, int] | None = None) -> None:
+        self.fail_at = fail_at
+        self.epochs_seen: list[int] = []
+
+    @property
+    def epochs(self) -> list[int]:
+        return list(dict.fromkeys(self.epochs_seen))
+
+    def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[Tensor]:
+        self.epochs_seen.append(epoch)
+        for index in range(4):
+            if (epoch, index) == self.fail_at:
+                raise RuntimeError("power cut")
+            points = torch.from_numpy(rng.normal(size=(16, 3)).astype(np.float32))
+            points[:, 2] = points[:, 0] - 2 * points[:, 1]
+            yield points
+
+    def validation_batches(self) -> list[Tensor]:
+        return list(Points().training_batches(0, np.random.default_rng(99)))
+
+
+def end_state(folder: Path, config: TrainingConfig = CONFIG, seed: int = 3) -> tuple[list[Tensor], Points]:
+    module, data = Line(config), Points()
+    fit(module, data, folder, seed=seed, device="cpu")
+    return [p.detach().clone() for p in module.parameters()], data
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[Tensor]:
+    return end_state(tmp_path_factory.mktemp("undisturbed"))[0]
+
+
+@pytest.mark.parametrize("moment", [(0, 2), (1, 0), (3, 3)])
+def test_a_run_that_was_cut_off_ends_as_one_that_was_not(tmp_path: Path, undisturbed: list[Tensor], moment) -> None:
+    with pytest.raises(RuntimeError, match="power cut"):
+        fit(Line(), Points(moment), tmp_path, seed=3, device="cpu")
+    again, data = end_state(tmp_path)
+    assert data.epochs == list(range(moment[0], CONFIG.epochs)), "finished epochs are not run again"
+    assert all(torch.equal(a, b) for a, b in zip(again, undisturbed, strict=True))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
+def test_a_cut_checkpoint_gives_way_to_the_previous_one(tmp_path: Path, undisturbed: list[Tensor], share: float) -> None:
+    with pytest.raises(RuntimeError):
+        fit(Line(), Points((3, 1)), tmp_path, seed=3, device="cpu")
+    last = tmp_path / "last.ckpt"
+    whole = last.read_bytes()
+    last.write_bytes(whole[: int(len(whole) * share)])
+    again, data = end_state(tmp_path)
+    assert data.epochs == [2, 3, 4]
+    assert all(torch.equal(a, b) for a, b in zip(again, undisturbed, strict=True))
+
+
+def test_a_finished_run_is_not_run_again(tmp_path: Path, undisturbed: list[Tensor]) -> None:
+    end_state(tmp_path)
+    again, data = end_state(tmp_path)
+    assert data.epochs == []
+    assert all(torch.equal(a, b) for a, b in zip(again, undisturbed, strict=True))
+
+
+def test_another_seed_or_configuration_starts_afresh(tmp_path: Path) -> None:
+    end_state(tmp_path)
+    assert end_state(tmp_path, seed=4)[1].epochs == [0, 1, 2, 3, 4]
+    assert end_state(tmp_path, replace(CONFIG, epochs=2), seed=4)[1].epochs == [0, 1]
+
+
+def test_the_best_epoch_is_kept_and_every_epoch_is_logged(tmp_path: Path) -> None:
+    module, seen = Line(), []
+    result = fit(module, Points(), tmp_path, seed=3, device="cpu", on_progress=seen.append)
+    errors = [row[MONITOR] for row in json.loads((tmp_path / "metrics.json").read_text())]
+    assert len(errors) == len(seen) == CONFIG.epochs
+    assert result.best_error == min(errors) == errors[result.best_epoch]
+    assert len((tmp_path / "metrics.csv").read_text().splitlines()) == CONFIG.epochs + 1
+    with torch.no_grad():
+        found = np.mean([(module.layers(b[:, :2]) - b[:, 2:]).abs().mean().item() for b in Points().validation_batches()])
+    assert found == pytest.approx(result.best_error, rel=1e-5)
+
+
+def test_nothing_is_printed(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    fit(Line(), Points(), tmp_path, seed=3, device="cpu")
+    assert capfd.readouterr() == ("", "")
+
+
+def test_an_interrupt_stays_an_interrupt(tmp_path: Path) -> None:
+    def interrupt(_: object) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fit(Line(), Points(), tmp_path, seed=3, device="cpu", on_progress=interrupt)
+    assert end_state(tmp_path)[1].epochs == [1, 2, 3, 4]
+
+
+def test_a_device_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="--device: 'quantum'"):
+        fit(Line(), Points(), tmp_path, device="quantum")

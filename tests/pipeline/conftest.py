@@ -1,0 +1,39 @@
+"""A workspace that has gone the whole road once, small enough for every test run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+import torch
+from whole_road import FAMILIES, METHOD, Listener, Road, tiny_config
+
+from kinmo.pipeline.evaluate import Evaluate
+from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.pseudo_label import PseudoLabel
+from kinmo.pipeline.report import Report
+from kinmo.pipeline.stage import Stage
+from kinmo.pipeline.synth import Synth
+from kinmo.pipeline.train import Train
+from kinmo.workspace import Workspace
+
+
+@pytest.fixture(scope="session")
+def road(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Road]:
+    folder = tmp_path_factory.mktemp("road")
+    shapes, workspace, config = folder / "partnet", Workspace(folder / "workspace"), str(tiny_config(folder))
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    stages: dict[str, Stage] = {
+        "synth": Synth(shapes, 10, FAMILIES),
+        "prepare": Prepare(shapes, workspace),
+        "train": Train("all", workspace, config, device="cpu"),
+        "pseudo-label": PseudoLabel(workspace, METHOD, threshold=0.3, device="cpu"),
+        "eval": Evaluate(workspace, (METHOD,), device="cpu"),
+        "report": Report(workspace),
+    }
+    made = Road(shapes, workspace, stages)
+    for name, stage in stages.items():
+        made.outcomes[name] = stage.run(Listener())
+    yield made
+    torch.set_num_threads(threads)

@@ -1,0 +1,164 @@
+"""From procedural shapes to the report, and the same again."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+from whole_road import METHOD, Listener, Road
+
+from kinmo.errors import InputError
+from kinmo.formats import discover, read_found, read_partnet_mobility
+from kinmo.pipeline.evaluate import SETTINGS, Evaluate
+from kinmo.pipeline.examples import read_examples
+from kinmo.pipeline.journal import runs
+from kinmo.pipeline.predict import Predict
+from kinmo.pipeline.pseudo_label import PseudoLabel
+from kinmo.pipeline.stage import Stage
+from kinmo.pipeline.train import Train
+from kinmo.workspace import Workspace
+
+STAGES = ("synth", "prepare", "train", "pseudo-label", "eval")
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """Digests of all files but the journal."""
+    found = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name not in (".lock", "journal.jsonl"))
+    return {str(path.relative_to(folder)): sha256(path.read_bytes()).hexdigest() for path in found}
+
+
+def test_every_stage_says_where_its_result_is(road: Road) -> None:
+    for name, outcome in road.outcomes.items():
+        assert outcome.path.exists(), name
+        assert outcome.failed == 0
+        json.dumps(outcome.data)
+
+
+@pytest.mark.parametrize("name", STAGES)
+def test_a_finished_stage_is_not_run_again(name: str, road: Road) -> None:
+    folder = road.workspace.path if name != "synth" else road.shapes
+    before, entries = contents(folder), len(runs(road.workspace))
+    again = road.stages[name].run(Listener())
+    assert contents(folder) == before
+    assert len(runs(road.workspace)) == entries, "the journal has another run"
+    assert again.path == road.outcomes[name].path
+    if name != "synth":
+        assert again.data == road.outcomes[name].data
+
+
+@pytest.mark.parametrize("name", ["synth", "train", "pseudo-label", "eval"])
+def test_a_dry_run_of_a_finished_stage_has_nothing_to_do(name: str, road: Road) -> None:
+    plan = road.stages[name].plan()
+    assert plan.steps == () and plan.seconds == 0
+
+
+def test_tables_hold_the_papers_four_rows_in_both_settings(road: Road) -> None:
+    for setting in SETTINGS:
+        rows = [row[0] for row in road.outcomes["eval"].data[setting]["overview_micro"]["rows"]]
+        assert [name for name in rows if name in ("GNN_coarse", "OBB_coarse", "GNN_fine", "OBB_fine")] == [
+            "GNN_coarse",
+            "OBB_coarse",
+            "GNN_fine",
+            "OBB_fine",
+        ]
+        for ending in ("txt", "json", "csv", "md", "tex"):
+            assert (road.outcomes["eval"].path / setting / f"angle.{ending}").exists()
+    assert {"ceiling, paper's candidates", "no learning"} <= {
+        row[0] for row in road.outcomes["eval"].data["parts_given"]["overview_micro"]["rows"]
+    }
+
+
+def test_every_true_joint_of_the_test_shapes_has_an_example(road: Road) -> None:
+    examples = read_examples(road.outcomes["eval"].path / "examples.jsonl")
+    table = road.outcomes["eval"].data["parts_given"]["overview_micro"]
+    joints = table["rows"][0][table["columns"].index("joints")]
+    assert len(examples) == joints > 0
+
+
+def test_what_is_accepted_can_be_read_as_partnet_mobility(road: Road) -> None:
+    report = road.outcomes["pseudo-label"].data
+    folders = [path.parent for path in road.workspace.pseudo.glob("*/mobility_v2.json")]
+    accepted = int(next(row for row in report["tables"][0]["rows"] if row[0] == "all")[2])
+    assert len(folders) == accepted
+    for folder in folders:
+        shape = read_partnet_mobility(folder)
+        assert shape.mobility is not None and list(shape.mobility.movable())
+
+
+def test_no_labelled_shape_is_pseudo_labelled(road: Road) -> None:
+    decided = {path.stem for path in (road.workspace.pseudo / "decisions").glob("*.json")}
+    labelled = {found.id for found in discover(road.shapes / "partnet_mobility")}
+    assert decided and not decided & labelled
+
+
+def test_a_higher_threshold_leaves_fewer_folders(road: Road, tmp_path: Path) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+
+    def accepted() -> set[str]:
+        return {path.parent.name for path in workspace.pseudo.glob("laptop*/mobility_v2.json")}
+
+    before = accepted()
+    PseudoLabel(workspace, METHOD, "laptop", threshold=0.5, device="cpu").run(Listener())
+    assert accepted() <= before
+    PseudoLabel(workspace, METHOD, "laptop", threshold=1.0, device="cpu").run(Listener())
+    assert not accepted()
+
+
+def test_the_report_names_everything_that_was_run(road: Road) -> None:
+    html = road.outcomes["report"].path.read_text(encoding="utf-8")
+    for run in runs(road.workspace):
+        assert run.stage in html
+    for title in ("Table 1, parts given", "Table 1, hierarchy given", "Training", "Pseudo labels"):
+        assert title in html
+
+
+def test_predict_goes_on_past_a_bad_shape(road: Road, tmp_path: Path) -> None:
+    source = tmp_path / "mine"
+    some = sorted((road.shapes / "partnet").iterdir())[:2]
+    for folder in some:
+        (source / folder.name).mkdir(parents=True)
+        for path in folder.rglob("*"):
+            target = source / folder.name / path.relative_to(folder)
+            target.mkdir(exist_ok=True) if path.is_dir() else target.write_bytes(path.read_bytes())
+    (source / some[0].name / "result.json").write_text("[{", encoding="utf-8")
+    outcome = Predict(source, tmp_path / "out", road.workspace, METHOD, device="cpu").run(Listener())
+    assert outcome.failed == 1
+    assert [path.parent.name for path in (tmp_path / "out").glob("*/joints.json")] == [some[1].name]
+    assert (tmp_path / "out" / some[1].name / f"{some[1].name}.urdf").exists()
+    before = contents(tmp_path / "out")
+    Predict(source, tmp_path / "out", road.workspace, METHOD, device="cpu").run(Listener())
+    assert contents(tmp_path / "out") == before
+
+
+def test_categories_are_matched_whatever_their_spelling(road: Road) -> None:
+    plans = [Evaluate(road.workspace, (METHOD,), name, device="cpu").plan().steps for name in ("Laptop", "LAPTOP")]
+    assert plans[0] == plans[1] != ()
+    with pytest.raises(InputError, match="Refrigerator"):
+        Evaluate(road.workspace, (METHOD,), "spoon").plan()
+
+
+@pytest.mark.parametrize(
+    "stage",
+    [
+        Train("all", Workspace(Path("nowhere")), "small"),
+        Evaluate(Workspace(Path("nowhere")), (METHOD,)),
+        PseudoLabel(Workspace(Path("nowhere")), METHOD),
+    ],
+)
+def test_a_stage_without_its_inputs_says_what_to_run_first(
+    stage: Stage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match="kinmo prepare"):
+        stage.run(Listener())
+
+
+def test_pictures_are_drawn_from_the_sources(road: Road) -> None:
+    html = road.outcomes["report"].path.read_text(encoding="utf-8")
+    examples = read_examples(road.outcomes["eval"].path / "examples.jsonl")
+    assert html.count('<svg class="object"') == len(examples)
+    assert all(read_found(found) for found in list(discover(road.shapes / "partnet_mobility"))[:1])

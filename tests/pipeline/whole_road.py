@@ -1,0 +1,46 @@
+"""What the tests of the stages share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+
+from kinmo.pipeline.stage import Outcome, Stage
+from kinmo.workspace import Workspace
+
+FAMILIES = ("laptop", "refrigerator")
+METHOD = "paper"
+
+
+@dataclass
+class Listener:
+    """Remembers what it was told."""
+
+    steps: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def progress(self, what: str, done: int, total: int, detail: str = "") -> None:
+        assert 0 < done <= total
+        self.steps.append(what)
+
+    def note(self, text: str) -> None:
+        self.notes.append(text)
+
+
+@dataclass
+class Road:
+    """The folders, the stages by name in their order, and what each made."""
+
+    shapes: Path
+    workspace: Workspace
+    stages: dict[str, Stage]
+    outcomes: dict[str, Outcome] = field(default_factory=dict)
+
+
+def tiny_config(folder: Path) -> Path:
+    """The configuration `small` with one epoch."""
+    lines = files("kinmo").joinpath("configs", "small.toml").read_text(encoding="utf-8").splitlines()
+    path = folder / "tiny.toml"
+    path.write_text("\n".join("epochs = 1" if line.startswith("epochs") else line for line in lines), encoding="utf-8")
+    return path

@@ -1,0 +1,79 @@
+"""The page: self-contained, escaped, and without a complaint from a browser."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinmo.joint import Joint, JointKind
+from kinmo.report.curves import line_chart
+from kinmo.report.page import Page, Picture, Section, Table, render
+from kinmo.report.picture import Axis, object_picture
+from kinmo.shape import Mesh
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+TRICKY = "<script>alert('&')</script>"
+
+
+def page() -> Page:
+    triangle = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]], np.uint32))
+    hinge = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.zeros(3))
+    svg = object_picture((triangle,), frozenset({0}), (Axis(hinge, "truth"),), np.array([0.0, 1.0, 0.0]), TRICKY)
+    return Page(
+        TRICKY,
+        [("workspace", TRICKY)],
+        [
+            Section("Table 1", TRICKY, [Table(TRICKY, ["category", "angle"], [["door", "1.0°"]], TRICKY)]),
+            Section("Training", charts=[line_chart("loss", {"training": [(0, 1.0), (1, 0.5)]}, "epoch")]),
+            Section("Pictures", pictures=[Picture(svg, "100015", [TRICKY])], legend=[("truth", TRICKY)]),
+            Section("More", more=[Table("c", ["a"], [[TRICKY]])]),
+        ],
+    )
+
+
+class Links(HTMLParser):
+    """Collects what a browser would fetch."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.fetched: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.fetched += [value or "" for name, value in attrs if name in ("href", "src", "srcset", "xlink:href", "data")]
+
+
+def test_the_page_fetches_nothing() -> None:
+    html = render(page())
+    links = Links()
+    links.feed(html)
+    assert links.fetched
+    assert all(link.startswith(("data:", "#")) for link in links.fetched)
+    assert not re.search(r"@import|url\(|<script", html)
+
+
+def test_text_is_escaped_everywhere() -> None:
+    assert TRICKY not in render(page())
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine")
+@pytest.mark.parametrize("width", [400, 1200])
+def test_a_browser_shows_it_without_errors_and_without_scrolling_sideways(tmp_path: Path, width: int) -> None:
+    probe = (
+        "<script>document.title = document.documentElement.scrollWidth + '/' + document.documentElement.clientWidth</script>"
+    )
+    file = tmp_path / "report.html"
+    file.write_text(render(page()).replace("</body>", probe + "</body>"), encoding="utf-8")
+    command = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0",
+               f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={width},900", "--virtual-time-budget=2000",
+               "--dump-dom", file.as_uri()]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    assert "CONSOLE" not in done.stderr
+    sizes = re.search(r"<title>(\d+)/(\d+)</title>", done.stdout)
+    assert sizes is not None
+    assert int(sizes[1]) <= int(sizes[2])

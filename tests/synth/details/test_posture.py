@@ -1,0 +1,45 @@
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kinmo.synth.details.posture import face, lay, reorient
+from kinmo.synth.draw import Draw
+from kinmo.synth.families import family
+from kinmo.synth.model import SynthObject
+from kinmo.synth.primitives.place import rotation_about
+
+
+def scissors(seed: int) -> SynthObject:
+    shape = family("scissors")(Draw(np.random.default_rng(seed)))
+    shape.settle()
+    return shape
+
+
+def corners(shape: SynthObject) -> np.ndarray:
+    return np.concatenate([piece.vertices for leaf in shape.root.leaves() for piece in leaf.pieces])
+
+
+@given(st.integers(0, 1000), st.floats(-180, 180))
+def test_turning_the_object_carries_its_joints_along(seed: int, degrees: float) -> None:
+    shape = scissors(seed)
+    link = next(link for link in shape.links if link.motion is not None)
+    before = link.motion
+    matrix = rotation_about((0.3, 1.0, -0.2), degrees, (0.5, 0.1, -0.4))
+    still = corners(shape)
+    reorient(shape, matrix)
+    after = link.motion
+    assert np.allclose(corners(shape), still @ matrix[:3, :3].T + matrix[:3, 3])
+    # Moving and then turning the object is turning the object and then moving.
+    assert np.allclose(matrix @ before.at(17.0), after.at(17.0) @ matrix)
+
+
+@given(st.integers(0, 1000))
+def test_lying_and_facing_keep_lengths(seed: int) -> None:
+    shape = scissors(seed)
+    before = np.sort(np.ptp(corners(shape), axis=0))
+    draw = Draw(np.random.default_rng(seed))
+    lay(draw, shape)
+    face(draw, shape)
+    assert np.allclose(np.sort(np.ptp(corners(shape), axis=0)), before)

@@ -1,0 +1,67 @@
+"""Parts that open do not go through the housing that they open."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull, QhullError
+
+from kinmo.shape import Mesh
+from kinmo.synth.draw import Draw
+from kinmo.synth.families import family
+from kinmo.synth.model import Link, SynthObject
+
+DEEP = 0.04
+"""Depth, over the object's diagonal, from which a point is grossly inside."""
+FAMILIES = ["box", "dishwasher", "microwave", "oven", "refrigerator", "safe", "storage_furniture", "table", "toilet", "window"]
+
+
+def half_spaces(piece: Mesh) -> np.ndarray | None:
+    """Outward planes [F, 4] of a convex, solid piece; None for other pieces."""
+    try:
+        hull = ConvexHull(piece.vertices)
+    except QhullError:
+        return None
+    a, b, c = (piece.vertices[piece.faces[:, i]] for i in range(3))
+    volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+    return np.asarray(hull.equations) if abs(volume - hull.volume) < 1e-3 * hull.volume else None
+
+
+def depth_inside(points: np.ndarray, solids: list[np.ndarray]) -> np.ndarray:
+    """How deep [N] every point is inside the solid it is deepest in; negative outside of all."""
+    depths = [np.min(-(points @ planes[:, :3].T + planes[:, 3]), axis=1) for planes in solids]
+    return np.max(depths, axis=0) if depths else np.full(len(points), -np.inf)
+
+
+def points_of(link: Link) -> np.ndarray:
+    """Corners and middles of the triangles of a link."""
+    pieces = [piece for leaf in link.leaves() for piece in leaf.pieces]
+    corners = [piece.vertices[piece.faces] for piece in pieces]
+    return np.concatenate([np.concatenate([c.mean(axis=1), c.reshape(-1, 3)]) for c in corners])
+
+
+def gross_share(obj: SynthObject, link: Link, value: float) -> float:
+    """Share of a link's points that are grossly inside of what carries it, at a joint value."""
+    assert link.motion is not None and link.parent is not None
+    matrix = link.motion.at(value)
+    moved = points_of(link) @ matrix[:3, :3].T + matrix[:3, 3]
+    pieces = [piece for leaf in link.parent.leaves() for piece in leaf.pieces]
+    solids = [planes for planes in map(half_spaces, pieces) if planes is not None]
+    low, high = obj.bounds()
+    return float(np.mean(depth_inside(moved, solids) > DEEP * np.linalg.norm(high - low)))
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_opening_parts_clear_their_housing(name: str) -> None:
+    worse, joints = 0, 0
+    for seed in range(8):
+        obj = family(name)(Draw(np.random.default_rng(seed)))
+        for link in obj.links:
+            if link.motion is None or link.motion.no_limit:
+                continue
+            closed = gross_share(obj, link, 0.0)
+            opened = max(gross_share(obj, link, share * link.motion.b) for share in (0.3, 0.6, 1.0))
+            worse += opened > closed + 0.15
+            joints += 1
+    assert joints > 5
+    assert worse <= 0.1 * joints

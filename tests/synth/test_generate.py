@@ -1,0 +1,125 @@
+"""Generation is deterministic, whole or absent, and what it writes reads back as it was built."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinmo.errors import InputError
+from kinmo.formats import discover, read_dsg_net, read_partnet, read_partnet_mobility
+from kinmo.joint import JointKind
+from kinmo.synth import generate as generating
+from kinmo.synth.draw import ParameterRange
+from kinmo.synth.families import family_names
+from kinmo.synth.generate import Layout, Order, build, generate, orders, write
+from kinmo.synth.model import JointName
+
+SOME = ("safe", "microwave", "bottle", "window")
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def test_the_same_seed_gives_the_same_bytes_on_any_number_of_processes(tmp_path: Path) -> None:
+    generate(tmp_path / "one", count=3, families=SOME[:2], seed=5)
+    generate(tmp_path / "two", count=3, families=SOME[:2], seed=5, workers=2)
+    generate(tmp_path / "other", count=3, families=SOME[:2], seed=6)
+    one = contents(tmp_path / "one")
+    assert one == contents(tmp_path / "two")
+    assert not one.keys() & contents(tmp_path / "other").keys()
+
+
+def test_a_shape_does_not_depend_on_what_else_is_written(tmp_path: Path) -> None:
+    generate(tmp_path / "many", count=3, families=SOME, layouts=[Layout.PARTNET_MOBILITY])
+    generate(tmp_path / "few", count=1, families=["window"], layouts=[Layout.PARTNET_MOBILITY])
+    many, few = contents(tmp_path / "many"), contents(tmp_path / "few")
+    assert few.items() <= many.items()
+
+
+def test_a_second_run_writes_only_what_is_missing(tmp_path: Path) -> None:
+    assert generate(tmp_path, count=2, families=SOME[:1], layouts=[Layout.PARTNET]) == 2
+    written: list[Path] = []
+    again = generate(tmp_path, count=3, families=SOME[:1], layouts=[Layout.PARTNET], on_written=written.append)
+    assert again == 1 == len(written)
+    assert written[0].name.endswith("00002")
+
+
+def test_a_failed_write_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise OSError("disk full")
+
+    monkeypatch.setattr(generating.partnet, "write", fail)
+    with pytest.raises(OSError, match="disk full"):
+        generate(tmp_path, count=1, families=SOME[:1], layouts=[Layout.PARTNET])
+    assert not list((tmp_path / "partnet").iterdir())
+
+
+def test_ids_are_unique() -> None:
+    ids = [order.shape_id for seed in (0, 1) for order in orders(4, seed=seed)]
+    assert len(ids) == len(set(ids))
+
+
+def test_a_count_below_one_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="count"):
+        generate(tmp_path, count=0)
+
+
+def test_unlabelled_layouts_take_their_own_range() -> None:
+    ranges = {order.layout: order.parameter_range for order in orders(1, families=["safe"])}
+    assert ranges[Layout.PARTNET_MOBILITY] is ParameterRange.LABELLED
+    assert ranges[Layout.PARTNET] is ranges[Layout.DSG_NET] is ParameterRange.UNLABELLED
+
+
+@pytest.mark.parametrize("name", family_names())
+def test_mobility_reads_back_as_it_was_built(name: str, tmp_path: Path) -> None:
+    for index in range(1):
+        order = Order(name, index, 3, Layout.PARTNET_MOBILITY, ParameterRange.BOTH)
+        obj, shape = build(order), read_partnet_mobility(write(order, tmp_path))
+        leaves = list(obj.root.leaves())
+        assert shape.category == obj.category
+        assert [shape.parts[leaf].name for leaf in shape.leaves] == [leaf.name for leaf in leaves]
+        assert len(shape.parts) == len(list(obj.root.walk()))
+        np.testing.assert_allclose(shape.bounds, obj.bounds(), atol=2e-6)
+        assert shape.mobility is not None
+        bodies = {frozenset(body.leaves): body for body in shape.mobility.bodies}
+        assert len(bodies) == len(obj.links)
+        for link in obj.links:
+            body = bodies[frozenset(shape.leaves[leaves.index(leaf)] for leaf in link.leaves())]
+            assert (body.joint is None) == (link.motion is None)
+            if body.joint is None or link.motion is None:
+                continue
+            unit = link.motion.direction / np.linalg.norm(link.motion.direction)
+            assert abs(float(unit @ body.joint.direction)) > 1 - 1e-9
+            assert (body.joint.kind is JointKind.REVOLUTE) == (link.motion.joint is JointName.HINGE)
+            assert (body.joint.kind is JointKind.SCREW) == link.motion.rotates
+            if link.motion.has_place:
+                across = np.cross(body.joint.pivot - link.motion.origin, unit)
+                assert np.linalg.norm(across) < 1e-6
+            if not link.motion.no_limit and link.motion.a != link.motion.b:
+                assert body.joint.lower is not None and body.joint.upper is not None
+                extent = abs(link.motion.b - link.motion.a)
+                assert body.joint.upper - body.joint.lower == pytest.approx(
+                    np.radians(extent) if link.motion.is_hinge else extent
+                )
+
+
+@pytest.mark.parametrize("name", family_names())
+def test_unlabelled_layouts_can_be_read(name: str, tmp_path: Path) -> None:
+    plain = Order(name, 0, 3, Layout.PARTNET, ParameterRange.BOTH)
+    obj, shape = build(plain), read_partnet(write(plain, tmp_path))
+    assert shape.mobility is None
+    np.testing.assert_allclose(shape.bounds, obj.bounds(), atol=2e-6)
+    generated = [Order(name, index, 3, Layout.DSG_NET, ParameterRange.BOTH) for index in range(2)]
+    for order in generated:
+        write(order, tmp_path)
+    found = list(discover(tmp_path / "dsg_net"))
+    assert len(found) == len(generated)
+    for order, tree in zip(generated, found, strict=True):
+        built, read = build(order), read_dsg_net(tree.path)
+        assert read.id == order.shape_id
+        assert 2 <= len(read.leaves) <= len(list(built.root.leaves()))
+        diagonal = np.linalg.norm(np.subtract(*built.bounds()))
+        assert 0.5 < read.diagonal / diagonal < 1.3

@@ -1,0 +1,136 @@
+"""The quirks of real files occur as often as they were counted, and change nothing that matters."""
+
+from __future__ import annotations
+
+from collections import Counter
+from copy import deepcopy
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinmo.shape import Mesh
+from kinmo.synth.draw import Draw, ParameterRange
+from kinmo.synth.families import family, family_names
+from kinmo.synth.generate import Layout, Order, build
+from kinmo.synth.hierarchy_style import arrange, lump
+from kinmo.synth.joint_quirks import misstate
+from kinmo.synth.mesh_quirks import roughen, subdivided
+from kinmo.synth.model import JointName, Motion, SynthObject
+from kinmo.synth.primitives import box, rounded_box
+
+
+def fresh(name: str, seed: int) -> SynthObject:
+    return family(name)(Draw(np.random.default_rng(seed)))
+
+
+def draw(seed: int) -> Draw:
+    return Draw(np.random.default_rng(seed))
+
+
+def area(obj: SynthObject) -> float:
+    pieces = [piece for leaf in obj.root.leaves() for piece in leaf.pieces]
+    return sum(_area(piece) for piece in pieces)
+
+
+def _area(piece: Mesh) -> float:
+    a, b, c = (piece.vertices[piece.faces[:, i]] for i in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+
+def test_quirks_occur_as_often_as_in_real_files() -> None:
+    joints: list[Motion] = []
+    needing_two = 0
+    objects = [
+        build(Order(name, index, 1, Layout.PARTNET_MOBILITY, ParameterRange.BOTH))
+        for name in family_names()
+        for index in range(6)
+    ]
+    for obj in objects:
+        moving = [link for link in obj.links if link.motion is not None]
+        joints += [link.motion for link in moving if link.motion is not None]
+        needing_two += sum(len(link.nodes) > 1 for link in moving)
+    hinges = [joint for joint in joints if joint.is_hinge and not joint.no_limit]
+    sliders = [joint for joint in joints if not joint.is_hinge]
+    lengths = [abs(np.linalg.norm(joint.direction) - 1) for joint in joints]
+
+    def share(marks: list[bool]) -> float:
+        return sum(marks) / len(marks)
+
+    assert 0.4 < share([joint.a > joint.b for joint in hinges]) < 0.7
+    assert 0.1 < share([joint.a > joint.b for joint in sliders]) < 0.4
+    assert 0.01 < share([not min(joint.a, joint.b) <= 1e-9 <= max(joint.a, joint.b) + 2e-9 for joint in hinges]) < 0.1
+    assert 0.01 < share([length > 1e-3 for length in lengths]) < 0.08
+    assert 0.03 < needing_two / len(joints) < 0.25
+    assert 0.05 < share([joint.no_limit for joint in joints]) < 0.35
+    assert 0.01 < share([any(link.kind is JointName.JUNK for link in obj.links) for obj in objects]) < 0.12
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10_000), name=st.sampled_from(["safe", "table", "microwave", "suitcase"]))
+def test_styles_keep_geometry_and_bodies(seed: int, name: str) -> None:
+    obj = fresh(name, seed)
+    before = {link: sorted(len(p.faces) for leaf in link.leaves() for p in leaf.pieces) for link in obj.links}
+    total = area(obj)
+    arrange(obj, draw(seed))
+    obj.check()
+    for link, counts in before.items():
+        if link.motion is not None:
+            assert sorted(len(p.faces) for leaf in link.leaves() for p in leaf.pieces) == counts
+    assert area(obj) == pytest.approx(total)
+
+
+def test_lumped_objects_have_one_leaf_a_link() -> None:
+    obj = fresh("table", 3)
+    lump(obj, draw(0))
+    obj.check()
+    assert len(list(obj.root.leaves())) == len(obj.links)
+    assert all(not child.children for child in obj.root.children)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 10_000))
+def test_misstated_joints_move_parts_alike(seed: int) -> None:
+    obj = fresh("refrigerator", seed)
+    obj.settle()
+    obj.normalise(2.0)
+    truth = [link.motion for link in obj.links]
+    misstate(obj, draw(seed))
+    for before, link in zip(truth, obj.links, strict=True):
+        if before is None or link.motion is None:
+            continue
+        flipped = float(before.direction @ link.motion.direction) < 0
+        ends = [before.a, before.b]
+        stated = [-link.motion.a, -link.motion.b] if flipped else [link.motion.a, link.motion.b]
+        if before.is_hinge:
+            turns = (np.array(stated) - ends) / 360.0
+            np.testing.assert_allclose(turns, np.round(turns[0]), atol=1e-9)
+            unit = before.direction / np.linalg.norm(before.direction)
+            apart = np.cross(link.motion.origin - before.origin, unit)
+            assert np.linalg.norm(apart) < 0.06
+        else:
+            assert stated[1] - stated[0] == pytest.approx(ends[1] - ends[0])
+        cosine = before.direction @ link.motion.direction / np.linalg.norm(link.motion.direction)
+        assert abs(float(cosine)) > np.cos(np.radians(3.01))
+
+
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 10_000))
+def test_rough_meshes_keep_their_surface(seed: int) -> None:
+    obj = fresh("safe", seed)
+    low, high = obj.bounds()
+    before = area(deepcopy(obj))
+    roughen(obj, draw(seed))
+    np.testing.assert_allclose(obj.bounds(), (low, high), atol=1e-12)
+    assert 0.9 * before < area(obj) < 2.1 * before
+
+
+@pytest.mark.parametrize("mesh", [box((1, 2, 3)), rounded_box((1, 2, 3), 0.3)])
+def test_subdivision_keeps_area_and_shares_vertices(mesh: Mesh) -> None:
+    fine = subdivided(mesh)
+    assert len(fine.faces) == 4 * len(mesh.faces)
+    assert _area(fine) == pytest.approx(_area(mesh))
+    edges = np.sort(fine.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    uses = Counter(map(tuple, edges.tolist()))
+    assert set(uses.values()) == {2}, "a closed mesh stays closed"

@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from kinmo.config import Config, builtin_configs, from_table, load_config, to_table
+from kinmo.errors import InputError
+
+SMALL = (files("kinmo") / "configs" / "small.toml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", builtin_configs())
+def test_the_configurations_that_come_with_kinmo_survive_a_round_trip(name: str) -> None:
+    config = load_config(name)
+    assert from_table(Config, to_table(config), "test") == config
+
+
+def test_the_papers_weights_and_threshold_are_the_papers() -> None:
+    refinement = load_config("paper").refinement
+    assert refinement.weights == (0.5, 0.3, 0.2, 0.0)
+    assert refinement.threshold == 0.6
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        ("[gnn]", "[gnn]\ncolour = 1", "gnn.colour: unknown key"),
+        ("epochs = 40", 'epochs = "many"', "gnn.training.epochs: expected int, got 'many'"),
+        ("epochs = 40", "epochs = true", "gnn.training.epochs: expected int, got True"),
+        ('inputs = "kinmo"', 'inputs = "mine"', "gnn.inputs: expected one of paper, kinmo, got 'mine'"),
+        ("widths = [32, 64, 128]", "widths = [32, 6.5]", r"gnn.leaf.widths\[1\]: expected int, got 6.5"),
+        ("widths = [32, 64, 128]", "widths = 32", "gnn.leaf.widths: expected a list, got 32"),
+        ("[gnn.leaf]", "[gnn.roots]", "gnn.roots: unknown key"),
+        ("[axis.encoder]\nkind", "[axis.encoder]\nkinds", "axis.encoder.kinds: unknown key"),
+        ("[gnn]", "[gnn", "expected TOML"),
+    ],
+)
+def test_a_mistake_is_named_by_file_and_key(tmp_path: Path, before: str, after: str, message: str) -> None:
+    assert before in SMALL
+    path = tmp_path / "mine.toml"
+    path.write_text(SMALL.replace(before, after, 1))
+    with pytest.raises(InputError, match=f"mine.toml: {message}"):
+        load_config(path)
+
+
+def test_a_missing_section_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text("")
+    with pytest.raises(InputError, match="gnn: missing"):
+        load_config(path)
+
+
+def test_an_absent_file_is_answered_with_the_known_names() -> None:
+    with pytest.raises(InputError, match="expected a TOML file or one of paper, small"):
+        load_config("huge")

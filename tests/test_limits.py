@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from kinmo import _core
+from kinmo.candidates import KIND_CODES, Candidates
+from kinmo.joint import JointKind
+from kinmo.limits import MOST_TURN, free_travel
+from small_shapes import box_mesh, box_surface
+
+
+def meshes(*boxes: tuple[tuple[float, ...], tuple[float, ...]]) -> _core.Meshes:
+    made = [box_mesh(np.array(center), np.array(half)) for center, half in boxes]
+    return _core.Meshes([mesh.vertices for mesh in made], [mesh.faces for mesh in made])
+
+
+def one(kind: JointKind, direction, pivot) -> Candidates:
+    return Candidates(np.array([KIND_CODES[kind]], np.uint8), np.array([direction], float), np.array([pivot], float), ("test",))
+
+
+DOOR, WALL = ((0.0, 0.0, 0.03), (0.3, 0.4, 0.01)), ((0.0, 0.0, -0.2), (0.3, 0.4, 0.2))
+DOOR_POINTS = box_surface(np.zeros(3), np.array(DOOR[1]), 200, np.random.default_rng(0))[0]
+
+
+def test_a_door_opens_one_way() -> None:
+    travel = free_travel(meshes(DOOR, WALL), [0], [1], one(JointKind.REVOLUTE, (0, 1, 0), (0.3, 0, 0.04)), DOOR_POINTS)
+    lower, upper = travel.range(0)
+    assert sorted([abs(lower), abs(upper)])[0] < math.radians(20)
+    assert sorted([abs(lower), abs(upper)])[1] == pytest.approx(MOST_TURN)
+    assert travel.freedom[0] == 1.0
+
+
+def test_a_wheel_in_the_open_has_no_limit() -> None:
+    travel = free_travel(meshes(DOOR), [0], [], one(JointKind.REVOLUTE, (0, 0, 1), (0, 0, 0)), DOOR_POINTS)
+    assert travel.range(0) == (None, None)
+
+
+def test_a_door_that_nothing_stops_opens_to_a_right_angle() -> None:
+    travel = free_travel(meshes(DOOR), [0], [], one(JointKind.REVOLUTE, (0, 1, 0), (0.3, 0, 0)), DOOR_POINTS)
+    assert travel.range(0) == pytest.approx((-MOST_TURN, MOST_TURN))
+
+
+def test_a_slider_goes_no_farther_than_it_is_long_and_not_through_a_wall() -> None:
+    travel = free_travel(meshes(DOOR, WALL), [0], [1], one(JointKind.PRISMATIC, (1, 0, 0), (0, 0, 0)), DOOR_POINTS)
+    assert travel.range(0) == pytest.approx((-0.6, 0.6), abs=0.02)
+    blocked = ((0.45, 0.0, 0.03), (0.05, 0.4, 0.01))
+    travel = free_travel(meshes(DOOR, blocked), [0], [1], one(JointKind.PRISMATIC, (1, 0, 0), (0, 0, 0)), DOOR_POINTS)
+    lower, upper = travel.range(0)
+    assert lower == pytest.approx(-0.6, abs=0.02)
+    assert upper == pytest.approx(0.1, abs=0.03)
+
+
+def test_a_part_shut_in_on_all_sides_is_not_free() -> None:
+    inside = ((0.0, 0.0, 0.0), (0.1, 0.1, 0.1))
+    walls = [((0.0, 0.0, s * 0.15), (0.2, 0.2, 0.04)) for s in (-1, 1)]
+    points = box_surface(np.zeros(3), np.array(inside[1]), 200, np.random.default_rng(0))[0]
+    travel = free_travel(meshes(inside, *walls), [0], [1, 2], one(JointKind.PRISMATIC, (0, 0, 1), (0, 0, 0)), points)
+    assert travel.freedom[0] < 0.5

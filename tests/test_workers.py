@@ -1,0 +1,93 @@
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from kinmo.workers import Crashed, map_unordered
+
+
+def square(number: int) -> int:
+    return number * number
+
+
+def square_or_die(number: int) -> int:
+    if number % 7 == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number * number
+
+
+def threads(number: int) -> str:
+    return os.environ.get("RAYON_NUM_THREADS", "")
+
+
+def fail(number: int) -> int:
+    raise ValueError("no")
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_every_job_is_answered_once(workers):
+    assert sorted(map_unordered(square, iter(range(40)), workers)) == [(n, n * n) for n in range(40)]
+
+
+def test_a_job_that_kills_its_worker_is_answered_and_the_others_are_done():
+    answers = dict(map_unordered(square_or_die, iter(range(12)), 2))
+    assert answers == {n: Crashed() if n % 7 == 3 else n * n for n in range(12)}
+
+
+def test_jobs_are_not_taken_long_before_they_are_done():
+    taken = []
+
+    def jobs():
+        for number in range(200):
+            taken.append(number)
+            yield number
+
+    for done, _ in enumerate(map_unordered(square, jobs(), 2)):
+        assert len(taken) - done < 20
+
+
+def test_a_worker_uses_one_thread():
+    assert {answer for _, answer in map_unordered(threads, range(4), 2)} == {"1"}
+
+
+def test_what_a_job_raises_reaches_the_caller():
+    with pytest.raises(ValueError, match="no"):
+        list(map_unordered(fail, range(3), 2))
+
+
+def test_workers_end_with_a_process_that_is_killed(tmp_path):
+    script = tmp_path / "owner.py"
+    script.write_text(
+        "import os, sys, time\n"
+        "from kinmo.workers import map_unordered\n"
+        "def job(number):\n"
+        "    open(os.path.join(os.path.dirname(__file__), f'{os.getpid()}.pid'), 'w').close()\n"
+        "    time.sleep(60)\n"
+        "if __name__ == '__main__':\n"
+        "    list(map_unordered(job, range(2), 2))\n"
+    )
+    owner = subprocess.Popen([sys.executable, str(script)], stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + 60
+    while len(pids := [int(path.stem) for path in tmp_path.glob("*.pid")]) < 2 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    owner.kill()
+    owner.wait()
+    while any(is_running(pid) for pid in pids) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert len(pids) == 2
+    assert not any(is_running(pid) for pid in pids)
+
+
+def is_running(pid: int) -> bool:
+    """Whether a process is there and is not merely waiting to be buried."""
+    try:
+        status = Path(f"/proc/{pid}/stat").read_text()
+    except OSError:
+        return False
+    return status.rpartition(")")[2].split()[0] != "Z"

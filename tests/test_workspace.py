@@ -1,0 +1,150 @@
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kinmo.errors import InputError
+from kinmo.workspace import (
+    StageRecord,
+    Workspace,
+    digest,
+    remove_leftovers,
+    write_atomically,
+    write_bytes_atomically,
+    write_text_atomically,
+)
+
+words = st.text(max_size=5)
+scalars = st.none() | st.booleans() | st.integers() | words
+plain = scalars | st.lists(scalars, max_size=3) | st.dictionaries(words, scalars, max_size=3)
+
+
+def test_a_file_is_there_only_when_it_is_whole(tmp_path):
+    path = tmp_path / "deep" / "file.txt"
+    with write_atomically(path) as temporary:
+        temporary.write_text("half")
+        assert not path.exists()
+    assert path.read_text() == "half"
+    with pytest.raises(RuntimeError), write_atomically(path) as temporary:
+        temporary.write_text("other")
+        raise RuntimeError
+    assert path.read_text() == "half"
+    assert [entry.name for entry in path.parent.iterdir()] == ["file.txt"]
+
+
+def test_a_folder_is_replaced_as_a_whole(tmp_path):
+    path = tmp_path / "folder"
+    for name in ("one", "two"):
+        with write_atomically(path) as temporary:
+            temporary.mkdir()
+            (temporary / name).write_text(name)
+    assert [entry.name for entry in path.iterdir()] == ["two"]
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_killed_runs_leave_is_cleared_away(tmp_path):
+    script = (
+        "import os, sys; from pathlib import Path; from kinmo.workspace import write_atomically\n"
+        "with write_atomically(Path(sys.argv[1]) / 'f') as t:\n"
+        "    t.write_text('x' * 1000); os.kill(os.getpid(), 9)"
+    )
+    done = subprocess.run([sys.executable, "-c", script, str(tmp_path)], check=False)
+    assert done.returncode == -signal.SIGKILL
+    assert len(list(tmp_path.iterdir())) == 1, "the test is about something"
+    assert not (tmp_path / "f").exists()
+    write_text_atomically(tmp_path / "f", "y")
+    assert [entry.name for entry in tmp_path.iterdir()] == ["f"]
+    (tmp_path / ".g.tmp~").mkdir()
+    (tmp_path / ".g.tmp~" / "h").write_text("")
+    remove_leftovers(tmp_path)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["f"]
+
+
+def test_a_file_that_is_right_already_is_not_touched(tmp_path):
+    path = tmp_path / "f"
+    write_text_atomically(path, "é\n")
+    assert path.read_bytes() == "é\n".encode()
+    before = path.stat()
+    write_text_atomically(path, "é\n")
+    assert (path.stat().st_mtime_ns, path.stat().st_ino) == (before.st_mtime_ns, before.st_ino)
+    write_text_atomically(path, "e\n")
+    assert path.read_text() == "e\n"
+
+
+def test_writing_nothing_is_a_mistake(tmp_path):
+    with pytest.raises(FileNotFoundError), write_atomically(tmp_path / "f"):
+        pass
+
+
+def test_one_process_at_a_time_works_in_a_workspace(tmp_path):
+    workspace = Workspace(tmp_path / "w")
+    script = (
+        "import sys; from kinmo.workspace import Workspace\n"
+        "with Workspace(sys.argv[1]).locked():\n"
+        "    print('locked', flush=True); sys.stdin.read()"
+    )
+    command = [sys.executable, "-c", script, str(workspace.path)]
+    other = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert other.stdout.readline() == "locked\n"
+    with pytest.raises(InputError, match=f"process {other.pid}"), workspace.locked():
+        pass
+    other.kill()
+    other.wait()
+    other.stdin.close()
+    other.stdout.close()
+    with workspace.locked():
+        pass
+    with workspace.locked():
+        pass
+
+
+def test_a_workspace_that_cannot_be_is_refused(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="file"), Workspace(tmp_path / "file" / "w").locked():
+        pass
+
+
+def test_a_stage_is_current_only_with_the_same_inputs_and_all_outputs(tmp_path):
+    workspace = Workspace(tmp_path)
+    inputs = {"config": {"epochs": 3}, "seed": 0, "shapes": ("a", "b")}
+    assert not workspace.is_current("gnn", inputs)
+    write_bytes_atomically(workspace.models / "gnn.safetensors", b"weights")
+    workspace.write_record("gnn", StageRecord(inputs, ("models/gnn.safetensors",)))
+    assert workspace.is_current("gnn", inputs)
+    assert not workspace.is_current("gnn", inputs | {"seed": 1})
+    assert not workspace.is_current("axis", inputs)
+    (workspace.models / "gnn.safetensors").unlink()
+    assert not workspace.is_current("gnn", inputs)
+
+
+def test_a_record_of_another_version_or_garbled_counts_for_nothing(tmp_path):
+    workspace = Workspace(tmp_path)
+    workspace.write_record("gnn", StageRecord({}, (), kinmo="0.0.0"))
+    assert workspace.record("gnn") is not None
+    assert not workspace.is_current("gnn", {})
+    (tmp_path / "records" / "gnn.json").write_text('{"inputs": ')
+    assert workspace.record("gnn") is None
+    workspace.write_record("gnn", StageRecord({}))
+    assert workspace.is_current("gnn", {})
+    workspace.forget("gnn")
+    workspace.forget("gnn")
+    assert not workspace.is_current("gnn", {})
+
+
+@given(st.dictionaries(words, plain, min_size=1, max_size=4))
+def test_a_digest_does_not_depend_on_the_order_of_keys(value):
+    assert digest(value) == digest(dict(reversed(value.items())))
+    assert digest(value) != digest({**value, "one more key": 1})
+
+
+def test_records_are_the_same_bytes_whenever_they_are_written(tmp_path):
+    for name in ("a", "b"):
+        Workspace(tmp_path / name).write_record("gnn", StageRecord({"y": 1, "x": [1, 2]}, ("models/x",)))
+    files = [(tmp_path / name / "records" / "gnn.json").read_bytes() for name in ("a", "b")]
+    assert files[0] == files[1]
+    assert [entry.name for entry in (tmp_path / "a").iterdir()] == ["records"]
