@@ -22,7 +22,7 @@ const FLAT_EDGE: f64 = 1e-6;
 const CROSSED_EDGES: usize = 24;
 
 /// So many of the best boxes are refined.
-const REFINED: usize = 4;
+const REFINED: usize = 12;
 const REFINEMENT_ROUNDS: usize = 20;
 
 /// Axes of a box and its volume.
@@ -66,8 +66,10 @@ impl<'a> BoxSearch<'a> {
         directions.extend([Vector3::x(), Vector3::y(), Vector3::z()]);
         let mut found = self.best_along(&distinct(directions, usize::MAX));
         found.sort_by(|a, b| a.volume.total_cmp(&b.volume));
-        let refined: Vec<_> = found.iter().take(REFINED).map(|&candidate| self.refine(candidate)).collect();
-        found.extend(refined);
+        // One box comes from each of its faces: it needs refining once.
+        let mut starts = found.clone();
+        starts.dedup_by(|a, b| a.volume <= b.volume * (1.0 + TIE));
+        found.extend(starts.into_iter().take(REFINED).map(|candidate| self.refine(candidate)));
         most_aligned(&found).map_or([Vector3::x(), Vector3::y(), Vector3::z()], |best| best.axes)
     }
 

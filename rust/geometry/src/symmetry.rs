@@ -1,5 +1,6 @@
 //! Symmetries of a part.
 
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
@@ -45,7 +46,10 @@ const ORDERS: [u32; 6] = [8, 6, 5, 4, 3, 2];
 const REVOLUTION_ANGLES: [f64; 4] = [0.0901699 * TAU, 0.2360680 * TAU, 0.3819660 * TAU, 0.4721360 * TAU];
 
 /// Candidate directions nearer than this (sine of the angle) are one.
-const SAME_DIRECTION: f64 = 0.01;
+const SAME_CANDIDATE: f64 = 1e-3;
+
+/// Of symmetries along directions nearer than this (sine of the angle) the best is reported.
+const SAME_DIRECTION: f64 = 0.1;
 
 /// Candidate points nearer than this share of the tolerance are one.
 const SAME_POINT: f64 = 0.2;
@@ -54,7 +58,7 @@ const SAME_POINT: f64 = 0.2;
 ///
 /// Candidates are the axis of revolution of the surface, the axes of the boxes of minimum volume and of Fish's, and the principal axes,
 /// each where it was found, through the centroid of the surface and through the middle of the box. Reported are those with an
-/// error below `tolerance`; of an axis, the finest order.
+/// error below `tolerance`; of an axis, the finest order; of nearly parallel ones, the best.
 pub fn find_symmetries(surface: &Surface<'_>, samples: usize, tolerance: f64, seed: u64) -> Vec<Symmetry> {
     let fitter = BoxFitter::new(surface.mesh().vertices());
     let minimal = fitter.minimum_volume();
@@ -70,19 +74,36 @@ pub fn find_symmetries(surface: &Surface<'_>, samples: usize, tolerance: f64, se
         lines.extend(candidate.axes.iter().map(|axis| (candidate.center, *axis)));
     }
     lines.extend(principal.iter().map(|axis| (centroid, *axis)));
-    let mut directions: Vec<Vector3<f64>> = Vec::new();
-    let (mut mirrors, mut turns) = (Vec::new(), Vec::new());
+    let (mut tried, mut mirrors, mut turns) = (Vec::new(), Vec::new(), Vec::new());
     for (own_point, direction) in lines {
-        if directions.iter().any(|known| known.cross(&direction).norm() < SAME_DIRECTION) {
+        if !is_new(&tried, &direction, SAME_CANDIDATE) {
             continue;
         }
-        directions.push(direction);
+        tried.push(direction);
         let points = distinct_points([own_point, symmetric.center, centroid], SAME_POINT * test.reach());
         mirrors.extend(best_of(&points, |point| mirror_at(&test, point, direction)));
         turns.extend(best_of(&points, |point| turn_about(&test, point, direction)));
     }
-    mirrors.extend(turns);
-    mirrors
+    let mut found = best_of_neighbours(mirrors);
+    found.extend(best_of_neighbours(turns));
+    found
+}
+
+/// Drops what is nearly along a better symmetry of the same kind: candidates a degree off hold within the tolerance, too.
+fn best_of_neighbours(mut symmetries: Vec<Symmetry>) -> Vec<Symmetry> {
+    symmetries.sort_by(better_first);
+    let mut kept: Vec<Symmetry> = Vec::new();
+    for symmetry in symmetries {
+        let directions: Vec<_> = kept.iter().map(|better| better.direction).collect();
+        if is_new(&directions, &symmetry.direction, SAME_DIRECTION) {
+            kept.push(symmetry);
+        }
+    }
+    kept
+}
+
+fn is_new(known: &[Vector3<f64>], direction: &Vector3<f64>, sine: f64) -> bool {
+    known.iter().all(|other| other.cross(direction).norm() > sine)
 }
 
 fn distinct_points(points: [Point3<f64>; 3], distance: f64) -> Vec<Point3<f64>> {
@@ -97,7 +118,11 @@ fn distinct_points(points: [Point3<f64>; 3], distance: f64) -> Vec<Point3<f64>> 
 
 fn best_of(points: &[Point3<f64>], find: impl Fn(Point3<f64>) -> Option<Symmetry>) -> Option<Symmetry> {
     let found = points.iter().filter_map(|point| find(*point));
-    found.min_by(|a, b| coarseness(a).cmp(&coarseness(b)).then(a.error.total_cmp(&b.error)))
+    found.min_by(better_first)
+}
+
+fn better_first(a: &Symmetry, b: &Symmetry) -> Ordering {
+    coarseness(a).cmp(&coarseness(b)).then(a.error.total_cmp(&b.error))
 }
 
 /// Least for what holds at any angle, then by descending order.
