@@ -65,7 +65,11 @@ class Experiment:
         """Runs the command to its end; its seconds. Ends the bench if it fails."""
         begin = time.monotonic()
         process = self.launch(workspace)
-        _, errors = process.communicate()
+        try:
+            _, errors = process.communicate()
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
         if process.returncode != 0:
             raise SystemExit(f"{' '.join(self.command)} failed:\n{errors.decode(errors='replace')}")
         return time.monotonic() - begin
@@ -121,6 +125,7 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="three kills")
     parser.add_argument("command", nargs="*", help=f"with {PLACE} where the workspace goes")
     args = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     kills = 3 if args.quick else args.kills
     rng = random.Random(args.seed)
     with tempfile.TemporaryDirectory(prefix="kill-resume-") as name:

@@ -22,9 +22,9 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from parts import MeshArrays, load_parts
 
 from kinmo import _core
+from parts import MeshArrays, load_parts
 
 GOAL, WORST_VOLUME = 10.0, 1.001
 FLAT = 1e-9  # of the diagonal

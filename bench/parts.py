@@ -69,7 +69,7 @@ def _read_obj(path: Path) -> MeshArrays:
         elif line.startswith("f "):
             corners = [int(word.split("/")[0]) for word in line.split()[1:]]
             corners = [i - 1 if i > 0 else len(vertices) + i for i in corners]
-            faces.extend([corners[0], b, c] for b, c in zip(corners[1:], corners[2:], strict=False))
+            faces.extend([corners[0], corners[k], corners[k + 1]] for k in range(1, len(corners) - 1))
     return np.array(vertices, float).reshape(-1, 3), np.array(faces, np.uint32).reshape(-1, 3)
 
 

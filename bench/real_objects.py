@@ -48,8 +48,9 @@ from turned_objects import turned_shapes
 
 ROOT = Path(__file__).parents[1]
 ROWS = ("given", "hidden", "turned", "transfer", "categories", "hierarchy")
-FINE_TUNING = 0.5
-"""Epochs and learning rate of the training on real objects, over those of the procedural one."""
+FINE_TUNING = {"epochs": 20, "learning_rate": 7e-4}
+FEW_VIEWS = 8
+"""Schedule and batches of the training on real objects, which are few."""
 GOALS = {"type": 0.96, "axis": -2.5, "axis macro": -4.0, "ok": 0.90}
 """What the row `given` is to reach; negative: at most."""
 Fold = tuple[str, list[PreparedShape], list[PreparedShape], list[PreparedShape]]
@@ -83,8 +84,7 @@ class Bench:
         folder = self.cache / "models" / f"ranking-{name}"
         config, schedule = self.config.ranking, self.config.ranking.training
         if initial is not None:
-            epochs, rate = round(FINE_TUNING * schedule.epochs), FINE_TUNING * schedule.learning_rate
-            config = replace(config, training=replace(schedule, epochs=epochs, learning_rate=rate))
+            config = replace(config, batch_views=FEW_VIEWS, training=replace(schedule, **FINE_TUNING))
         if not (folder / "weights.safetensors").exists():
             print(f"training {folder.name} on {len(training)} shapes", flush=True)
             train_joint_ranking(training, validation, config, folder, seed=seed, device="cpu", initial=initial)

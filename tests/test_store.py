@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -32,6 +32,8 @@ def plain(value):
         return (value.dtype.str, value.shape, value.tobytes())
     if isinstance(value, tuple):
         return tuple(map(plain, value))
+    if isinstance(value, dict):
+        return {name: plain(item) for name, item in value.items()}
     if hasattr(value, "__dataclass_fields__"):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     return value
@@ -53,9 +55,8 @@ def test_the_same_shape_gives_the_same_bytes(tmp_path, labelled):
 
 
 def test_arrays_of_the_evidence_are_kept_by_name(tmp_path, labelled):
-    object.__setattr__(labelled, "evidence", {"features": np.arange(6, dtype=np.float32).reshape(2, 3)})
-    (tmp_path / "a").write_bytes(to_bytes(labelled, {}))
-    object.__setattr__(labelled, "evidence", {})
+    shape = replace(labelled, evidence={"features": np.arange(6, dtype=np.float32).reshape(2, 3)})
+    (tmp_path / "a").write_bytes(to_bytes(shape, {}))
     np.testing.assert_array_equal(read_prepared(tmp_path / "a").evidence["features"], [[0, 1, 2], [3, 4, 5]])
 
 

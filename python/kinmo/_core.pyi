@@ -145,8 +145,8 @@ def sweep(
     upper: F64,
     *,
     pitches: F64 | None = None,
-    probes: int = 384,
-    steps: int = 24,
+    probes: int = 256,
+    steps: int = 20,
     tolerance: float = 0.01,
     ignored_share: float = 0.005,
 ) -> tuple[F64, F64, F64]:

@@ -26,7 +26,7 @@ from kinmo.mobility import Body, Mobility
 from kinmo.prepared import Boxes, PreparedShape
 from kinmo.workspace import digest
 
-FORMAT = 2
+FORMAT = 4
 """Of the files; files of another format are made again."""
 INDEX = "index.jsonl"
 _HEADER_KEY = "kinmo"
@@ -50,7 +50,7 @@ _PLAIN = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class IndexEntry:
     """One line of the index. `file` is relative to the store; `source` is what was read, `repairs` what the reader mended."""
 

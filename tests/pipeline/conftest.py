@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 import torch
-from whole_road import FAMILIES, METHOD, Listener, Road, tiny_config
+from whole_road import COUNT, FAMILIES, METHODS, Listener, Road, tiny_config
 
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.prepare import Prepare
@@ -25,11 +25,11 @@ def road(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Road]:
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
     stages: dict[str, Stage] = {
-        "synth": Synth(shapes, 10, FAMILIES),
+        "synth": Synth(shapes, COUNT, FAMILIES),
         "prepare": Prepare(shapes, workspace),
         "train": Train("all", workspace, config, device="cpu"),
-        "pseudo-label": PseudoLabel(workspace, METHOD, threshold=0.3, device="cpu"),
-        "eval": Evaluate(workspace, (METHOD,), device="cpu"),
+        "pseudo-label": PseudoLabel(workspace, METHODS[0], threshold=0.3, device="cpu"),
+        "eval": Evaluate(workspace, METHODS, device="cpu"),
         "report": Report(workspace),
     }
     made = Road(shapes, workspace, stages)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import os
 import sys
 from collections.abc import Callable
 from functools import wraps
@@ -36,6 +37,9 @@ def _for_rich(text: str) -> str:
     blocks = text.strip("\n").split("\n\n")
     return "\n\n".join(f"\b\n{block}" if block.startswith("  ") else block.replace("\n", " ") for block in blocks)
 
+
+# Read when torch is first imported: its threads are not to spin while they wait, which on a busy machine costs all the others.
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 app = Typer(
     name="kinmo",

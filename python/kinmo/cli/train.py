@@ -29,9 +29,9 @@ def train(
 ) -> None:
     """Train the networks on the labelled shapes.
 
-    gnn predicts how neighbouring parts move against each other (with ten motion types, and with five), axis judges whether a
-    motion is feasible. The best epoch is chosen on validation shapes; test shapes are never looked at. Training that was
-    stopped goes on from its last epoch.
+    gnn predicts how neighbouring parts move against each other (with ten motion types, and with five). axis trains what chooses
+    among candidate axes: the paper's axis selection and kinmo's own ranking. The best epoch is chosen on validation shapes;
+    test shapes are never looked at. Training that was stopped goes on from its last epoch.
 
     For example:
 

@@ -71,7 +71,7 @@ def gather(scene: Scene, units: Sequence[Sequence[int]]) -> Evidence:
         kinds.append(kind)
         directions.append(lines.directions[line])
         pivots.append(lines.pivots[line])
-        about = motion_features(scene, unit, kind, directions[-1], pivots[-1])
+        about = motion_features(unit, kind, directions[-1], pivots[-1])
         features.append(np.column_stack([line_features(scene, unit, lines)[line], about]))
         counts.append(len(kind))
     return Evidence(

@@ -46,7 +46,7 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
     contact_along = (unit.contact - center) @ d.T
     contact_middle = w @ contact_along
     spread = np.sqrt(np.maximum(w @ contact_along**2 - contact_middle**2, 0.0))
-    protrusion = perpendicular(unit.protrusion).mean(axis=1)
+    protrusion = perpendicular(unit.protrusion[None])[:, 0]
 
     from_center = p - center  # perpendicular to the axis: p is the axis' point nearest to the centre
     eccentricity = np.linalg.norm(from_center, axis=1)
@@ -94,7 +94,7 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
         "protrusion lever": np.linalg.norm(protrusion, axis=1) / reach,
         "protrusion place": np.stack([protrusion @ up, protrusion @ outward], axis=1) / half,
         "protrusion against contact": np.sum(protrusion * contact_mean, axis=1) / reach**2,
-        "protrusion side": sideways(unit.protrusion),
+        "protrusion side": sideways(unit.protrusion[None]),
         "riders' side": sideways(scene.centroids[unit.riders]),
         "details' side": sideways(scene.centroids[details]),
         "neighbours' side": sideways(scene.centroids[nearby]),

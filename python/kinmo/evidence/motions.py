@@ -5,17 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo import _core
-from kinmo.evidence.scene import Scene, Unit
+from kinmo.evidence.scene import Unit
 from kinmo.hypotheses import CENTRAL, Lines, distinct_directions
 
 F64 = NDArray[np.float64]
 
 REVOLUTE, PRISMATIC, SCREW = 0, 1, 2
-SWEPT_ANGLE = np.pi / 2
-SWEPT_LENGTH = 0.3
-PROBES = 96
-STEPS = 8
 
 
 def hypotheses_of(lines: Lines) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -26,8 +21,11 @@ def hypotheses_of(lines: Lines) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return kinds, np.concatenate([np.arange(len(lines)), slides, screws])
 
 
-def motion_features(scene: Scene, unit: Unit, kinds: NDArray[np.int64], directions: F64, pivots: F64) -> F64:
-    """Kind, sliding along the contact, and free travel of each motion [h, B]."""
+def motion_features(unit: Unit, kinds: NDArray[np.int64], directions: F64, pivots: F64) -> F64:
+    """Kind, and how each motion slides along the contact or runs into it [h, B].
+
+    Swept collisions (`kinmo.limits`) are no evidence here: they cost more than all the rest and decided nothing.
+    """
     w = unit.contact_weights
     turning = np.cross(directions[:, None], unit.contact[None] - pivots[:, None])
     turning /= np.maximum(np.linalg.norm(turning, axis=-1).max(axis=1), 1e-6)[:, None, None]
@@ -42,19 +40,5 @@ def motion_features(scene: Scene, unit: Unit, kinds: NDArray[np.int64], directio
         "against sliding": normal / np.maximum(speed, 1e-6),
         "one-sided": one_sided,
         "blocked one way": one_sided * normal,
-        "travel": free_travel(scene, unit, kinds, directions, pivots),
     }
     return np.column_stack(list(features.values()))
-
-
-def free_travel(scene: Scene, unit: Unit, kinds: NDArray[np.int64], directions: F64, pivots: F64) -> F64:
-    """Free travel either way over what was tried, and the shares that collide, the lesser first [h, 4]. A screw is turned."""
-    if not unit.rest:
-        return np.tile([1.0, 1.0, 0.0, 0.0], (len(kinds), 1))
-    limit = np.where(kinds == PRISMATIC, SWEPT_LENGTH, SWEPT_ANGLE)
-    swept = (kinds == PRISMATIC).astype(np.uint8)
-    lower, upper, penetration = _core.sweep(
-        scene.meshes, list(unit.leaves), unit.rest, swept, directions, pivots, -limit, limit, probes=PROBES, steps=STEPS
-    )
-    travel = np.abs(np.stack([lower, upper], axis=1)) / limit[:, None]
-    return np.column_stack([np.sort(travel, axis=1), np.sort(penetration, axis=1)])

@@ -21,8 +21,9 @@ TOUCHING = 0.008
 HANGING_AREA = 0.5
 """What hangs on a part moves with it if it has less than this share of the part's surface."""
 SURFACE_POINTS = 1024
-CONTACT_POINTS = 96
+CONTACT_POINTS = 128
 CONTACT_SCALE = 0.01
+PROTRUSION_SCALE = 0.01
 MEETING = 1e-4
 """Below this distance surfaces meet."""
 
@@ -129,8 +130,12 @@ class Unit:
 
     @cached_property
     def protrusion(self) -> F64:
-        """The points [8, 3] farthest from the rest."""
-        protrusion: F64 = self.points[np.argsort(self.distances)[-8:]]
+        """Where the part sticks out of the rest: the mean [3] of its farthest points, such as a handle's.
+
+        A part that sticks out evenly has it in its middle.
+        """
+        weights = np.exp((self.distances - self.distances.max()) / PROTRUSION_SCALE)
+        protrusion: F64 = weights @ self.points / weights.sum()
         return protrusion
 
     @cached_property

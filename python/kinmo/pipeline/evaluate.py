@@ -61,9 +61,9 @@ class Evaluate:
         return Plan((step,), len(entries) * seconds_per_unit(self.workspace, self._stage, SECONDS_PER_SHAPE))
 
     def run(self, observer: Observer) -> Outcome:
+        dataset = open_dataset(self.workspace, self.category)
+        rows = self._rows()
         with self.workspace.locked():
-            dataset = open_dataset(self.workspace, self.category)
-            rows = self._rows()
             inputs = self._inputs(dataset, rows)
             if self.workspace.is_current(self._stage, inputs):
                 observer.note("evaluated already")

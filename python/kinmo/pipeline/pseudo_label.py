@@ -51,9 +51,9 @@ class PseudoLabel:
         return Plan((f"label {count} shapes by {self.method}{copies}",), count * each)
 
     def run(self, observer: Observer) -> Outcome:
+        dataset = open_dataset(self.workspace, self.category)
+        predictor = load_predictor(self.workspace, self.method, self.device)
         with self.workspace.locked():
-            dataset = open_dataset(self.workspace, self.category)
-            predictor = load_predictor(self.workspace, self.method, self.device)
             inputs = self._inputs(dataset, predictor)
             if self.workspace.is_current(STAGE, inputs):
                 observer.note("labelled already")

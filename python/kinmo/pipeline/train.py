@@ -68,9 +68,9 @@ class Train:
 
     def run(self, observer: Observer) -> Outcome:
         config = load_config(self.config)
+        dataset = open_dataset(self.workspace, self.category)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
-            dataset = open_dataset(self.workspace, self.category)
             write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
             results = [self._train(task, dataset, config, observer) for task in self._tasks(dataset, config)]
         lines = [

@@ -9,7 +9,7 @@ from typing import Any
 
 from kinmo import __version__
 from kinmo.errors import InputError
-from kinmo.formats import Found, Layout, discover, read_found
+from kinmo.formats import Found, discover, read_found
 from kinmo.formats.sources import content_digest, fingerprint, shown
 from kinmo.prepare.shape import POINTS, prepare_shape
 from kinmo.store import FORMAT, INDEX, IndexEntry, file_name, index_text, read_header, to_bytes
@@ -21,7 +21,7 @@ Progress = Callable[[int, int, str], None]
 """Called with the number of shapes done so far, the number there are, and the last one's id."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Entry:
     """What became of one shape. `id` is empty for a folder or link that could not be looked into."""
 
@@ -116,10 +116,9 @@ class _Run:
         def report(error: InputError) -> None:
             self.left_out.append(Entry("", shown(error.where), (str(error),)))
 
-        first: dict[tuple[Layout, str], Path] = {}
+        first: dict[str, str] = {}
         for found in discover(root, skip=(workspace.path,), report=report):
-            key = (found.layout, found.id)
-            original = first.setdefault(key, found.path)
+            original = Path(first.setdefault(f"{found.layout.value}/{found.id}", str(found.path)))
             if original == found.path:
                 yield found
             elif content_digest(found) == content_digest(Found(original, found.layout, found.id)):

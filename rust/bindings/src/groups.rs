@@ -1,4 +1,4 @@
-//! Groups of meshes that are one part each, and pairs of groups.
+//! Groups of meshes and pairs of groups.
 
 use kinmo_geometry::{GeometryError, Result};
 use numpy::PyReadonlyArrayDyn;

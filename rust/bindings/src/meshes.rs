@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use kinmo_geometry::bvh::Bvh;
+use kinmo_geometry::parry::Surface;
 use kinmo_geometry::{GeometryError, Mesh};
 use nalgebra::Point3;
 use numpy::ndarray::ArrayView2;
@@ -18,12 +19,19 @@ pub struct Meshes {
     pub parts: Arc<Vec<Mesh>>,
     /// A tree a part, built when it is first asked for.
     trees: Vec<OnceLock<Bvh>>,
+    /// A surface to project points on a part, likewise.
+    surfaces: Vec<OnceLock<Surface>>,
 }
 
 impl Meshes {
     /// The tree over the triangles of one part.
     pub fn tree(&self, part: usize) -> &Bvh {
         self.trees[part].get_or_init(|| Bvh::new(&self.parts[part]))
+    }
+
+    /// The surface of one part.
+    pub fn surface(&self, part: usize) -> &Surface {
+        self.surfaces[part].get_or_init(|| Surface::new(&self.parts[part]))
     }
 
     /// The trees of the members of every group.
@@ -50,7 +58,8 @@ impl Meshes {
         });
         let parts = Arc::new(parts.map_err(value_error)?);
         let trees = parts.iter().map(|_| OnceLock::new()).collect();
-        Ok(Self { parts, trees })
+        let surfaces = parts.iter().map(|_| OnceLock::new()).collect();
+        Ok(Self { parts, trees, surfaces })
     }
 
     fn __len__(&self) -> usize {

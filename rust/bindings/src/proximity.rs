@@ -1,4 +1,5 @@
-use kinmo_geometry::proximity::{self, Nearest};
+use kinmo_geometry::parry::Nearest;
+use kinmo_geometry::proximity;
 use nalgebra::{Point3, Vector3};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
@@ -25,10 +26,10 @@ fn closest_points<'py>(
     let group = members_of("group", meshes.parts.len(), &group).map_err(value_error)?;
     let view = points.as_array();
     let points = points_of("points", view.into_dyn(), view.nrows()).map_err(value_error)?;
-    let trees: Vec<_> = py.detach(|| group.iter().map(|&part| meshes.tree(part)).collect());
+    let surfaces: Vec<_> = py.detach(|| group.iter().map(|&part| meshes.surface(part)).collect());
     let chunks: Vec<&[Point3<f64>]> = points.chunks(CHUNK).collect();
     let found: Vec<Nearest> = map_in_batches(py, &chunks, |chunk| {
-        chunk.iter().map(|point| proximity::nearest(&trees, point)).collect::<Vec<_>>()
+        chunk.iter().filter_map(|point| proximity::nearest(&surfaces, point)).collect::<Vec<_>>()
     })?
     .concat();
     let rows = |of: fn(&Nearest) -> Vector3<f64>| {

@@ -3,7 +3,8 @@
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-use crate::bvh::{Aabb, Bvh};
+use crate::aabb::Aabb;
+use crate::bvh::Bvh;
 use crate::triangle::ClosestPoints;
 
 /// Distances below this many units in the last place of the largest coordinate are rounding: the surfaces touch.

@@ -3,89 +3,12 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::Mesh;
-use crate::triangle::{ClosestPoints, Triangle, nearest_on_triangle, ray_triangle, triangle_triangle};
+use crate::aabb::{Aabb, greater, lesser};
+use crate::triangle::{ClosestPoints, Triangle, point_triangle, ray_triangle, triangle_triangle};
 
 const LEAF_TRIANGLES: usize = 4;
-
-/// An axis-aligned box.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Aabb {
-    /// Smallest corner.
-    pub low: Point3<f64>,
-    /// Largest corner.
-    pub high: Point3<f64>,
-}
-
-impl Aabb {
-    /// The box that holds nothing.
-    pub fn empty() -> Self {
-        let far = Vector3::repeat(f64::INFINITY);
-        Self { low: Point3::from(far), high: Point3::from(-far) }
-    }
-
-    /// The smallest box around `points`.
-    pub fn of<'a>(points: impl IntoIterator<Item = &'a Point3<f64>>) -> Self {
-        points.into_iter().fold(Self::empty(), |bounds, p| Self { low: bounds.low.inf(p), high: bounds.high.sup(p) })
-    }
-
-    /// The smallest box around two boxes.
-    pub fn merged(&self, other: &Self) -> Self {
-        Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
-    }
-
-    /// What two boxes share, if anything.
-    pub fn common(&self, other: &Self) -> Option<Self> {
-        let shared = Self { low: self.low.sup(&other.low), high: self.high.inf(&other.high) };
-        (0..3).all(|axis| shared.low[axis] <= shared.high[axis]).then_some(shared)
-    }
-
-    /// The eight corners.
-    pub fn corners(&self) -> [Point3<f64>; 8] {
-        std::array::from_fn(|corner| {
-            let side = |axis: usize| if corner >> axis & 1 == 1 { self.high[axis] } else { self.low[axis] };
-            Point3::new(side(0), side(1), side(2))
-        })
-    }
-
-    /// The box grown by `margin` on every side.
-    pub fn loosened(&self, margin: f64) -> Self {
-        let margin = Vector3::repeat(margin);
-        Self { low: self.low - margin, high: self.high + margin }
-    }
-
-    /// Squared distance of two boxes; 0 where they overlap.
-    pub fn squared_distance(&self, other: &Self) -> f64 {
-        let mut sum = 0.0;
-        for axis in 0..3 {
-            let gap = (other.low[axis] - self.high[axis]).max(self.low[axis] - other.high[axis]).max(0.0);
-            sum += gap * gap;
-        }
-        sum
-    }
-
-    /// Whether a ray, given by the inverse of its direction, meets the box before `limit`.
-    pub fn meets_ray(&self, origin: &Point3<f64>, inverse: &Vector3<f64>, limit: f64) -> bool {
-        let (mut enter, mut leave) = (0.0f64, limit);
-        for axis in 0..3 {
-            let (a, b) =
-                ((self.low[axis] - origin[axis]) * inverse[axis], (self.high[axis] - origin[axis]) * inverse[axis]);
-            // `max` and `min` pass over the NaN of a ray inside a face's plane.
-            enter = enter.max(a.min(b));
-            leave = leave.min(a.max(b));
-        }
-        enter <= leave
-    }
-
-    /// Squared distance of a point; 0 inside.
-    pub fn squared_distance_to(&self, point: &Point3<f64>) -> f64 {
-        (point - self.low.sup(&self.high.inf(point))).norm_squared()
-    }
-
-    /// Squared length of the diagonal.
-    pub fn squared_diagonal(&self) -> f64 {
-        (self.high - self.low).norm_squared()
-    }
-}
+/// A split leaves at least one in this many triangles on either side.
+const SMALLEST_SIDE: usize = 16;
 
 /// Inner nodes have `count` 0 and their children at `first` and `first + 1`; leaves hold triangles `first..first + count`.
 #[derive(Debug, Clone, Copy)]
@@ -102,30 +25,26 @@ pub struct Bvh {
     triangles: Vec<Triangle>,
 }
 
-/// A place of a surface near a given point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NearestPlace {
-    /// Squared distance of the point.
-    pub squared: f64,
-    /// The place.
-    pub place: Point3<f64>,
-    /// Corners of the triangle it lies on.
-    pub triangle: Triangle,
-}
-
+/// A triangle to be sorted into the tree: its centroid, in units of the mesh's extent from its lowest corner.
+#[derive(Clone, Copy)]
 struct Item {
-    centroid: Vector3<f64>,
+    centroid: [f32; 3],
     face: u32,
 }
 
 impl Bvh {
-    /// Builds the tree by halving the triangles along the longest side of their centroids' box.
+    /// Builds the tree by halving the longest side of the centroids' box, or the triangles where that would be too uneven.
     pub fn new(mesh: &Mesh) -> Self {
+        let (low, high) = mesh.bounds();
+        let extent = (high - low).max();
+        let scale = if extent > 0.0 { 1.0 / (3.0 * extent) } else { 0.0 };
+        let place = |[a, b, c]: Triangle, axis: usize| {
+            ((a[axis] - low[axis]) + (b[axis] - low[axis]) + (c[axis] - low[axis])) * scale
+        };
         let mut items: Vec<Item> = (0..mesh.faces().len())
             .map(|face| {
-                let [a, b, c] = mesh.triangle(face);
-                // Scaled before the sum, which may otherwise overflow for the largest coordinates.
-                Item { centroid: a.coords / 3.0 + b.coords / 3.0 + c.coords / 3.0, face: face as u32 }
+                let triangle = mesh.triangle(face);
+                Item { centroid: [0, 1, 2].map(|axis| place(triangle, axis) as f32), face: face as u32 }
             })
             .collect();
         let mut tree = Self { nodes: Vec::with_capacity(items.len()), triangles: Vec::with_capacity(items.len()) };
@@ -145,14 +64,7 @@ impl Bvh {
             };
             return;
         }
-        let (low, high) = items.iter().fold((items[0].centroid, items[0].centroid), |(low, high), item| {
-            (low.inf(&item.centroid), high.sup(&item.centroid))
-        });
-        let axis = (high - low).imax();
-        let middle = items.len() / 2;
-        items.select_nth_unstable_by(middle, |a, b| {
-            a.centroid[axis].total_cmp(&b.centroid[axis]).then(a.face.cmp(&b.face))
-        });
+        let middle = divide(items);
         let first = self.nodes.len();
         self.nodes.extend([Node { bounds: Aabb::empty(), first: 0, count: 0 }; 2]);
         let (left, right) = items.split_at_mut(middle);
@@ -180,21 +92,20 @@ impl Bvh {
     ///
     /// Stops at the first pair whose squared distance is at most `touching`.
     pub fn closest(&self, other: &Self, bound: f64, touching: f64) -> Option<ClosestPoints> {
-        let mut best = None;
-        let mut bound = bound;
+        let mut best = Best { points: None, bound, distance: bound.sqrt(), direction: Vector3::zeros() };
         let mut stack = vec![(0u32, 0u32, self.bounds().squared_distance(other.bounds()))];
         while let Some((a, b, squared)) = stack.pop() {
-            if squared >= bound {
+            if squared >= best.bound {
                 continue;
             }
             let (node_a, node_b) = (&self.nodes[a as usize], &other.nodes[b as usize]);
+            if node_a.bounds.gap_along(&node_b.bounds, &best.direction) >= best.distance {
+                continue;
+            }
             if node_a.count > 0 && node_b.count > 0 {
-                if let Some(found) = closest_of(self.leaf(node_a), other.leaf(node_b), &node_b.bounds, bound) {
-                    bound = found.squared;
-                    best = Some(found);
-                    if bound <= touching {
-                        break;
-                    }
+                best.improve(self.leaf(node_a), other.leaf(node_b), &node_b.bounds);
+                if best.bound <= touching {
+                    break;
                 }
                 continue;
             }
@@ -211,41 +122,32 @@ impl Bvh {
             let (near, far) = if far.2 < near.2 { (far, near) } else { (near, far) };
             stack.extend([far, near]);
         }
-        best
+        best.points
     }
 
-    /// The place of the surface nearest to `point`, if nearer than the square root of `bound`.
-    ///
-    /// The search stops at the first place whose squared distance is below `enough`.
-    pub fn nearest(&self, point: &Point3<f64>, bound: f64, enough: f64) -> Option<NearestPlace> {
-        let mut best = NearestPlace { squared: bound, place: *point, triangle: self.triangles[0] };
-        if self.bounds().squared_distance_to(point) < bound {
+    /// Squared distance of a point to the surface, if less than `bound`; the search stops at the first one below `enough`.
+    pub fn squared_distance_to_point(&self, point: &Point3<f64>, bound: f64, enough: f64) -> Option<f64> {
+        let mut best = bound;
+        if self.bounds().squared_distance_to_point(point) < bound {
             self.approach(&self.nodes[0], point, enough, &mut best);
         }
-        (best.squared < bound).then_some(best)
+        (best < bound).then_some(best)
     }
 
-    /// Improves `best` by what lies below `node`.
-    fn approach(&self, node: &Node, point: &Point3<f64>, enough: f64, best: &mut NearestPlace) {
+    /// Lowers `best` to the squared distance of `point` to the triangles below `node`.
+    fn approach(&self, node: &Node, point: &Point3<f64>, enough: f64, best: &mut f64) {
         if node.count > 0 {
-            for triangle in self.leaf(node) {
-                let place = nearest_on_triangle(point, triangle);
-                let squared = (place - point).norm_squared();
-                if squared < best.squared {
-                    *best = NearestPlace { squared, place, triangle: *triangle };
-                }
-            }
+            *best = self.leaf(node).iter().map(|triangle| point_triangle(point, triangle)).fold(*best, f64::min);
             return;
         }
-        let [mut near, mut far] = self.children(node).map(|child| {
-            let child = &self.nodes[child as usize];
-            (child, child.bounds.squared_distance_to(point))
-        });
-        if far.1 < near.1 {
-            (near, far) = (far, near);
+        let (mut near, mut far) = (&self.nodes[node.first as usize], &self.nodes[node.first as usize + 1]);
+        let mut to_near = near.bounds.squared_distance_to_point(point);
+        let mut to_far = far.bounds.squared_distance_to_point(point);
+        if to_far < to_near {
+            (near, far, to_near, to_far) = (far, near, to_far, to_near);
         }
-        for (child, squared) in [near, far] {
-            if squared < best.squared && best.squared >= enough {
+        for (child, squared) in [(near, to_near), (far, to_far)] {
+            if squared < *best && *best >= enough {
                 self.approach(child, point, enough, best);
             }
         }
@@ -297,14 +199,16 @@ impl Bvh {
     ) {
         let mut limit = limit;
         let inverse = direction.map(f64::recip);
+        let meets = |index: u32, limit: f64| self.nodes[index as usize].bounds.meets_ray(origin, &inverse, limit);
+        // Most rays miss the whole mesh: nothing is allocated for them.
+        if !meets(0, limit) {
+            return;
+        }
         let mut stack = vec![0u32];
         while let Some(index) = stack.pop() {
             let node = &self.nodes[index as usize];
-            if !node.bounds.meets_ray(origin, &inverse, limit) {
-                continue;
-            }
             if node.count == 0 {
-                stack.extend(self.children(node));
+                stack.extend(self.children(node).into_iter().filter(|&child| meets(child, limit)));
                 continue;
             }
             for triangle in self.leaf(node) {
@@ -316,25 +220,80 @@ impl Bvh {
     }
 }
 
-/// Nearest points of two short lists of triangles, those of the second inside `bounds_b`.
-fn closest_of(a: &[Triangle], b: &[Triangle], bounds_b: &Aabb, bound: f64) -> Option<ClosestPoints> {
-    let mut best = None;
-    let mut bound = bound;
-    for p in a {
-        let bounds_p = Aabb::of(p);
-        if bounds_p.squared_distance(bounds_b) >= bound {
-            continue;
+/// Sorts the items to either side of a plane across the longest side of their box; returns how many come first.
+fn divide(items: &mut [Item]) -> usize {
+    let (mut low, mut high) = (items[0].centroid, items[0].centroid);
+    for item in items.iter() {
+        for axis in 0..3 {
+            low[axis] = lesser(low[axis], item.centroid[axis]);
+            high[axis] = greater(high[axis], item.centroid[axis]);
         }
-        for q in b {
-            if bounds_p.squared_distance(&Aabb::of(q)) >= bound {
+    }
+    let axis = if high[0] - low[0] >= (high[1] - low[1]).max(high[2] - low[2]) {
+        0
+    } else if high[1] - low[1] >= high[2] - low[2] {
+        1
+    } else {
+        2
+    };
+    let plane = low[axis].midpoint(high[axis]);
+    let (mut first, mut end) = (0, items.len());
+    while first < end {
+        if items[first].centroid[axis] < plane {
+            first += 1;
+        } else {
+            end -= 1;
+            items.swap(first, end);
+        }
+    }
+    if first.min(items.len() - first) * SMALLEST_SIDE >= items.len() {
+        return first;
+    }
+    let middle = items.len() / 2;
+    items.select_nth_unstable_by(middle, |a, b| a.centroid[axis].total_cmp(&b.centroid[axis]));
+    middle
+}
+
+/// The nearest points found so far. What is apart by as much along the direction from one to the other need not be looked
+/// at: near the nearest points, that tells far more than boxes do.
+struct Best {
+    points: Option<ClosestPoints>,
+    /// Square of the distance to be undercut, and the distance.
+    bound: f64,
+    distance: f64,
+    /// Unit vector from the first surface to the second; zero as long as there is none.
+    direction: Vector3<f64>,
+}
+
+impl Best {
+    /// Looks at two short lists of triangles, those of the second inside `bounds_b`.
+    fn improve(&mut self, a: &[Triangle], b: &[Triangle], bounds_b: &Aabb) {
+        for p in a {
+            let bounds_p = Aabb::of(p);
+            if bounds_p.squared_distance(bounds_b) >= self.bound {
                 continue;
             }
-            let found = triangle_triangle(p, q);
-            if found.squared < bound {
-                bound = found.squared;
-                best = Some(found);
+            for q in b {
+                if bounds_p.squared_distance(&Aabb::of(q)) >= self.bound || self.parts(p, q) {
+                    continue;
+                }
+                if let Some(found) = triangle_triangle(p, q, self.bound) {
+                    let distance = found.squared.sqrt();
+                    self.direction = (found.b - found.a) / distance;
+                    if !self.direction.iter().all(|x| x.is_finite()) {
+                        self.direction = Vector3::zeros();
+                    }
+                    (self.points, self.bound, self.distance) = (Some(found), found.squared, distance);
+                }
             }
         }
     }
-    best
+
+    /// Whether the direction shows that two triangles are not nearer than the best points.
+    fn parts(&self, p: &Triangle, q: &Triangle) -> bool {
+        let origin = p[0];
+        let [a, b] = [p[1], p[2]].map(|corner| (corner - origin).dot(&self.direction));
+        let [c, d, e] = q.map(|corner| (corner - origin).dot(&self.direction));
+        lesser(lesser(c, d), e) - greater(greater(a, b), 0.0) >= self.distance
+    }
 }

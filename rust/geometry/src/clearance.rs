@@ -2,7 +2,8 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::bvh::{Aabb, Bvh};
+use crate::aabb::Aabb;
+use crate::bvh::Bvh;
 
 /// Cells along the longest side.
 const RESOLUTION: f64 = 64.0;
@@ -14,6 +15,7 @@ pub struct ClearanceGrid {
     bounds: Aabb,
     low: Point3<f64>,
     cell: f64,
+    cells_per_length: f64,
     size: [usize; 3],
     /// Cells to the nearest one that holds surface, in the maximum norm.
     steps: Vec<u8>,
@@ -30,6 +32,7 @@ impl ClearanceGrid {
             bounds: *bounds,
             low: bounds.low - Vector3::repeat(cell),
             cell,
+            cells_per_length: cell.recip(),
             size,
             steps: vec![FAR; size[0] * size[1] * size[2]],
         };
@@ -42,7 +45,7 @@ impl ClearanceGrid {
 
     /// A lower bound of the distance from `point` to the surface inside the bounds.
     pub fn clearance(&self, point: &Point3<f64>) -> f64 {
-        let cell = (point - self.low) / self.cell;
+        let cell = (point - self.low) * self.cells_per_length;
         let inside = (0..3).all(|axis| cell[axis] >= 1.0 && cell[axis] < (self.size[axis] - 1) as f64);
         if !inside {
             return self.bounds.squared_distance(&Aabb { low: *point, high: *point }).sqrt();

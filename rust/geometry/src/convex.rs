@@ -78,21 +78,6 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// The corners.
-    pub fn corners(&self) -> &[Point3<f64>] {
-        &self.corners
-    }
-
-    /// The first corner that is not marked.
-    pub fn unmarked(&self) -> Option<usize> {
-        self.marks.iter().position(|&mark| !mark)
-    }
-
-    /// Marks a corner.
-    pub fn mark(&mut self, corner: usize) {
-        self.marks[corner] = true;
-    }
-
     /// Whether nothing is left.
     pub fn is_empty(&self) -> bool {
         self.corners.is_empty()

@@ -14,31 +14,30 @@
 //! box by the bisectors of its neighbours; a cell corner is final once no sample is nearer to it than the cell's own.
 
 use std::f64::consts::{FRAC_PI_3, PI};
+use std::sync::LazyLock;
 
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use crate::convex::ConvexPolyhedron;
+use crate::delaunay::{Delaunay, HULL_POINTS};
 use crate::point_tree::{Neighbour, PointTree};
 
 /// Radius of the bounding sphere in diagonals, and its points by latitude and longitude.
 const SPHERE_RADIUS: f64 = 2.0 / 3.0;
-const SPHERE_LATITUDES: usize = 20;
-const SPHERE_LONGITUDES: usize = 40;
+const SPHERE_GRID: [usize; 2] = [20, 40];
+/// Where the parts are nearer than this, the sphere only bounds ridges that score nearly nothing: fewer points will do.
+const SPHERE_MATTERS_FROM: f64 = 0.05;
+const COARSE_SPHERE_GRID: [usize; 2] = [4, 8];
 /// Exponent of the weight of nearness.
 const NEARNESS_POWER: i32 = 20;
 /// Ridges are left out once the base of the nearness weight falls below this share of the nearest pair's.
-const NEGLIGIBLE_NEARNESS: f64 = 0.6;
+const NEGLIGIBLE_NEARNESS: f64 = 0.8;
 /// Parts whose samples come as near as this share of the diagonal are in contact.
 const CONTACT_SHARE: f64 = 0.01;
-/// Neighbours that a cell is cut by before its corners are checked one by one.
-const FIRST_NEIGHBOURS: usize = 24;
-/// A sample has to be nearer than the cell's own by this share of the squared distance to cut a corner off.
-const CORNER_SLACK: f64 = 1e-9;
+/// Corners of the edges of a tetrahedron.
+const EDGES: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 /// Nearest cross pairs that stand in, from either side, where no sample has a score.
 const FALLBACK_PAIRS: usize = 10;
-/// Tag of the faces of the box that a cell is cut out of.
-const NO_SAMPLE: u32 = u32::MAX;
 
 /// The interaction region of a moving and a reference part.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,7 +95,7 @@ struct Scene {
     split: usize,
     center: Point3<f64>,
     diagonal: f64,
-    /// Of every sample, the nearest one of the other part.
+    /// Of every sample, the nearest one of the other part, as far as it is near enough to matter.
     partners: Vec<Neighbour>,
     /// Distance of the nearest samples of the two parts.
     gap: f64,
@@ -112,75 +111,54 @@ impl Scene {
         let samples: Vec<Point3<f64>> = all().map(|p| Point3::from((p - center) / diagonal)).collect();
         let split = moving.len();
         let (first, second) = samples.split_at(split);
-        let nearest_in = |tree: PointTree, from: &[Point3<f64>], offset: usize| -> Vec<Neighbour> {
-            from.iter()
-                .filter_map(|p| tree.nearest(p, f64::INFINITY))
-                .map(|found| Neighbour { point: found.point + offset as u32, ..found })
-                .collect()
-        };
-        let mut partners = nearest_in(PointTree::new(second), first, split);
-        partners.extend(nearest_in(PointTree::new(first), second, 0));
+        let (first_tree, second_tree) = (PointTree::new(first), PointTree::new(second));
+        let bound = |squared: f64| (2.0 * reach(squared.sqrt())).powi(2);
+        let mut partners = second_tree.nearest_of_each(&first_tree, bound);
+        for partner in &mut partners {
+            partner.point += split as u32;
+        }
+        partners.extend(first_tree.nearest_of_each(&second_tree, bound));
         let gap = partners.iter().fold(f64::INFINITY, |gap, partner| gap.min(partner.squared)).sqrt();
         Self { samples, split, center, diagonal, partners, gap }
     }
 
-    /// Distance of a ridge to its samples beyond which it is left out.
-    fn reach(&self) -> f64 {
-        0.5 - NEGLIGIBLE_NEARNESS * (0.5 - 0.5 * self.gap).max(0.0)
-    }
-
     fn add_scores(&self, scores: &mut [f64]) {
-        let reach = self.reach();
-        let mut sites = self.samples.clone();
-        sites.extend(sphere());
-        let tree = PointTree::new(&sites);
-        let near = |sample: &usize| self.partners[*sample].squared < (2.0 * reach).powi(2);
-        let moving: Vec<usize> = (0..self.split).filter(near).collect();
-        let reference: Vec<usize> = (self.split..self.samples.len()).filter(near).collect();
-        // A ridge belongs to a cell of either part: the part with fewer cells to build gives all of them.
-        let cells = if moving.len() <= reference.len() { moving } else { reference };
-        let mut cell = ConvexPolyhedron::default();
-        let mut neighbours = Vec::new();
-        for own in cells {
-            self.build_cell(own, &sites, &tree, reach, &mut cell, &mut neighbours);
-            for (tag, corners) in cell.faces() {
-                let other = tag as usize;
-                if other < self.samples.len() && (other < self.split) != (own < self.split) {
-                    let score = ridge_score(corners, &(self.samples[other] - self.samples[own]));
-                    scores[own] += score;
-                    scores[other] += score;
+        let reach = reach(self.gap);
+        let near: Vec<u32> = (0..)
+            .zip(&self.partners)
+            .filter(|(_, n)| n.squared < (2.0 * reach).powi(2))
+            .map(|(sample, _)| sample)
+            .collect();
+        let order = insertion_order(&self.samples, near);
+        let mut diagram = if self.gap < SPHERE_MATTERS_FROM { COARSE_SPHERE.clone() } else { SPHERE.clone() };
+        let first = diagram.next_number();
+        diagram.extend(order.iter().map(|&sample| self.samples[sample as usize]));
+        let sample_of = |corner: u32| order[(corner - first) as usize] as usize;
+        let is_moving = |corner: u32| sample_of(corner) < self.split;
+        let mut ring = Vec::new();
+        let mut vertices = Vec::new();
+        for start in diagram.tetrahedra() {
+            let corners = diagram.corners(start);
+            for (i, j) in EDGES {
+                let edge = [corners[i], corners[j]];
+                if edge[0].min(edge[1]) < first || is_moving(edge[0]) == is_moving(edge[1]) {
+                    continue;
                 }
-            }
-        }
-    }
-
-    /// The Voronoi cell of a sample, relative to it, cut down to what lies within `reach` along each axis.
-    fn build_cell(
-        &self,
-        own: usize,
-        sites: &[Point3<f64>],
-        tree: &PointTree,
-        reach: f64,
-        cell: &mut ConvexPolyhedron,
-        neighbours: &mut Vec<Neighbour>,
-    ) {
-        let site = sites[own];
-        let edges = [Vector3::x() * reach, Vector3::y() * reach, Vector3::z() * reach];
-        cell.set_box(&Point3::origin(), &edges, NO_SAMPLE);
-        let cut = |cell: &mut ConvexPolyhedron, other: u32| {
-            let offset = sites[other as usize] - site;
-            cell.cut(&offset, 0.5 * offset.norm_squared(), other)
-        };
-        cut(cell, self.partners[own].point);
-        tree.nearest_many(&site, FIRST_NEIGHBOURS, f64::INFINITY, neighbours);
-        for neighbour in neighbours.iter() {
-            cut(cell, neighbour.point);
-        }
-        while let Some(corner) = cell.unmarked() {
-            let offset = cell.corners()[corner].coords;
-            match tree.nearest(&(site + offset), offset.norm_squared() * (1.0 - CORNER_SLACK)) {
-                Some(nearer) if cut(cell, nearer.point) => {}
-                _ => cell.mark(corner),
+                let across = diagram.point(edge[1]) - diagram.point(edge[0]);
+                if across.norm_squared() >= 4.0 * reach * reach || !diagram.ring(start, edge, &mut ring) {
+                    continue;
+                }
+                let bounded = |&t: &u32| diagram.corners(t).iter().all(|&corner| corner >= HULL_POINTS);
+                if !ring.iter().all(bounded) {
+                    continue;
+                }
+                let middle = diagram.point(edge[0]) + across * 0.5;
+                vertices.clear();
+                vertices.extend(ring.iter().map(|&t| diagram.circumcenter(t) - middle));
+                let score = ridge_score(&vertices, 0.25 * across.norm_squared());
+                for corner in edge {
+                    scores[sample_of(corner)] += score;
+                }
             }
         }
     }
@@ -189,7 +167,7 @@ impl Scene {
     fn mean_of_nearest_pairs(&self) -> Point3<f64> {
         let mut sum = (Vector3::zeros(), 0.0);
         for side in [0..self.split, self.split..self.samples.len()] {
-            let mut nearest: Vec<usize> = side.collect();
+            let mut nearest: Vec<usize> = side.filter(|&sample| self.partners[sample].squared.is_finite()).collect();
             nearest.sort_by(|&a, &b| self.partners[a].squared.total_cmp(&self.partners[b].squared));
             for &sample in nearest.iter().take(FALLBACK_PAIRS) {
                 let partner = self.partners[sample].point as usize;
@@ -200,33 +178,60 @@ impl Scene {
     }
 }
 
-/// Points of the sphere around the scene.
-fn sphere() -> impl Iterator<Item = Point3<f64>> {
-    (0..SPHERE_LATITUDES).flat_map(|row| {
-        let polar = PI * (row as f64 + 0.5) / SPHERE_LATITUDES as f64;
-        (0..SPHERE_LONGITUDES).map(move |column| {
-            let azimuth = 2.0 * PI * column as f64 / SPHERE_LONGITUDES as f64;
-            let (sin, cos) = polar.sin_cos();
-            Point3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos) * SPHERE_RADIUS
-        })
-    })
+/// Distance of a ridge to its samples beyond which it is left out, if the nearest samples of the parts are `gap` apart.
+fn reach(gap: f64) -> f64 {
+    0.5 - NEGLIGIBLE_NEARNESS * (0.5 - 0.5 * gap).max(0.0)
 }
 
-/// Score of a ridge, its corners relative to one of its samples, `across` the way to the other one.
-fn ridge_score(corners: impl ExactSizeIterator<Item = Point3<f64>> + Clone, across: &Vector3<f64>) -> f64 {
-    let count = corners.len() as f64;
-    let mean = corners.clone().fold(Vector3::zeros(), |sum, corner| sum + corner.coords) / count;
-    let height = 0.5 * across.norm();
-    let rotated = corners.clone().cycle().skip(1);
-    corners
-        .zip(rotated)
-        .map(|(from, to)| {
-            let area = 0.5 * (from.coords - mean).cross(&(to.coords - mean)).norm();
-            let distance = ((from.coords + to.coords + mean) / 3.0).norm();
-            let nearness = (1.0 - 2.0 * distance).max(0.0).powi(NEARNESS_POWER);
-            // The normal points at the sample, which is `height` below the ridge's plane.
-            let alpha = (height / distance).min(1.0).acos();
-            area * nearness * (1.0 - alpha / FRAC_PI_3).max(0.0)
+/// The sphere around the scene: the same for all scenes, as they are centred and of unit diagonal.
+static SPHERE: LazyLock<Delaunay> = LazyLock::new(|| sphere(SPHERE_GRID));
+static COARSE_SPHERE: LazyLock<Delaunay> = LazyLock::new(|| sphere(COARSE_SPHERE_GRID));
+
+fn sphere([latitudes, longitudes]: [usize; 2]) -> Delaunay {
+    let mut diagram = Delaunay::new();
+    diagram.extend((0..latitudes).flat_map(|row| {
+        let (sin, cos) = (PI * (row as f64 + 0.5) / latitudes as f64).sin_cos();
+        (0..longitudes).map(move |column| {
+            let azimuth = 2.0 * PI * column as f64 / longitudes as f64;
+            Point3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos) * SPHERE_RADIUS
         })
-        .sum()
+    }));
+    diagram
+}
+
+/// The samples `chosen`, in an order that inserts neighbours soon after each other, in rounds that double their number.
+fn insertion_order(samples: &[Point3<f64>], mut chosen: Vec<u32>) -> Vec<u32> {
+    let key = |sample: u32| -> u64 {
+        let cell = samples[sample as usize].coords.map(|x| ((x + 0.5) * 1023.0) as u64);
+        let hash = (u64::from(sample) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
+        let round = 8 - u64::from((hash as u32).leading_zeros().min(8));
+        (round << 32) | (spread_bits(cell.x) << 2) | (spread_bits(cell.y) << 1) | spread_bits(cell.z)
+    };
+    chosen.sort_by_cached_key(|&sample| key(sample));
+    chosen
+}
+
+/// The ten lowest bits, two zeros before each.
+fn spread_bits(value: u64) -> u64 {
+    (0..10).fold(0, |bits, i| bits | ((value >> i & 1) << (3 * i)))
+}
+
+/// Score of a ridge from its vertices, in order and relative to the middle of its samples, which are the root of
+/// `squared_height` away from it.
+fn ridge_score(vertices: &[Vector3<f64>], squared_height: f64) -> f64 {
+    let mean = vertices.iter().sum::<Vector3<f64>>() / vertices.len() as f64;
+    let mut total = 0.0;
+    let mut from = vertices[vertices.len() - 1];
+    for &to in vertices {
+        let squared_radius = ((from + to + mean) / 3.0).norm_squared();
+        // Nothing is left at alpha = pi / 3.
+        if squared_radius < 3.0 * squared_height {
+            let area = 0.5 * (from - mean).cross(&(to - mean)).norm();
+            let nearness = (1.0 - 2.0 * (squared_height + squared_radius).sqrt()).max(0.0).powi(NEARNESS_POWER);
+            let alpha = (squared_radius / squared_height).sqrt().atan();
+            total += area * nearness * (1.0 - alpha / FRAC_PI_3);
+        }
+        from = to;
+    }
+    total
 }

@@ -3,11 +3,14 @@
 //! Everything works on [`mesh::Mesh`], a validated triangle mesh with `f64` coordinates. Every function is deterministic:
 //! random draws come from a seed, and the result does not depend on the number of threads.
 
+pub mod aabb;
 pub mod adjacency;
 mod box_search;
 pub mod bvh;
 mod clearance;
 mod convex;
+mod delaunay;
+mod edge_table;
 pub mod error;
 pub mod hull;
 pub mod interaction;
@@ -16,6 +19,7 @@ mod lanes;
 pub mod mesh;
 pub mod motion;
 pub mod obb;
+pub mod parry;
 mod point_tree;
 pub mod probes;
 pub mod proximity;

@@ -37,31 +37,34 @@ impl PointTree {
         Self { points, numbers, planes, depth }
     }
 
-    /// The point nearest to `query`, among those nearer than the square root of `bound`.
-    pub fn nearest(&self, query: &Point3<f64>, bound: f64) -> Option<Neighbour> {
-        let mut best = None;
-        self.visit(query, bound, |found| {
-            best = Some(found);
-            found.squared
-        });
-        best
-    }
-
-    /// The `count` nearest points nearer than the square root of `bound`, nearest first, into `found`.
-    pub fn nearest_many(&self, query: &Point3<f64>, count: usize, bound: f64, found: &mut Vec<Neighbour>) {
-        found.clear();
-        self.visit(query, bound, |new| {
-            let place = found.partition_point(|old| old.squared <= new.squared);
-            if found.len() == count {
-                found.pop();
+    /// The point nearest to each of the points of `queries`, if nearer than the root of what `bound` gives when asked with
+    /// the least squared distance found so far; at infinity otherwise.
+    pub fn nearest_of_each(&self, queries: &Self, bound: impl Fn(f64) -> f64) -> Vec<Neighbour> {
+        let mut result = vec![Neighbour { squared: f64::INFINITY, point: 0 }; queries.points.len()];
+        let (mut least, mut limit) = (f64::INFINITY, f64::INFINITY);
+        // Queries come in the order of their tree: what is nearest to one is near to the next.
+        let mut last = 0;
+        for (query, &number) in queries.points.iter().zip(&queries.numbers) {
+            let guess = (self.points[last] - query).norm_squared();
+            let best = &mut result[number as usize];
+            if guess < limit {
+                *best = Neighbour { squared: guess, point: self.numbers[last] };
             }
-            found.insert(place, new);
-            if found.len() == count { found[count - 1].squared } else { bound }
-        });
+            self.visit(query, guess.min(limit), |slot, squared| {
+                *best = Neighbour { squared, point: self.numbers[slot] };
+                last = slot;
+                squared
+            });
+            if best.squared < least {
+                least = best.squared;
+                limit = bound(least);
+            }
+        }
+        result
     }
 
-    /// Calls `take` with every point below a bound on the squared distance, which `take` gives anew.
-    fn visit(&self, query: &Point3<f64>, bound: f64, mut take: impl FnMut(Neighbour) -> f64) {
+    /// Calls `take` with the slot of every point below a bound on the squared distance, which `take` gives anew.
+    fn visit(&self, query: &Point3<f64>, bound: f64, mut take: impl FnMut(usize, f64) -> f64) {
         let mut bound = bound;
         // A path is at most one entry a level.
         let mut stack = [(0usize, 0usize, 0usize, 0.0f64); 40];
@@ -89,7 +92,7 @@ impl PointTree {
             for i in start..end {
                 let squared = (self.points[i] - query).norm_squared();
                 if squared < bound {
-                    bound = take(Neighbour { squared, point: self.numbers[i] });
+                    bound = take(i, squared);
                 }
             }
         }

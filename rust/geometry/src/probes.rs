@@ -3,7 +3,8 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::Mesh;
-use crate::bvh::{Aabb, Bvh};
+use crate::aabb::Aabb;
+use crate::bvh::Bvh;
 
 /// A part or several that move as one: meshes with their trees.
 #[derive(Clone, Copy)]
@@ -27,21 +28,25 @@ pub struct Probe {
 const DRAWS_PER_PROBE: usize = 8;
 /// Directions in general position, along which insides are told from outsides by counting crossings.
 const DIRECTIONS: [[f64; 3]; 3] = [[0.6126, 0.2837, 0.7377], [-0.3391, 0.8954, -0.2884], [0.1733, -0.4712, 0.8649]];
+/// A probe that is nearer to its own surface than this share of the way that it was moved is not used.
+const SHALLOW: f64 = 0.9;
 /// Start of a ray off its own surface, in units of the tolerance.
 const LIFT: f64 = 1e-3;
 
-/// At most `count` points spread evenly over the surface inside `region`, each moved inwards by `tolerance` or to the
+/// At most `count` points spread evenly over the surface of every mesh inside `region`, in number as the roots of the areas,
+/// each moved inwards by `tolerance` or to the
 /// middle of a wall thinner than twice that. Points that are inside `other` are left out: those bodies overlap as given.
 pub fn probes_of(body: &[Solid<'_>], other: &[Solid<'_>], region: &Aabb, count: usize, tolerance: f64) -> Vec<Probe> {
     let mut cumulated = Vec::new();
     let mut total = 0.0;
     for (part, solid) in body.iter().enumerate() {
-        for face in 0..solid.mesh.faces().len() {
-            let corners = solid.mesh.triangle(face);
-            if Aabb::of(&corners).squared_distance(region) == 0.0 {
-                total += 0.5 * solid.mesh.scaled_normal(face).norm();
-                cumulated.push((total, part, face));
-            }
+        let areas = reached_areas(solid.mesh, region);
+        let sum: f64 = areas.iter().map(|&(_, area)| area).sum();
+        // A small knob gets more than its share of the surface: it can be in the way like a large wall.
+        let weight = if sum > 0.0 { sum.sqrt().recip() } else { 0.0 };
+        for (face, area) in areas {
+            total += weight * area;
+            cumulated.push((total, part, face));
         }
     }
     let mut probes = Vec::new();
@@ -62,15 +67,29 @@ pub fn probes_of(body: &[Solid<'_>], other: &[Solid<'_>], region: &Aabb, count: 
             continue;
         }
         let normal = body[part].mesh.scaled_normal(face).normalize();
-        let probe = match inward(body[part].tree, &point, &normal, tolerance) {
+        let tree = body[part].tree;
+        let probe = match inward(tree, &point, &normal, tolerance) {
             Some(inset) => Probe { point: point + inset, grace: 0.0 },
             None => Probe { point, grace: tolerance },
         };
+        // Beside an edge, the way inwards from one face leaves the other as near as it was.
+        let depth = (SHALLOW * (probe.point - point).norm()).powi(2);
+        if tree.squared_distance_to_point(&probe.point, depth, depth).is_some() {
+            continue;
+        }
         if !other.iter().any(|solid| is_inside(solid.tree, &probe.point)) {
             probes.push(probe);
         }
     }
     probes
+}
+
+/// The faces that may reach into `region`, with their areas.
+fn reached_areas(mesh: &Mesh, region: &Aabb) -> Vec<(usize, f64)> {
+    (0..mesh.faces().len())
+        .filter(|&face| Aabb::of(&mesh.triangle(face)).squared_distance(region) == 0.0)
+        .map(|face| (face, 0.5 * mesh.scaled_normal(face).norm()))
+        .collect()
 }
 
 /// The `index`-th point of the additive recurrence with the generalised golden ratio in three dimensions.

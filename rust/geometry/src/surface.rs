@@ -31,7 +31,7 @@ impl<'a> Surface<'a> {
     /// Whether `point` is nearer to the surface than `reach`.
     pub fn is_near(&self, point: &Point3<f64>, reach: f64) -> bool {
         let squared = reach * reach;
-        self.trees.iter().any(|tree| tree.nearest(point, squared, squared).is_some())
+        self.trees.iter().any(|tree| tree.squared_distance_to_point(point, squared, squared).is_some())
     }
 
     /// Distance of `point` to the surface, if less than `reach`.
@@ -39,7 +39,7 @@ impl<'a> Surface<'a> {
         let nearest = self
             .trees
             .iter()
-            .fold(reach * reach, |bound, tree| tree.nearest(point, bound, 0.0).map_or(bound, |found| found.squared));
+            .fold(reach * reach, |bound, tree| tree.squared_distance_to_point(point, bound, 0.0).unwrap_or(bound));
         (nearest < reach * reach).then(|| nearest.sqrt())
     }
 }

@@ -8,7 +8,8 @@
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-use crate::bvh::{Aabb, Bvh};
+use crate::aabb::Aabb;
+use crate::bvh::Bvh;
 use crate::clearance::ClearanceGrid;
 use crate::motion::{JointAxis, JointKind, RigidMotion};
 use crate::probes::{Probe, Solid, probes_of};

@@ -37,43 +37,81 @@ impl ClosestPoints {
     }
 }
 
-/// Segments whose directions differ by less than the square root of this are also compared by their ends.
-const NEARLY_PARALLEL: f64 = 1e-10;
+/// Segments at a squared sine below this are compared by their ends too: their lines have no sharp nearest points.
+const NEARLY_PARALLEL: f64 = 1e-6;
 
-/// Parameter in [0, 1] of the point of `origin + t * along` nearest to `point`.
-fn project_on_segment(point: &Point3<f64>, origin: &Point3<f64>, along: &Vector3<f64>) -> f64 {
-    let squared = along.norm_squared();
-    if squared > 0.0 { ((point - origin).dot(along) / squared).clamp(0.0, 1.0) } else { 0.0 }
+/// Triangles with the sine of an angle below the square root of this are taken for their sides.
+const SLIVER: f64 = 1e-12;
+
+/// A segment, which may be a point.
+#[derive(Clone, Copy)]
+struct Segment {
+    start: Point3<f64>,
+    along: Vector3<f64>,
+    squared: f64,
 }
 
-fn ends_against_segment(ends: [Point3<f64>; 2], origin: &Point3<f64>, along: &Vector3<f64>) -> ClosestPoints {
-    let [first, second] =
-        ends.map(|end| ClosestPoints::new(end, origin + along * project_on_segment(&end, origin, along)));
-    if second.squared < first.squared { second } else { first }
-}
-
-/// Nearest points of the segments `p0 p1` and `q0 q1`, each of which may be a point.
-pub fn segment_segment(p0: &Point3<f64>, p1: &Point3<f64>, q0: &Point3<f64>, q1: &Point3<f64>) -> ClosestPoints {
-    let (u, v, w) = (p1 - p0, q1 - q0, q0 - p0);
-    let normal = u.cross(&v);
-    let (uu, vv, nn) = (u.norm_squared(), v.norm_squared(), normal.norm_squared());
-    // The cross product keeps its relative accuracy for small angles, where `uu * vv - (u . v)^2` has none left.
-    let s = if nn > 0.0 { (w.cross(&v).dot(&normal) / nn).clamp(0.0, 1.0) } else { 0.0 };
-    let t = project_on_segment(&(p0 + u * s), q0, &v);
-    let s = project_on_segment(&(q0 + v * t), p0, &u);
-    let mut best = ClosestPoints::new(p0 + u * s, q0 + v * t);
-    if nn <= NEARLY_PARALLEL * uu * vv {
-        best.improve(ends_against_segment([*p0, *p1], q0, &v));
-        best.improve(ends_against_segment([*q0, *q1], p0, &u).flipped());
+impl Segment {
+    fn new(start: Point3<f64>, end: Point3<f64>) -> Self {
+        let along = end - start;
+        Self { start, along, squared: along.norm_squared() }
     }
-    best
+
+    fn at(&self, share: f64) -> Point3<f64> {
+        self.start + self.along * share
+    }
+
+    /// The share in [0, 1] whose `product`, the dot product of an offset with `along`, is projected to.
+    fn share(&self, product: f64) -> f64 {
+        if self.squared > 0.0 { (product / self.squared).clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    fn nearest(&self, point: &Point3<f64>) -> Point3<f64> {
+        self.at(self.share((point - self.start).dot(&self.along)))
+    }
+
+    fn closest(&self, other: &Self) -> ClosestPoints {
+        let across = other.start - self.start;
+        let slope = self.along.dot(&other.along);
+        let (own, others) = (self.along.dot(&across), other.along.dot(&across));
+        let squares = self.squared * other.squared;
+        let sharpness = squares - slope * slope;
+        if sharpness <= NEARLY_PARALLEL * squares {
+            return self.closest_nearly_parallel(other);
+        }
+        let first = ((own * other.squared - slope * others) / sharpness).clamp(0.0, 1.0);
+        let second = other.share(slope * first - others);
+        let first = self.share(own + slope * second);
+        ClosestPoints::new(self.at(first), other.at(second))
+    }
+
+    fn closest_nearly_parallel(&self, other: &Self) -> ClosestPoints {
+        let normal = self.along.cross(&other.along);
+        let squared = normal.norm_squared();
+        let across = other.start - self.start;
+        // The cross product keeps its accuracy for small angles, where the difference of squares has none left.
+        let first =
+            if squared > 0.0 { (across.cross(&other.along).dot(&normal) / squared).clamp(0.0, 1.0) } else { 0.0 };
+        let facing = other.nearest(&self.at(first));
+        let mut best = ClosestPoints::new(self.nearest(&facing), facing);
+        for share in [0.0, 1.0] {
+            best.improve(ClosestPoints::new(self.at(share), other.nearest(&self.at(share))));
+            best.improve(ClosestPoints::new(self.nearest(&other.at(share)), other.at(share)));
+        }
+        best
+    }
 }
+
+/// Squared sine of the angle at the first corner above which the plane of a triangle is taken as exact.
+const SHARP_NORMAL: f64 = 1e-6;
 
 /// The plane of a triangle with what is needed to tell whether a point projects into it.
 struct Face {
     origin: Point3<f64>,
     normal: Vector3<f64>,
     squared: f64,
+    /// What `squared` would be if the two sides at the origin were at a right angle.
+    largest_square: f64,
     /// Dot products with these give the two barycentric coordinates, times `squared`.
     duals: [Vector3<f64>; 2],
     edges: [Vector3<f64>; 2],
@@ -89,6 +127,7 @@ impl Face {
             origin: t[0],
             normal,
             squared,
+            largest_square: u.norm_squared() * v.norm_squared(),
             duals: [v.cross(&normal), normal.cross(&u)],
             edges: [u, v],
         })
@@ -97,6 +136,13 @@ impl Face {
     /// Height over the plane, times the length of the normal.
     fn height(&self, point: &Point3<f64>) -> f64 {
         (point - self.origin).dot(&self.normal)
+    }
+
+    /// Whether the plane alone shows that `other` is at least the square root of `bound` away.
+    fn parts_from(&self, other: &Triangle, bound: f64) -> bool {
+        let [a, b, c] = [self.height(&other[0]), self.height(&other[1]), self.height(&other[2])];
+        let gap = a.min(b).min(c).max(-a.max(b).max(c));
+        gap > 0.0 && gap * gap >= bound * self.squared && self.squared > SHARP_NORMAL * self.largest_square
     }
 
     /// The point of the triangle below `point`, if `point` projects into it.
@@ -126,48 +172,56 @@ impl Face {
     }
 }
 
-/// The point of a triangle nearest to `point`.
-pub fn nearest_on_triangle(point: &Point3<f64>, triangle: &Triangle) -> Point3<f64> {
-    if let Some(below) = Face::new(triangle).and_then(|face| face.project(point)) {
-        return below;
+/// Nearest points of two triangles, if nearer than the square root of `bound`; triangles that cross or overlap are as far
+/// apart as rounding puts the common point.
+pub fn triangle_triangle(p: &Triangle, q: &Triangle, bound: f64) -> Option<ClosestPoints> {
+    let (face_p, face_q) = (Face::new(p), Face::new(q));
+    let apart = |face: &Option<Face>, other: &Triangle| face.as_ref().is_some_and(|face| face.parts_from(other, bound));
+    if apart(&face_q, p) || apart(&face_p, q) {
+        return None;
     }
-    let on_edge = |i: usize| {
-        let along = triangle[(i + 1) % 3] - triangle[i];
-        triangle[i] + along * project_on_segment(point, &triangle[i], &along)
-    };
-    let squared = |place: &Point3<f64>| (place - point).norm_squared();
-    let [first, second, third] = [on_edge(0), on_edge(1), on_edge(2)];
-    let nearer = if squared(&second) < squared(&first) { second } else { first };
-    if squared(&third) < squared(&nearer) { third } else { nearer }
-}
-
-/// Nearest points of two triangles; triangles that cross or overlap are as far apart as rounding puts the common point.
-pub fn triangle_triangle(p: &Triangle, q: &Triangle) -> ClosestPoints {
-    let mut best = ClosestPoints::new(p[0], q[0]);
-    for i in 0..3 {
-        for j in 0..3 {
-            let (p0, p1, p2) = (&p[i], &p[(i + 1) % 3], &p[(i + 2) % 3]);
-            let (q0, q1, q2) = (&q[j], &q[(j + 1) % 3], &q[(j + 2) % 3]);
-            let edge = segment_segment(p0, p1, q0, q1);
-            if edge.squared <= best.squared {
-                best = edge;
-                // The slab between the two points parts the triangles: nothing can be nearer.
-                let gap = edge.b - edge.a;
-                if (p2 - edge.a).dot(&gap) <= 0.0 && (q2 - edge.b).dot(&gap) >= 0.0 {
-                    return best;
+    let sides = |t: &Triangle| [Segment::new(t[0], t[1]), Segment::new(t[1], t[2]), Segment::new(t[2], t[0])];
+    let (sides_p, sides_q) = (sides(p), sides(q));
+    let mut best = ClosestPoints { squared: f64::INFINITY, a: p[0], b: q[0] };
+    for (i, side_p) in sides_p.iter().enumerate() {
+        for (j, side_q) in sides_q.iter().enumerate() {
+            let found = side_p.closest(side_q);
+            if found.squared < best.squared {
+                best = found;
+                // If the slab between the two points parts the triangles, nothing can be nearer.
+                let gap = found.b - found.a;
+                if (p[(i + 2) % 3] - found.a).dot(&gap) <= 0.0 && (q[(j + 2) % 3] - found.b).dot(&gap) >= 0.0 {
+                    return Some(best).filter(|best| best.squared < bound);
                 }
             }
         }
     }
-    if let Some(face) = Face::new(q) {
+    if let Some(face) = face_q {
         face.closest(p, &mut best);
     }
-    if let Some(face) = Face::new(p) {
+    if let Some(face) = face_p {
         let mut flipped = best.flipped();
         face.closest(q, &mut flipped);
         best = flipped.flipped();
     }
-    best
+    Some(best).filter(|best| best.squared < bound)
+}
+
+/// Squared distance of a point to a triangle.
+pub fn point_triangle(point: &Point3<f64>, triangle: &Triangle) -> f64 {
+    let [a, b, c] = *triangle;
+    let (u, v, w) = (b - a, c - a, point - a);
+    let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
+    let (uw, vw) = (u.dot(&w), v.dot(&w));
+    let determinant = uu * vv - uv * uv;
+    if determinant > SLIVER * uu * vv {
+        let (s, t) = ((vv * uw - uv * vw) / determinant, (uu * vw - uv * uw) / determinant);
+        if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
+            return (w - u * s - v * t).norm_squared();
+        }
+    }
+    let sides = [Segment::new(a, b), Segment::new(b, c), Segment::new(c, a)];
+    sides.iter().map(|side| (point - side.nearest(point)).norm_squared()).fold(f64::INFINITY, f64::min)
 }
 
 /// Parameter at which the line `origin + t * direction`, t >= 0, meets a triangle; lines inside its plane do not.

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinmo.synth.details.posture import face, lay, reorient
@@ -21,6 +21,7 @@ def corners(shape: SynthObject) -> np.ndarray:
     return np.concatenate([piece.vertices for leaf in shape.root.leaves() for piece in leaf.pieces])
 
 
+@settings(deadline=None, max_examples=50)
 @given(st.integers(0, 1000), st.floats(-180, 180))
 def test_turning_the_object_carries_its_joints_along(seed: int, degrees: float) -> None:
     shape = scissors(seed)
@@ -35,6 +36,7 @@ def test_turning_the_object_carries_its_joints_along(seed: int, degrees: float) 
     assert np.allclose(matrix @ before.at(17.0), after.at(17.0) @ matrix)
 
 
+@settings(deadline=None, max_examples=50)
 @given(st.integers(0, 1000))
 def test_lying_and_facing_keep_lengths(seed: int) -> None:
     shape = scissors(seed)

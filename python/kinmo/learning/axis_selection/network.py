@@ -6,7 +6,7 @@ import torch
 from torch import Tensor, nn
 
 from kinmo.config import AxisConfig
-from kinmo.learning.layers import point_encoder
+from kinmo.learning.layers import channel_norm, point_encoder
 
 CHANNELS = 4
 """x, y, z, and 1 on the moving part, 0 elsewhere."""
@@ -21,7 +21,8 @@ class AxisSelectionNetwork(nn.Module):
         layers: list[nn.Module] = []
         width = 2 * self.encoder.features
         for after in config.head:
-            layers += [nn.Linear(width, after, bias=False), nn.BatchNorm1d(after), nn.ReLU(), nn.Dropout(config.head_dropout)]
+            norm = channel_norm(config.encoder.norm, after)
+            layers += [nn.Linear(width, after, bias=False), norm, nn.ReLU(), nn.Dropout(config.head_dropout)]
             width = after
         layers.append(nn.Linear(width, 1))
         self.head = nn.Sequential(*layers)

@@ -111,6 +111,12 @@ class JointRanker(nn.Module):
         return segment_log_softmax(scores, self.rest(token)[:, 0], batch.unit_of)
 
 
+def right_probability(log_hypotheses: Tensor, log_rest: Tensor, batch: RankingBatch) -> Tensor:
+    """Probability [U] of all that the target of each unit holds to be right."""
+    right = log_hypotheses.exp() * (batch.targets > 0)
+    return (log_rest.exp() * batch.rest_targets).index_add(0, batch.unit_of, right)
+
+
 def ranking_loss(log_hypotheses: Tensor, log_rest: Tensor, batch: RankingBatch) -> Tensor:
     """Cross-entropy against soft targets, weighted by unit."""
     each = -(batch.rest_targets * log_rest).index_add(0, batch.unit_of, batch.targets * log_hypotheses)

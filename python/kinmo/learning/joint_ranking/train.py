@@ -15,7 +15,7 @@ from kinmo.config import RankingConfig, to_table
 from kinmo.errors import InputError
 from kinmo.evidence import Evidence
 from kinmo.learning.joint_ranking.data import View, collate
-from kinmo.learning.joint_ranking.network import JointRanker, RankingBatch, ranking_loss
+from kinmo.learning.joint_ranking.network import JointRanker, RankingBatch, ranking_loss, right_probability
 from kinmo.learning.joint_ranking.views import body_view, node_view
 from kinmo.learning.training import FitResult, Learner, Progress, fit
 from kinmo.learning.weights import load_weights, save_weights
@@ -113,7 +113,10 @@ class RankingData:
 
 
 class RankingLearner(Learner):
-    """Cross-entropy of every member; the best epoch is that with the least on validation (`training.MONITOR`)."""
+    """Cross-entropy of every member; the best epoch gives right answers the most probability on validation.
+
+    That is bounded: a single answer that is wrong and sure, which few shapes to choose by are bound to have, does not decide.
+    """
 
     def __init__(self, config: RankingConfig, data: RankingData) -> None:
         super().__init__(config.training)
@@ -133,9 +136,8 @@ class RankingLearner(Learner):
     def validation_step(self, batch: RankingBatch, index: int) -> None:
         hypotheses, rest = averaged(self.networks, batch)
         size = len(batch.units)
-        self.log("validation/error", ranking_loss(hypotheses, rest, batch), batch_size=size)
-        right = ((rest > math.log(0.5)).float() == batch.rest_targets).float().mean()
-        self.log("validation/moves_or_not", right, batch_size=size)
+        self.log("validation/loss", ranking_loss(hypotheses, rest, batch), batch_size=size)
+        self.log("validation/error", 1.0 - right_probability(hypotheses, rest, batch).mean(), batch_size=size)
 
     def configure_optimizers(self) -> Any:
         config = self.training_config

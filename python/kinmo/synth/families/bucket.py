@@ -125,7 +125,7 @@ def _bow(draw: Draw, plan: _Plan, base: Link, reach: float, rod: float, z: float
         ends = [(side * reach, 0, 0) for side in (-1, 1)]
         pieces += [cylinder(size, 2 * rod, "x", e, 12) if draw.chance(0.5) else ellipsoid((size, size, size), e) for e in ends]
     node = Node("handle", pieces=[move(piece, (0, plan.ears, z)) for piece in pieces])
-    rest = draw.pick([0.0, draw.sign() * down, draw.between(-0.9, 0.9) * down], [4, 5, 2])
+    rest = draw.pick([0.0, draw.sign() * down, draw.between(-0.9, 0.9) * down], [4, 6, 2])
     span = (-down, down) if draw.chance(0.7) else (min(rest, 0.0), max(rest, 60.0))
     if z:
         # One of a pair: it lies down to its own side.

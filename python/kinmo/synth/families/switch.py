@@ -68,7 +68,8 @@ def _rocker(draw: Draw, width: float, height: float, at: tuple[float, float, flo
     """A broad cap that tips about its middle (or an edge), flat, wedged or hollow."""
     x, y, z = at
     sunk, proud = draw.between(0.0, 0.05), draw.between(0.03, 0.12)
-    upright = draw.chance(0.85)
+    # It tips across its longer side.
+    upright = height > draw.between(0.8, 1.1) * width
     long = height if upright else width
     kind = draw.pick(["flat", "wedge", "hollow"])
     if kind == "flat":

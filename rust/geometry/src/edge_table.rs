@@ -1,0 +1,46 @@
+//! Which faces meet at an edge.
+
+/// Finds the two new tetrahedra that share a face: those at the same edge of the cavity's surface.
+#[derive(Clone, Default)]
+pub struct EdgeTable {
+    slots: Vec<EdgeSlot>,
+    stamp: u32,
+}
+
+/// An edge's corners, the first that came with it (tetrahedron times 4 plus face), and when that was.
+#[derive(Clone, Copy, Default)]
+struct EdgeSlot {
+    edge: [u32; 2],
+    face: u32,
+    stamp: u32,
+}
+
+impl EdgeTable {
+    /// Empties the table, and makes room for the edges of `faces` triangles.
+    pub fn clear(&mut self, faces: usize) {
+        let size = (4 * faces).next_power_of_two();
+        if self.slots.len() < size {
+            self.slots = vec![EdgeSlot::default(); size];
+            self.stamp = 0;
+        }
+        self.stamp += 1;
+    }
+
+    /// The face noted before at the same edge; notes this one if there is none.
+    pub fn pair(&mut self, u: u32, v: u32, face: u32) -> Option<u32> {
+        let edge = [u.min(v), u.max(v)];
+        let mask = self.slots.len() - 1;
+        let mut at = (edge[0].wrapping_mul(0x9E37_79B9) ^ edge[1].wrapping_mul(0x85EB_CA6B)) as usize >> 12 & mask;
+        loop {
+            let slot = &mut self.slots[at];
+            if slot.stamp != self.stamp {
+                *slot = EdgeSlot { edge, face, stamp: self.stamp };
+                return None;
+            }
+            if slot.edge == edge {
+                return Some(slot.face);
+            }
+            at = (at + 1) & mask;
+        }
+    }
+}

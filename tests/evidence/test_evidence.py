@@ -1,0 +1,77 @@
+"""Hypotheses and what speaks for them."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from evidence_cabinet import DOOR, DRAWER, FRAME, KNOB, UP, scene
+from kinmo.evidence import PRISMATIC, REVOLUTE, Evidence, gather
+
+UNITS = [(FRAME,), (DOOR,), (KNOB,), (DRAWER,), (DOOR, KNOB)]
+STILL = gather(scene(), UNITS)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.floats(-np.pi, np.pi), st.integers(0, 100), st.booleans())
+def test_nothing_depends_on_how_the_object_is_turned(angle: float, seed: int, freely: bool) -> None:
+    turn = Rotation.random(rng=np.random.default_rng(seed)) if freely else Rotation.from_rotvec(angle * UP)
+    turned = gather(scene(turn.as_matrix()), UNITS)
+    np.testing.assert_allclose(turned.unit_features, STILL.unit_features, atol=5e-3)
+    np.testing.assert_allclose(turned.centers, STILL.centers @ turn.as_matrix().T, atol=1e-5)
+    assert np.median(counterpart_errors(turned, turn.as_matrix())) < 0.02
+
+
+def counterpart_errors(turned: Evidence, turn: np.ndarray) -> list[float]:
+    """For every hypothesis of the cabinet at rest, how far the features of the same motion of the turned one are from its own.
+
+    Of lines that lie within the tolerance of merging another one may have been kept: not every hypothesis has a counterpart.
+    """
+    errors = []
+    for unit in range(len(UNITS)):
+        ours, theirs = STILL.rows(unit), turned.rows(unit)
+        directions, pivots = STILL.directions[ours] @ turn.T, STILL.pivots[ours] @ turn.T
+        for kind, direction, pivot, features in zip(STILL.kinds[ours], directions, pivots, STILL.features[ours], strict=True):
+            same = (turned.kinds[theirs] == kind) & (np.abs(turned.directions[theirs] @ direction) > 1 - 1e-5)
+            same &= np.linalg.norm(turned.pivots[theirs] - pivot, axis=1) < 5e-3
+            errors.append(np.abs(turned.features[theirs][same] - features).max(axis=1).min() if same.any() else np.inf)
+    return errors
+
+
+def hypothesis_near(kind: int, unit: int, direction: tuple[float, ...], point: tuple[float, ...]) -> int:
+    """Row (within the unit) of the hypothesis nearest to an axis."""
+    rows = STILL.rows(unit)
+    offset = np.array(point) - STILL.pivots[rows]
+    away = np.linalg.norm(np.cross(offset, STILL.directions[rows]), axis=1)
+    parallel = np.abs(STILL.directions[rows] @ np.array(direction)) > 0.99
+    return int(np.argmin(np.where(parallel & (STILL.kinds[rows] == kind), away, np.inf)))
+
+
+def test_the_true_joints_are_among_the_hypotheses() -> None:
+    hinge = STILL.rows(1).start + hypothesis_near(REVOLUTE, 1, (0, 1, 0), (-0.23, 0, 0.15))
+    assert np.linalg.norm(STILL.pivots[hinge][[0, 2]] - [-0.23, 0.15]) < 0.03
+    slide = STILL.rows(3).start + hypothesis_near(PRISMATIC, 3, (0, 0, 1), (0, 0, 0))
+    assert abs(STILL.directions[slide][2]) > 0.99
+
+
+def test_what_hangs_on_a_part_alone_moves_with_it() -> None:
+    cabinet = scene()
+    assert cabinet.surroundings([DOOR]) == ([FRAME, DRAWER], [KNOB])
+    assert cabinet.surroundings([DRAWER]) == ([FRAME, DOOR, KNOB], [])
+    assert cabinet.surroundings([KNOB])[1] == []
+
+
+def test_evidence_survives_the_store() -> None:
+    kept = Evidence.of(STILL.arrays())
+    np.testing.assert_array_equal(kept.features, STILL.features)
+    np.testing.assert_array_equal(kept.offsets, STILL.offsets)
+    np.testing.assert_allclose(kept.directions, STILL.directions, atol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(kept.directions, axis=1), 1.0)
+
+
+def test_all_evidence_is_finite_even_for_a_part_that_stands_alone() -> None:
+    alone = gather(scene(), [(FRAME, DOOR, KNOB, DRAWER)])
+    for found in (STILL, alone):
+        assert np.isfinite(found.features).all()
+        assert np.isfinite(found.unit_features).all()
+    assert STILL.features.shape[1] == alone.features.shape[1]
