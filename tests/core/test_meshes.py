@@ -49,7 +49,9 @@ def test_as_many_vertex_arrays_as_face_arrays_are_wanted() -> None:
 
 
 @pytest.mark.parametrize("fit", [_core.fit_boxes, _core.fit_symmetric_boxes, _core.find_symmetries])
-@pytest.mark.parametrize(("groups", "name"), [([[0], []], r"groups\[1\]: empty"), ([[1]], r"groups\[0\]"), ([[0], [-1]], r"groups\[1\]")])
+@pytest.mark.parametrize(
+    ("groups", "name"), [([[0], []], r"groups\[1\]: empty"), ([[1]], r"groups\[0\]"), ([[0], [-1]], r"groups\[1\]")]
+)
 def test_bad_groups_are_refused_by_name(fit: object, groups: list[list[int]], name: str) -> None:
     with pytest.raises(ValueError, match=name):
         fit(meshes(BOX), groups)  # type: ignore[operator]

@@ -164,7 +164,12 @@ def test_aligned_boxes_keep_the_frame() -> None:
 
 @pytest.mark.parametrize(
     ("frame", "message"),
-    [(np.ones((3, 3)), "frame: rows are not"), (-np.eye(3), "frame: rows are not"), (np.eye(2), "frame: shape"), (np.eye(3) * np.nan, "frame")],
+    [
+        (np.ones((3, 3)), "frame: rows are not"),
+        (-np.eye(3), "frame: rows are not"),
+        (np.eye(2), "frame: shape"),
+        (np.eye(3) * np.nan, "frame"),
+    ],
 )
 def test_a_frame_that_is_none_is_refused(frame: F64, message: str) -> None:
     with pytest.raises(ValueError, match=message):

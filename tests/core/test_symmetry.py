@@ -8,7 +8,22 @@ import numpy as np
 import pytest
 import trimesh
 from hypothesis import given, settings
-from solids import BOX, CYLINDER, DEGENERATE, LINE, POINT, TETRAHEDRON, F64, MeshArrays, arrays, clouds, meshes, moved, rotation, seeds
+from solids import (
+    BOX,
+    CYLINDER,
+    DEGENERATE,
+    LINE,
+    POINT,
+    TETRAHEDRON,
+    F64,
+    MeshArrays,
+    arrays,
+    clouds,
+    meshes,
+    moved,
+    rotation,
+    seeds,
+)
 
 from kinmo import _core
 

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 
+use crate::Mesh;
 use crate::obb::BoxFitter;
 use crate::revolution::axis_of_revolution;
 use crate::sampling::{SurfaceSample, sample_surface};
@@ -51,6 +52,9 @@ const SAME_CANDIDATE: f64 = 1e-3;
 /// Of symmetries along directions nearer than this (sine of the angle) the best is reported.
 const SAME_DIRECTION: f64 = 0.1;
 
+/// Candidates along about the normal of a mirror with an error below this share of the tolerance are not tried.
+const SETTLED: f64 = 0.01;
+
 /// Candidate points nearer than this share of the tolerance are one.
 const SAME_POINT: f64 = 0.2;
 
@@ -68,7 +72,7 @@ pub fn find_symmetries(surface: &Surface<'_>, samples: usize, tolerance: f64, se
     let test = SymmetryTest::new(surface, samples, tolerance, seed);
     let (symmetric, _) = most_symmetric_box(&fitter, minimal, &test);
     let fitted = sample_surface(surface.mesh(), FITTED_SAMPLES, seed);
-    let (centroid, principal) = principal_axes(&fitted);
+    let (centroid, principal) = principal_axes(surface.mesh(), &fitted);
     let mut lines: Vec<(Point3<f64>, Vector3<f64>)> = axis_of_revolution(&fitted).into_iter().collect();
     for candidate in [symmetric, minimal] {
         lines.extend(candidate.axes.iter().map(|axis| (candidate.center, *axis)));
@@ -76,7 +80,10 @@ pub fn find_symmetries(surface: &Surface<'_>, samples: usize, tolerance: f64, se
     lines.extend(principal.iter().map(|axis| (centroid, *axis)));
     let (mut tried, mut mirrors, mut turns) = (Vec::new(), Vec::new(), Vec::new());
     for (own_point, direction) in lines {
-        if !is_new(&tried, &direction, SAME_CANDIDATE) {
+        let is_settled = mirrors.iter().any(|mirror: &Symmetry| {
+            mirror.error < SETTLED * tolerance && !is_new(&[mirror.direction], &direction, SAME_DIRECTION)
+        });
+        if is_settled || !is_new(&tried, &direction, SAME_CANDIDATE) {
             continue;
         }
         tried.push(direction);
@@ -150,13 +157,67 @@ fn turn_about(test: &SymmetryTest<'_>, point: Point3<f64>, direction: Vector3<f6
     })
 }
 
-/// Centroid and principal axes of the samples.
-fn principal_axes(samples: &[SurfaceSample]) -> (Point3<f64>, [Vector3<f64>; 3]) {
-    let first = samples[0].point;
-    let mean = samples.iter().map(|s| s.point - first).sum::<Vector3<f64>>() / samples.len() as f64;
-    let centroid = first + mean;
-    let offsets = samples.iter().map(|s| s.point - centroid);
-    let scatter: Matrix3<f64> = offsets.map(|offset| offset * offset.transpose()).sum();
+/// Centroid and principal axes of the surface; of a part without area, of its samples.
+fn principal_axes(mesh: &Mesh, samples: &[SurfaceSample]) -> (Point3<f64>, [Vector3<f64>; 3]) {
+    // Integrals of quadratic functions over a triangle are sums over the middles of its sides.
+    let middles = (0..mesh.faces().len()).flat_map(|face| {
+        let [a, b, c] = mesh.triangle(face);
+        let weight = mesh.scaled_normal(face).norm();
+        [(a, b), (b, c), (c, a)].map(|(p, q)| (weight, p + (q - p) / 2.0))
+    });
+    let mut points: Vec<(f64, Point3<f64>)> = middles.collect();
+    if points.iter().all(|(weight, _)| *weight == 0.0) {
+        points = samples.iter().map(|sample| (1.0, sample.point)).collect();
+    }
+    let total: f64 = points.iter().map(|(weight, _)| weight).sum();
+    let first = points[0].1;
+    let centroid = first + points.iter().map(|(weight, p)| (p - first) * (weight / total)).sum::<Vector3<f64>>();
+    let scatter: Matrix3<f64> = points
+        .iter()
+        .map(|(weight, p)| {
+            let offset = p - centroid;
+            offset * offset.transpose() * (weight / total)
+        })
+        .sum();
     let vectors = SymmetricEigen::new(scatter).eigenvectors;
     (centroid, [0, 1, 2].map(|i| vectors.column(i).into_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::Bvh;
+
+    /// A regular prism about the z axis.
+    fn prism(sides: u32) -> Mesh {
+        let corner = |i: u32, z: f64| {
+            let angle = TAU * i as f64 / sides as f64;
+            Point3::new(angle.cos(), angle.sin(), z)
+        };
+        let vertices = (0..sides).flat_map(|i| [corner(i, 0.0), corner(i, 3.0)]).collect();
+        let side = |i: u32| {
+            let (a, b) = (2 * i, 2 * ((i + 1) % sides));
+            [[a, b, a + 1], [b, b + 1, a + 1]]
+        };
+        let caps = |i: u32| [[0, 2 * i + 2, 2 * i], [1, 2 * i + 1, 2 * i + 3]];
+        let faces = (0..sides).flat_map(side).chain((1..sides - 1).flat_map(caps)).collect();
+        Mesh::new(vertices, faces).expect("a valid mesh")
+    }
+
+    fn finest_turn_about_z(sides: u32) -> Option<SymmetryKind> {
+        let mesh = prism(sides);
+        let tree = Bvh::new(&mesh);
+        let surface = Surface::new(&[&mesh], vec![&tree]);
+        let found = find_symmetries(&surface, 200, 0.005, 1);
+        let about_z = |s: &&Symmetry| s.kind != SymmetryKind::Reflection && s.direction.z.abs() > 0.999;
+        found.iter().find(about_z).map(|symmetry| symmetry.kind)
+    }
+
+    #[test]
+    fn prisms_turn_by_their_number_of_sides() {
+        for sides in 3..=6 {
+            assert_eq!(finest_turn_about_z(sides), Some(SymmetryKind::Rotation(sides)), "{sides} sides");
+        }
+        assert_eq!(finest_turn_about_z(60), Some(SymmetryKind::Revolution));
+    }
 }
