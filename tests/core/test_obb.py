@@ -10,19 +10,16 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from kinmo import _core
-
 from solids import (
     BOX,
     CYLINDER,
     DEGENERATE,
+    F64,
     LINE,
     POINT,
     RECTANGLE,
     TETRAHEDRON,
     TRIANGLE,
-    F64,
     MeshArrays,
     arrays,
     clouds,
@@ -31,6 +28,8 @@ from solids import (
     rotation,
     seeds,
 )
+
+from kinmo import _core
 
 Boxes = tuple[F64, F64, F64]
 
