@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from solids import BOX, DEGENERATE, MeshArrays, meshes
 
 from kinmo import _core
-
-from solids import BOX, DEGENERATE, MeshArrays, meshes
 
 
 def test_areas_are_those_of_the_faces() -> None:
