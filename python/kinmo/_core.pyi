@@ -120,8 +120,9 @@ def interaction_regions(points: F64 | F32, pairs: U32, groups: Groups = None) ->
     edges. With D the diagonal of the box of all samples of the pair, d the distance of a triangle's centroid to the two
     samples of its ridge and alpha the angle there between the ridge's normal and the direction to a sample, a triangle
     gives both samples `area (1 - d / (D / 2))^20 (1 - alpha / (pi / 3))`, 0 where a factor is negative. The score of a
-    sample is the sum over its triangles. Ridges so far away that the base of the power is below 0.6 times that of the
-    nearest pair of samples (less than 4e-5 times its weight) are left out. Where no sample of the moving part has a score,
+    sample is the sum over its triangles. Ridges so far away that the base of the power is below 0.8 times that of the
+    nearest pair of samples (about 1 % of its weight) are left out, and where the parts are nearer than 0.05 D, 4 x 8 points
+    stand for the sphere, which then bounds ridges of next to no weight. Where no sample of the moving part has a score,
     the centroid is the mean of the 10 nearest cross pairs from either side, and `scored` is False.
     """
 
@@ -159,6 +160,7 @@ def sweep(
     Contact and small overlaps at rest are no collision: both bodies are stood for by `probes` surface samples moved inwards
     by `tolerance` diagonals of the moving part (in thinner walls to the middle), those that are inside the other body at
     rest are not used, and a probe collides where its path, in `steps` steps a direction, crosses the other body's surface.
+    Meshes get probes as the roots of their areas: a knob can be in the way like a wall.
 
     Returns `(free_lower [C], free_upper [C], penetration [C, 2])`: the travel up to which at most `ignored_share` of the
     probes of either body have collided (the limit tried if nothing is in the way), too long by up to `tolerance` diagonals
