@@ -8,6 +8,8 @@ use crate::edge_table::EdgeTable;
 const NONE: u32 = u32::MAX;
 /// Corners of the face opposite to each corner, counter-clockwise seen from outside.
 const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+/// How many there usually are: room for so many is made beforehand.
+const TETRAHEDRA_PER_POINT: usize = 8;
 /// Largest shift of a coordinate that parts points which lie on a common plane or sphere.
 const JITTER: f64 = 1e-8;
 /// How many points the hull has: the numbers of the others start here.
@@ -69,6 +71,12 @@ impl Delaunay {
     /// Adds points, numbered onwards. Those that come next to each other should lie near each other: that is what makes it
     /// fast. A point that coincides with another may be left out.
     pub fn extend(&mut self, points: impl IntoIterator<Item = Point3<f64>>) {
+        let points = points.into_iter();
+        let expected = points.size_hint().0;
+        self.points.reserve(expected);
+        self.tetrahedra.reserve(TETRAHEDRA_PER_POINT * expected);
+        self.alive.reserve(TETRAHEDRA_PER_POINT * expected);
+        self.scratch.seen.reserve(TETRAHEDRA_PER_POINT * expected);
         for point in points {
             let number = self.points.len() as u32;
             self.points.push(point + jitter(number));
@@ -242,6 +250,7 @@ impl Delaunay {
 
 impl Tetrahedron {
     /// `None` unless positively oriented.
+    #[inline]
     fn new(points: &[Point3<f64>], corners: [u32; 4]) -> Option<Self> {
         let [o, a, b, c] = corners.map(|corner| points[corner as usize]);
         let (a, b, c) = (a - o, b - o, c - o);
@@ -252,6 +261,7 @@ impl Tetrahedron {
         (volume > 0.0).then_some(Self { corners, neighbours: [NONE; 4], linear: -linear, quadratic: volume })
     }
 
+    #[inline]
     fn sphere_holds(&self, offset: &Vector3<f64>) -> bool {
         self.linear.dot(offset) + self.quadratic * offset.norm_squared() < 0.0
     }

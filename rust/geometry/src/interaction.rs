@@ -95,8 +95,8 @@ struct Scene {
     split: usize,
     center: Point3<f64>,
     diagonal: f64,
-    /// Of every sample, the nearest one of the other part, as far as it is near enough to matter.
-    partners: Vec<Neighbour>,
+    /// Trees of the moving part's samples and of the reference's.
+    trees: [PointTree; 2],
     /// Distance of the nearest samples of the two parts.
     gap: f64,
 }
@@ -111,25 +111,22 @@ impl Scene {
         let samples: Vec<Point3<f64>> = all().map(|p| Point3::from((p - center) / diagonal)).collect();
         let split = moving.len();
         let (first, second) = samples.split_at(split);
-        let (first_tree, second_tree) = (PointTree::new(first), PointTree::new(second));
-        let bound = |squared: f64| (2.0 * reach(squared.sqrt())).powi(2);
-        let mut partners = second_tree.nearest_of_each(&first_tree, bound);
-        for partner in &mut partners {
-            partner.point += split as u32;
-        }
-        partners.extend(first_tree.nearest_of_each(&second_tree, bound));
-        let gap = partners.iter().fold(f64::INFINITY, |gap, partner| gap.min(partner.squared)).sqrt();
-        Self { samples, split, center, diagonal, partners, gap }
+        let trees = [PointTree::new(first), PointTree::new(second)];
+        let gap = trees[0].squared_gap(&trees[1]).sqrt();
+        Self { samples, split, center, diagonal, trees, gap }
+    }
+
+    /// The samples that are within `distance` of the other part.
+    fn near(&self, distance: f64) -> Vec<u32> {
+        let [moving, reference] = &self.trees;
+        let mut near = reference.any_within(moving, distance * distance);
+        near.extend(moving.any_within(reference, distance * distance));
+        (0..).zip(near).filter(|&(_, near)| near).map(|(sample, _)| sample).collect()
     }
 
     fn add_scores(&self, scores: &mut [f64]) {
         let reach = reach(self.gap);
-        let near: Vec<u32> = (0..)
-            .zip(&self.partners)
-            .filter(|(_, n)| n.squared < (2.0 * reach).powi(2))
-            .map(|(sample, _)| sample)
-            .collect();
-        let order = insertion_order(&self.samples, near);
+        let order = insertion_order(&self.samples, self.near(2.0 * reach));
         let mut diagram = if self.gap < SPHERE_MATTERS_FROM { COARSE_SPHERE.clone() } else { SPHERE.clone() };
         let first = diagram.next_number();
         diagram.extend(order.iter().map(|&sample| self.samples[sample as usize]));
@@ -166,12 +163,15 @@ impl Scene {
     /// Mean of the points of the nearest pairs of samples of different parts.
     fn mean_of_nearest_pairs(&self) -> Point3<f64> {
         let mut sum = (Vector3::zeros(), 0.0);
-        for side in [0..self.split, self.split..self.samples.len()] {
-            let mut nearest: Vec<usize> = side.filter(|&sample| self.partners[sample].squared.is_finite()).collect();
-            nearest.sort_by(|&a, &b| self.partners[a].squared.total_cmp(&self.partners[b].squared));
-            for &sample in nearest.iter().take(FALLBACK_PAIRS) {
-                let partner = self.partners[sample].point as usize;
-                sum = (sum.0 + self.samples[sample].coords + self.samples[partner].coords, sum.1 + 2.0);
+        let (first, second) = self.samples.split_at(self.split);
+        let [moving, reference] = &self.trees;
+        for (own, other, partners) in
+            [(first, second, reference.nearest_of_each(moving)), (second, first, moving.nearest_of_each(reference))]
+        {
+            let mut pairs: Vec<(&Point3<f64>, Neighbour)> = own.iter().zip(partners).collect();
+            pairs.sort_by(|a, b| a.1.squared.total_cmp(&b.1.squared));
+            for (sample, partner) in pairs.into_iter().take(FALLBACK_PAIRS) {
+                sum = (sum.0 + sample.coords + other[partner.point as usize].coords, sum.1 + 2.0);
             }
         }
         Point3::from(sum.0 / sum.1)
@@ -204,7 +204,7 @@ fn insertion_order(samples: &[Point3<f64>], mut chosen: Vec<u32>) -> Vec<u32> {
     let key = |sample: u32| -> u64 {
         let cell = samples[sample as usize].coords.map(|x| ((x + 0.5) * 1023.0) as u64);
         let hash = (u64::from(sample) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
-        let round = 8 - u64::from((hash as u32).leading_zeros().min(8));
+        let round = 6 - u64::from((hash as u32).leading_zeros().min(6));
         (round << 32) | (spread_bits(cell.x) << 2) | (spread_bits(cell.y) << 1) | spread_bits(cell.z)
     };
     chosen.sort_by_cached_key(|&sample| key(sample));

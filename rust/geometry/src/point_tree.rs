@@ -37,28 +37,45 @@ impl PointTree {
         Self { points, numbers, planes, depth }
     }
 
-    /// The point nearest to each of the points of `queries`, if nearer than the root of what `bound` gives when asked with
-    /// the least squared distance found so far; at infinity otherwise.
-    pub fn nearest_of_each(&self, queries: &Self, bound: impl Fn(f64) -> f64) -> Vec<Neighbour> {
-        let mut result = vec![Neighbour { squared: f64::INFINITY, point: 0 }; queries.points.len()];
-        let (mut least, mut limit) = (f64::INFINITY, f64::INFINITY);
-        // Queries come in the order of their tree: what is nearest to one is near to the next.
+    /// Squared distance of the two nearest points of two trees.
+    pub fn squared_gap(&self, other: &Self) -> f64 {
+        let mut least = f64::INFINITY;
+        for query in &other.points {
+            self.visit(query, least, |_, squared| {
+                least = squared;
+                least
+            });
+        }
+        least
+    }
+
+    /// Of each of the points of `queries`, whether a point of this tree is nearer than the root of `limit`.
+    pub fn any_within(&self, queries: &Self, limit: f64) -> Vec<bool> {
+        let mut result = vec![false; queries.points.len()];
+        // Queries come in the order of their tree: what is near to one is near to the next.
         let mut last = 0;
         for (query, &number) in queries.points.iter().zip(&queries.numbers) {
-            let guess = (self.points[last] - query).norm_squared();
-            let best = &mut result[number as usize];
-            if guess < limit {
-                *best = Neighbour { squared: guess, point: self.numbers[last] };
+            let mut near = (self.points[last] - query).norm_squared() < limit;
+            if !near {
+                self.visit(query, limit, |slot, _| {
+                    (near, last) = (true, slot);
+                    0.0
+                });
             }
-            self.visit(query, guess.min(limit), |slot, squared| {
+            result[number as usize] = near;
+        }
+        result
+    }
+
+    /// The point nearest to each of the points of `queries`.
+    pub fn nearest_of_each(&self, queries: &Self) -> Vec<Neighbour> {
+        let mut result = vec![Neighbour { squared: f64::INFINITY, point: 0 }; queries.points.len()];
+        for (query, &number) in queries.points.iter().zip(&queries.numbers) {
+            let best = &mut result[number as usize];
+            self.visit(query, f64::INFINITY, |slot, squared| {
                 *best = Neighbour { squared, point: self.numbers[slot] };
-                last = slot;
                 squared
             });
-            if best.squared < least {
-                least = best.squared;
-                limit = bound(least);
-            }
         }
         result
     }
