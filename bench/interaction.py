@@ -116,7 +116,8 @@ def main() -> None:
     agreeing = int((np.array(errors) <= TOLERANCE).sum())
     print(f"{len(pairs)} {kind} touching pairs, {SAMPLES} samples a body")
     print(
-        f"centroids within {TOLERANCE} diagonals: {agreeing} of {len(pairs)}; worst {max(errors):.4f}, median {np.median(errors):.1e}"
+        f"centroids within {TOLERANCE} diagonals: {agreeing} of {len(pairs)}; "
+        f"worst {max(errors):.4f}, median {np.median(errors):.1e}"
     )
     print(f"{'':8}{'mean ms':>10}{'median ms':>10}{'worst ms':>10}")
     for name, times in (("kinmo", mine), ("scipy", theirs)):

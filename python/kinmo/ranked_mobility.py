@@ -7,7 +7,7 @@ bodies are then ranked like given ones.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from kinmo import _core
 from kinmo.candidates import KIND_CODES, Candidates
 from kinmo.evidence import Evidence, Scene, gather
-from kinmo.joint import MotionType
+from kinmo.evidence.scene import TOUCHING
+from kinmo.joint import Joint, MotionType
 from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.learning.joint_ranking.data import View
-from kinmo.learning.joint_ranking.decide import MOVES, rank_answers
+from kinmo.learning.joint_ranking.decide import MOVES, rank_answers, same_joint
 from kinmo.learning.joint_ranking.predict import JointRanking
 from kinmo.learning.joint_ranking.views import maximal_nodes, node_view, words_of
 from kinmo.limits import free_travel
@@ -81,23 +82,38 @@ def scene_of(shape: PreparedShape, meshes: _core.Meshes) -> Scene:
     return Scene.of(meshes, shape.leaf_points, shape.leaf_normals, shape.leaf_areas, shape.up)
 
 
-def moving_nodes(shape: PreparedShape, ranking: JointRanking) -> list[int]:
-    """The nodes that rather move against their surroundings than rest."""
+def moving_nodes(shape: PreparedShape, ranking: JointRanking) -> dict[int, Joint]:
+    """The nodes that rather move against their surroundings than rest, each with its best joint (normalised frame)."""
     if len(shape.parents) < 2:
-        return []
-    _, rest = ranking.probabilities(node_view(replace(shape, mobility=None), Evidence.of(shape.evidence)))
-    return [node for node, still in enumerate(rest, start=1) if still < MOVES]
+        return {}
+    evidence = Evidence.of(shape.evidence)
+    view = node_view(replace(shape, mobility=None), evidence)
+    probabilities, rest = ranking.probabilities(view)
+    moving = {}
+    for node, (unit, odds, still) in enumerate(zip(view.units, probabilities, rest, strict=True), start=1):
+        if still < MOVES:
+            best = rank_answers(evidence, unit, odds, float(still), shape.symmetric_boxes[node], shape.up)[0].joint
+            assert best is not None, "what rather moves is answered with a joint"
+            moving[node] = best
+    return moving
 
 
-def predicted_bodies(shape: PreparedShape, moving: Sequence[int], edges: EdgePredictions) -> list[tuple[int, ...]]:
-    """Positions of the leaves of every body; body 0 is what everything rests on (it may be empty)."""
+def predicted_bodies(shape: PreparedShape, moving: Mapping[int, Joint], edges: EdgePredictions) -> list[tuple[int, ...]]:
+    """Positions of the leaves of every body; body 0 is what everything rests on (it may be empty).
+
+    Moving siblings are one body if the GNN holds them to be fixed to each other, they touch, and they have the same joint:
+    the front and the box of a drawer are, two drawers or the keys of a keypad are not.
+    """
     fixed = edges.type_set.FIXED.value
-    odds: dict[frozenset[int], list[float]] = {}
-    for (part, other), probability in zip(shape.edges.tolist(), edges.type_probabilities[:, fixed], strict=True):
-        odds.setdefault(frozenset((part, other)), []).append(float(probability))
+    odds: dict[tuple[int, int], list[float]] = {}
+    for (part, other), probability, distance in zip(
+        shape.edges.tolist(), edges.type_probabilities[:, fixed], shape.edge_distances, strict=True
+    ):
+        if part in moving and other in moving and distance <= TOUCHING and same_joint(moving[part], moving[other]):
+            odds.setdefault((min(part, other), max(part, other)), []).append(float(probability))
     group = {node: node for node in moving}
     for pair, values in odds.items():
-        if pair <= group.keys() and np.mean(values) > FIXED:
+        if np.mean(values) > FIXED:
             first, second = sorted(group[node] for node in pair)
             group = {node: first if leader == second else leader for node, leader in group.items()}
     owner = [0] * len(shape.parents)

@@ -10,7 +10,7 @@ use crate::arrays::{check_shape, points_of, vectors_of};
 /// Largest deviation of a direction's length from 1.
 const UNIT_LENGTH: f64 = 1e-6;
 
-/// C candidate joints from `kinds` [C] (0 revolute, 1 prismatic, 2 screw), `directions` [C, 3] and `pivots` [C, 3].
+/// C candidate joints from `kinds` `[C]` (0 revolute, 1 prismatic, 2 screw), `directions` `[C, 3]` and `pivots` `[C, 3]`.
 pub fn joints_of(
     kinds: &PyReadonlyArrayDyn<'_, u8>,
     directions: &PyReadonlyArrayDyn<'_, f64>,

@@ -50,3 +50,27 @@ impl VectorLanes {
         facing.extend(self.dots(direction).flat_map(|dots| dots.map(|dot| dot > 0.0)));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn lanes_give_what_single_dot_products_give(
+            vectors in prop::collection::vec(prop::array::uniform3(-1.0..1.0f64), 1..20),
+            direction in prop::array::uniform3(-1.0..1.0f64),
+        ) {
+            let vectors: Vec<Vector3<f64>> = vectors.into_iter().map(Vector3::from).collect();
+            let direction = Vector3::from(direction);
+            let dots: Vec<f64> = vectors.iter().map(|vector| vector.dot(&direction)).collect();
+            let lanes = VectorLanes::new(&vectors, Vector3::zeros());
+            let sum: f64 = dots.iter().map(|dot| dot.abs()).sum();
+            prop_assert!((lanes.sum_of_absolute_dots(&direction) - sum).abs() < 1e-12);
+            let spread = dots.iter().fold(f64::MIN, |a, &b| a.max(b)) - dots.iter().fold(f64::MAX, |a, &b| a.min(b));
+            let lanes_with_own_filler = VectorLanes::new(&vectors, vectors[0]);
+            prop_assert!((lanes_with_own_filler.spread_along(&direction) - spread).abs() < 1e-12);
+        }
+    }
+}

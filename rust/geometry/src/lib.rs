@@ -23,6 +23,7 @@ pub mod parry;
 mod point_tree;
 pub mod probes;
 pub mod proximity;
+mod quickhull;
 mod rectangle;
 mod revolution;
 mod sample_elimination;

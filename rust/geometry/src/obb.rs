@@ -20,19 +20,6 @@ pub struct OrientedBox {
     pub half_extents: Vector3<f64>,
 }
 
-impl OrientedBox {
-    /// Volume.
-    pub fn volume(&self) -> f64 {
-        8.0 * self.half_extents.product()
-    }
-
-    /// Whether `point` is inside or within `margin` of the faces.
-    pub fn contains(&self, point: &Point3<f64>, margin: f64) -> bool {
-        let offset = point - self.center;
-        (0..3).all(|i| self.axes[i].dot(&offset).abs() <= self.half_extents[i] + margin)
-    }
-}
-
 /// The box of minimum volume around `points`.
 ///
 /// Tried are the directions of all facets and edges of the convex hull, with the best rectangle across each, and the best boxes
@@ -140,4 +127,39 @@ fn towards_positive(axis: Vector3<f64>) -> Vector3<f64> {
     let largest = axis.abs().max() - 1e-6;
     let positive = axis.iter().find(|x| x.abs() >= largest).is_none_or(|x| *x > 0.0);
     if positive { axis } else { -axis }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Points of a small grid, squeezed and placed: spanning any dimension, repeated, huge, tiny and far away.
+        #[test]
+        fn boxes_hold_all_points_and_are_touched_by_them(
+            grid in prop::collection::vec(prop::array::uniform3(-2i32..3), 1..40),
+            squeeze in prop::array::uniform3(prop::sample::select(vec![0.0, 1e-7, 1.0])),
+            exponent in -20i32..20,
+            far in any::<bool>(),
+            up in prop::array::uniform3(-1.0..1.0f64),
+        ) {
+            let scale = 10f64.powi(exponent);
+            let shift = if far { 1e5 * scale } else { 0.0 };
+            let points: Vec<_> = grid
+                .iter()
+                .map(|g| Point3::from([0, 1, 2].map(|i| (g[i] as f64 * squeeze[i] + 0.3 * g[(i + 1) % 3] as f64) * scale + shift)))
+                .collect();
+            let Some(up) = Vector3::from(up).try_normalize(0.1) else { return Ok(()) };
+            let margin = 1e-12 * scale + 1e-14 * shift;
+            for found in [minimum_volume_box(&points), upright_box(&points, up), aligned_box(&points, [Vector3::x(), Vector3::y(), Vector3::z()])] {
+                prop_assert!((found.axes[0].cross(&found.axes[1]) - found.axes[2]).norm() < 1e-12);
+                for (axis, half) in found.axes.iter().zip(found.half_extents.iter()) {
+                    let along: Vec<f64> = points.iter().map(|p| axis.dot(&(p - found.center))).collect();
+                    let (low, high) = along.iter().fold((f64::MAX, f64::MIN), |(low, high), &x| (low.min(x), high.max(x)));
+                    prop_assert!((high - half).abs() <= margin && (low + half).abs() <= margin, "{low} {high} {half}");
+                }
+            }
+        }
+    }
 }

@@ -5,55 +5,118 @@ use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 use crate::sampling::SurfaceSample;
 
 /// Rounds of fitting, each without the samples that the last fit explains worst.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 5;
 
 /// Share of the samples that a fit is made from, after the first round.
 const TRUSTED: f64 = 0.8;
 
+type Line = (Point3<f64>, Vector3<f64>);
+
 /// The axis that the surface slides along itself about, as well as it can: a point of it and its unit direction.
 ///
-/// A turn with angular velocity `w` and velocity `v` at the centroid moves sample `p` along its normal by `n·v + w·(p × n)`. The turn that
-/// minimises the sum of squares is the smallest eigenvector of a 3 x 3 matrix (after Pottmann and Randrup, Rotational and
-/// helical surface approximation, 1998; Gelfand and Guibas, Slippage analysis, 2004). The fit is repeated on the samples that agree
-/// best with it, so that a pointer on a knob or a spout on a stem does not tilt the axis.
-pub fn axis_of_revolution(samples: &[SurfaceSample]) -> Option<(Point3<f64>, Vector3<f64>)> {
-    let mut trusted: Vec<&SurfaceSample> = samples.iter().collect();
-    let mut axis = fit(&trusted)?;
-    let count = (TRUSTED * samples.len() as f64).ceil() as usize;
-    for _ in 0..ROUNDS {
-        let residual = |sample: &SurfaceSample| {
-            let (point, direction) = axis;
-            direction.cross(&(sample.point - point)).dot(&sample.normal).abs()
-        };
-        trusted = samples.iter().collect();
-        trusted.sort_by(|a, b| residual(a).total_cmp(&residual(b)));
-        trusted.truncate(count);
-        axis = fit(&trusted)?;
+/// A turn with angular velocity `w` and velocity `v` at the centroid moves sample `p` along its normal by `n·v + w·(p × n)`. The turns
+/// for which the sum of squares is stationary are the eigenvectors of a 3 x 3 matrix (after Pottmann and Randrup, Rotational and
+/// helical surface approximation, 1998; Gelfand and Guibas, Slippage analysis, 2004). From each of them the fit is repeated on the
+/// samples that agree best with it, so that a pointer on a knob or a spout on a stem does not tilt the axis.
+pub fn axis_of_revolution(samples: &[SurfaceSample]) -> Option<Line> {
+    let trusted = (TRUSTED * samples.len() as f64).ceil() as usize;
+    let mut ranked: Vec<(f64, SurfaceSample)> = samples.iter().map(|sample| (0.0, *sample)).collect();
+    let mut best: Option<(f64, Line)> = None;
+    for start in stationary_turns(&ranked)? {
+        let mut axis = start;
+        for _ in 0..ROUNDS {
+            rank_by_slip(&mut ranked, axis, trusted);
+            axis = stationary_turns(&ranked[..trusted])?[0];
+        }
+        rank_by_slip(&mut ranked, axis, trusted);
+        let slip = ranked[..trusted].iter().map(|(slip, _)| slip * slip).sum();
+        if best.is_none_or(|(least, _)| slip < least) {
+            best = Some((slip, axis));
+        }
     }
-    Some(axis)
+    best.map(|(_, axis)| axis)
 }
 
-fn fit(samples: &[&SurfaceSample]) -> Option<(Point3<f64>, Vector3<f64>)> {
-    let first = samples.first()?.point;
-    let mean = samples.iter().map(|s| s.point - first).sum::<Vector3<f64>>() / samples.len() as f64;
+/// Puts first the `trusted` samples that a turn about `axis` moves least along their normals.
+fn rank_by_slip(ranked: &mut [(f64, SurfaceSample)], (point, direction): Line, trusted: usize) {
+    for (slip, sample) in ranked.iter_mut() {
+        *slip = direction.cross(&(sample.point - point)).dot(&sample.normal).abs();
+    }
+    if trusted < ranked.len() {
+        ranked.select_nth_unstable_by(trusted, |a, b| a.0.total_cmp(&b.0));
+    }
+}
+
+/// Axes of the turns for which the sum of the squared slips is stationary, the least sum first.
+fn stationary_turns(ranked: &[(f64, SurfaceSample)]) -> Option<[Line; 3]> {
+    let (_, SurfaceSample { point: first, .. }) = ranked.first()?;
+    let mean = ranked.iter().map(|(_, s)| s.point - first).sum::<Vector3<f64>>() / ranked.len() as f64;
     let centroid = first + mean;
-    let size = samples.iter().map(|s| (s.point - centroid).norm()).fold(0.0, f64::max);
+    let size = ranked.iter().map(|(_, s)| (s.point - centroid).norm()).fold(0.0, f64::max);
     if size == 0.0 {
         return None;
     }
     let (mut turning, mut mixed, mut sliding) = (Matrix3::zeros(), Matrix3::zeros(), Matrix3::zeros());
-    for sample in samples {
+    for (_, sample) in ranked {
         let moment = ((sample.point - centroid) / size).cross(&sample.normal);
         turning += moment * moment.transpose();
         mixed += moment * sample.normal.transpose();
         sliding += sample.normal * sample.normal.transpose();
     }
     // The velocity that serves a given turn best follows from it; directions in which the surface slides freely get none.
-    let freely = 1e-6 * samples.len() as f64;
+    let freely = 1e-6 * ranked.len() as f64;
     let velocity_of_turn = sliding.pseudo_inverse(freely).ok()? * mixed.transpose();
     let eigen = SymmetricEigen::new(turning - mixed * velocity_of_turn);
-    let direction = eigen.eigenvectors.column(eigen.eigenvalues.imin()).normalize();
-    let velocity = -(velocity_of_turn * direction);
-    let point = centroid + direction.cross(&velocity) * size;
-    Some((point, direction))
+    let mut order = [0, 1, 2];
+    order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+    Some(order.map(|i| {
+        let direction = eigen.eigenvectors.column(i).normalize();
+        let velocity = -(velocity_of_turn * direction);
+        (centroid + direction.cross(&velocity) * size, direction)
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Rotation3, Unit};
+    use proptest::prelude::*;
+    use std::f64::consts::TAU;
+
+    /// Samples of a cone frustum with a share of clutter beside it.
+    fn frustum(count: usize, clutter: usize) -> Vec<SurfaceSample> {
+        let on_side = |i: usize| {
+            let (angle, height) = (TAU * 0.618 * i as f64, (i as f64 * 0.754).fract() * 3.0);
+            let outward = Vector3::new(angle.cos(), angle.sin(), 0.0);
+            let point = Point3::from(outward * (1.0 + 0.2 * height) + Vector3::z() * height);
+            SurfaceSample { point, normal: (outward - Vector3::z() * 0.2).normalize(), face: 0 }
+        };
+        let beside = |i: usize| SurfaceSample {
+            point: Point3::new(2.0 + (i as f64 * 0.31).fract(), 0.2, 1.0 + (i as f64 * 0.57).fract()),
+            normal: Vector3::y(),
+            face: 1,
+        };
+        (0..count).map(on_side).chain((0..clutter).map(beside)).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn the_axis_of_a_turned_frustum_is_found_in_spite_of_clutter(
+            axis in prop::array::uniform3(-1.0..1.0f64),
+            angle in 0.0..TAU,
+            shift in prop::array::uniform3(-10.0..10.0f64),
+            scale in 1e-3..1e3f64,
+        ) {
+            let Some(axis) = Unit::try_new(Vector3::from(axis), 0.1) else { return Ok(()) };
+            let turn = Rotation3::from_axis_angle(&axis, angle);
+            let place = |p: Point3<f64>| Point3::from((turn * p).coords * scale + Vector3::from(shift));
+            let samples: Vec<_> = frustum(400, 40)
+                .into_iter()
+                .map(|s| SurfaceSample { point: place(s.point), normal: turn * s.normal, ..s })
+                .collect();
+            let (point, direction) = axis_of_revolution(&samples).expect("the samples have an extent");
+            prop_assert!((turn * Vector3::z()).cross(&direction).norm() < 1e-3);
+            prop_assert!((place(Point3::origin()) - point).cross(&direction).norm() < 1e-2 * scale);
+        }
+    }
 }

@@ -102,3 +102,35 @@ impl<W: Fn(usize) -> f64> Strata<W> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use rand::SeedableRng;
+
+    proptest! {
+        #[test]
+        fn elements_are_drawn_as_often_as_their_weight_says_give_or_take_one(
+            mut weights in prop::collection::vec(0.0..1.0f64, 1..400),
+            zeros in prop::collection::vec(any::<bool>(), 400),
+            draws in 1usize..300,
+            seed in any::<u64>(),
+        ) {
+            for (weight, zero) in weights.iter_mut().zip(zeros) {
+                *weight = if zero { 0.0 } else { *weight };
+            }
+            let total: f64 = weights.iter().sum();
+            prop_assume!(total > 0.0);
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let drawn = Strata::new(weights.len(), draws, |i| weights[i]).draw_shuffled(draws, &mut rng);
+            prop_assert_eq!(drawn.len(), draws);
+            for (element, weight) in weights.iter().enumerate() {
+                let times = drawn.iter().filter(|&&other| other as usize == element).count() as f64;
+                // An element covers parts of two strata at its ends, and whole ones between.
+                prop_assert!((times - draws as f64 * weight / total).abs() < 2.0);
+                prop_assert!(*weight > 0.0 || times == 0.0);
+            }
+        }
+    }
+}

@@ -1,9 +1,11 @@
 //! Symmetries of a part.
 
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 
+use crate::Mesh;
 use crate::obb::BoxFitter;
 use crate::revolution::axis_of_revolution;
 use crate::sampling::{SurfaceSample, sample_surface};
@@ -45,7 +47,13 @@ const ORDERS: [u32; 6] = [8, 6, 5, 4, 3, 2];
 const REVOLUTION_ANGLES: [f64; 4] = [0.0901699 * TAU, 0.2360680 * TAU, 0.3819660 * TAU, 0.4721360 * TAU];
 
 /// Candidate directions nearer than this (sine of the angle) are one.
-const SAME_DIRECTION: f64 = 0.01;
+const SAME_CANDIDATE: f64 = 1e-3;
+
+/// Of symmetries along directions nearer than this (sine of the angle) the best is reported.
+const SAME_DIRECTION: f64 = 0.1;
+
+/// Candidates along about the normal of a mirror with an error below this share of the tolerance are not tried.
+const SETTLED: f64 = 0.01;
 
 /// Candidate points nearer than this share of the tolerance are one.
 const SAME_POINT: f64 = 0.2;
@@ -54,7 +62,7 @@ const SAME_POINT: f64 = 0.2;
 ///
 /// Candidates are the axis of revolution of the surface, the axes of the boxes of minimum volume and of Fish's, and the principal axes,
 /// each where it was found, through the centroid of the surface and through the middle of the box. Reported are those with an
-/// error below `tolerance`; of an axis, the finest order.
+/// error below `tolerance`; of an axis, the finest order; of nearly parallel ones, the best.
 pub fn find_symmetries(surface: &Surface<'_>, samples: usize, tolerance: f64, seed: u64) -> Vec<Symmetry> {
     let fitter = BoxFitter::new(surface.mesh().vertices());
     let minimal = fitter.minimum_volume();
@@ -64,25 +72,45 @@ pub fn find_symmetries(surface: &Surface<'_>, samples: usize, tolerance: f64, se
     let test = SymmetryTest::new(surface, samples, tolerance, seed);
     let (symmetric, _) = most_symmetric_box(&fitter, minimal, &test);
     let fitted = sample_surface(surface.mesh(), FITTED_SAMPLES, seed);
-    let (centroid, principal) = principal_axes(&fitted);
+    let (centroid, principal) = principal_axes(surface.mesh(), &fitted);
     let mut lines: Vec<(Point3<f64>, Vector3<f64>)> = axis_of_revolution(&fitted).into_iter().collect();
     for candidate in [symmetric, minimal] {
         lines.extend(candidate.axes.iter().map(|axis| (candidate.center, *axis)));
     }
     lines.extend(principal.iter().map(|axis| (centroid, *axis)));
-    let mut directions: Vec<Vector3<f64>> = Vec::new();
-    let (mut mirrors, mut turns) = (Vec::new(), Vec::new());
+    let (mut tried, mut mirrors, mut turns) = (Vec::new(), Vec::new(), Vec::new());
     for (own_point, direction) in lines {
-        if directions.iter().any(|known| known.cross(&direction).norm() < SAME_DIRECTION) {
+        let is_settled = mirrors.iter().any(|mirror: &Symmetry| {
+            mirror.error < SETTLED * tolerance && !is_new(&[mirror.direction], &direction, SAME_DIRECTION)
+        });
+        if is_settled || !is_new(&tried, &direction, SAME_CANDIDATE) {
             continue;
         }
-        directions.push(direction);
+        tried.push(direction);
         let points = distinct_points([own_point, symmetric.center, centroid], SAME_POINT * test.reach());
         mirrors.extend(best_of(&points, |point| mirror_at(&test, point, direction)));
         turns.extend(best_of(&points, |point| turn_about(&test, point, direction)));
     }
-    mirrors.extend(turns);
-    mirrors
+    let mut found = best_of_neighbours(mirrors);
+    found.extend(best_of_neighbours(turns));
+    found
+}
+
+/// Drops what is nearly along a better symmetry of the same kind: candidates a degree off hold within the tolerance, too.
+fn best_of_neighbours(mut symmetries: Vec<Symmetry>) -> Vec<Symmetry> {
+    symmetries.sort_by(better_first);
+    let mut kept: Vec<Symmetry> = Vec::new();
+    for symmetry in symmetries {
+        let directions: Vec<_> = kept.iter().map(|better| better.direction).collect();
+        if is_new(&directions, &symmetry.direction, SAME_DIRECTION) {
+            kept.push(symmetry);
+        }
+    }
+    kept
+}
+
+fn is_new(known: &[Vector3<f64>], direction: &Vector3<f64>, sine: f64) -> bool {
+    known.iter().all(|other| other.cross(direction).norm() > sine)
 }
 
 fn distinct_points(points: [Point3<f64>; 3], distance: f64) -> Vec<Point3<f64>> {
@@ -97,7 +125,11 @@ fn distinct_points(points: [Point3<f64>; 3], distance: f64) -> Vec<Point3<f64>> 
 
 fn best_of(points: &[Point3<f64>], find: impl Fn(Point3<f64>) -> Option<Symmetry>) -> Option<Symmetry> {
     let found = points.iter().filter_map(|point| find(*point));
-    found.min_by(|a, b| coarseness(a).cmp(&coarseness(b)).then(a.error.total_cmp(&b.error)))
+    found.min_by(better_first)
+}
+
+fn better_first(a: &Symmetry, b: &Symmetry) -> Ordering {
+    coarseness(a).cmp(&coarseness(b)).then(a.error.total_cmp(&b.error))
 }
 
 /// Least for what holds at any angle, then by descending order.
@@ -125,13 +157,67 @@ fn turn_about(test: &SymmetryTest<'_>, point: Point3<f64>, direction: Vector3<f6
     })
 }
 
-/// Centroid and principal axes of the samples.
-fn principal_axes(samples: &[SurfaceSample]) -> (Point3<f64>, [Vector3<f64>; 3]) {
-    let first = samples[0].point;
-    let mean = samples.iter().map(|s| s.point - first).sum::<Vector3<f64>>() / samples.len() as f64;
-    let centroid = first + mean;
-    let offsets = samples.iter().map(|s| s.point - centroid);
-    let scatter: Matrix3<f64> = offsets.map(|offset| offset * offset.transpose()).sum();
+/// Centroid and principal axes of the surface; of a part without area, of its samples.
+fn principal_axes(mesh: &Mesh, samples: &[SurfaceSample]) -> (Point3<f64>, [Vector3<f64>; 3]) {
+    // Integrals of quadratic functions over a triangle are sums over the middles of its sides.
+    let middles = (0..mesh.faces().len()).flat_map(|face| {
+        let [a, b, c] = mesh.triangle(face);
+        let weight = mesh.scaled_normal(face).norm();
+        [(a, b), (b, c), (c, a)].map(|(p, q)| (weight, p + (q - p) / 2.0))
+    });
+    let mut points: Vec<(f64, Point3<f64>)> = middles.collect();
+    if points.iter().all(|(weight, _)| *weight == 0.0) {
+        points = samples.iter().map(|sample| (1.0, sample.point)).collect();
+    }
+    let total: f64 = points.iter().map(|(weight, _)| weight).sum();
+    let first = points[0].1;
+    let centroid = first + points.iter().map(|(weight, p)| (p - first) * (weight / total)).sum::<Vector3<f64>>();
+    let scatter: Matrix3<f64> = points
+        .iter()
+        .map(|(weight, p)| {
+            let offset = p - centroid;
+            offset * offset.transpose() * (weight / total)
+        })
+        .sum();
     let vectors = SymmetricEigen::new(scatter).eigenvectors;
     (centroid, [0, 1, 2].map(|i| vectors.column(i).into_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::Bvh;
+
+    /// A regular prism about the z axis.
+    fn prism(sides: u32) -> Mesh {
+        let corner = |i: u32, z: f64| {
+            let angle = TAU * i as f64 / sides as f64;
+            Point3::new(angle.cos(), angle.sin(), z)
+        };
+        let vertices = (0..sides).flat_map(|i| [corner(i, 0.0), corner(i, 3.0)]).collect();
+        let side = |i: u32| {
+            let (a, b) = (2 * i, 2 * ((i + 1) % sides));
+            [[a, b, a + 1], [b, b + 1, a + 1]]
+        };
+        let caps = |i: u32| [[0, 2 * i + 2, 2 * i], [1, 2 * i + 1, 2 * i + 3]];
+        let faces = (0..sides).flat_map(side).chain((1..sides - 1).flat_map(caps)).collect();
+        Mesh::new(vertices, faces).expect("a valid mesh")
+    }
+
+    fn finest_turn_about_z(sides: u32) -> Option<SymmetryKind> {
+        let mesh = prism(sides);
+        let tree = Bvh::new(&mesh);
+        let surface = Surface::new(&[&mesh], vec![&tree]);
+        let found = find_symmetries(&surface, 200, 0.005, 1);
+        let about_z = |s: &&Symmetry| s.kind != SymmetryKind::Reflection && s.direction.z.abs() > 0.999;
+        found.iter().find(about_z).map(|symmetry| symmetry.kind)
+    }
+
+    #[test]
+    fn prisms_turn_by_their_number_of_sides() {
+        for sides in 3..=6 {
+            assert_eq!(finest_turn_about_z(sides), Some(SymmetryKind::Rotation(sides)), "{sides} sides");
+        }
+        assert_eq!(finest_turn_about_z(60), Some(SymmetryKind::Revolution));
+    }
 }

@@ -32,6 +32,15 @@ def agreement(kinds: NDArray[np.int64], directions: F64, pivots: F64) -> NDArray
     return agree
 
 
+def same_joint(first: Joint, second: Joint) -> bool:
+    """Whether two joints are the same answer by the strict measure, at the second one's pivot."""
+    if first.kind is not second.kind or abs(float(first.direction @ second.direction)) < AGREE_DIRECTION:
+        return False
+    offset = second.pivot - first.pivot
+    offset = offset - (offset @ first.direction) * first.direction
+    return first.kind is JointKind.PRISMATIC or float(np.linalg.norm(offset)) <= AGREE_LINE
+
+
 def rank_answers(
     evidence: Evidence, unit: int, probabilities: F64, rest: float, box: Box, up: F64
 ) -> tuple[JointEstimate, ...]:

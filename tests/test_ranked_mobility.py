@@ -1,0 +1,72 @@
+"""From ranked nodes to bodies."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from kinmo.joint import Joint, JointKind, MotionType
+from kinmo.learning.edge_predictions import EdgePredictions
+from kinmo.learning.joint_ranking.decide import same_joint
+from kinmo.prepared import PreparedShape
+from kinmo.ranked_mobility import predicted_bodies
+from small_shapes import cabinet
+
+SLIDE = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3))
+LIFT = Joint(JointKind.PRISMATIC, np.array([0.0, 1.0, 0.0]), np.zeros(3))
+HINGE = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.array([0.3, 0.0, 0.1]))
+
+
+def all_fixed(shape: PreparedShape) -> EdgePredictions:
+    """A GNN that holds everything to be fixed to everything."""
+    types = np.zeros((len(shape.edges), len(MotionType)))
+    types[:, MotionType.FIXED] = 1.0
+    return EdgePredictions(types, np.tile([0.0, 1.0, 0.0], (len(types), 1)), np.zeros((len(types), 3)))
+
+
+def moving_pair(shape: PreparedShape) -> tuple[int, int]:
+    """Two leaves below one moving node."""
+    node = next(n for n, name in enumerate(shape.part_names) if name in ("door", "drawer"))
+    first, second = (n for n, parent in enumerate(shape.parents) if parent == node)
+    return first, second
+
+
+def touching(shape: PreparedShape, distance: float) -> PreparedShape:
+    return replace(shape, edge_distances=np.full(len(shape.edges), distance))
+
+
+def test_every_leaf_belongs_to_exactly_one_body() -> None:
+    shape = cabinet(3)
+    first, _ = moving_pair(shape)
+    bodies = predicted_bodies(shape, {first: SLIDE}, all_fixed(shape))
+    assert sorted(leaf for body in bodies for leaf in body) == list(range(len(shape.leaves)))
+    assert bodies[1] == shape.leaves_below[first]
+
+
+def test_siblings_that_touch_and_move_alike_are_one_body() -> None:
+    shape = touching(cabinet(3), 0.0)
+    first, second = moving_pair(shape)
+    assert len(predicted_bodies(shape, {first: SLIDE, second: SLIDE}, all_fixed(shape))) == 2
+
+
+def test_siblings_that_move_otherwise_or_stand_apart_are_two() -> None:
+    shape = touching(cabinet(3), 0.0)
+    first, second = moving_pair(shape)
+    assert len(predicted_bodies(shape, {first: SLIDE, second: LIFT}, all_fixed(shape))) == 3
+    assert len(predicted_bodies(touching(shape, 0.1), {first: SLIDE, second: SLIDE}, all_fixed(shape))) == 3
+
+
+def test_what_moves_inside_a_moving_node_is_a_body_of_its_own() -> None:
+    shape = cabinet(3)
+    first, _ = moving_pair(shape)
+    node = shape.parents[first]
+    bodies = predicted_bodies(shape, {node: SLIDE, first: HINGE}, all_fixed(shape))
+    assert len(bodies) == 3
+    assert set(bodies[1]) == set(shape.leaves_below[node]) - set(shape.leaves_below[first])
+
+
+def test_joints_are_the_same_whatever_their_sense_and_the_pivot_along_the_axis() -> None:
+    slid = replace(HINGE.reversed(), pivot=HINGE.pivot + 7.0 * HINGE.direction)
+    assert same_joint(HINGE, slid)
+    assert not same_joint(HINGE, replace(HINGE, pivot=HINGE.pivot + [0.06, 0.0, 0.0]))
+    assert not same_joint(HINGE, LIFT)
+    assert same_joint(SLIDE, replace(SLIDE, pivot=np.ones(3)))
