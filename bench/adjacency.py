@@ -1,6 +1,6 @@
 """Exact distances between the parts of a shape, against python-fcl pruned by boxes.
 
-30 parts of about 2,000 triangles, one thread, trees built anew on both sides in every run. Both look only at pairs whose
+30 parts of 1,280 to 6,144 triangles (2,905 in the mean), one thread, trees built anew on both sides in every run. Both look only at pairs whose
 boxes are within 5 % of the diagonal. Peer: `pip install python-fcl`.
 
     RAYON_NUM_THREADS=1 python bench/adjacency.py [--quick]
@@ -30,7 +30,7 @@ MeshArrays = tuple[NDArray[np.float64], NDArray[np.uint32]]
 
 
 def parts(seed: int, count: int = 30) -> list[MeshArrays]:
-    """Boxes, balls, cylinders, rings and capsules of about 2,000 triangles, turned at random on a crowded lattice."""
+    """Boxes, balls, cylinders, rings and capsules, turned at random on a crowded lattice."""
     rng = np.random.default_rng(seed)
     made = []
     for index in range(count):
