@@ -146,8 +146,8 @@ def sweep(
     upper: F64,
     *,
     pitches: F64 | None = None,
-    probes: int = 256,
-    steps: int = 20,
+    probes: int = 200,
+    steps: int = 16,
     tolerance: float = 0.01,
     ignored_share: float = 0.005,
 ) -> tuple[F64, F64, F64]:
@@ -160,7 +160,8 @@ def sweep(
     Contact and small overlaps at rest are no collision: both bodies are stood for by `probes` surface samples moved inwards
     by `tolerance` diagonals of the moving part (in thinner walls to the middle), those that are inside the other body at
     rest are not used, and a probe collides where its path, in `steps` steps a direction, crosses the other body's surface.
-    Meshes get probes as the roots of their areas: a knob can be in the way like a wall.
+    Meshes get probes as the roots of their areas: a knob can be in the way like a wall. The obstacles' probes are spread over
+    what any of the candidates can reach, so travels may change a little with the candidates that are asked for together.
 
     Returns `(free_lower [C], free_upper [C], penetration [C, 2])`: the travel up to which at most `ignored_share` of the
     probes of either body have collided (the limit tried if nothing is in the way), too long by up to `tolerance` diagonals

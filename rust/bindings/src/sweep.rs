@@ -17,7 +17,7 @@ type Travels<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound
 #[pyo3(
     name = "sweep",
     signature = (meshes, moving, obstacles, kinds, directions, pivots, lower, upper, *, pitches=None,
-                 probes=256, steps=20, tolerance=0.01, ignored_share=0.005)
+                 probes=200, steps=16, tolerance=0.01, ignored_share=0.005)
 )]
 #[allow(clippy::too_many_arguments)]
 fn sweep_joints<'py>(

@@ -297,3 +297,47 @@ impl Best {
         lesser(lesser(c, d), e) - greater(greater(a, b), 0.0) >= self.distance
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn soup(faces: usize) -> impl Strategy<Value = Mesh> {
+        prop::collection::vec(prop::array::uniform3(-1.0..1.0f64), 3 * faces).prop_map(move |corners| {
+            let faces = (0..faces as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+            Mesh::new(corners.into_iter().map(Point3::from).collect(), faces).expect("finite")
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn the_tree_finds_what_all_pairs_of_triangles_give(a in soup(25), b in soup(25), shift in 0.0..4.0f64) {
+            let moved = b.vertices().iter().map(|p| p + Vector3::x() * shift).collect();
+            let b = Mesh::new(moved, b.faces().to_vec()).expect("finite");
+            let all = (0..25).flat_map(|i| (0..25).map(move |j| (i, j)));
+            let expected = all
+                .filter_map(|(i, j)| triangle_triangle(&a.triangle(i), &b.triangle(j), f64::INFINITY))
+                .fold(f64::INFINITY, |least, found| least.min(found.squared));
+            let (tree_a, tree_b) = (Bvh::new(&a), Bvh::new(&b));
+            let found = tree_a.closest(&tree_b, f64::INFINITY, 0.0).expect("unbounded");
+            prop_assert!((found.squared.sqrt() - expected.sqrt()).abs() < 1e-12);
+            let swapped = tree_b.closest(&tree_a, f64::INFINITY, 0.0).expect("unbounded");
+            prop_assert!((found.squared.sqrt() - swapped.squared.sqrt()).abs() < 1e-12);
+            if expected > 1e-6 {
+                prop_assert!(tree_a.closest(&tree_b, 0.99 * expected, 0.0).is_none());
+            }
+        }
+
+        #[test]
+        fn a_ray_meets_the_tree_where_it_meets_the_triangles(mesh in soup(40), to in prop::array::uniform3(-2.0..2.0f64)) {
+            let (start, end) = (Point3::new(-3.0, 0.1, 0.2), Point3::from(to));
+            let expected = (0..40)
+                .filter_map(|face| ray_triangle(&start, &(end - start), &mesh.triangle(face)))
+                .filter(|&share| share <= 1.0)
+                .min_by(f64::total_cmp);
+            prop_assert_eq!(Bvh::new(&mesh).first_crossing(&start, &end), expected);
+        }
+    }
+}

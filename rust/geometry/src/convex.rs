@@ -194,3 +194,44 @@ impl ConvexPolyhedron {
         (sum / 6.0).max(0.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn unit_box() -> ConvexPolyhedron {
+        let mut solid = ConvexPolyhedron::default();
+        solid.set_box(&Point3::origin(), &[Vector3::x() * 0.5, Vector3::y() * 0.5, Vector3::z() * 0.5], 0);
+        solid
+    }
+
+    proptest! {
+        #[test]
+        fn the_two_sides_of_a_cut_have_the_volume_of_the_whole(planes in prop::collection::vec(prop::array::uniform4(-0.6..0.6f64), 1..12)) {
+            let mut solid = unit_box();
+            for [x, y, z, offset] in planes {
+                let normal = Vector3::new(x, y, z);
+                let (mut rest, whole) = (solid.clone(), solid.volume());
+                solid.cut(&normal, offset, 1);
+                rest.cut(&-normal, -offset, 1);
+                prop_assert!((solid.volume() + rest.volume() - whole).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_corner_cut_off_is_a_tetrahedron_and_its_cut_a_triangle() {
+        let mut solid = unit_box();
+        assert!(!solid.cut(&Vector3::new(1.0, 1.0, 1.0), 1.5, 7));
+        assert!(solid.cut(&-Vector3::new(1.0, 1.0, 1.0), -0.6, 7));
+        assert!((solid.volume() - 0.9f64.powi(3) / 6.0).abs() < 1e-15);
+        assert_eq!(
+            solid.faces().filter(|(tag, _)| *tag == 7).map(|(_, corners)| corners.len()).collect::<Vec<_>>(),
+            [3]
+        );
+        assert!(solid.cut(&Vector3::x(), -1.0, 8) && solid.is_empty());
+        assert_eq!(solid.volume(), 0.0);
+    }
+}

@@ -273,3 +273,37 @@ fn jitter(index: u32) -> Vector3<f64> {
     let shift = |power: i32| (f64::from(index + 1) / RATIO.powi(power)).fract() - 0.5;
     Vector3::new(shift(1), shift(2), shift(3)) * (2.0 * JITTER)
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn no_point_lies_inside_a_circumsphere(points in prop::collection::vec(prop::array::uniform3(-0.5..0.5f64), 1..60)) {
+            let mut diagram = Delaunay::new();
+            diagram.extend(points.iter().map(|&point| Point3::from(point)));
+            let mut corners = vec![false; points.len() + HULL_POINTS as usize];
+            for t in diagram.tetrahedra() {
+                let center = diagram.circumcenter(t);
+                let radius = (diagram.point(diagram.corners(t)[0]) - center).norm();
+                for point in HULL_POINTS..diagram.next_number() {
+                    prop_assert!((diagram.point(point) - center).norm() > radius * (1.0 - 1e-6));
+                }
+                diagram.corners(t).iter().for_each(|&corner| corners[corner as usize] = true);
+            }
+            prop_assert!(corners.into_iter().all(|used| used));
+        }
+    }
+
+    #[test]
+    fn points_on_a_common_plane_and_sphere_are_all_kept() {
+        let grid = (0..6).flat_map(|x| (0..6).map(move |y| Point3::new(0.1 * f64::from(x), 0.1 * f64::from(y), 0.25)));
+        let mut diagram = Delaunay::new();
+        diagram.extend(grid);
+        let corners: std::collections::BTreeSet<u32> = diagram.tetrahedra().flat_map(|t| *diagram.corners(t)).collect();
+        assert_eq!(corners.len(), 36 + HULL_POINTS as usize);
+    }
+}

@@ -131,3 +131,30 @@ fn split(items: &mut [(Point3<f64>, u32)], planes: &mut [(u8, f64)], node: usize
     split(left, planes, 2 * node + 1);
     split(right, planes, 2 * node + 2);
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn cloud() -> impl Strategy<Value = Vec<Point3<f64>>> {
+        prop::collection::vec(prop::array::uniform3((-8i32..8).prop_map(f64::from)).prop_map(Point3::from), 1..80)
+    }
+
+    proptest! {
+        #[test]
+        fn neighbours_are_those_of_all_pairs(points in cloud(), queries in cloud()) {
+            let (tree, query_tree) = (PointTree::new(&points), PointTree::new(&queries));
+            let least = |q: &Point3<f64>| points.iter().map(|p| (p - q).norm_squared()).fold(f64::INFINITY, f64::min);
+            let found = tree.nearest_of_each(&query_tree);
+            for (query, neighbour) in queries.iter().zip(&found) {
+                prop_assert_eq!(neighbour.squared, least(query));
+                prop_assert_eq!((points[neighbour.point as usize] - query).norm_squared(), neighbour.squared);
+            }
+            prop_assert_eq!(tree.squared_gap(&query_tree), queries.iter().map(least).fold(f64::INFINITY, f64::min));
+            let within: Vec<bool> = queries.iter().map(|q| least(q) < 9.5).collect();
+            prop_assert_eq!(tree.any_within(&query_tree, 9.5), within);
+        }
+    }
+}

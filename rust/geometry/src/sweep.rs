@@ -42,6 +42,9 @@ impl Candidate {
     }
 }
 
+/// Steps of a straight motion: what they are cut into changes the time, not the result.
+const STRAIGHT_STEPS: usize = 5;
+
 /// How finely to look.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SweepOptions {
@@ -118,11 +121,12 @@ impl<'a> Side<'a> {
     fn collision(&self, grid: &ClearanceGrid, probe: &Probe, stride: f64, motions: &[RigidMotion]) -> Option<f64> {
         let last = motions.len() - 1;
         let mut at = if probe.grace > 0.0 { (probe.grace / stride).ceil().min(last as f64) as usize } else { 0 };
+        let mut point = motions[at].apply(&probe.point);
         while at < last {
-            let point = motions[at].apply(&probe.point);
             let clear = (grid.clearance(&point) / stride).min(last as f64) as usize;
             if clear > 0 {
-                at += clear;
+                at = (at + clear).min(last);
+                point = motions[at].apply(&probe.point);
                 continue;
             }
             let next = motions[at + 1].apply(&probe.point);
@@ -131,6 +135,7 @@ impl<'a> Side<'a> {
                 return Some(at as f64 + share);
             }
             at += 1;
+            point = next;
         }
         None
     }
@@ -149,10 +154,14 @@ impl Scene<'_> {
             if limit == 0.0 {
                 continue;
             }
-            let step = limit / options.steps as f64;
+            let steps = match candidate.axis.kind {
+                JointKind::Prismatic => options.steps.min(STRAIGHT_STEPS),
+                _ => options.steps,
+            };
+            let step = limit / steps as f64;
             for (side, sign) in [(&self.forth, 1.0), (&self.back, -1.0)] {
                 let motions: Vec<RigidMotion> =
-                    (0..=options.steps).map(|at| candidate.displacement(sign * step * at as f64)).collect();
+                    (0..=steps).map(|at| candidate.displacement(sign * step * at as f64)).collect();
                 let collisions = side.collisions(candidate, limit, &motions);
                 let count = side.probes.len().max(1) as f64;
                 result.penetration[direction] = result.penetration[direction].max(collisions.len() as f64 / count);

@@ -239,3 +239,54 @@ pub fn ray_triangle(origin: &Point3<f64>, direction: &Vector3<f64>, triangle: &T
     let distance = v.dot(&along) / determinant;
     (s >= 0.0 && t >= 0.0 && s + t <= 1.0 && distance >= 0.0).then_some(distance)
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn triangle() -> impl Strategy<Value = Triangle> {
+        prop::array::uniform9(-1.0..1.0f64).prop_map(|x| [0, 3, 6].map(|i| Point3::new(x[i], x[i + 1], x[i + 2])))
+    }
+
+    fn distance(p: &Triangle, q: &Triangle) -> f64 {
+        triangle_triangle(p, q, f64::INFINITY).expect("unbounded").squared.sqrt()
+    }
+
+    proptest! {
+        #[test]
+        fn no_two_points_are_nearer_than_the_nearest(p in triangle(), q in triangle(), shares in prop::array::uniform4(0.0..1.0f64)) {
+            let point = |t: &Triangle, u: f64, v: f64| {
+                let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+                t[0] + (t[1] - t[0]) * u + (t[2] - t[0]) * v
+            };
+            let apart = (point(&p, shares[0], shares[1]) - point(&q, shares[2], shares[3])).norm();
+            prop_assert!(distance(&p, &q) <= apart + 1e-12);
+        }
+
+        #[test]
+        fn the_nearest_points_lie_on_the_triangles(p in triangle(), q in triangle()) {
+            let found = triangle_triangle(&p, &q, f64::INFINITY).expect("unbounded");
+            prop_assert!(point_triangle(&found.a, &p) < 1e-24);
+            prop_assert!(point_triangle(&found.b, &q) < 1e-24);
+            prop_assert!(((found.b - found.a).norm_squared() - found.squared).abs() < 1e-15);
+        }
+
+        #[test]
+        fn scale_does_not_matter(p in triangle(), q in triangle(), exponent in -40i32..40) {
+            let scale = 2f64.powi(exponent);
+            let scaled = |t: &Triangle| t.map(|corner| corner * scale);
+            prop_assert_eq!(distance(&scaled(&p), &scaled(&q)), distance(&p, &q) * scale);
+        }
+
+        #[test]
+        fn a_triangle_shrunk_to_its_side_or_corner_is_that(p in triangle(), q in triangle()) {
+            let (side, corner) = ([q[0], q[1], q[1]], [q[0]; 3]);
+            let middle = [q[0], q[1], nalgebra::center(&q[0], &q[1])];
+            prop_assert!((distance(&p, &side) - distance(&p, &middle)).abs() < 1e-12);
+            prop_assert!((distance(&p, &corner) - point_triangle(&q[0], &p).sqrt()).abs() < 1e-12);
+            prop_assert!(distance(&p, &corner) >= distance(&p, &side) - 1e-12);
+        }
+    }
+}
