@@ -22,7 +22,17 @@ impl<W: Fn(usize) -> f64> Strata<W> {
     /// Sums the weights of `count` elements, of which `draws` are to be drawn at a time.
     pub fn new(count: usize, draws: usize, weight: W) -> Self {
         let block_size = (count / draws.saturating_mul(BLOCKS_PER_DRAW)).max(1);
-        let block_sum = |first: usize| (first..count.min(first + block_size)).map(&weight).sum();
+        let block_sum = |first: usize| {
+            let end = count.min(first + block_size);
+            // Two sums, so that square roots in the weights can be taken in pairs.
+            let (mut even, mut odd) = (0.0, 0.0);
+            for element in (first..end - (end - first) % 2).step_by(2) {
+                let pair = [weight(element), weight(element + 1)];
+                even += pair[0];
+                odd += pair[1];
+            }
+            if (end - first) % 2 == 1 { even + odd + weight(end - 1) } else { even + odd }
+        };
         let blocks: Vec<f64> = match block_size {
             1 => (0..count).map(&weight).collect(),
             _ => (0..count).step_by(block_size).map(block_sum).collect(),
