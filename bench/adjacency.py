@@ -1,7 +1,7 @@
 """Exact distances between the parts of a shape, against python-fcl pruned by boxes.
 
-30 parts of 1,280 to 6,144 triangles (2,905 in the mean), one thread, trees built anew on both sides in every run. Both look only at pairs whose
-boxes are within 5 % of the diagonal. Peer: `pip install python-fcl`.
+30 parts of 1,280 to 6,144 triangles (2,905 in the mean), one thread, trees built anew on both sides in every run. Both
+look only at pairs whose boxes are within 5 % of the diagonal. Peer: `pip install python-fcl`.
 
     RAYON_NUM_THREADS=1 python bench/adjacency.py [--quick]
 """
