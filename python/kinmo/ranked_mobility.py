@@ -59,7 +59,7 @@ def ranked_bodies(
         raise ValueError("meshes: needed for bodies that the shape was not prepared with")
     else:
         units = units_of(shape.leaves_below, wanted)
-        evidence = gather(scene_of(shape, meshes), units)
+        evidence = gather(scene_of(shape, meshes), units, len(units_of(shape.leaves_below, ())))
     place = {leaves: unit for unit, leaves in enumerate(units)}
     words = tuple(words_of(shape, leaves) for leaves in wanted)
     view = View(shape.id, evidence, tuple(place[body] for body in wanted), True, words, (None,) * len(wanted))

@@ -75,3 +75,13 @@ def test_all_evidence_is_finite_even_for_a_part_that_stands_alone() -> None:
         assert np.isfinite(found.features).all()
         assert np.isfinite(found.unit_features).all()
     assert STILL.features.shape[1] == alone.features.shape[1]
+
+
+def test_what_forms_a_body_does_not_show_in_the_evidence_of_parts() -> None:
+    leaves = [(FRAME,), (DOOR,), (KNOB,), (DRAWER,)]
+    bare, annotated = (
+        gather(scene(), leaves, len(leaves)),
+        gather(scene(), [*leaves, (DOOR, KNOB), (FRAME, DRAWER)], len(leaves)),
+    )
+    np.testing.assert_array_equal(annotated.unit_features[: len(leaves)], bare.unit_features)
+    np.testing.assert_array_equal(annotated.features[: len(bare.features)], bare.features)

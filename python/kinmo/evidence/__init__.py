@@ -61,8 +61,12 @@ class Evidence:
         return slice(int(self.offsets[unit]), int(self.offsets[unit + 1]))
 
 
-def gather(scene: Scene, units: Sequence[Sequence[int]]) -> Evidence:
-    """Hypotheses and their evidence for every unit, a list of positions of leaves; at least one."""
+def gather(scene: Scene, units: Sequence[Sequence[int]], parts: int | None = None) -> Evidence:
+    """Hypotheses and their evidence for every unit, a list of positions of leaves; at least one.
+
+    The first `parts` units (None: all) are what a unit is compared with and counted among: the parts of the hierarchy, which
+    are there whether or not it is known what forms a body.
+    """
     seen = see_units(scene, units)
     kinds, directions, pivots, features, counts = [], [], [], [], []
     for unit in seen:
@@ -81,5 +85,5 @@ def gather(scene: Scene, units: Sequence[Sequence[int]]) -> Evidence:
         np.concatenate(pivots),
         np.concatenate(features).astype(np.float32),
         np.array([unit.aligned.center for unit in seen]),
-        np.array([unit_features(scene, unit, seen) for unit in seen], np.float32),
+        np.array([unit_features(scene, unit, seen[:parts]) for unit in seen], np.float32),
     )

@@ -26,8 +26,8 @@ def unit_features(scene: Scene, unit: Unit, others: Sequence[Unit]) -> NDArray[n
     offset = unit.aligned.center - scene.middle
     contact = unit.contact_weights @ unit.contact - unit.aligned.center
     protrusion = unit.protrusion - unit.aligned.center
-    sizes = np.array([np.sort(other.minimum.half_extents)[::-1] for other in others])
-    alike = (np.abs(np.log((sizes + 0.003) / (half + 0.003))) < SAME_SIZE).all(axis=1).sum() - 1
+    sizes = np.array([np.sort(other.minimum.half_extents)[::-1] for other in others]).reshape(-1, 3)
+    alike = (np.abs(np.log((sizes + 0.003) / (half + 0.003))) < SAME_SIZE).all(axis=1).sum()
     area = scene.areas[list(unit.leaves)].sum() / max(scene.areas.sum(), 1e-12)
     features = {
         "extents": np.log(half + 1e-3),

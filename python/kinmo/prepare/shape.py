@@ -71,7 +71,7 @@ def prepare_shape(shape: Shape, *, points: int = POINTS, seed: int = 0) -> Prepa
         body_boxes=None if mobility is None else body_boxes,
         body_types=body_types,
         edge_labels=edge_labels,
-        evidence=gather(scene, units_of(parts, bodies)).arrays() if len(parts) > 1 or bodies else {},
+        evidence=gather(scene, units_of(parts, bodies), len(units_of(parts, ()))).arrays() if len(parts) > 1 or bodies else {},
     )
 
 
