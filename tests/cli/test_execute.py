@@ -122,7 +122,8 @@ def test_a_closed_pipe_ends_without_a_word() -> None:
 @pytest.mark.skipif(os.name == "nt", reason="signals differ on Windows")
 def test_ctrl_c_says_one_line() -> None:
     code = (
-        "import sys, time\nfrom typer import Exit\nfrom kinmo.cli.execute import one_line_errors\n"
+        "import signal, sys, time\nfrom typer import Exit\nfrom kinmo.cli.execute import one_line_errors\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # whoever started the tests may have had it ignored
         "try:\n  with one_line_errors():\n    print('go', flush=True)\n    time.sleep(30)\n"
         "except Exit as stop:\n  sys.exit(stop.exit_code)\n"
     )
