@@ -26,8 +26,8 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch.utils.data import DataLoader, IterableDataset
 
 from kinmo.config import TrainingConfig
-from kinmo.learning.files import write_atomically, write_text
 from kinmo.learning.weights import pick_device
+from kinmo.workspace import write_atomically, write_text_atomically
 
 MONITOR = "validation/error"
 """What a module logs in its validation steps, and what the best epoch is the least of."""
@@ -190,14 +190,16 @@ class _Recorder(Callback):
             self.best_epoch, self.best_error = epoch, error
             if trainer.is_global_zero:
                 weights = {name: tensor.cpu() for name, tensor in pl_module.state_dict().items()}
-                write_atomically(self.folder / "best.pt", lambda scratch: torch.save(weights, scratch))
+                with write_atomically(self.folder / "best.pt") as scratch:
+                    torch.save(weights, scratch)
         last, previous = (self.folder / name for name in CHECKPOINTS)
         if trainer.is_global_zero and last.exists():
             last.replace(previous)
         if not trainer.is_global_zero:
             trainer.save_checkpoint(last)  # takes part in the gathering, writes nothing
             return
-        write_atomically(last, lambda scratch: trainer.save_checkpoint(scratch))
+        with write_atomically(last) as scratch:
+            trainer.save_checkpoint(scratch)
         self._write_metrics()
         if self.on_progress is not None:
             self.on_progress(Progress(epoch + 1, self.epochs, metrics))
@@ -208,8 +210,8 @@ class _Recorder(Callback):
         writer = csv.DictWriter(table, columns, lineterminator="\n")
         writer.writeheader()
         writer.writerows(self.history)
-        write_text(self.folder / "metrics.csv", table.getvalue())
-        write_text(self.folder / "metrics.json", json.dumps(self.history, indent=1) + "\n")
+        write_text_atomically(self.folder / "metrics.csv", table.getvalue())
+        write_text_atomically(self.folder / "metrics.json", json.dumps(self.history, indent=1) + "\n")
 
 
 def _checkpoint_to_resume(folder: Path, identity: str) -> Path | None:
