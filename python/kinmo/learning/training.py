@@ -33,6 +33,7 @@ MONITOR = "validation/error"
 """What a module logs in its validation steps, and what the best epoch is the least of."""
 
 CHECKPOINTS = ("last.ckpt", "previous.ckpt")
+BEST = "best.pt"
 
 
 class TrainingData(Protocol):
@@ -120,9 +121,15 @@ def fit(
         with _interruptible(trainer):
             trainer.fit(module, datamodule=None, train_dataloaders=_Loader(data, seed, trainer), ckpt_path=resume,
                         val_dataloaders=_Loader(data, None, trainer), weights_only=True)  # fmt: skip
-    module.load_state_dict(torch.load(run_dir / "best.pt", map_location=module.device, weights_only=True))
+    module.load_state_dict(torch.load(run_dir / BEST, map_location=module.device, weights_only=True))
     module.eval()
     return FitResult(recorder.best_epoch, recorder.best_error, tuple(recorder.history))
+
+
+def remove_checkpoints(run_dir: Path) -> None:
+    """Drop what only an unfinished training needs, several times as large as the weights. For when those are written."""
+    for name in (*CHECKPOINTS, BEST):
+        (run_dir / name).unlink(missing_ok=True)
 
 
 class _Batches(IterableDataset[Any]):
@@ -190,7 +197,7 @@ class _Recorder(Callback):
             self.best_epoch, self.best_error = epoch, error
             if trainer.is_global_zero:
                 weights = {name: tensor.cpu() for name, tensor in pl_module.state_dict().items()}
-                with write_atomically(self.folder / "best.pt") as scratch:
+                with write_atomically(self.folder / BEST) as scratch:
                     torch.save(weights, scratch)
         last, previous = (self.folder / name for name in CHECKPOINTS)
         if trainer.is_global_zero and last.exists():
