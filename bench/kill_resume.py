@@ -42,7 +42,7 @@ FORK.set_forkserver_preload(["kinmo.cli", "kinmo.pipeline.report", "kinmo.pipeli
 
 SYNTH = ("synth", *(word for name in FAMILIES for word in ("--family", name)), "--workers", "2", "--count")
 STAGES: dict[str, tuple[str, ...]] = {
-    "synth": (*SYNTH, "8", f"{PLACE}/shapes"),
+    "synth": (*SYNTH, "5", f"{PLACE}/shapes"),
     "prepare": ("prepare", "{shapes}", "--workers", "2"),
     "train gnn": ("train", "gnn", "--config", "{config}"),
     "train axis": ("train", "axis", "--config", "{config}"),
@@ -56,9 +56,8 @@ STAGES: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Trial:
-    """What came of one kill. `died` is False where the command had finished before; `wrong` says what should not be."""
+    """What came of one kill: how many files were `kept`, since they were finished, and what is `wrong`."""
 
-    died: bool
     kept: int
     wrong: tuple[str, ...]
 
@@ -111,13 +110,17 @@ class Experiment:
             if not any(fnmatch(part, glob) for glob in IGNORED for part in name.split("/"))
         }
 
-    def trial(self, whole: dict[str, tuple[bytes, int]], after: float, again: bool) -> Trial:
-        """Kill after some seconds, run again, compare; with `again`, run once more and compare times too."""
+    def trial(self, whole: dict[str, tuple[bytes, int]], after: float, again: bool) -> Trial | None:
+        """Kill after some seconds, run again, compare; with `again`, run once more and compare times too.
+
+        None if the command was over by then.
+        """
         self.fresh()
         begun = time.time_ns()
         process = self.launch()
         process.join(after)
-        died = process.is_alive()
+        if not process.is_alive():
+            return None
         _kill(process)
         killed, epochs = self.files(), self._epochs()
         self.run()
@@ -129,7 +132,7 @@ class Experiment:
         if again:
             self.run()
             wrong += [f"touched at last: {name}" for name, found in self.files().items() if found != ended.get(name)]
-        return Trial(died, len(done), tuple(wrong))
+        return Trial(len(done), tuple(wrong))
 
     def _epochs(self) -> dict[str, int]:
         """Complete epochs by network."""
@@ -181,7 +184,7 @@ def _kill(process: multiprocessing.process.BaseProcess) -> None:
 
 def tiny_config(folder: Path) -> Path:
     """The configuration `small`, smaller still."""
-    text = files("kinmo").joinpath("configs", "small.toml").read_text(encoding="utf-8")
+    text = (files("kinmo") / "configs" / "small.toml").read_text(encoding="utf-8")
     for key, value in {"epochs": 4, "batches_per_epoch": 4, "points": 64, "members": 2}.items():
         text = re.sub(rf"^{key} = \d+", f"{key} = {value}", text, flags=re.MULTILINE)
     path = folder / "tiny.toml"
@@ -206,15 +209,17 @@ def examine(what: str, experiment: Experiment, kills: int, rng: random.Random) -
     idle = experiment.run()
     touched = [name for name, found in experiment.files().items() if found != whole.get(name)]
     print(f"{what}: undisturbed {seconds:.1f} s, {len(whole)} files", *(f"touched: {name}" for name in touched), flush=True)
-    good, dead = 0, 0
-    for number in range(kills):
-        after = rng.uniform(0.5 * min(idle, seconds), seconds)
-        trial = experiment.trial(whole, after, again=number == kills - 1)
+    good = 0
+    for number in range(1, kills + 1):
+        trial = None
+        while trial is None:  # the machine may be faster now than it was
+            after = rng.uniform(0.5 * min(idle, seconds), seconds)
+            trial = experiment.trial(whole, after, again=number == kills)
+            seconds = after if trial is None else seconds
         good += not trial.wrong and not touched
-        dead += trial.died
-        state = f"{'killed' if trial.died else 'over'} after {after:6.2f} s, {trial.kept} of the files finished"
-        print(f"  {number + 1:3}  {state}: {'; '.join(trial.wrong) or 'same files'}", flush=True)
-    print(f"{what}: {good} of {kills} with the same files, {dead} of them killed", flush=True)
+        found = "; ".join(trial.wrong) or "same files"
+        print(f"  {number:3}  killed after {after:6.2f} s, {trial.kept} files finished: {found}", flush=True)
+    print(f"{what}: {good} of {kills} with the same files", flush=True)
     return good
 
 
