@@ -65,9 +65,8 @@ def _arm_handle(draw: Draw, size: float, *, both_ways: bool) -> list[Mesh]:
         arm = box((end - start, thick * draw.between(1.0, 2.5), thick), middle)
     else:
         bend = 0.0 if both_ways else draw.between(-0.3, 0.3) * size
-        arm = sweep(
-            rounded_path([(start, 0, reach), (0.5 * (start + end), 0, reach), (end, bend, reach)], 0.2 * size), thick / 2, 8
-        )
+        way = np.array([(start, 0, reach), (0.5 * (start + end), 0, reach), (end, bend, reach)])
+        arm = sweep(rounded_path(way, 0.2 * size), thick / 2, 8)
     pieces = [cylinder(hub, reach, "z", (0, 0, reach / 2), draw.pick([10, 16, 24])), arm]
     if draw.chance(0.4):
         pieces.append(cylinder(1.6 * hub, 0.15 * reach, "z", (0, 0, 0.075 * reach), 20))

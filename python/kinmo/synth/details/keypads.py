@@ -25,8 +25,8 @@ def add_keypad(
 ) -> list[Link]:
     """Rows of keys on a front, below the node `above`.
 
-    Every key is pressed in by about its own height, unless there are `lookalikes`: printed keys, which are flat and mostly fixed,
-    and fields of which only a block moves, as annotators left them. Keys that stand still belong to `carrier`.
+    Every key is pressed in by about its own height, unless there are `lookalikes`: printed keys, which are flat and mostly
+    fixed, and fields of which only a block moves, as annotators left them. Keys that stand still belong to `carrier`.
     """
     columns, rows = draw.pick([1, 2, 3, 4], [1, 2, 5, 3]), draw.integer(2, 7)
     cell = min(size[0] / columns, size[1] / rows)
