@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.shape import Mesh
-from kinmo.synth.details.appliance import add_dial, add_feet, add_keypad, frame, housing
+from kinmo.synth.details.appliance import add_dial, add_feet, frame, housing
 from kinmo.synth.details.handles import pull
+from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import box, box_between, cylinder, join, sheet, turn
@@ -91,7 +92,7 @@ def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: fl
         links.append(add_dial(draw, panel, base, (side * 0.7 * x, y, front), 0.35 * height, "control_button"))
     elif kind == "keypad":
         pad = (0.5 * x, 0.7 * height)
-        links += add_keypad(draw, panel, base, (side * 0.65 * x, y, front), pad, "control_button", moving=draw.chance(0.5))
+        links += add_keypad(draw, panel, base, (side * 0.65 * x, y, front), pad, "control_button")
     return links
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.synth.details.appliance import add_dial, add_feet, add_keypad, frame, housing
+from kinmo.synth.details.appliance import add_dial, add_feet, frame, housing
 from kinmo.synth.details.handles import pull
+from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import box, box_between, cylinder, sheet, torus
@@ -114,7 +115,7 @@ def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: fl
             links.append(add_dial(draw, panel, base, at, radius, draw.pick(["knob", "control_button"])))
     elif kind == "buttons":
         pad = (0.6 * x, 0.8 * height)
-        links += add_keypad(draw, panel, base, (0.6 * x, y, z), pad, "control_button", moving=draw.chance(0.6))
+        links += add_keypad(draw, panel, base, (0.6 * x, y, z), pad, "control_button")
     if not panel.children:
         base.nodes.append(panel.add("control_panel", box((1.9 * x, 0.8 * height, 0.02), (0, y, z + 0.01))))
     return links

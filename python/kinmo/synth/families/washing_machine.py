@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.synth.details.appliance import add_dial, add_feet, add_keypad
+from kinmo.synth.details.appliance import add_dial, add_feet
+from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import (
@@ -154,5 +155,5 @@ def _top_loader(draw: Draw, root: Node, body: Node, base: Link, x: float, y: flo
         turned = type(knob.motion)(knob.motion.joint, place, normal, knob.motion.a, knob.motion.b, knob.motion.no_limit)
         links.append(Link("knob", [leaf], base, turned))
     if draw.chance(0.3):
-        links += add_keypad(draw, root, base, (0.4 * x, 0.5 * y, z), (0.3 * x, 0.2 * y), "button", moving=True)
+        links += add_keypad(draw, root, base, (0.4 * x, 0.5 * y, z), (0.3 * x, 0.2 * y), "button", lookalikes=False)
     return links
