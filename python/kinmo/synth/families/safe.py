@@ -57,7 +57,7 @@ def build(draw: Draw) -> SynthObject:
     inward = draw.between(0.0, 0.04)
     axis = (side * (door_width / 2 - inward), draw.pick([0.0, height / 2 - wall]), face - draw.pick([0.0, inward, thickness]))
     opening = draw.pick([90.0, 120.0, 160.0, 170.0, 180.0], [1, 1, 2, 4, 1])
-    rest = draw.between(20, min(opening, 110)) if draw.chance(0.38) else 0.0
+    rest = draw.between(20, min(opening, 110)) if draw.chance(0.33) else 0.0
     door = Link("door", [door_node], base, hinge(axis, (0, side, 0), 0, opening, rest=rest))
     if draw.chance(0.5):
         hinges = [cylinder(0.02, 0.12 * height, "y", (axis[0], y * height, front), 12) for y in (-0.3, 0.3)]

@@ -109,19 +109,19 @@ def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]
     links = [_lever(draw, plan, base, body, x * plan.width, facing, len(levers)) for x, facing in levers]
     taken = levers[0][0] * plan.width
     # Below the lever, or beside it.
-    beside = -np.sign(taken or draw.sign()) * draw.between(0.2, 0.35) * plan.width
+    beside = -np.sign(taken or draw.sign()) * draw.between(0.2, 0.42) * plan.width
     radius = draw.between(0.035, 0.08)
     at = draw.pick([(taken, 0.2), (beside, draw.between(0.15, 0.4))])
     place = (at[0], max(at[1] * plan.height, 1.2 * radius), plan.front)
     if draw.chance(0.6):
-        lean = draw.between(-25.0, 0.0) if draw.chance(0.15) else 0.0
+        lean = draw.between(-35.0, 0.0) if draw.chance(0.25) else 0.0
         knob = Node(draw.pick(["button", "knob"], [3, 1]))
         knob.pieces = [turn(piece, X, lean, place) for piece in dial(draw, radius, draw.between(0.02, 0.1), place)]
         axis = (0.0, -np.sin(np.radians(lean)), np.cos(np.radians(lean)))
         origin = (place[0], place[1], draw.pick([0.0, place[2]])) if lean == 0.0 else place
         motion = spinner(origin, axis) if draw.chance(0.75) else hinge(origin, axis, *draw.pick([(-135, 135), (0, 270)]))
         links.append(Link("knob", [knob], base, motion))
-    elif draw.chance(0.3):
+    elif draw.chance(0.45):
         tab = Node("slider", pieces=[box((0.05, 0.06, 0.05), (place[0], place[1], plan.front + 0.02))])
         body.pieces.append(box((0.5 * plan.width, 0.02, 0.01), (0, place[1], plan.front)))
         links.append(Link("slider", [tab], base, slider(X, -0.2 * plan.width - place[0], 0.2 * plan.width - place[0])))
