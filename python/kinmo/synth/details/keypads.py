@@ -12,7 +12,7 @@ from kinmo.synth.model import Link, Node, slider
 from kinmo.synth.primitives import box, join, move, sheet
 from kinmo.synth.primitives.place import Point
 
-SMALLEST_CELL = 0.06
+SMALLEST_CELL = 0.035
 """Least pitch of the keys of a field, in an object about two units across."""
 
 
