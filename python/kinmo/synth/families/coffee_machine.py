@@ -57,7 +57,7 @@ def _blender(machine: _Machine) -> None:
     draw = machine.draw
     radius, foot = draw.between(0.22, 0.32), draw.between(0.25, 0.6)
     round_foot = draw.chance(0.5)
-    lean = draw.between(0.0, 25.0)
+    lean = draw.between(0.0, 35.0)
     front = radius
     if round_foot:
         profile = np.array([[0, 0], [1, 0], [1, 0.15], [0.85, 0.75], [0.75, 1], [0, 1]]) * (radius, foot)

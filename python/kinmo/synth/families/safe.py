@@ -30,7 +30,7 @@ _SIZES = {
     "wheel": (0.16, 0.55),
     "lever": (0.1, 0.3),
     "tee": (0.1, 0.28),
-    "cylinder": (0.03, 0.1),
+    "cylinder": (0.05, 0.12),
     "cover": (0.05, 0.12),
 }
 """Range of each kind's size."""
@@ -105,7 +105,7 @@ def _locks(draw: Draw, root: Node, links: list[Link], side: float, width: float,
         else:
             x, y = -side * draw.between(-0.2, 0.4) * width, draw.between(-0.35, 0.35) * height
         if kind == "keypad":
-            center, pad = (x, y, face), (draw.between(0.15, 0.35) * width, draw.between(0.15, 0.3) * height)
+            center, pad = (x, y, face), (draw.between(0.25, 0.45) * width, draw.between(0.22, 0.4) * height)
             if draw.chance(0.3):
                 plate = box((1.2 * pad[0], 1.2 * pad[1], 0.03), (x, y, face + 0.015))
                 door.nodes.append(root.add("frame", plate))

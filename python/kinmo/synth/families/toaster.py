@@ -10,7 +10,21 @@ from kinmo.shape import Mesh
 from kinmo.synth.details.controls import button, dial
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
-from kinmo.synth.primitives import X, Y, box, box_between, cylinder, extrude, move, rounded_box, rounded_outline, turn
+from kinmo.synth.primitives import (
+    X,
+    Y,
+    Z,
+    box,
+    box_between,
+    cylinder,
+    extrude,
+    move,
+    rounded_box,
+    rounded_outline,
+    transform,
+    turn,
+)
+from kinmo.synth.primitives.place import facing
 
 
 @dataclass(frozen=True)
@@ -122,9 +136,7 @@ def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]
         motion = spinner(origin, axis) if draw.chance(0.75) else hinge(origin, axis, *draw.pick([(-135, 135), (0, 270)]))
         links.append(Link("knob", [knob], base, motion))
     elif draw.chance(0.45):
-        tab = Node("slider", pieces=[box((0.05, 0.06, 0.05), (place[0], place[1], plan.front + 0.02))])
-        body.pieces.append(box((0.5 * plan.width, 0.02, 0.01), (0, place[1], plan.front)))
-        links.append(Link("slider", [tab], base, slider(X, -0.2 * plan.width - place[0], 0.2 * plan.width - place[0])))
+        links.append(_level_slider(draw, plan, base, body))
     if draw.chance(0.35):
         links += _buttons(draw, plan, base, -place[0] if abs(place[0]) > 0.1 else beside)
     return links
@@ -156,6 +168,20 @@ def _lever(draw: Draw, plan: _Plan, base: Link, body: Node, x: float, facing: fl
     if draw.chance(0.3):
         return Link("slider", [node], base, slider((0, -1, 0), 0.0, travel, rest=-rest))
     return Link("slider", [node], base, slider(Y, -travel, draw.pick([0.0, 0.1 * travel]), rest=rest))
+
+
+def _level_slider(draw: Draw, plan: _Plan, base: Link, body: Node) -> Link:
+    """A tab for the browning that slides sideways in a slot across either end, or along a side."""
+    y, tall = draw.between(0.1, 0.5) * plan.height, draw.between(0.02, 0.08)
+    wide, proud = draw.between(0.03, 0.2), draw.between(0.02, 0.06)
+    across = draw.chance(0.8)
+    half, wall = (0.5 * plan.width, plan.front) if across else (0.5 * plan.length, 0.5 * plan.width)
+    side, reach = draw.sign(), half * draw.between(0.25, 0.6)
+    place = facing(side * Z if across else side * X, Y, (0, y, side * wall) if across else (side * wall, y, 0))
+    at = draw.between(-1.0, 1.0) * reach
+    body.pieces.append(transform(box((2 * reach + wide, 0.3 * tall, 0.01)), place))
+    tab = transform(box((wide, tall, proud), (at, 0, 0.5 * proud)), place)
+    return Link("slider", [Node("slider", pieces=[tab])], base, slider(X, -reach - at, reach - at).moved_by(place))
 
 
 def _buttons(draw: Draw, plan: _Plan, base: Link, x: float) -> list[Link]:

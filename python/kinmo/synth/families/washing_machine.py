@@ -159,7 +159,7 @@ def _console(
     links: list[Link] = []
     name = draw.pick(["button", "knob", "switch"], [3, 1, 1])
     front = 0.06
-    small = draw.between(0.018, 0.05)
+    small = draw.between(0.022, 0.05)
     spacing = draw.between(0.2, 0.4) * x
     start = draw.between(0.4, 0.85) * x
     for index in range(draw.integer(1, 5)):
