@@ -133,15 +133,15 @@ class AxisConfig:
 class ContinuedConfig:
     """How ranking networks trained on many shapes, say procedural ones, go on with a few others, say real ones.
 
-    Of the weights that they started from, `initial_share` stays in the result: networks on the way keep what they knew of the many
-    and are better on both than those at either end.
+    Of the weights that they started from, `initial_share` stays in the result: networks half-way keep what they knew of the
+    many shapes, and are better on few and many than those at either end.
     """
 
     training: TrainingConfig = TrainingConfig(
         epochs=14, learning_rate=7e-4, weight_decay=1e-2, decay_epochs=0, average=0.99, keep="last"
     )
     batch_views: int = 8
-    initial_share: float = 0.3
+    initial_share: float = 0.5
 
 
 @dataclass(frozen=True)

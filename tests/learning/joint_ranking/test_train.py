@@ -49,7 +49,7 @@ def test_training_that_goes_on_ends_on_the_way_from_where_it_started(shapes, sta
 
 
 def test_weights_of_other_sizes_cannot_be_started_from(shapes, started: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="weights.safetensors"):
+    with pytest.raises(InputError, match=r"weights\.safetensors"):
         train_joint_ranking(shapes[:2], shapes[2:], replace(CONFIG, width=24), tmp_path, device="cpu", initial=started)
 
 
