@@ -12,7 +12,8 @@ from whole_road import METHODS, Listener, Road
 
 from kinmo.errors import InputError
 from kinmo.formats import discover, read_found, read_partnet_mobility
-from kinmo.pipeline.evaluate import SETTINGS, Evaluate
+from kinmo.pipeline.evaluate import Evaluate
+from kinmo.pipeline.evaluation_files import SETTINGS
 from kinmo.pipeline.examples import read_examples
 from kinmo.pipeline.journal import runs
 from kinmo.pipeline.predict import Predict

@@ -20,8 +20,7 @@ from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
 from kinmo.mobility import Mobility
 from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree
 from kinmo.normalisation import Normalisation
-from kinmo.pipeline.models import HEADER, weights_for
-from kinmo.pipeline.train import trained_config
+from kinmo.pipeline.model_files import HEADER, trained_config, weights_for
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of

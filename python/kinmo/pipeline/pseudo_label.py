@@ -16,9 +16,9 @@ from kinmo.export.partnet_mobility import write_partnet_mobility
 from kinmo.formats import Found, Layout, read_found
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
+from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pipeline.train import trained_config
 from kinmo.pseudo_label import STEPS, JudgedJoint, Judgement, Tally, judge, tally, tally_types
 from kinmo.store import IndexEntry
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers, write_text_atomically

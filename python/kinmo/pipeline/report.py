@@ -12,10 +12,10 @@ from typing import Any
 from kinmo.errors import InputError
 from kinmo.evaluation.tables import Table as MeasuredTable
 from kinmo.evaluation.tables import read_table
-from kinmo.pipeline.evaluate import EXAMPLES, PRINTED, SETTINGS
+from kinmo.pipeline.evaluation_files import EXAMPLES, PRINTED, SETTINGS
 from kinmo.pipeline.examples import Example, chosen, read_examples
 from kinmo.pipeline.journal import runs
-from kinmo.pipeline.models import METRICS
+from kinmo.pipeline.model_files import METRICS
 from kinmo.pipeline.pictures import draw
 from kinmo.pipeline.prepare import REPORT
 from kinmo.pipeline.stage import Observer, Outcome, Plan

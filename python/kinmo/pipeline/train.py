@@ -8,19 +8,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kinmo.config import Config, from_table, load_config, to_table
+from kinmo.config import Config, load_config, to_table
 from kinmo.errors import InputError
 from kinmo.learning.training import Progress, remove_checkpoints
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.models import GROUPS, HEADER, METRICS, TRAINERS, WEIGHTS, model_folder
+from kinmo.pipeline.model_files import CONFIG, HEADER, METRICS, WEIGHTS, model_folder
+from kinmo.pipeline.models import GROUPS, TRAINERS
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
-CONFIG = "config.json"
-"""In `workspace.models`: the configuration of the last training, which prediction follows."""
 SECONDS_PER_SHAPE = {"gnn_fine": 0.02, "gnn_coarse": 0.02, "axis": 0.15, "ranking": 0.02}
 """Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
 
@@ -142,15 +141,3 @@ def _result(folder: Path) -> dict[str, Any]:
         "best": best,
         "error": errors[best],
     }
-
-
-def trained_config(workspace: Workspace) -> Config:
-    """The configuration that the workspace's networks were trained with; `small` if none was trained."""
-    path = workspace.models / CONFIG
-    if not path.exists():
-        return load_config("small")
-    try:
-        table = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise InputError(path, f"expected JSON ({error})") from error
-    return from_table(Config, table, path)
