@@ -55,3 +55,23 @@ def test_a_missing_section_is_named(tmp_path: Path) -> None:
 def test_an_absent_file_is_answered_with_the_known_names() -> None:
     with pytest.raises(InputError, match="expected a TOML file or one of paper, small"):
         load_config("huge")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "field"),
+    [
+        ("epochs = 40", "epochs = 0", "gnn.training.epochs"),
+        ("learning_rate = 2e-3", "learning_rate = nan", "gnn.training.learning_rate"),
+        ("learning_rate = 2e-3", "learning_rate = inf", "gnn.training.learning_rate"),
+        ("widths = [32, 64, 128]", "widths = []", "gnn.leaf.widths"),
+        ("widths = [32, 64, 128]", "widths = [32, -64]", r"gnn.leaf.widths\[1\]"),
+        ("head_dropout = 0.0", "head_dropout = 1.5", "axis.head_dropout"),
+        ("weights = [0.5, 0.3, 0.2, 0.0]", "weights = []", "refinement.weights"),
+        ("members = 3", "members = 0", "ranking.members"),
+    ],
+)
+def test_values_out_of_bounds_are_refused_by_name(old: str, new: str, field: str, tmp_path: Path) -> None:
+    assert old in SMALL
+    (tmp_path / "c.toml").write_text(SMALL.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(InputError, match=f"{field}: expected"):
+        load_config(tmp_path / "c.toml")

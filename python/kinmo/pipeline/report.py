@@ -29,8 +29,8 @@ PICTURES = 12
 """Of hits, and as many of failures, a method."""
 SECONDS_PER_PICTURE = 1.0
 KEY = (
-    "The moving part is blue. Types: R turns, P slides, PR does both; H or V for a horizontal or vertical axis; C or S for one near "
-    "the part's centre or side. Then the angle to the true axis and, in diagonals of the object, the distance from its line."
+    "The moving part is blue. Types: R turns, P slides, PR does both; H or V for a horizontal or vertical axis; C or S for one "
+    "near the part's centre or side. Then the angle to the true axis and, in diagonals, the distance from its line."
 )
 
 
@@ -165,9 +165,8 @@ def _truth_charts(name: str, table: MeasuredTable) -> Iterator[str]:
 
 def _explained(right: bool, shown: int, answered: Sequence[Example], row: str) -> str:
     count = sum(example.answers[row].is_ok is right for example in answered)
-    return (
-        f"{count} of {len(answered)} true joints of the test shapes, parts given; {shown} are shown, by category in turn. {KEY}"
-    )
+    total = f"{count} of {len(answered)} true joints of the test shapes, parts given"
+    return f"{total}; {shown} are shown, by category in turn. {KEY}"
 
 
 def _series(history: Sequence[Mapping[str, float]], key: str) -> list[tuple[float, float]]:
