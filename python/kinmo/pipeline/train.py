@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from kinmo.config import Config, load_config, to_table
-from kinmo.errors import InputError
+from kinmo.errors import InputError, expecting
 from kinmo.learning.training import Progress, remove_checkpoints
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
@@ -130,14 +130,9 @@ class Train:
 
 
 def _result(folder: Path) -> dict[str, Any]:
-    history = json.loads((folder / METRICS).read_text(encoding="utf-8"))
-    facts = json.loads((folder / HEADER).read_text(encoding="utf-8"))
-    errors = [row["validation/error"] for row in history]
-    best = min(range(len(errors)), key=errors.__getitem__)
-    return {
-        "weights": str(folder / WEIGHTS),
-        "sha256": facts["sha256"],
-        "epochs": len(errors),
-        "best": best,
-        "error": errors[best],
-    }
+    with expecting("one entry an epoch", folder / METRICS):
+        errors = [row["validation/error"] for row in json.loads((folder / METRICS).read_text(encoding="utf-8"))]
+        best = min(range(len(errors)), key=errors.__getitem__)
+    with expecting("what weights are for", folder / HEADER):
+        digest = json.loads((folder / HEADER).read_text(encoding="utf-8"))["sha256"]
+    return {"weights": str(folder / WEIGHTS), "sha256": digest, "epochs": len(errors), "best": best, "error": errors[best]}
