@@ -49,7 +49,11 @@ Counts = Annotated[tuple[Count, ...], Within(1)]
 
 @dataclass(frozen=True)
 class TrainingConfig:
-    """Adam; `decay` multiplies the learning rate every `decay_epochs` epochs (0: the rate falls to zero along a cosine)."""
+    """Adam; `decay` multiplies the learning rate every `decay_epochs` epochs (0: the rate falls to zero along a cosine).
+
+    `average` is the decay a step of a moving average of the weights, which then is what is chosen and kept (0: no average).
+    `keep`: the epoch that did best on validation, or the last one, where the shapes to choose by are too few to tell.
+    """
 
     epochs: Count
     learning_rate: Positive
@@ -57,6 +61,8 @@ class TrainingConfig:
     decay: Positive = 0.7
     decay_epochs: Number = 20
     gradient_clip: Amount = 1.0
+    average: Share = 0.0
+    keep: Literal["best", "last"] = "best"
     precision: Literal["32-true", "bf16-mixed", "16-mixed"] = "32-true"
     devices: Count = 1
 
