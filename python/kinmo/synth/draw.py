@@ -53,3 +53,11 @@ class Draw:
             return options[int(self.generator.integers(len(options)))]
         edges = np.cumsum(weights)
         return options[int(np.searchsorted(edges, self.generator.random() * edges[-1], side="right"))]
+
+    def alike(self, count: int) -> list[Draw]:
+        """`count` sources that give the same values: for parts of which an object has several."""
+        seed = self.integer(0, 1 << 62)
+        copies = [Draw(np.random.default_rng(seed)) for _ in range(count)]
+        for copy in copies:
+            copy._low, copy._high = self._low, self._high
+        return copies

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.shape import Mesh
-from kinmo.synth.details.controls import button, dial, grid_places
+from kinmo.synth.details.controls import dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Motion, Node, slider, spinner
+from kinmo.synth.model import Link, Motion, Node, spinner
 from kinmo.synth.primitives import box, box_between, cylinder, join
 
 
@@ -50,38 +50,9 @@ def add_feet(draw: Draw, above: Node, x: float, z: float, low: float) -> Node:
     return base
 
 
-def add_keypad(
-    draw: Draw,
-    above: Node,
-    carrier: Link,
-    center: tuple[float, float, float],
-    size: tuple[float, float],
-    name: str,
-    *,
-    moving: bool,
-) -> list[Link]:
-    """Rows of buttons on a front; each slides in by its own height if `moving`, else they belong to `carrier`."""
-    columns, rows = draw.integer(2, 4), draw.integer(2, 6)
-    cell = min(size[0] / columns, size[1] / rows)
-    width = cell * draw.between(0.5, 0.9)
-    depth = draw.pick([0.0, draw.between(0.004, 0.02)], [1, 5])
-    aspect = draw.between(0.5, 1.0)
-    links = []
-    state = draw.pick([-1.0, 1.0], [2, 1])
-    for x, y in grid_places(columns, rows, cell * columns, cell * rows):
-        at = (center[0] + x, center[1] + y, center[2])
-        node = above.add(name, button(draw, width, aspect * width, depth, at))
-        if moving:
-            travel = draw.between(0.6, 1.0) * depth if depth else 0.004
-            links.append(Link("button", [node], carrier, slider((0, 0, state), 0, -state * travel), lumped_name="button"))
-        else:
-            carrier.nodes.append(node)
-    return links
-
-
 def add_dial(draw: Draw, above: Node, carrier: Link, at: tuple[float, float, float], radius: float, name: str) -> Link:
     """A knob on a front that turns about z, mostly without limits."""
-    node = above.add(name, *dial(draw, radius, radius * draw.between(0.3, 0.9), at))
+    node = above.add(name, *dial(draw, radius, radius * draw.between(0.25, 1.5), at))
     motion = spinner(at, (0, 0, 1))
     if draw.chance(0.2):
         motion = Motion(motion.joint, motion.origin, motion.direction, 0.0, draw.pick([90.0, 180.0, 270.0]))

@@ -1,11 +1,85 @@
-"""Fields of buttons that go in, on a front (+z) or at the sides."""
+"""Fields of buttons that go in, on a front (+z) or at the sides, and keys that only look like it."""
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.shape import Mesh
 from kinmo.synth.details.controls import button, grid_places
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import Link, Node, slider
-from kinmo.synth.primitives import box
+from kinmo.synth.primitives import box, join, move, sheet
+from kinmo.synth.primitives.place import Point
+
+SMALLEST_CELL = 0.035
+"""Least pitch of the keys of a field, in an object about two units across."""
+
+
+def add_keypad(
+    draw: Draw,
+    above: Node,
+    carrier: Link,
+    center: tuple[float, float, float],
+    size: tuple[float, float],
+    name: str,
+    *,
+    lookalikes: bool = True,
+) -> list[Link]:
+    """Rows of keys on a front, below the node `above`.
+
+    Every key is pressed in by about its own height, unless there are `lookalikes`: printed keys, which are flat and mostly
+    fixed, and fields of which only a block moves, as annotators left them. Keys that stand still belong to `carrier`.
+    """
+    columns, rows = draw.pick([1, 2, 3, 4], [1, 2, 5, 3]), draw.integer(2, 7)
+    # No more keys than fingers could tell apart.
+    columns, rows = (max(1, min(count, int(room / SMALLEST_CELL))) for count, room in zip((columns, rows), size, strict=True))
+    cell = min(size[0] / columns, size[1] / rows)
+    width = cell * draw.between(0.45, 0.9)
+    height = width * draw.pick([draw.between(0.45, 1.0), draw.between(1.0, 1.6) if width < 0.6 * cell else 1.0], [4, 1])
+    printed = lookalikes and draw.chance(0.35)
+    depth = draw.between(0.003, 0.02)
+    look = draw.pick(["glyph", "plate"])
+    moves = _moving_keys(draw, rows, columns, printed=printed) if lookalikes else np.ones((rows, columns), bool)
+    travel = draw.between(0.6, 1.0) * depth
+    rises = draw.chance(1 / 3)
+    links = []
+    places = grid_places(columns, rows, max(cell, 0.8 * size[0] / columns) * columns, cell * rows)
+    for (x, y), moving in zip(places, moves.ravel(), strict=True):
+        at = (center[0] + x, center[1] + y, center[2] + (0.001 if printed else 0.0))
+        key = _printed_key(draw, width, height, at, look) if printed else button(draw, width, height, depth, at)
+        node = above.add(name, key)
+        if moving:
+            motion = slider((0, 0, 1), -travel, 0.0) if rises else slider((0, 0, -1), 0.0, travel)
+            links.append(Link("button", [node], carrier, motion, lumped_name="button"))
+        else:
+            carrier.nodes.append(node)
+    return links
+
+
+def _moving_keys(draw: Draw, rows: int, columns: int, *, printed: bool) -> NDArray[np.bool_]:
+    """Which keys [rows, columns] of a field are annotated as moving."""
+    moves = np.zeros((rows, columns), bool)
+    kind = draw.pick(["all", "none", "rows", "columns"], [1, 12, 0, 0] if printed else [14, 2, 3, 1])
+    if kind == "all":
+        moves[:] = True
+    elif kind == "rows":
+        first = draw.integer(0, rows - 1)
+        moves[first : first + draw.integer(1, rows)] = True
+    elif kind == "columns":
+        moves[:, draw.integer(0, columns - 1)] = True
+    return moves
+
+
+def _printed_key(draw: Draw, width: float, height: float, at: Point, look: str) -> Mesh:
+    """A flat plate, or a sign made of a few strokes."""
+    if look == "plate":
+        return sheet((width, height), at, "z")
+    stroke = 0.18 * width
+    upright = [sheet((stroke, height), (s * 0.35 * width, 0, 0), "z") for s in (-1, 1)]
+    level = [sheet((0.7 * width, stroke), (0, s * (height - stroke) / 2, 0), "z") for s in (-1, 0, 1)]
+    strokes = [piece for piece in upright + level if draw.chance(0.6)] or upright[:1]
+    return move(join(*strokes), at)
 
 
 def keypad(draw: Draw, base: Link, width: float, height: float, front: float, share: float) -> list[Link]:

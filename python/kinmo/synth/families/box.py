@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinmo.shape import Mesh
-from kinmo.synth.details.handles import bow_handle
+from kinmo.synth.details.carrying_handles import add_carrying_handle
+from kinmo.synth.details.clasps import add_clasp
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, SynthObject, hinge
-from kinmo.synth.primitives import box, box_between, cylinder, extrude, inside_out, join, move, turn
-from kinmo.synth.primitives.place import rotation_about, transform
+from kinmo.synth.model import Link, Node, SynthObject, hinge, slider
+from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, extrude, inside_out, join, move, turn
+from kinmo.synth.primitives.place import facing, rotation_about, transform
 
 
 @dataclass(frozen=True)
@@ -37,10 +38,11 @@ def build(draw: Draw) -> SynthObject:
     body = above.add("chest_box" if nested else "base_body", *_tub(size))
     base = Link("base_body", [body])
     links = [base]
-    if draw.chance(0.2):
-        links += _flaps(draw, above, base, size)
-    else:
+    kind = draw.pick(["lid", "flaps", "split", "loose", "drawer"], [14, 4, 1.5, 1.5, 0.7])
+    if kind == "lid":
         links += _lid(draw, above, base, size, nested)
+    else:
+        links += {"flaps": _flaps, "split": _split_lid, "loose": _loose_lid, "drawer": _tray}[kind](draw, above, base, size)
     _decorate(draw, above, base, size)
     if draw.chance(0.3):
         links += _side_handles(draw, above, base, size)
@@ -89,7 +91,7 @@ def _lid(draw: Draw, above: Node, base: Link, size: _Size, nested: bool) -> list
         hinges = [cylinder(0.02, 0.12, "x", edge + [s * 0.6 * x, 0, 0], 10) for s in (-1, 1)]
         owner = draw.pick([base, lid])
         owner.nodes.append(group.add("hinge", *hinges))
-    if draw.chance(0.35):
+    if draw.chance(0.55):
         links += _locks(draw, above, base, lid, size, z)
     return links
 
@@ -106,23 +108,12 @@ def _vault(x: float, z: float, height: float, low: float, *, solid: bool) -> Mes
 
 
 def _locks(draw: Draw, above: Node, base: Link, lid: Link, size: _Size, z: float) -> list[Link]:
-    """Latches at the front, which turn up on the body or down from the lid, or a fixed lock plate."""
-    places = draw.pick([[0.0], [-0.6, 0.6]])
-    if draw.chance(0.35):
-        plate = above.add("lock", *(box((0.12, 0.14, 0.03), (p * size.x, size.top - 0.08, size.z + 0.015)) for p in places))
-        base.nodes.append(plate)
-        return []
+    """One to three clasps across the seam at the front."""
     links = []
-    on_lid = draw.chance(0.5)
-    for place in places:
-        tall = draw.between(0.08, 0.15)
-        top = size.top + (0.02 if on_lid else 0.0)
-        latch = above.add(
-            "lock" if not on_lid else "buckle", box((0.1, tall, 0.025), (place * size.x, top - tall / 2, z + 0.0125))
-        )
-        axis = (place * size.x, top if on_lid else top - tall, z)
-        motion = hinge(axis, (-1 if on_lid else 1, 0, 0), 0, draw.pick([25.0, 90.0, 120.0]))
-        links.append(Link("lock", [latch], lid if on_lid else base, motion))
+    tall = min(draw.between(0.06, 0.26), 0.6 * size.top)
+    places = draw.pick([[0.0], [-0.6, 0.6], [-0.4, 0.4], [-0.7, 0.0, 0.7]], [5, 3, 1, 1])
+    for same, place in zip(draw.alike(len(places)), places, strict=True):
+        links += add_clasp(same, above, base, lid, facing(Z, Y, (place * size.x, size.top, z)), tall)
     return links
 
 
@@ -149,6 +140,61 @@ def _flaps(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
     return links
 
 
+def _split_lid(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
+    """Two halves that open to opposite sides, hinged at the outer edges or at a bar in the middle."""
+    thick, links = draw.between(0.02, 0.1), []
+    outer = draw.chance(0.6)
+    opens = draw.pick([90.0, 110.0, 180.0]) if outer else draw.pick([80.0, 90.0])
+    rest = draw.between(20, 0.9 * opens) if draw.chance(0.6) else 0.0
+    for side in (-1.0, 1.0):
+        slab = box((size.x - 0.01, thick, 2 * size.z), (side * (size.x / 2 + 0.005), size.top + thick / 2, 0))
+        edge = (side * (size.x if outer else 0.01), size.top + draw.pick([0.0, thick]), 0)
+        motion = hinge(edge, (0, 0, -side if outer else side), 0, opens, rest=rest if side > 0 or draw.chance(0.6) else 0.0)
+        links.append(Link("rotation_lid", [above.add("rotation_lid", slab)], base, motion))
+    return links
+
+
+def _loose_lid(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
+    """A lid that lifts off, or a board that slides out along x or z in grooves."""
+    thick = draw.between(0.015, 0.1)
+    if draw.chance(0.55):
+        over = draw.between(0.0, 0.04)
+        skirt = draw.between(0.0, 0.4) * size.top
+        pieces = [box_between((-size.x - over, size.top, -size.z - over), (size.x + over, size.top + thick, size.z + over))]
+        if skirt > 0.05 and over > 0.01:
+            for s in (-1, 1):
+                pieces.append(box((over, skirt, 2 * size.z), (s * (size.x + over / 2), size.top - skirt / 2, 0)))
+        if draw.chance(0.4):
+            pieces.append(cylinder(0.05, 0.08, "y", (0, size.top + thick + 0.04, 0), 16))
+        reach = draw.between(0.2, 1.0)
+        motion = slider((0, 1, 0), 0, reach, rest=reach * draw.pick([0.0, draw.between(0.1, 0.9)], [2, 1]))
+    else:
+        pieces = [box_between((-size.x, size.top - thick, -size.z), (size.x, size.top, size.z))]
+        if draw.chance(0.5):
+            pieces.append(box((0.2 * size.x, 0.02, 0.04), (0, size.top + 0.01, 0.8 * size.z)))
+        direction, length = draw.pick([(Z, 2 * size.z), (X, 2 * size.x)], [2, 1])
+        reach = length * draw.between(0.6, 1.0)
+        motion = slider(direction, 0, reach, rest=reach * draw.pick([0.0, draw.between(0.1, 0.8)]))
+    return [Link("lid", [above.add(draw.pick(["translation_lid", "lid"]), *pieces)], base, motion, lumped_name="lid")]
+
+
+def _tray(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
+    """A closed case, open at one side, from which a tray slides like a drawer."""
+    wall = max(size.wall, 0.01)
+    base.nodes[0].pieces[:] = [
+        box_between((-size.x, size.top, -size.z), (size.x, size.top + wall, size.z)),
+        box_between((-size.x, 0, -size.z), (size.x, wall, size.z)),
+        *(box((wall, size.top - wall, 2 * size.z), (s * (size.x - wall / 2), (size.top + wall) / 2, 0)) for s in (-1, 1)),
+    ]
+    inner = _tub(_Size(size.x - 1.2 * wall, size.z, size.top - 2.4 * wall, 0.7 * wall))
+    pieces = [move(piece, (0, 1.2 * wall, 0)) for piece in inner]
+    if draw.chance(0.5):
+        pieces.append(cylinder(0.04, 0.06, "z", (0, 0.5 * size.top, size.z + 0.03), 14))
+    reach = 2 * size.z * draw.between(0.6, 1.0)
+    motion = slider(Z, 0, reach, rest=reach * draw.pick([0.0, draw.between(0.1, 0.8)]))
+    return [Link("drawer", [above.add(draw.pick(["drawer", "tray"]), *pieces)], base, motion)]
+
+
 def _decorate(draw: Draw, above: Node, base: Link, size: _Size) -> None:
     """Feet, corner fittings, bands round the body, or something inside."""
     body = base.nodes[0]
@@ -167,18 +213,13 @@ def _decorate(draw: Draw, above: Node, base: Link, size: _Size) -> None:
 
 
 def _side_handles(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
-    """A swinging handle at each end."""
+    """Handles at the ends or at the front that hang against the wall, or one on top of its normal at the ends."""
     links = []
-    length, rod = draw.between(0.2, 0.6) * size.z, 0.02
-    fixed = draw.chance(0.4)
+    half = draw.between(0.1, 0.3) * size.z
+    height, movable, hangs = draw.between(0.55, 0.85) * size.top, draw.chance(0.7), draw.chance(0.8)
+    walls = draw.pick(["ends", "front"], [5, 1])
     for side in (-1.0, 1.0):
-        bow = turn(bow_handle(draw, length, rod, 0.35 * length, vertical=False)[0], (0, 1, 0), 90 * side)
-        height = 0.7 * size.top
-        hanging = turn(bow, (0, 0, 1), -80 * side)
-        node = above.add("handle", move(hanging, (side * (size.x + rod), height, 0)))
-        if fixed:
-            base.nodes.append(node)
-        else:
-            motion = hinge((side * (size.x + rod), height, 0), (0, 0, side), 0, draw.pick([90.0, 150.0, 180.0]))
-            links.append(Link("handle", [node], base, motion))
+        wall = (side * X, (side * size.x, height, 0)) if walls == "ends" else (Z, (side * 0.5 * size.x, height, size.z))
+        place = facing(wall[0], Y, wall[1])
+        links += add_carrying_handle(draw, above, base, place, half, hangs=hangs, movable=movable)
     return links

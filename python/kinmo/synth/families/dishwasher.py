@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.shape import Mesh
-from kinmo.synth.details.appliance import add_dial, add_feet, add_keypad, frame, housing
+from kinmo.synth.details.appliance import add_dial, add_feet, frame, housing
 from kinmo.synth.details.handles import pull
+from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import box, box_between, cylinder, join, sheet, turn
@@ -24,6 +25,8 @@ def build(draw: Draw) -> SynthObject:
     strip = draw.pick([0.0, draw.between(0.08, 0.15) * height], [1, 3])
     kick = draw.pick([0.0, draw.between(0.04, 0.15) * height], [1, 3])
     door = _door(draw, body, base, (x, -y + kick, y - strip), z, wall)
+    if draw.chance(0.1):
+        _make_drawer(draw, door, (x - wall, -y + kick, y - strip), z, depth)
     links.append(door)
     if strip:
         links += _controls(draw, body, base, x, y - strip / 2, strip, z)
@@ -68,6 +71,19 @@ def _door(draw: Draw, body: Node, base: Link, extent: tuple[float, float, float]
     return Link("door", [node], base, hinge(axis, (1, 0, 0), 0, 90, rest=rest))
 
 
+def _make_drawer(draw: Draw, door: Link, extent: tuple[float, float, float], z: float, depth: float) -> None:
+    """Let the door pull out, with the tub behind it, as on a dishwasher that is a drawer."""
+    x, low, high = extent
+    if draw.chance(0.8):
+        wall, far, rim = 0.02, z - draw.between(0.6, 0.9) * depth, low + draw.between(0.4, 0.9) * (high - low)
+        tub = [box_between((-x, low, far), (x, low + wall, z)), box_between((-x, low, far), (x, rim, far + wall))]
+        tub += [box_between((s * x - 0.5 * wall, low, far), (s * x + 0.5 * wall, rim, z)) for s in (-0.95, 0.95)]
+        door.nodes[0].add("other").add("other_leaf", *tub)
+    travel = draw.between(0.4, 0.85) * depth
+    rest = travel * draw.pick([0.0, draw.between(0.2, 0.95)])
+    door.motion = slider((0, 0, 1), 0, travel, rest=rest)
+
+
 def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: float, z: float) -> list[Link]:
     """A panel above the door with buttons, a display, or a dial."""
     panel = body.add("side_controls")
@@ -91,7 +107,7 @@ def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: fl
         links.append(add_dial(draw, panel, base, (side * 0.7 * x, y, front), 0.35 * height, "control_button"))
     elif kind == "keypad":
         pad = (0.5 * x, 0.7 * height)
-        links += add_keypad(draw, panel, base, (side * 0.65 * x, y, front), pad, "control_button", moving=draw.chance(0.5))
+        links += add_keypad(draw, panel, base, (side * 0.65 * x, y, front), pad, "control_button")
     return links
 
 

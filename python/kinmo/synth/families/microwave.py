@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.synth.details.appliance import add_dial, add_feet, add_keypad, frame, housing
+from kinmo.synth.details.appliance import add_dial, add_feet, frame, housing
 from kinmo.synth.details.handles import pull
+from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import box, box_between, cylinder, rounded_box, sheet, turn
@@ -71,10 +72,9 @@ def _controls(draw: Draw, body: Node, base: Link, left: float, right: float, y: 
         flat = draw.chance(0.4)
         base.nodes.append(panel.add("display_panel", sheet(display, at, "z") if flat else box((*display, 0.01), at)))
     kind = draw.pick(["keypad", "dials", "both"], [5, 4, 2])
-    moving = draw.chance(0.45)
     if kind != "dials":
         height = 1.1 * y if kind == "keypad" else 0.5 * y
-        links += add_keypad(draw, panel, base, (middle, 0.05 * y, z), (0.75 * width, height), "control_button", moving=moving)
+        links += add_keypad(draw, panel, base, (middle, 0.05 * y, z), (0.75 * width, height), "control_button")
     if kind != "keypad":
         count = draw.pick([1, 2], [1, 2]) if kind == "dials" else 1
         for row in range(count):

@@ -1,13 +1,39 @@
-"""Safes: a thick box with a hinged door, on the door a dial, a wheel or handle, or a keypad."""
+"""Safes: a thick box with a hinged door, and on the door dials, wheels, levers, key cylinders and keypads."""
 
 from __future__ import annotations
 
 from kinmo.shape import Mesh
-from kinmo.synth.details.controls import button, dial, grid_places
+from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.handles import pull
+from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
-from kinmo.synth.primitives import box, box_between, cylinder, move, torus, turn
+from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
+from kinmo.synth.primitives import box, box_between, cylinder
+
+_HARDWARE = [
+    ["wheel"],
+    ["dial"],
+    ["lever"],
+    ["wheel", "dial"],
+    ["wheel", "cylinder"],
+    ["lever", "dial"],
+    ["lever", "keypad"],
+    ["keypad", "dial"],
+    ["keypad", "cylinder", "grip"],
+    ["tee", "keypad"],
+    ["lever", "cover", "cylinder"],
+    ["grip"],
+]
+"""What may be on a door, most telling first."""
+_SIZES = {
+    "dial": (0.06, 0.2),
+    "wheel": (0.16, 0.55),
+    "lever": (0.1, 0.3),
+    "tee": (0.1, 0.28),
+    "cylinder": (0.05, 0.12),
+    "cover": (0.05, 0.12),
+}
+"""Range of each kind's size."""
 
 
 def build(draw: Draw) -> SynthObject:
@@ -31,7 +57,7 @@ def build(draw: Draw) -> SynthObject:
     inward = draw.between(0.0, 0.04)
     axis = (side * (door_width / 2 - inward), draw.pick([0.0, height / 2 - wall]), face - draw.pick([0.0, inward, thickness]))
     opening = draw.pick([90.0, 120.0, 160.0, 170.0, 180.0], [1, 1, 2, 4, 1])
-    rest = draw.between(30, 100) if draw.chance(0.25) else 0.0
+    rest = draw.between(20, min(opening, 110)) if draw.chance(0.33) else 0.0
     door = Link("door", [door_node], base, hinge(axis, (0, side, 0), 0, opening, rest=rest))
     if draw.chance(0.5):
         hinges = [cylinder(0.02, 0.12 * height, "y", (axis[0], y * height, front), 12) for y in (-0.3, 0.3)]
@@ -41,8 +67,7 @@ def build(draw: Draw) -> SynthObject:
             base.nodes.append(root.add("hinge", *hinges))
 
     links = [base, door]
-    lock_x = -side * door_width * draw.between(0.1, 0.3)
-    _locks(draw, root, links, lock_x, door_height, face)
+    _locks(draw, root, links, side, door_width, door_height, face)
     return SynthObject("Safe", root, links)
 
 
@@ -64,39 +89,31 @@ def _casing(draw: Draw, width: float, height: float, depth: float, wall: float, 
     return pieces
 
 
-def _locks(draw: Draw, root: Node, links: list[Link], x: float, height: float, face: float) -> None:
-    """What is on the door: a dial, a wheel or lever to turn, and sometimes a keypad."""
+def _locks(draw: Draw, root: Node, links: list[Link], side: float, width: float, height: float, face: float) -> None:
+    """What is on the door: dials, wheels and levers to turn, key cylinders, a keypad, a fixed grip; in any arrangement."""
     door = links[1]
-    kinds = draw.pick([["wheel"], ["dial"], ["wheel", "dial"], ["keypad"], ["keypad", "dial"], ["fixed"]], [3, 2, 4, 3, 2, 1])
-    for row, kind in enumerate(kinds):
-        y = (0.0 if len(kinds) == 1 else (0.5 - row) * 0.45 * height) + draw.between(-0.05, 0.05)
-        if kind in ("dial", "wheel"):
-            radius = draw.between(0.04, 0.1) if kind == "dial" else draw.between(0.1, 0.2)
-            pieces = (
-                dial(draw, radius, radius * draw.between(0.3, 0.8), (x, y, face))
-                if kind == "dial"
-                else _wheel(draw, radius, (x, y, face))
-            )
-            links.append(
-                Link("knob", [root.add("switch", *pieces)], door, spinner((x, y, 0 if draw.chance(0.7) else face), (0, 0, 1)))
-            )
-        elif kind == "keypad":
-            size = draw.between(0.05, 0.07)
-            travel = draw.between(0.003, 0.012)
-            for column, line in grid_places(3, draw.integer(3, 4), 4 * size, 5 * size):
-                node = root.add("button", button(draw, size, 0.75 * size, 1.5 * travel, (x + column, y + line, face)))
-                links.append(Link("button", [node], door, slider((0, 0, -1), 0, travel)))
+    kinds = draw.pick(_HARDWARE, [3, 2, 3, 3, 2, 3, 3, 2, 2, 2, 2, 1])
+    layout = draw.pick(["column", "row", "loose"], [4, 3, 2])
+    middle = -side * draw.between(0.0, 0.3) * width
+    for index, kind in enumerate(kinds):
+        share = (index + 0.5) / len(kinds) - 0.5
+        x, y = middle, draw.between(-0.08, 0.08) * height
+        if layout == "column":
+            y -= share * draw.between(0.4, 0.7) * height
+        elif layout == "row":
+            x = -side * share * 0.75 * width
         else:
-            door.nodes.append(root.add("handle", *pull(draw, 0.2 * height, (x, y, face), vertical=draw.chance(0.7))))
-
-
-def _wheel(draw: Draw, radius: float, at: tuple[float, float, float]) -> list[Mesh]:
-    """A hub with spokes, sometimes a rim, or a single lever."""
-    reach, rod = draw.between(0.04, 0.12), 0.12 * radius
-    hub = cylinder(0.35 * radius, reach, "z", (0, 0, reach / 2), 20)
-    count = draw.pick([1, 2, 3, 4, 5])
-    spoke = cylinder(rod, radius, "x", (radius / 2, 0, 0.8 * reach), 8)
-    pieces = [hub, *(turn(spoke, (0, 0, 1), 360.0 * i / count) for i in range(count))]
-    if count >= 3 and draw.chance(0.4):
-        pieces.append(torus(radius, rod, "z", (0, 0, 0.8 * reach), 24))
-    return [move(piece, at) for piece in pieces]
+            x, y = -side * draw.between(-0.2, 0.4) * width, draw.between(-0.35, 0.35) * height
+        if kind == "keypad":
+            center, pad = (x, y, face), (draw.between(0.25, 0.45) * width, draw.between(0.22, 0.4) * height)
+            if draw.chance(0.3):
+                plate = box((1.2 * pad[0], 1.2 * pad[1], 0.03), (x, y, face + 0.015))
+                door.nodes.append(root.add("frame", plate))
+                center = (x, y, face + 0.03)
+            links += add_keypad(draw, root, door, center, pad, "button", lookalikes=False)
+        elif kind == "grip":
+            grip = pull(draw, draw.between(0.1, 0.35) * height, (x, y, face), vertical=draw.chance(0.7))
+            door.nodes.append(root.add("handle", *grip))
+        else:
+            low, high = _SIZES[kind]
+            links.append(add_door_lock(draw, root, door, kind, (x, y, face), draw.between(low, high)))

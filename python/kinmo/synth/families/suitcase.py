@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.shape import Mesh
+from kinmo.synth.details.carrying_handles import add_carrying_handle
+from kinmo.synth.details.clasps import add_clasp
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import Link, Node, SynthObject, hinge, slider, spinner
-from kinmo.synth.primitives import arc_path, box, box_between, cylinder, rounded_box, rounded_path, sweep, tube
+from kinmo.synth.primitives import X, Y, Z, arc_path, box, box_between, cylinder, rounded_box, sweep, tube
+from kinmo.synth.primitives.place import facing
 
 
 def build(draw: Draw) -> SynthObject:
@@ -43,30 +46,17 @@ def _case(draw: Draw, root: Node) -> list[Link]:
     axis = (0, low + draw.pick([0.0, 0.02]), split + draw.pick([0.0, -0.01]))
     lid_node = root.add("lid", *_half(draw, width, height, split, depth / 2, hollow=hollow))
     lid = Link("lid", [lid_node], base, hinge(axis, (1, 0, 0), 0, draw.pick([90.0, 120.0, 180.0]), rest=rest))
-    links = [base, lid, _carrying_handle(draw, root, base, width * draw.between(0.15, 0.35), height / 2, split - 0.04)]
-    for side in (-1, 1) if draw.chance(0.5) else ():
-        size, x = draw.between(0.04, 0.1), side * 0.33 * width
-        if draw.chance(0.4):
-            node = root.add("lock", box((size, 0.02, size), (x, height / 2 + 0.01, split - 0.06)))
-            links.append(Link("button", [node], base, slider((0, -1, 0), 0, 0.012), lumped_name="lock"))
-        else:
-            node = root.add("lock", box((size, 0.015, 0.18), (x, height / 2 + 0.008, split)))
-            links.append(
-                Link("lock", [node], base, hinge((x, height / 2, split - 0.09), (-1, 0, 0), 0, draw.pick([90.0, 180.0])))
-            )
+    links = [base, lid]
+    grip = facing(Y, Z, (0, height / 2, split - draw.pick([0.0, 0.04, draw.between(0.0, 0.5) * depth])))
+    handle = add_carrying_handle(draw, root, base, grip, 0.5 * width * draw.between(0.12, 0.4), movable=draw.chance(0.9))
+    links += handle
+    sides = draw.pick([(), (-1, 1), (0,)], [2, 7, 1])
+    size = draw.between(0.04, 0.26)
+    for same, side in zip(draw.alike(len(sides)), sides, strict=True):
+        # On the upper edge the lid lies to the front of the seam.
+        place = facing(Y, Z, (side * draw.between(0.3, 0.38) * width, height / 2, split))
+        links += add_clasp(same, root, base, lid, place, size)
     return links
-
-
-def _carrying_handle(draw: Draw, root: Node, carrier: Link, half: float, height: float, z: float) -> Link:
-    """A grip on the upper edge that folds down to both sides, or to one."""
-    reach, rod = draw.between(0.06, 0.15), draw.between(0.012, 0.025)
-    corners = [[-half, 0, 0], [-half, reach, 0], [half, reach, 0], [half, 0, 0]]
-    path = rounded_path(np.array(corners, float), 0.8 * reach) + [0, height, z]
-    grip = sweep(path, rod, 8)
-    a, b = draw.pick([(-90.0, 90.0), (0.0, 90.0), (-70.0, 70.0)])
-    rest = draw.between(-80, 80) if a < 0 and draw.chance(0.4) else 0.0
-    motion = hinge((0, height, z), (1, 0, 0), a, b, rest=rest)
-    return Link("handle", [root.add("handle", grip)], carrier, motion)
 
 
 def _bag(draw: Draw, root: Node) -> list[Link]:
@@ -99,30 +89,47 @@ def _trolley(draw: Draw, root: Node) -> list[Link]:
     ribs = [box((0.03, 0.95 * height, 0.02), (s * 0.15 * width, 0, z)) for s in range(-2, 3)] if draw.chance(0.4) else []
     base = Link("base_body", [root.add("base_body", case, *ribs)])
     links = [base]
-    reach, half = draw.between(0.3, 0.6) * height, draw.between(0.25, 0.4) * width
-    z_rod, rod = -z + draw.between(0.03, 0.08), draw.between(0.012, 0.022)
-    foot = y - reach * draw.between(0.9, 1.1)
-    top = y + draw.between(0.02, 0.06)
-    rods: list[Mesh] = [box_between((s * half - rod, foot, z_rod - rod), (s * half + rod, top, z_rod + rod)) for s in (-1, 1)]
-    if draw.chance(0.6):
-        grip = box((2 * half + 4 * rod, 3 * rod, 3 * rod), (0, top, z_rod))
-    else:
-        grip = cylinder(1.6 * rod, 2 * half + 4 * rod, "x", (0, top, z_rod), 12)
-    node = root.add(draw.pick(["handle", "translation_handle"]), *rods, grip)
-    rest = reach * draw.between(0.3, 1.0) if draw.chance(0.5) else 0.0
-    links.append(Link("handle", [node], base, slider((0, 1, 0), 0, reach, rest=rest), lumped_name="translation_handle"))
+    links += _telescope(draw, root, base, width, y, -z)
     wheels = _wheels(draw, root, base, x, y, z)
     if draw.chance(0.4):
         base.nodes += [node for wheel in wheels for node in wheel.nodes]
     else:
         links += wheels
     if draw.chance(0.5):
-        links.append(_carrying_handle(draw, root, base, 0.2 * width, y, z * draw.between(0.0, 0.5)))
+        grip = facing(Y, Z, (0, y, z * draw.between(0.0, 0.5)))
+        links += add_carrying_handle(draw, root, base, grip, width * draw.between(0.12, 0.25), movable=draw.chance(0.7))
+    if draw.chance(0.3):
+        # A grip at the side.
+        grip = facing(X, Z, (x, draw.between(-0.1, 0.2) * height, 0))
+        links += add_carrying_handle(draw, root, base, grip, height * draw.between(0.08, 0.15), movable=draw.chance(0.6))
     if draw.chance(0.25):
         front = root.add("lid", rounded_box((0.9 * width, 0.85 * height, 0.06), 0.05, "z", (0, 0, z + 0.03)))
         motion = hinge((-0.45 * width, 0, z), (0, -1, 0), 0, 150, rest=draw.pick([0.0, draw.between(20, 100)]))
         links.append(Link("lid", [front], base, motion))
     return links
+
+
+def _telescope(draw: Draw, root: Node, base: Link, width: float, top: float, rear: float) -> list[Link]:
+    """A grip on one or two rods that slides out of the case, sometimes in two stages, inside its rear wall or behind it."""
+    reach, half = draw.between(0.3, 1.0) * top, draw.between(0.2, 0.42) * width
+    z, rod = rear + draw.pick([draw.between(0.03, 0.08), -0.02], [3, 1]), draw.between(0.012, 0.022)
+    foot, crown = top - reach * draw.between(0.9, 1.1), top + draw.between(0.02, 0.06)
+    offsets = draw.pick([(-1.0, 1.0), (0.0,)], [5, 1])
+    rods: list[Mesh] = [box_between((s * half - rod, foot, z - rod), (s * half + rod, crown, z + rod)) for s in offsets]
+    if draw.chance(0.6):
+        grip = box((2 * half + 4 * rod, 3 * rod, 3 * rod), (0, crown, z))
+    else:
+        grip = cylinder(1.6 * rod, 2 * half + 4 * rod, "x", (0, crown, z), 12)
+    links, carrier = [], base
+    if draw.chance(0.25):
+        sleeves = [box((3 * rod, crown - foot, 3 * rod), (s * half, 0.5 * (crown + foot) - rod, z)) for s in offsets]
+        out = slider((0, 1, 0), 0, 0.8 * reach, rest=draw.pick([0.0, draw.between(0.2, 0.8) * reach]))
+        carrier = Link("rod", [root.add(draw.pick(["rod", "handle"]), *sleeves)], base, out, lumped_name="translation_handle")
+        links.append(carrier)
+    node = root.add(draw.pick(["handle", "translation_handle"]), *rods, grip)
+    rest = reach * draw.between(0.3, 1.0) if draw.chance(0.5) else 0.0
+    motion = slider((0, 1, 0), 0, reach, rest=rest)
+    return [*links, Link("handle", [node], carrier, motion, lumped_name="translation_handle")]
 
 
 def _wheels(draw: Draw, root: Node, base: Link, x: float, y: float, z: float) -> list[Link]:

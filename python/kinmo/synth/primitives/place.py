@@ -52,6 +52,14 @@ def rotation_about(direction: Point, degrees: float, origin: Point) -> NDArray[n
     return matrix
 
 
+def facing(normal: Point, up: Point, origin: Point) -> NDArray[np.float64]:
+    """Rigid transform [4, 4] that brings +z to `normal`, +y to `up` (unit, at right angles) and the origin to `origin`."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.column_stack([np.cross(up, normal), up, normal])
+    matrix[:3, 3] = np.asarray(origin, float)
+    return matrix
+
+
 def turn(mesh: Mesh, direction: Point, degrees: float, origin: Point = (0.0, 0.0, 0.0)) -> Mesh:
     """`mesh` turned by degrees about the line through `origin` along `direction`."""
     return transform(mesh, rotation_about(direction, degrees, origin))

@@ -1,0 +1,71 @@
+"""Handles to carry things by: bows, brackets and straps that turn about the line through their two ends, or are fixed.
+
+Built on a wall that is the plane z = 0 and looks to +z, the two ends on the x axis.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.shape import Mesh
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import Link, Node, hinge
+from kinmo.synth.primitives import X, box, cylinder, rounded_path, sweep, sweep_outline, transform
+
+STRAP = np.array([[0.5, 0.12], [-0.5, 0.12], [-0.5, -0.12], [0.5, -0.12]])
+"""Outline of a flat band, to sweep."""
+
+
+def carrying_handle(draw: Draw, half: float, reach: float, rod: float) -> list[Mesh]:
+    """A handle with its ends at x = -half and half that stands off the wall by `reach`, `rod` thick."""
+    kind = draw.pick(["bracket", "arc", "trapezoid", "strap", "grip"], [4, 2, 2, 2, 2])
+    if kind == "arc":
+        angle = np.linspace(0.0, np.pi, 14)
+        path = np.stack([-half * np.cos(angle), np.zeros(14), reach * np.sin(angle)], axis=1)
+    else:
+        top = half * (draw.between(0.5, 0.9) if kind == "trapezoid" else 1.0)
+        path = rounded_path(np.array([(-half, 0, 0), (-top, 0, reach), (top, 0, reach), (half, 0, 0)]), 0.6 * reach)
+    if kind == "strap":
+        return [sweep_outline(path, STRAP, rod * draw.between(2.0, 5.0))]
+    pieces = [sweep(path, rod, draw.pick([6, 8, 10]))]
+    if kind == "grip":
+        pieces.append(cylinder(1.8 * rod, 1.3 * half, "x", (0, 0, reach), 12))
+    return pieces
+
+
+def add_carrying_handle(
+    draw: Draw,
+    above: Node,
+    carrier: Link,
+    place: NDArray[np.float64],
+    half: float,
+    *,
+    hangs: bool = False,
+    movable: bool = True,
+) -> list[Link]:
+    """A handle that a rigid transform [4, 4] brings to its wall; it folds down to both sides of the wall's normal or to one.
+
+    With `hangs` it lies against the wall towards -y, as at the ends of a chest. A handle that is not `movable` belongs to
+    `carrier`.
+    """
+    rod, reach = half * draw.between(0.05, 0.14), half * draw.between(0.3, 1.1)
+    deep = draw.between(0.0, 1.2) * rod
+    pieces = [transform(piece, place) for piece in carrying_handle(draw, half, reach, rod)]
+    node = above.add(draw.pick(["handle", "grip"], [9, 1]), *pieces)
+    if draw.chance(0.4):
+        ends = [box((3 * rod, 4 * rod, 2 * rod), (s * half, 0, 0.5 * rod)) for s in (-1, 1)]
+        carrier.nodes[0].pieces += [transform(piece, place) for piece in ends]
+    if hangs:
+        # Counted from the wall: towards -y at 90 degrees about +x.
+        limits = draw.pick([(-90.0, 90.0), (0.0, 90.0), (-60.0, 90.0)])
+        rest = 90.0 - draw.pick([0.0, draw.between(0.0, 60.0)], [3, 1])
+    else:
+        limits = draw.pick([(-90.0, 90.0), (0.0, 90.0), (-90.0, 0.0), (-70.0, 70.0)], [4, 1, 1, 2])
+        rest = draw.pick([0.0, draw.between(*limits), limits[0], limits[1]], [4, 2, 1, 1])
+    motion = hinge((0, 0, deep), X, *limits, rest=rest).moved_by(place)
+    if movable:
+        return [Link("handle", [node], carrier, motion, lumped_name="handle")]
+    node.pieces = [transform(piece, motion.at(rest)) for piece in node.pieces]
+    carrier.nodes.append(node)
+    return []
