@@ -10,7 +10,7 @@ from kinmo.box import Box
 from kinmo.config import load_config
 from kinmo.joint import Joint, JointKind
 from kinmo.learning.axis_selection.clouds import LEAST_SHARE, marked_cloud
-from kinmo.learning.axis_selection.data import PairData, joint_samples, moving_leaves
+from kinmo.learning.axis_selection.data import PairData, joint_samples, moving_leaves, random_turn
 from kinmo.learning.axis_selection.negatives import motion_difference, negative_candidates
 from small_shapes import box_surface, cabinet
 
@@ -145,3 +145,11 @@ def test_batches_depend_on_the_generator_alone_and_mark_what_moves() -> None:
     still = batch.original[..., 3] == 0
     assert torch.equal(batch.original[still], batch.feasible[still])
     assert not torch.allclose(batch.feasible[~still], batch.infeasible[~still])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_turn_takes_axes_to_axes_and_leaves_the_mark(seed: int) -> None:
+    turn = random_turn(np.random.default_rng(seed))
+    np.testing.assert_array_equal(turn @ turn.T, np.eye(4))
+    np.testing.assert_array_equal(np.abs(turn).sum(axis=0), 1)
+    np.testing.assert_array_equal(turn[3], [0, 0, 0, 1])

@@ -28,9 +28,6 @@ UNLIMITED = {
 }
 """The range taken for joints without one: radians, or diagonals."""
 
-LEAST_RANGE = {JointKind.REVOLUTE: math.radians(10.0), JointKind.PRISMATIC: 0.02, JointKind.SCREW: 0.0}
-"""A shorter range is taken for none."""
-
 JUDGED = {JointKind.REVOLUTE: TURNS, JointKind.PRISMATIC: SLIDES, JointKind.SCREW: SCREW_SLIDES}
 """Candidates are judged by these displacements, whatever a joint's range: so they are what is learnt."""
 
@@ -147,6 +144,6 @@ def _displaced(cloud: MarkedCloud, kind: JointKind, direction: F64, pivot: F64, 
 
 
 def _range(joint: Joint) -> tuple[float, float]:
-    if joint.lower is None or joint.upper is None or joint.upper - joint.lower < LEAST_RANGE[joint.kind]:
+    if joint.lower is None or joint.upper is None:
         return UNLIMITED[joint.kind]
     return joint.lower, joint.upper
