@@ -15,24 +15,20 @@ from kinmo.evaluation.table1 import caption_for, table1
 from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_table
 from kinmo.formats import Found, Layout, read_found
 from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo.pipeline.evaluation_files import EXAMPLES, PRINTED, SETTINGS
 from kinmo.pipeline.examples import write_examples
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.judge import Judgement, judge
+from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.predictors import leaf_meshes
 from kinmo.pipeline.rows import Row, chosen_rows
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pipeline.train import trained_config
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.workspace import StageRecord, Workspace, remove_leftovers
 
-SETTINGS = ("parts_given", "hierarchy_given")
-EXAMPLES = "examples.jsonl"
-"""Answers to true joints, for the report's pictures."""
 LABELLERS = ("kinmo", "OBB_fine")
 """Rows that make pseudo labels, and whose scores are held against the truth."""
-PRINTED = ("overview_micro", "angle", "distance")
-"""The tables that go to the terminal; all of them are written."""
 SECONDS_PER_SHAPE = 2.0
 
 

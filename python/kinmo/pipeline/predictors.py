@@ -20,8 +20,7 @@ from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
 from kinmo.mobility import Mobility
 from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree
 from kinmo.normalisation import Normalisation
-from kinmo.pipeline.models import HEADER, weights_for
-from kinmo.pipeline.train import trained_config
+from kinmo.pipeline.model_files import HEADER, WEIGHTS, trained_config, weights_for
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of
@@ -77,10 +76,11 @@ class PaperPredictor:
         return weights_digest(self.workspace, (f"gnn_{self.types}", "axis"))
 
     def check(self) -> None:
-        """Raise InputError if one of the networks was never trained."""
-        for model in (f"gnn_{self.types}", "axis"):
-            if not weights_digest(self.workspace, (model,)):
-                raise InputError(self.workspace.models / model, "not trained yet: run kinmo train all first")
+        """Raise InputError if one of the networks was never trained, or cannot be read."""
+        for path in _all_weights(self.workspace, f"gnn_{self.types}"):
+            _load_gnn(*path, self.device, self.hide_names)
+        for path in _all_weights(self.workspace, "axis"):
+            _load_selector(*path, self.device)
 
     @property
     def config(self) -> Mapping[str, Any]:
@@ -120,10 +120,11 @@ class KinmoPredictor:
         return weights_digest(self.workspace, KINMO_MODELS)
 
     def check(self) -> None:
-        """Raise InputError if one of the networks was never trained."""
-        for model in KINMO_MODELS:
-            if not weights_digest(self.workspace, (model,)):
-                raise InputError(self.workspace.models / model, "not trained yet: run kinmo train all first")
+        """Raise InputError if one of the networks was never trained, or cannot be read."""
+        for path in _all_weights(self.workspace, KINMO_MODELS[0]):
+            _load_gnn(*path, self.device, self.hide_names)
+        for path in _all_weights(self.workspace, KINMO_MODELS[1]):
+            _load_ranking(*path, self.device, self.hide_names)
 
     @property
     def config(self) -> Mapping[str, Any]:
@@ -210,6 +211,14 @@ def _weights(workspace: Workspace, model: str, category: str) -> tuple[Path, int
     if path is None:
         raise InputError(workspace.models / model, f"not trained for {category}: run kinmo train first")
     return path, path.stat().st_mtime_ns
+
+
+def _all_weights(workspace: Workspace, model: str) -> list[tuple[Path, int]]:
+    """All weights of a model, those of single categories too, and when they were written (ns)."""
+    found = sorted((workspace.models / model).rglob(WEIGHTS))
+    if not found:
+        raise InputError(workspace.models / model, "not trained yet: run kinmo train all first")
+    return [(path, path.stat().st_mtime_ns) for path in found]
 
 
 def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:
