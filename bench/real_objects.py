@@ -7,7 +7,8 @@ the other folds. All that is made lies in the cache and is not made twice. Witho
 measured, and the script says so.
 
 Rows: `given` (bodies given), `hidden` (names are hidden too), `turned` (objects turned about up, and freely with up told),
-`transfer` (procedural shapes alone), `categories` (whole categories left out), `hierarchy` (the segmentation alone is given).
+`transfer` (procedural shapes alone), `categories` (whole categories left out), `hierarchy` (the segmentation alone is given),
+`trees` (boosted trees on the same evidence, trained on the real objects of the other folds; also with the kinds given).
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from kinmo.config import Config, load_config
 from kinmo.evaluation.hierarchy_given import hierarchy_given
 from kinmo.evaluation.parts_given import parts_given
 from kinmo.evaluation.records import ShapeScore
+from kinmo.evaluation.trees_baseline import fit_trees
 from kinmo.formats import Found, read_found
 from kinmo.formats import Layout as Files
 from kinmo.learning.joint_ranking.predict import JointRanking
@@ -47,7 +49,7 @@ from real_figures import Figures, figures_of, print_figures
 from turned_objects import turned_shapes
 
 ROOT = Path(__file__).parents[1]
-ROWS = ("given", "hidden", "turned", "transfer", "categories", "hierarchy")
+ROWS = ("given", "hidden", "turned", "transfer", "categories", "hierarchy", "trees")
 FINE_TUNING = {"epochs": 20, "learning_rate": 7e-4}
 FEW_VIEWS = 8
 """Schedule and batches of the training on real objects, which are few."""
@@ -153,6 +155,12 @@ def scores(bench: Bench, row: str, seeds: int) -> dict[str, list[ShapeScore]]:
         elif row == "categories":
             for fold in bench.by_category():
                 add("category left out", bench.fine_tuned(fold, seed, fold[3][0].category), fold[3])
+        elif row == "trees":
+            for _, training, validation, tested in bench.by_fold():
+                trees = fit_trees([*training, *validation], seed=seed)
+                for shape in tested:
+                    for name, told in (("trees", False), ("trees, kinds given", True)):
+                        found.setdefault(name, []).append(parts_given(shape, trees.answers(shape, kinds_given=told)))
         else:
             for fold in bench.by_fold():
                 weights, tested = bench.fine_tuned(fold, seed), fold[3]
