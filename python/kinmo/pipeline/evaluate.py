@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,8 +10,9 @@ from typing import Any
 
 from kinmo.config import to_table
 from kinmo.errors import InputError
-from kinmo.evaluation.label_truth import curves, label_truth_table
+from kinmo.evaluation.label_truth import RANKING_WEIGHTS, WEIGHTS, curves, label_truth_table
 from kinmo.evaluation.records import ShapeScore
+from kinmo.evaluation.summary import summarise
 from kinmo.evaluation.table1 import caption_for, table1
 from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_table
 from kinmo.evaluation.trees_baseline import TreesBaseline, fit_trees
@@ -25,13 +27,15 @@ from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.pipeline.train import trained_config
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
-from kinmo.workspace import StageRecord, Workspace, remove_leftovers
+from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
 SETTINGS = ("parts_given", "hierarchy_given")
 EXAMPLES = "examples.jsonl"
 """Answers to true joints, for the report's pictures."""
-LABELLERS = ("kinmo", "OBB_fine")
-"""Rows that make pseudo labels, and whose scores are held against the truth."""
+SUMMARIES = "summaries"
+"""Folder of a file a setting: every figure of every row with its interval, over joints, over categories, and by category."""
+LABELLERS = {"kinmo": RANKING_WEIGHTS, "OBB_fine": WEIGHTS}
+"""Rows that make pseudo labels, and the ways of scoring that are held against the truth."""
 PRINTED = ("overview_micro", "angle", "distance")
 """The tables that go to the terminal; all of them are written."""
 TREES_SHAPES = 1000
@@ -133,11 +137,14 @@ class Evaluate:
         written = []
         failures = sum(len(judgement.failures) for judgement in judgements)
         note = " ".join(filter(None, [f"{failures} predictions failed and count as missed." if failures else "", left_out]))
-        data = f"{self.category or 'all categories'}, {self.workspace.path.absolute().name}"
+        data = f"{self.category or 'all categories'} of workspace {self.workspace.path.absolute().name}"
         for setting in SETTINGS:
             caption = Caption(f"Table 1, {_words(setting)}", data, 0, 0, "test split by hashed id", (self.seed,), note)
             for name, table in _tables(judgements, setting, caption).items():
                 written += write_table(table, self._folder / setting, name)
+            found = {name: summarise(scores).to_json() for name, scores in _scores(judgements, setting).items()}
+            written.append(self._folder / SUMMARIES / f"{setting}.json")
+            write_text_atomically(written[-1], json.dumps(found, indent=1, ensure_ascii=False) + "\n")
         examples = (example for judgement in judgements for example in judgement.examples)
         write_examples(self._folder / EXAMPLES, examples)
         return [*written, self._folder / EXAMPLES]
@@ -166,18 +173,24 @@ def _test_shapes(dataset: Dataset) -> tuple[IndexEntry, ...]:
 
 def _tables(judgements: Sequence[Judgement], setting: str, caption: Caption) -> Mapping[str, Table]:
     """All tables of one setting. Those by category have no columns for ablations, whose names hold a comma."""
+    scores = _scores(judgements, setting)
+    tables = {name: table for name, table in table1(scores, caption).items() if name.startswith("overview")}
+    headline = {name: found for name, found in scores.items() if "," not in name}
+    tables |= {name: table for name, table in table1(headline, caption).items() if not name.startswith("overview")}
+    for name, ways in LABELLERS.items():
+        if name in scores:
+            title = replace(caption_for(scores[name], caption), title=f"Truth of the labels of {name}, {_words(setting)}")
+            tables[f"label_truth_{name}"] = label_truth_table(curves(scores[name], weights=ways), title)
+    return tables
+
+
+def _scores(judgements: Sequence[Judgement], setting: str) -> dict[str, list[ShapeScore]]:
+    """The scores of all shapes in one setting, by row."""
     scores: dict[str, list[ShapeScore]] = {}
     for judgement in judgements:
         for name, score in getattr(judgement, setting).items():
             scores.setdefault(name, []).append(score)
-    tables = {name: table for name, table in table1(scores, caption).items() if name.startswith("overview")}
-    headline = {name: found for name, found in scores.items() if "," not in name}
-    tables |= {name: table for name, table in table1(headline, caption).items() if not name.startswith("overview")}
-    for name in LABELLERS:
-        if name in scores:
-            title = replace(caption_for(scores[name], caption), title=f"Truth of the labels of {name}, {_words(setting)}")
-            tables[f"label_truth_{name}"] = label_truth_table(curves(scores[name]), title)
-    return tables
+    return scores
 
 
 def _words(setting: str) -> str:

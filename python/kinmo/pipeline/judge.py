@@ -60,7 +60,12 @@ def judge(
         try:
             prediction = row.of(given(row.predictor))
             answers[row.name] = normalised({body: found[0] for body, found in enumerate(prediction.estimates)}, truth)
-            score = parts_given(truth, answers[row.name], penetrations=meter.of(frame.mobility(prediction.mobility)))
+            score = parts_given(
+                truth,
+                answers[row.name],
+                parents=_parents(prediction) if row.predictor.finds_parents else None,
+                penetrations=meter.of(frame.mobility(prediction.mobility)),
+            )
             result.parts_given[row.name] = _of_types(row, score, truth, edges)
             prediction = row.of(predicted(row.predictor))
             score = hierarchy_given(truth, prediction, penetrations=meter.of(frame.mobility(prediction.mobility)))
@@ -72,6 +77,10 @@ def judge(
                 scores.setdefault(row.name, failed)
     result.examples = _examples(truth, layout, result.parts_given, answers)
     return result
+
+
+def _parents(prediction: Prediction) -> dict[int, int | None]:
+    return {index: body.parent for index, body in enumerate(prediction.mobility.bodies)}
 
 
 def _of_types(row: Row, score: ShapeScore, truth: PreparedShape, edges: NDArray[np.int64] | None) -> ShapeScore:

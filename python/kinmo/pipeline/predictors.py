@@ -53,6 +53,10 @@ class Predictor(Protocol):
         """Whether it tells ten types apart, or five."""
 
     @property
+    def finds_parents(self) -> bool:
+        """Whether, *parts given*, it says itself what every body is attached to, rather than being told."""
+
+    @property
     def config(self) -> Mapping[str, Any]:
         """What else the answers depend on, as plain data."""
 
@@ -93,6 +97,10 @@ class PaperPredictor:
     @property
     def is_fine(self) -> bool:
         return self.types == "fine"
+
+    @property
+    def finds_parents(self) -> bool:
+        return False
 
     @property
     def config(self) -> Mapping[str, Any]:
@@ -141,6 +149,10 @@ class KinmoPredictor:
 
     @property
     def is_fine(self) -> bool:
+        return True
+
+    @property
+    def finds_parents(self) -> bool:
         return True
 
     @property
