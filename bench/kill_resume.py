@@ -1,156 +1,270 @@
 """Does a kinmo command that is killed at a random moment, and then typed again, end with the same files as an undisturbed one?
 
-    python bench/kill_resume.py [--kills 20] [--from WORKSPACE] [--ignore GLOB] [-- kinmo COMMAND ... --workspace {workspace}]
+    python bench/kill_resume.py [--kills 20] [--quick] [STAGE ...]
+    python bench/kill_resume.py --from WORKSPACE -- kinmo COMMAND ... --workspace {workspace}
 
-The command runs once undisturbed, into a copy of the workspace given by --from (or into none). Then, for every trial, it
-starts in a fresh copy, gets SIGKILL (with all its children) at a random moment of its life, and runs again to its end. All
-files of the two workspaces are compared byte by byte. At last the command runs once more, and may not touch a file. Without
-a command, `kinmo prepare` runs on procedural shapes.
+Without a command, every stage (or those named) has its turn on a workspace of few procedural shapes, trained for few epochs.
+The command runs once undisturbed in a copy of the workspace that the stages before have left. Then, for every trial, it
+starts in a fresh copy, gets SIGKILL (with all its children) at a random moment, and runs again to its end. That must leave the
+same files, byte by byte, and must not have written again what was finished before the kill: records of stages, prepared
+shapes, labels, answers. Training must go on from the last epoch that was complete. At last the command runs once more, and
+may not touch a file. The journal, which says when stages ran, and the lock do not count.
+
+Processes are forked from one that has imported kinmo: a kill hits the work and not the seconds of importing.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
 import os
 import random
+import re
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatch
+from importlib.resources import files
 from pathlib import Path
 
-from kinmo.synth.generate import generate
-
 PLACE = "{workspace}"
-JOURNAL = "journal*"
-"""Says when stages ran and how long they took, and so is never the same."""
+IGNORED = ("journal*", ".lock")
+FINISHED = ("records/*", "prepared/*/*", "pseudo/*/*", "out/*/*", "shapes/*/*/*", "models/*/weights.*")
+"""Files that nothing may write again once they are whole; `models` only while the stage of the model is finished."""
+FAMILIES = ("laptop", "stapler")
+FORK = multiprocessing.get_context("forkserver")
+FORK.set_forkserver_preload(["kinmo.cli", "kinmo.pipeline.report", "kinmo.pipeline.predict", "kinmo.pipeline.pseudo_label"])
+
+SYNTH = ("synth", *(word for name in FAMILIES for word in ("--family", name)), "--workers", "2", "--count")
+STAGES: dict[str, tuple[str, ...]] = {
+    "synth": (*SYNTH, "5", f"{PLACE}/shapes"),
+    "prepare": ("prepare", "{shapes}", "--workers", "2"),
+    "train gnn": ("train", "gnn", "--config", "{config}"),
+    "train axis": ("train", "axis", "--config", "{config}"),
+    "pseudo-label": ("pseudo-label", "--threshold", "0.3"),
+    "eval": ("eval",),
+    "report": ("report",),
+    "predict": ("predict", "{shapes}/partnet", "--out", f"{PLACE}/out"),
+}
+"""In their order; each finds what those before it have left. `train axis` trains the axis selection and the ranking."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What came of one kill. `died` is False where the command had finished before."""
+    """What came of one kill: how many files were `kept`, since they were finished, and what is `wrong`."""
 
-    after: float
-    died: bool
-    differing: tuple[str, ...]
-    repeated: tuple[str, ...]
+    kept: int
+    wrong: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A command with a place for the workspace, the workspace it starts from, and the files that do not count."""
+    """A command with a place for the workspace, and the workspace it starts from."""
 
     command: tuple[str, ...]
     start: Path | None
-    ignored: tuple[str, ...]
+    workspace: Path
 
-    def fresh(self, workspace: Path) -> Path:
-        """A workspace to start in."""
-        shutil.rmtree(workspace, ignore_errors=True)
+    def fresh(self) -> None:
+        """Make a workspace to start in."""
+        shutil.rmtree(self.workspace, ignore_errors=True)
         if self.start is not None:
-            shutil.copytree(self.start, workspace, symlinks=True)
-        return workspace
+            shutil.copytree(self.start, self.workspace, symlinks=True)
 
-    def launch(self, workspace: Path) -> subprocess.Popen[bytes]:
+    @property
+    def log(self) -> Path:
+        """What the last run said on stderr."""
+        return self.workspace.with_suffix(".log")
+
+    def launch(self) -> multiprocessing.process.BaseProcess:
         """The running command, in a process group of its own."""
-        arguments = [argument.replace(PLACE, str(workspace)) for argument in self.command]
-        return subprocess.Popen(arguments, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
+        arguments = [argument.replace(PLACE, str(self.workspace)) for argument in self.command]
+        process = FORK.Process(target=_kinmo, args=(arguments, self.log))
+        process.start()
+        return process
 
-    def run(self, workspace: Path) -> float:
-        """Runs the command to its end; its seconds. Ends the bench if it fails."""
+    def run(self) -> float:
+        """Run the command to its end; its seconds. Ends the bench if it fails."""
         begin = time.monotonic()
-        process = self.launch(workspace)
+        process = self.launch()
         try:
-            _, errors = process.communicate()
+            process.join()
         except BaseException:
-            os.killpg(process.pid, signal.SIGKILL)
+            _kill(process)
             raise
-        if process.returncode != 0:
-            raise SystemExit(f"{' '.join(self.command)} failed:\n{errors.decode(errors='replace')}")
+        if process.exitcode:
+            raise SystemExit(f"kinmo {' '.join(self.command)} failed:\n{self.log.read_text(errors='replace')}")
         return time.monotonic() - begin
 
-    def files(self, workspace: Path) -> dict[str, bytes]:
-        """The contents of all files that count."""
-        paths = {path.relative_to(workspace).as_posix(): path for path in workspace.rglob("*") if path.is_file()}
+    def files(self) -> dict[str, tuple[bytes, int]]:
+        """Contents, and times of change in ns, of all files that count."""
+        paths = {path.relative_to(self.workspace).as_posix(): path for path in self.workspace.rglob("*") if path.is_file()}
         return {
-            name: path.read_bytes()
+            name: (path.read_bytes(), path.stat().st_mtime_ns)
             for name, path in sorted(paths.items())
-            if not any(fnmatch(part, glob) for glob in self.ignored for part in name.split("/"))
+            if not any(fnmatch(part, glob) for glob in IGNORED for part in name.split("/"))
         }
 
-    def times(self, workspace: Path) -> dict[str, int]:
-        """When each of these files changed."""
-        return {name: (workspace / name).stat().st_mtime_ns for name in self.files(workspace)}
+    def trial(self, whole: dict[str, tuple[bytes, int]], after: float, again: bool) -> Trial | None:
+        """Kill after some seconds, run again, compare; with `again`, run once more and compare times too.
 
-    def trial(self, workspace: Path, whole: dict[str, bytes], after: float) -> Trial:
-        """Kill after some seconds, run again, compare."""
-        process = self.launch(self.fresh(workspace))
+        None if the command was over by then.
+        """
+        self.fresh()
+        begun = time.time_ns()
+        process = self.launch()
+        process.join(after)
+        if not process.is_alive():
+            return None
+        _kill(process)
+        killed, epochs = self.files(), self._epochs()
+        self.run()
+        ended = self.files()
+        wrong = [f"differs: {name}" for name in sorted({*whole, *ended}) if not _same(whole, ended, name)]
+        done = [name for name, (_, when) in killed.items() if when > begun and _is_finished(name, killed)]
+        wrong += [f"made again: {name}" for name in done if killed[name] != ended.get(name)]
+        wrong += [f"epochs trained again: {what}" for what in self._repeated(epochs)]
+        if again:
+            self.run()
+            wrong += [f"touched at last: {name}" for name, found in self.files().items() if found != ended.get(name)]
+        return Trial(len(done), tuple(wrong))
+
+    def _epochs(self) -> dict[str, int]:
+        """Complete epochs by network."""
+        tables = self.workspace.glob("models/*/metrics.json")
+        return {path.parent.name: len(json.loads(path.read_text(encoding="utf-8"))) for path in tables}
+
+    def _repeated(self, before: dict[str, int]) -> Iterator[str]:
+        """Networks of which the last run says that it trained an epoch that was complete before."""
+        for name, first in re.findall(r"^training (\w+): (\d+)/", self.log.read_text(encoding="utf-8"), re.MULTILINE):
+            if int(first) <= before.get(name, 0):
+                yield f"{name}, {first} of {before[name]}"
+
+
+def _same(one: dict[str, tuple[bytes, int]], other: dict[str, tuple[bytes, int]], name: str) -> bool:
+    return name in one and name in other and one[name][0] == other[name][0]
+
+
+def _is_finished(name: str, found: dict[str, tuple[bytes, int]]) -> bool:
+    """Whether a file is not to be written again."""
+    folder, _, rest = name.partition("/")
+    if any(part.startswith(".") and part.endswith("~") for part in name.split("/")):
+        return False
+    if folder == "models" and f"records/train-{rest.split('/')[0]}.json" not in found:
+        return False
+    return any(fnmatch(name, glob) for glob in FINISHED)
+
+
+def _kinmo(arguments: list[str], log: Path) -> None:
+    """Be the program `kinmo` with these arguments."""
+    os.setsid()
+    sys.argv[:] = ["kinmo", *arguments]
+    for stream, path in ((1, Path(os.devnull)), (2, log)):
+        handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+        os.dup2(handle, stream)
+    from kinmo.cli import main
+
+    main()
+
+
+def _kill(process: multiprocessing.process.BaseProcess) -> None:
+    """End a command and all its children, at once."""
+    if process.pid is not None and process.is_alive():
         try:
-            process.communicate(timeout=after)
-            died = False
-        except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
-            process.communicate()
-            died = True
-        self.run(workspace)
-        found = self.files(workspace)
-        differing = tuple(name for name in sorted({*whole, *found}) if whole.get(name) != found.get(name))
-        before = self.times(workspace)
-        self.run(workspace)
-        after_all = self.times(workspace)
-        repeated = tuple(name for name in sorted({*before, *after_all}) if before.get(name) != after_all.get(name))
-        return Trial(after, died, differing, repeated)
+        except ProcessLookupError:  # not yet the leader of a group
+            process.kill()
+    process.join()
 
 
-def default_command(folder: Path, quick: bool) -> tuple[str, ...]:
-    """`kinmo prepare` on procedural shapes in all layouts."""
-    generate(folder / "shapes", count=1 if quick else 2)
-    return ("kinmo", "prepare", str(folder / "shapes"), "--workspace", PLACE)
+def tiny_config(folder: Path) -> Path:
+    """The configuration `small`, smaller still."""
+    text = (files("kinmo") / "configs" / "small.toml").read_text(encoding="utf-8")
+    for key, value in {"epochs": 4, "batches_per_epoch": 4, "points": 64, "members": 2}.items():
+        text = re.sub(rf"^{key} = \d+", f"{key} = {value}", text, flags=re.MULTILINE)
+    path = folder / "tiny.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def stage_command(name: str, folder: Path) -> tuple[str, ...]:
+    """The command of a stage, with a place for the workspace."""
+    places = {"{shapes}": str(folder / "shapes"), "{config}": str(tiny_config(folder))}
+    words = STAGES[name]
+    for place, path in places.items():
+        words = tuple(word.replace(place, path) for word in words)
+    return (*words, "--workspace", PLACE, "--device", "cpu")
+
+
+def examine(what: str, experiment: Experiment, kills: int, rng: random.Random) -> int:
+    """All trials of one command; how many ended well. Leaves the workspace as the undisturbed command does."""
+    experiment.fresh()
+    seconds = experiment.run()
+    whole = experiment.files()
+    idle = experiment.run()
+    touched = [name for name, found in experiment.files().items() if found != whole.get(name)]
+    print(f"{what}: undisturbed {seconds:.1f} s, {len(whole)} files", *(f"touched: {name}" for name in touched), flush=True)
+    good = 0
+    for number in range(1, kills + 1):
+        trial = None
+        while trial is None:  # the machine may be faster now than it was
+            after = rng.uniform(0.5 * min(idle, seconds), seconds)
+            trial = experiment.trial(whole, after, again=number == kills)
+            seconds = after if trial is None else seconds
+        good += not trial.wrong and not touched
+        found = "; ".join(trial.wrong) or "same files"
+        print(f"  {number:3}  killed after {after:6.2f} s, {trial.kept} files finished: {found}", flush=True)
+    print(f"{what}: {good} of {kills} with the same files", flush=True)
+    return good
 
 
 def main() -> int:
     """Run all trials and print what differed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--kills", type=int, default=20)
-    parser.add_argument("--from", dest="start", type=Path, help="workspace to start from")
-    parser.add_argument(
-        "--ignore", action="append", default=[JOURNAL, ".lock"], metavar="GLOB", help="names of files that may differ"
-    )
+    parser.add_argument("--kills", type=int, default=20, help="of every command")
+    parser.add_argument("--from", dest="start", type=Path, help="workspace that the command starts from")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--quick", action="store_true", help="three kills")
-    parser.add_argument("command", nargs="*", help=f"with {PLACE} where the workspace goes")
+    parser.add_argument("--quick", action="store_true", help="two kills")
+    parser.add_argument("command", nargs="*", metavar="STAGE", help=f"of {', '.join(STAGES)}; or kinmo and a command")
     args = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
-    kills = 3 if args.quick else args.kills
-    rng = random.Random(args.seed)
+    os.environ |= {"OMP_NUM_THREADS": "1", "RAYON_NUM_THREADS": "1"}
+    warm = FORK.Process(target=os.getpid)  # the first one waits for the imports
+    warm.start()
+    warm.join()
+    kills, rng = 2 if args.quick else args.kills, random.Random(args.seed)
+    good: dict[str, int] = {}
     with tempfile.TemporaryDirectory(prefix="kill-resume-") as name:
         folder = Path(name)
-        command = tuple(args.command) or default_command(folder, args.quick)
-        if not any(PLACE in argument for argument in command):
-            parser.error(f"the command must name its workspace as {PLACE}")
-        command = (str(Path(sys.executable).parent / "kinmo"), *command[1:]) if command[0] == "kinmo" else command
-        experiment = Experiment(command, args.start, tuple(args.ignore))
         workspace = folder / "workspace"
-        seconds = experiment.run(experiment.fresh(workspace))
-        whole = experiment.files(workspace)
-        print(f"undisturbed: {seconds:.1f} s, {len(whole)} files")
-        trials = []
-        for number in range(kills):
-            trial = experiment.trial(workspace, whole, rng.uniform(0.0, seconds))
-            trials.append(trial)
-            wrong = [*(f"differs: {path}" for path in trial.differing), *(f"made again: {path}" for path in trial.repeated)]
-            state = "killed" if trial.died else "over"
-            print(f"{number + 1:3}  {state} after {trial.after:6.2f} s  {'; '.join(wrong) or 'same files'}", flush=True)
-    good = sum(not trial.differing and not trial.repeated for trial in trials)
-    dead = sum(trial.died for trial in trials)
-    what = " ".join(["kinmo", *command[1:2]])
-    claim = {"claim": f"{what}: same files after kill -9 at {dead} random moments", "ours": good, "peer": kills}
-    print(json.dumps({**claim, "ratio": good / kills, "goal": 1.0, "met": good == kills}))
+        if args.command[:1] == ["kinmo"]:
+            if not any(PLACE in argument for argument in args.command):
+                parser.error(f"the command must name its workspace as {PLACE}")
+            experiment = Experiment(tuple(args.command[1:]), args.start, workspace)
+            good[" ".join(args.command[:2])] = examine(args.command[1], experiment, kills, rng)
+        else:
+            if unknown := set(args.command) - STAGES.keys():
+                parser.error(f"expected stages of {', '.join(STAGES)}, got {', '.join(sorted(unknown))}")
+            for stage in STAGES:
+                before = folder / "before" if (folder / "before").exists() else None
+                experiment = Experiment(stage_command(stage, folder), before, workspace)
+                if not args.command or stage in args.command:
+                    good[stage] = examine(stage, experiment, kills, rng)
+                experiment.fresh()
+                experiment.run()
+                if stage == "synth":
+                    (workspace / "shapes").rename(folder / "shapes")
+                else:
+                    shutil.rmtree(folder / "before", ignore_errors=True)
+                    workspace.rename(folder / "before")
+    total, well = kills * len(good), sum(good.values())
+    claim = {"claim": f"same files after kill -9 at random moments of {', '.join(good)}", "ours": well, "peer": total}
+    print(json.dumps({**claim, "ratio": well / total, "goal": 1.0, "met": well == total}))
     return 0
 
 

@@ -1,8 +1,11 @@
 """Geometry of articulated objects, in Rust.
 
-Every function takes and returns NumPy arrays, runs without the GIL on all threads of rayon (`RAYON_NUM_THREADS` bounds
-them), gives the same result for a seed whatever the number of threads, and raises ValueError, its text starting with the
-argument's name, for NaN, empty meshes, indices out of range and wrong shapes. P is the number of meshes, G of groups.
+Every function takes and returns NumPy arrays, in any memory layout, runs without the GIL on all threads of rayon
+(`RAYON_NUM_THREADS` bounds them), looks for Ctrl-C about every twentieth of a second (between two items of the batch, where one
+takes longer), and gives the same result for a seed whatever the number of threads. It raises ValueError, its text starting with
+the argument's name, for NaN, numbers beyond 1e60 and counts out of range, empty meshes, indices out of range and wrong shapes;
+TypeError for another type of value; MemoryError where the result would not fit. Lengths below 1e-150 count as none.
+P is the number of meshes, G of groups.
 A group is a list of indices of meshes taken as one part; `groups=None` takes every mesh by itself.
 """
 
@@ -36,7 +39,8 @@ def sample_surface(meshes: Meshes, count: int, seed: int = 0, *, blue_noise: boo
     The order within a mesh is random, so that every prefix is uniform too. The draws are stratified by area. A mesh without
     area is sampled along its edges by length (one without length at its vertices), with unit normals perpendicular to them.
     The samples of a mesh depend on the mesh and `seed` alone. With `blue_noise` they are evenly spaced (Yuksel 2015, weighted
-    sample elimination). ValueError if a coordinate does not fit single precision.
+    sample elimination). `count` is at most 1e7, evenly spaced 1e5, and 1e8 for all meshes together. ValueError if a coordinate
+    does not fit single precision.
     """
 
 def fit_boxes(meshes: Meshes, groups: Groups = None) -> tuple[F64, F64, F64]:
@@ -133,6 +137,7 @@ def move_points(
 
     `kinds` [C]: 0 revolute, 1 prismatic, 2 screw; `directions` [C, 3], of length 1; `pivots` [C, 3]; `angles` [C, D] in
     radians, which prismatic joints ignore together with the pivot; `shifts` [C, D] in lengths, which revolute ones ignore.
+    ValueError if points can leave single precision.
     """
 
 def sweep(

@@ -64,6 +64,30 @@ def write_bytes_atomically(path: Path, data: bytes) -> None:
         temporary.write_bytes(data)
 
 
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Makes `folder`, if need be, and keeps other kinmo processes from writing there.
+
+    The system frees the lock of a process that dies, however it dies. Raises InputError if another process holds the lock, or
+    the folder cannot be made or written to.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handle = os.open(folder / ".lock", os.O_RDWR | os.O_CREAT, 0o644)
+    except OSError as error:
+        raise InputError(folder, f"cannot be written to ({error.strerror})") from None
+    try:
+        if not _lock(handle):
+            holder = os.pread(handle, 32, 0).decode("ascii", "replace").strip() or "unknown"
+            raise InputError(folder, f"another kinmo (process {holder}) is writing here: wait for it, or name another folder")
+        os.ftruncate(handle, 0)
+        os.pwrite(handle, f"{os.getpid()}\n".encode(), 0)
+        yield
+        os.ftruncate(handle, 0)
+    finally:
+        os.close(handle)
+
+
 def remove_leftovers(folder: Path) -> None:
     """Clears away what runs that were killed left in `folder` and below. Only for the holder of the workspace's lock."""
     for pattern in (_TEMPORARY, _REPLACED):
@@ -98,37 +122,11 @@ class Workspace:
         self.report = self.path / "report"
         self._records = self.path / "records"
 
-    def make(self) -> None:
-        """Creates the folder. Raises InputError if that is impossible."""
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(self.path, f"cannot be a workspace ({error.strerror})") from None
-
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Keeps other kinmo processes from writing here. The system frees the lock of a process that dies, however it dies.
-
-        Raises InputError if another process holds it.
-        """
-        self.make()
-        path = self.path / ".lock"
-        try:
-            handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-        except OSError as error:
-            raise InputError(self.path, f"cannot be written to ({error.strerror})") from None
-        try:
-            if not _lock(handle):
-                holder = os.pread(handle, 32, 0).decode("ascii", "replace").strip() or "unknown"
-                raise InputError(
-                    self.path, f"another kinmo (process {holder}) works in this workspace: wait for it, or name another"
-                )
-            os.ftruncate(handle, 0)
-            os.pwrite(handle, f"{os.getpid()}\n".encode(), 0)
+        """Keeps other kinmo processes from writing here (`locked`)."""
+        with locked(self.path):
             yield
-            os.ftruncate(handle, 0)
-        finally:
-            os.close(handle)
 
     def record(self, stage: str) -> StageRecord | None:
         """What `stage` wrote last; None if it never finished, or its record cannot be read."""

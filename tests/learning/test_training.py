@@ -68,10 +68,16 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[Tensor]:
 @pytest.mark.parametrize("moment", [(0, 2), (1, 0), (3, 3)])
 def test_a_run_that_was_cut_off_ends_as_one_that_was_not(tmp_path: Path, undisturbed: list[Tensor], moment) -> None:
     with pytest.raises(RuntimeError, match="power cut"):
-        fit(Line(), Points(moment), tmp_path, seed=3, device="cpu")
-    again, data = end_state(tmp_path)
+        fit(Line(), Points(moment), tmp_path / "cut", seed=3, device="cpu")
+    again, data = end_state(tmp_path / "cut")
     assert data.epochs == list(range(moment[0], CONFIG.epochs)), "finished epochs are not run again"
     assert all(torch.equal(a, b) for a, b in zip(again, undisturbed, strict=True))
+    end_state(tmp_path / "whole")
+    files = [
+        {path.name: path.read_bytes() for path in (tmp_path / name).iterdir() if path.suffix != ".ckpt"}
+        for name in ("cut", "whole")
+    ]
+    assert files[0] == files[1]
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.99])

@@ -131,6 +131,15 @@ def test_predict_goes_on_past_a_bad_shape(road: Road, tmp_path: Path) -> None:
     assert contents(tmp_path / "out") == before
 
 
+def test_predict_never_takes_the_place_of_what_it_did_not_write(road: Road, tmp_path: Path) -> None:
+    shape = next((road.shapes / "partnet").iterdir())
+    shutil.copytree(shape, tmp_path / shape.name)
+    before = contents(tmp_path)
+    outcome = Predict(tmp_path / shape.name, tmp_path, road.workspace, METHODS[0], device="cpu").run(Listener())
+    assert outcome.failed == 1 and "--out" in outcome.data["left_out"][0]
+    assert contents(tmp_path) == before
+
+
 def test_categories_are_matched_whatever_their_spelling(road: Road) -> None:
     plans = [Evaluate(road.workspace, METHODS, name, device="cpu").plan().steps for name in ("Laptop", "LAPTOP")]
     assert plans[0] == plans[1] != ()

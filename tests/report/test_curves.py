@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinmo.report.curves import HEIGHT, WIDTH, line_chart
+from kinmo.report.curves import LETTER, WIDTH, line_chart
 
 values = st.floats(-1e12, 1e12, allow_nan=False)
 
@@ -21,7 +21,20 @@ def test_all_points_lie_inside_the_chart(points: list[tuple[float, float]]) -> N
     assert line is not None
     for pair in line.attrib["points"].split():
         x, y = map(float, pair.split(","))
-        assert 0 <= x <= WIDTH and 0 <= y <= HEIGHT
+        assert 0 <= x <= WIDTH and 0 <= y <= float(svg.attrib["viewBox"].split()[3])
+
+
+@given(st.lists(st.text("abcdefgh ", min_size=1, max_size=30), min_size=1, max_size=8, unique=True))
+def test_the_names_of_all_series_lie_inside_the_chart_and_apart(names: list[str]) -> None:
+    svg = ElementTree.fromstring(line_chart("errors", {name: [(0, 1.0), (1, 2.0)] for name in names}, "epoch"))
+    keys = [text for text in svg.iter("text") if text.attrib["class"].startswith("key")]
+    assert len(keys) == len(names)
+    spans = [(float(k.attrib["y"]), float(k.attrib["x"]), float(k.attrib["x"]) + LETTER * len(k.text or "")) for k in keys]
+    assert all(end <= WIDTH for _, _, end in spans)
+    for one, other in zip(sorted(spans), sorted(spans)[1:], strict=False):
+        assert one[0] < other[0] or one[2] < other[1]
+    highest = min(float(pair.split(",")[1]) for line in svg.iter("polyline") for pair in line.attrib["points"].split())
+    assert max(y for y, _, _ in spans) < highest
 
 
 def test_values_that_are_no_numbers_are_left_out() -> None:

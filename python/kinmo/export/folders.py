@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from kinmo.workspace import write_atomically
 
 
 @contextmanager
 def whole_folder(target: Path) -> Iterator[Path]:
     """A folder to write into that takes the place of `target` when the block ends, and vanishes if it fails.
 
-    What was at `target` before is replaced as a whole.
+    What was at `target` before is replaced as a whole. What a killed process left is cleared away by the next one that writes
+    `target`.
     """
-    target.parent.mkdir(parents=True, exist_ok=True)
-    draft = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
-    try:
-        draft.chmod(0o755)
+    with write_atomically(target) as draft:
+        draft.mkdir()
         yield draft
-        if target.exists():
-            shutil.rmtree(target)
-        draft.replace(target)
-    except BaseException:
-        shutil.rmtree(draft, ignore_errors=True)
-        raise

@@ -26,13 +26,14 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch.utils.data import DataLoader, IterableDataset
 
 from kinmo.config import TrainingConfig
-from kinmo.learning.files import write_atomically, write_text
 from kinmo.learning.weights import pick_device
+from kinmo.workspace import write_atomically, write_text_atomically
 
 MONITOR = "validation/error"
 """What a module logs in its validation steps, and what the best epoch is the least of."""
 
 CHECKPOINTS = ("last.ckpt", "previous.ckpt")
+BEST = "best.pt"
 
 
 class TrainingData(Protocol):
@@ -120,9 +121,15 @@ def fit(
         with _interruptible(trainer):
             trainer.fit(module, datamodule=None, train_dataloaders=_Loader(data, seed, trainer), ckpt_path=resume,
                         val_dataloaders=_Loader(data, None, trainer), weights_only=True)  # fmt: skip
-    module.load_state_dict(torch.load(run_dir / "best.pt", map_location=module.device, weights_only=True))
+    module.load_state_dict(torch.load(run_dir / BEST, map_location=module.device, weights_only=True))
     module.eval()
     return FitResult(recorder.best_epoch, recorder.best_error, tuple(recorder.history))
+
+
+def remove_checkpoints(run_dir: Path) -> None:
+    """Drop what only an unfinished training needs, several times as large as the weights. For when those are written."""
+    for name in (*CHECKPOINTS, BEST):
+        (run_dir / name).unlink(missing_ok=True)
 
 
 class _Batches(IterableDataset[Any]):
@@ -190,14 +197,16 @@ class _Recorder(Callback):
             self.best_epoch, self.best_error = epoch, error
             if trainer.is_global_zero:
                 weights = {name: tensor.cpu() for name, tensor in pl_module.state_dict().items()}
-                write_atomically(self.folder / "best.pt", lambda scratch: torch.save(weights, scratch))
+                with write_atomically(self.folder / BEST) as scratch:
+                    torch.save(weights, scratch)
         last, previous = (self.folder / name for name in CHECKPOINTS)
         if trainer.is_global_zero and last.exists():
             last.replace(previous)
         if not trainer.is_global_zero:
             trainer.save_checkpoint(last)  # takes part in the gathering, writes nothing
             return
-        write_atomically(last, lambda scratch: trainer.save_checkpoint(scratch))
+        with write_atomically(last) as scratch:
+            trainer.save_checkpoint(scratch)
         self._write_metrics()
         if self.on_progress is not None:
             self.on_progress(Progress(epoch + 1, self.epochs, metrics))
@@ -208,8 +217,8 @@ class _Recorder(Callback):
         writer = csv.DictWriter(table, columns, lineterminator="\n")
         writer.writeheader()
         writer.writerows(self.history)
-        write_text(self.folder / "metrics.csv", table.getvalue())
-        write_text(self.folder / "metrics.json", json.dumps(self.history, indent=1) + "\n")
+        write_text_atomically(self.folder / "metrics.csv", table.getvalue())
+        write_text_atomically(self.folder / "metrics.json", json.dumps(self.history, indent=1) + "\n")
 
 
 def _checkpoint_to_resume(folder: Path, identity: str) -> Path | None:

@@ -16,7 +16,7 @@ from torch import Tensor, nn
 
 from kinmo import __version__
 from kinmo.errors import InputError
-from kinmo.learning.files import write_atomically, write_text
+from kinmo.workspace import write_atomically, write_text_atomically
 
 SCHEMA = 1
 
@@ -53,10 +53,11 @@ def save_weights(
     `kind` names the network ("motion_gnn", ...); `config` and `facts` must be plain JSON.
     """
     tensors = {name: tensor.detach().cpu().contiguous() for name, tensor in module.state_dict().items()}
-    write_atomically(path, lambda scratch: save_file(tensors, scratch))
+    with write_atomically(path) as scratch:
+        save_file(tensors, scratch)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     header = {"schema": SCHEMA, "kinmo": __version__, "kind": kind, "sha256": digest, "config": config, "facts": facts or {}}
-    write_text(path.with_suffix(".json"), json.dumps(header, indent=1, sort_keys=True) + "\n")
+    write_text_atomically(path.with_suffix(".json"), json.dumps(header, indent=1, sort_keys=True) + "\n")
     return digest
 
 

@@ -18,6 +18,8 @@ from kinmo.workspace import Workspace
 
 WEIGHTS = "weights.safetensors"
 """Written into a model's folder when its training is done."""
+HEADER = "weights.json"
+"""What the weights are for, written right after them."""
 METRICS = "metrics.json"
 """One entry an epoch, from the first epoch on."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ from kinmo.formats.sources import fingerprint, shown
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.prepare import prepare_shape
-from kinmo.workspace import Workspace, digest
+from kinmo.workspace import Workspace, digest, locked
 
 SECONDS_PER_SHAPE = 3.0
 JOINTS = "joints.json"
@@ -49,16 +50,14 @@ class Predict:
             raise InputError(self.source, "expected at least one shape at or below it")
         predictor = load_predictor(self.workspace, self.method, self.device)
         documents = []
-        for done, (found, folder) in enumerate(targets, start=1):
-            try:
-                documents.append(self._predict(found, folder, predictor))
-            except InputError as error:
-                problems.append(str(error))
-                observer.note(f"left out: {error}")
-            except ValueError as error:
-                problems.append(f"{shown(found.path)}: {error}")
-                observer.note(f"left out: {problems[-1]}")
-            observer.progress("predicting joints", done, len(targets), found.id)
+        with locked(self.out):
+            for done, (found, folder) in enumerate(targets, start=1):
+                try:
+                    documents.append(self._predict(found, folder, predictor))
+                except ValueError as error:
+                    problems.append(str(error) if isinstance(error, InputError) else f"{shown(found.path)}: {error}")
+                    observer.note(f"left out: {problems[-1]}")
+                observer.progress("predicting joints", done, len(targets), found.id)
         data = {"shapes": documents, "left_out": problems}
         text = f"{len(documents)} shapes, {sum(d['joints'] for d in documents)} joints, {len(problems)} left out"
         return Outcome(self.out, data, text, failed=len(problems))
@@ -76,6 +75,7 @@ class Predict:
         provenance = Provenance(predictor.weights, predictor.config)
         made_from = digest([fingerprint(found), predictor.method, predictor.weights, predictor.config, self.seed, __version__])
         if not _is_made_from(folder, made_from):
+            _check_replaceable(folder)
             shape = read_found(found)
             prepared = prepare_shape(shape, seed=self.seed)
             prediction = predictor.predict(prepared, leaf_meshes(shape, prepared))
@@ -86,6 +86,16 @@ class Predict:
         document = json.loads((folder / JOINTS).read_text(encoding="utf-8"))
         joints = sum(body["joint"] is not None for body in document["bodies"])
         return {"id": found.id, "folder": str(folder), "joints": joints, "urdf": str(folder / f"{folder.name}.urdf")}
+
+
+def _check_replaceable(folder: Path) -> None:
+    """Raises InputError if `folder` holds something that was not predicted: a user's shape, say."""
+    if os.path.lexists(folder) and not (folder / MADE_FROM).is_file() and not _is_empty(folder):
+        raise InputError(folder, "is in the way, and nothing that kinmo predict wrote: name another folder by --out")
+
+
+def _is_empty(folder: Path) -> bool:
+    return folder.is_dir() and not any(folder.iterdir())
 
 
 def _is_made_from(folder: Path, made_from: str) -> bool:

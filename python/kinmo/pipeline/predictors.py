@@ -23,7 +23,7 @@ from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
 from kinmo.mobility import Mobility
 from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree
 from kinmo.normalisation import Normalisation
-from kinmo.pipeline.models import WEIGHTS, group_of, weights_for
+from kinmo.pipeline.models import HEADER, group_of, weights_for
 from kinmo.pipeline.train import trained_config
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
@@ -249,7 +249,7 @@ def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:
     """A hash of all weights of some models, with those of single categories; empty if one of the models has none."""
     found: dict[str, str] = {}
     for model in models:
-        headers = sorted((workspace.models / model).rglob(Path(WEIGHTS).with_suffix(".json").name))
+        headers = sorted((workspace.models / model).rglob(HEADER))
         if not headers:
             return ""
         for path in headers:

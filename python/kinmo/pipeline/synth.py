@@ -9,6 +9,7 @@ from typing import Any
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.generate import Layout, Order, generate, orders
+from kinmo.workspace import locked
 
 SECONDS_PER_SHAPE = 0.05
 
@@ -42,7 +43,8 @@ class Synth:
             done += 1
             observer.progress("writing shapes", done, total, path.name)
 
-        written = generate(self.folder, **self._wish(), workers=self.workers, on_written=on_written)
+        with locked(self.folder):
+            written = generate(self.folder, **self._wish(), workers=self.workers, on_written=on_written)
         data = {"folder": str(self.folder), "shapes": total, "written": written}
         return Outcome(self.folder, data, f"{total} shapes, {written} of them new")
 

@@ -10,10 +10,10 @@ from typing import Any
 
 from kinmo.config import Config, from_table, load_config, to_table
 from kinmo.errors import InputError
-from kinmo.learning.training import Progress
+from kinmo.learning.training import Progress, remove_checkpoints
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.models import GROUPS, METRICS, TRAINERS, WEIGHTS, model_folder
+from kinmo.pipeline.models import GROUPS, HEADER, METRICS, TRAINERS, WEIGHTS, model_folder
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
@@ -100,6 +100,7 @@ class Train:
         folder = model_folder(self.workspace, task.model, task.category)
         if self.workspace.is_current(task.stage, task.inputs):
             observer.note(f"{task.name}: trained already")
+            remove_checkpoints(folder)
             return task.name, _result(folder)
         self.workspace.forget(task.stage)
         section, trainer = TRAINERS[task.model]
@@ -123,14 +124,15 @@ class Train:
             )
             watch.amount = len(result.history) * len(task.training)
             watch.what = f"{task.name} on {len(task.training)} shapes for {len(result.history)} epochs"
-        outputs = tuple(str((folder / name).relative_to(self.workspace.path)) for name in (WEIGHTS, METRICS))
+        outputs = tuple(str((folder / name).relative_to(self.workspace.path)) for name in (WEIGHTS, HEADER, METRICS))
         self.workspace.write_record(task.stage, StageRecord(task.inputs, outputs))
+        remove_checkpoints(folder)
         return task.name, _result(folder)
 
 
 def _result(folder: Path) -> dict[str, Any]:
     history = json.loads((folder / METRICS).read_text(encoding="utf-8"))
-    facts = json.loads((folder / WEIGHTS).with_suffix(".json").read_text(encoding="utf-8"))
+    facts = json.loads((folder / HEADER).read_text(encoding="utf-8"))
     errors = [row["validation/error"] for row in history]
     best = min(range(len(errors)), key=errors.__getitem__)
     return {

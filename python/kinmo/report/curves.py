@@ -6,10 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
-WIDTH, HEIGHT = 340, 204
-LETTER = 5.2
-"""About the width of a letter of the key."""
-LEFT, RIGHT, TOP, BOTTOM = 46, 14, 40, 28
+WIDTH = 340
+PLOT = 136
+"""Height of what the axes enclose."""
+LETTER, GAP, ROW = 5.4, 12, 13
+"""Of the key: about the width of a letter, the space between two names, the height of a row."""
+LEFT, RIGHT, TITLE, BOTTOM = 46, 14, 15, 28
 
 Points = Sequence[tuple[float, float]]
 
@@ -26,29 +28,42 @@ def line_chart(title: str, series: Mapping[str, Points], x_label: str) -> str:
     xs = [x for points in drawn.values() for x, _ in points]
     ys = [y for points in drawn.values() for _, y in points]
     across, upward = _ticks(min(xs), max(xs)), _ticks(min(ys), max(ys))
+    key = _key(list(drawn))
+    top = TITLE + key[-1][1] + 8
+    height = top + PLOT + BOTTOM
 
     def place(x: float, y: float) -> str:
         u = LEFT + (x - across[0]) / (across[-1] - across[0]) * (WIDTH - LEFT - RIGHT)
-        v = HEIGHT - BOTTOM - (y - upward[0]) / (upward[-1] - upward[0]) * (HEIGHT - TOP - BOTTOM)
+        v = top + PLOT - (y - upward[0]) / (upward[-1] - upward[0]) * PLOT
         return f"{u:.1f},{v:.1f}"
 
-    pieces = [f'<text class="title" x="{LEFT}" y="13">{escape(title)}</text>']
+    pieces = [f'<text class="title" x="{LEFT}" y="{TITLE - 2}">{escape(title)}</text>']
     for y in upward:
         u, v = place(across[0], y).split(",")
         pieces.append(f'<line class="grid" x1="{u}" x2="{WIDTH - RIGHT}" y1="{v}" y2="{v}"/>')
         pieces.append(f'<text class="tick" text-anchor="end" x="{float(u) - 4:.1f}" y="{float(v) + 3:.1f}">{y:g}</text>')
     for x in across:
         u, _ = place(x, upward[0]).split(",")
-        pieces.append(f'<text class="tick" text-anchor="middle" x="{u}" y="{HEIGHT - BOTTOM + 13}">{x:g}</text>')
-    pieces.append(f'<text class="tick" text-anchor="end" x="{WIDTH - RIGHT}" y="{HEIGHT - 3}">{escape(x_label)}</text>')
-    key = float(LEFT)
-    for index, (name, points) in enumerate(drawn.items()):
-        path = " ".join(place(x, y) for x, y in points)
+        pieces.append(f'<text class="tick" text-anchor="middle" x="{u}" y="{height - BOTTOM + 13}">{x:g}</text>')
+    pieces.append(f'<text class="tick" text-anchor="end" x="{WIDTH - RIGHT}" y="{height - 3}">{escape(x_label)}</text>')
+    for index, ((name, points), (left, below)) in enumerate(zip(drawn.items(), key, strict=True)):
+        path = " ".join(place(x, y) for x, y in (points if len(points) > 1 else points * 2))  # one point is a dot
         pieces.append(f'<polyline class="series s{index % 6}" points="{path}"/>')
-        pieces.append(f'<text class="key s{index % 6}" x="{key:.0f}" y="28">{escape(name)}</text>')
-        key += LETTER * len(name) + 10
-    head = f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(title, quote=True)}">'
+        pieces.append(f'<text class="key s{index % 6}" x="{left:.0f}" y="{TITLE + below}">{escape(name)}</text>')
+    head = f'<svg class="chart" viewBox="0 0 {WIDTH} {height}" role="img" aria-label="{escape(title, quote=True)}">'
     return f"{head}{''.join(pieces)}</svg>"
+
+
+def _key(names: Sequence[str]) -> list[tuple[float, int]]:
+    """Where the names of the series stand: x, and y below the title; a name that would not fit begins another row."""
+    places = []
+    x, y = float(LEFT), ROW
+    for name in names:
+        if x > LEFT and x + LETTER * len(name) > WIDTH:
+            x, y = float(LEFT), y + ROW
+        places.append((x, y))
+        x += LETTER * len(name) + GAP
+    return places
 
 
 def _ticks(low: float, high: float, about: int = 4) -> list[float]:

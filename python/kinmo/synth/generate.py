@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from enum import Enum
-from itertools import starmap
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 
@@ -23,6 +21,7 @@ from kinmo.synth.joint_quirks import misstate
 from kinmo.synth.mesh_quirks import roughen
 from kinmo.synth.model import SynthObject
 from kinmo.synth.writers import dsg_net, partnet, partnet_mobility
+from kinmo.workers import Crashed, map_unordered
 
 
 class Layout(str, Enum):
@@ -119,22 +118,21 @@ def generate(
     if count < 1:
         raise InputError("count", f"expected at least 1, got {count}")
     todo = orders(count, families=families, layouts=layouts, seed=seed, parameter_range=parameter_range)
-    jobs = ((order, out) for order in todo if not _target(order, out).exists())
+    jobs = (order for order in todo if not _target(order, out).exists())
     written = 0
-    if workers == 1:
-        results: Iterator[Path] = starmap(write, jobs)
-        written = _report(results, on_written)
-    else:
-        with ProcessPoolExecutor(workers) as pool:
-            for batch in _batches(jobs, 64 * workers):
-                written += _report(pool.map(write, *zip(*batch, strict=True), chunksize=8), on_written)
+    for order, path in map_unordered(partial(write, out=out), jobs, workers):
+        if isinstance(path, Crashed):
+            raise ChildProcessError(f"{_target(order, out)}: the process that wrote it died")
+        written += 1
+        if on_written is not None:
+            on_written(path)
     return written
 
 
 def write(order: Order, out: Path) -> Path:
-    """Make one shape and put it in place as a whole."""
+    """Make one shape and put it in place as a whole. What a killed process left of it is cleared away."""
     target = _target(order, out)
-    unfinished = target.with_name(f".{target.name}.{os.getpid()}")
+    unfinished = target.with_name(f".{target.name}.tmp~")
     shutil.rmtree(unfinished, ignore_errors=True)
     unfinished.mkdir(parents=True)
     try:
@@ -147,23 +145,3 @@ def write(order: Order, out: Path) -> Path:
 
 def _target(order: Order, out: Path) -> Path:
     return out / order.layout.value / order.shape_id
-
-
-def _report(results: Iterator[Path], on_written: Callable[[Path], None] | None) -> int:
-    written = 0
-    for path in results:
-        written += 1
-        if on_written is not None:
-            on_written(path)
-    return written
-
-
-def _batches(jobs: Iterator[tuple[Order, Path]], size: int) -> Iterator[list[tuple[Order, Path]]]:
-    batch: list[tuple[Order, Path]] = []
-    for job in jobs:
-        batch.append(job)
-        if len(batch) == size:
-            yield batch
-            batch = []
-    if batch:
-        yield batch

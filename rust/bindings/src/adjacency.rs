@@ -1,16 +1,23 @@
+//! `part_distances`.
+
 use kinmo_geometry::GeometryError;
-use kinmo_geometry::adjacency::{self, PartDistance};
+use kinmo_geometry::adjacency::{Part, PartDistance};
+use nalgebra::Point3;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArrayDyn};
+use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
+use crate::arrays::Array;
+use crate::batches::{filter_map_in_batches, map_in_batches};
 use crate::convert::value_error;
 use crate::groups::{groups_of, pairs_of};
 use crate::meshes::Meshes;
 
-/// Pairs between two looks at the signals.
-const BATCH: usize = 4096;
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(part_distances, module)?)
+}
 
+/// Pairs, distances, witness points on the first and on the second parts.
 type Distances<'py> =
     (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 
@@ -20,39 +27,33 @@ fn part_distances<'py>(
     py: Python<'py>,
     meshes: &Meshes,
     groups: Option<Vec<Vec<i64>>>,
-    pairs: Option<PyReadonlyArrayDyn<'py, u32>>,
+    pairs: Option<Array<'py, u32>>,
     max_distance: f64,
 ) -> PyResult<Distances<'py>> {
     let groups = groups_of(meshes.parts.len(), groups).map_err(value_error)?;
-    let pairs = match pairs {
-        Some(pairs) => pairs_of(groups.len(), &pairs).map_err(value_error)?,
-        None => (0..groups.len()).flat_map(|a| (a + 1..groups.len()).map(move |b| (a, b))).collect(),
-    };
+    let pairs = pairs.map(|pairs| pairs_of(groups.len(), &pairs)).transpose().map_err(value_error)?;
     if max_distance.is_nan() || max_distance < 0.0 {
         return Err(value_error(GeometryError::new("max_distance", format!("{max_distance}, expected at least 0"))));
     }
-    let parts = py.detach(|| meshes.trees_of(&groups));
-    let mut found: Vec<((usize, usize), PartDistance)> = Vec::new();
-    for batch in pairs.chunks(BATCH) {
-        let distances = py.detach(|| adjacency::part_distances(&parts, batch, max_distance));
-        found.extend(batch.iter().zip(distances).filter_map(|(&pair, distance)| Some((pair, distance?))));
-        py.check_signals()?;
-    }
-    let rows = found.len();
-    let pairs = Array2::from_shape_fn((rows, 2), |(row, side)| {
-        let (a, b) = found[row].0;
-        (if side == 0 { a } else { b }) as u32
-    });
-    let witness_a = Array2::from_shape_fn((rows, 3), |(row, axis)| found[row].1.witness_a[axis]);
-    let witness_b = Array2::from_shape_fn((rows, 3), |(row, axis)| found[row].1.witness_b[axis]);
+    let parts =
+        map_in_batches(py, &groups, |members| Part::new(members.iter().map(|&part| meshes.tree(part)).collect()))?;
+    let measure = |(a, b): (usize, usize)| Some(((a, b), parts[a].distance(&parts[b], max_distance)?));
+    let found = match pairs {
+        Some(pairs) => filter_map_in_batches(py, pairs, measure)?,
+        None => filter_map_in_batches(py, unordered_pairs(parts.len()), measure)?,
+    };
+    let witnesses = |of: fn(&PartDistance) -> Point3<f64>| {
+        Array2::from_shape_fn((found.len(), 3), |(row, axis)| of(&found[row].1)[axis]).into_pyarray(py)
+    };
     Ok((
-        pairs.into_pyarray(py),
+        Array2::from_shape_fn((found.len(), 2), |(row, side)| <[usize; 2]>::from(found[row].0)[side] as u32)
+            .into_pyarray(py),
         PyArray1::from_iter(py, found.iter().map(|(_, distance)| distance.distance)),
-        witness_a.into_pyarray(py),
-        witness_b.into_pyarray(py),
+        witnesses(|distance| distance.witness_a),
+        witnesses(|distance| distance.witness_b),
     ))
 }
 
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(part_distances, module)?)
+fn unordered_pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count).flat_map(move |a| (a + 1..count).map(move |b| (a, b)))
 }

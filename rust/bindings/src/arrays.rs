@@ -1,8 +1,59 @@
-//! Checked views of arrays: shape and finiteness, with the argument's name in the error.
+//! NumPy arrays as arguments: of the right type, shape and range, or refused by name.
 
+use kinmo_geometry::mesh::LARGEST_COORDINATE;
 use kinmo_geometry::{GeometryError, Result};
 use nalgebra::{Matrix3, Point3, Vector3};
 use numpy::ndarray::{ArrayView1, ArrayView2, ArrayViewD, Ix1, Ix2};
+use numpy::{
+    Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
+    PyUntypedArrayMethods, dtype,
+};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+
+/// An array of `T` in any memory layout.
+pub struct Array<'py, T: Element>(PyReadonlyArrayDyn<'py, T>);
+
+impl<T: Element> Array<'_, T> {
+    /// The values.
+    pub fn view(&self) -> ArrayViewD<'_, T> {
+        self.0.as_array()
+    }
+}
+
+impl<'py, T: Element> FromPyObject<'_, 'py> for Array<'py, T> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let expected = dtype::<T>(object.py());
+        let Ok(untyped) = object.cast::<PyUntypedArray>() else {
+            let found = object.get_type().name()?;
+            return Err(PyTypeError::new_err(format!("expected an array of {expected}, not {found}")));
+        };
+        let found = untyped.dtype();
+        if !found.is_equiv_to(&expected) {
+            return Err(PyTypeError::new_err(format!("expected an array of {expected}, not of {found}")));
+        }
+        let array = object.cast::<PyArrayDyn<T>>()?;
+        if is_addressable(&array) {
+            return Ok(Self(array.try_readonly()?));
+        }
+        Ok(Self(array.call_method0("copy")?.cast_into::<PyArrayDyn<T>>()?.try_readonly()?))
+    }
+}
+
+/// Whether every value lies a whole number of values from the first one, and where its type has to: fields of records
+/// need not.
+fn is_addressable<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
+    let size = size_of::<T>() as isize;
+    array.data().is_aligned() && array.strides().iter().all(|stride| stride % size == 0)
+}
+
+/// An array of zeros, made by NumPy: its `MemoryError` says how much was wanted.
+pub fn zeros<'py, T: Element>(py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    let array = py.import("numpy")?.call_method1("zeros", (shape, dtype::<T>(py)))?;
+    Ok(array.cast_into()?)
+}
 
 /// What is wrong with a shape: `expected` is written as in the documentation, such as `[N, 3]`.
 fn shape_error<T>(name: &str, array: &ArrayViewD<'_, T>, expected: &str) -> GeometryError {
@@ -14,9 +65,12 @@ pub fn check_shape<T>(name: &str, array: &ArrayViewD<'_, T>, shape: &[usize]) ->
     if array.shape() == shape { Ok(()) } else { Err(shape_error(name, array, &format!("{shape:?}"))) }
 }
 
-/// Refuses NaN and infinities.
-pub fn check_finite(name: &str, array: &ArrayViewD<'_, f64>) -> Result<()> {
-    if array.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(GeometryError::new(name, "not finite")) }
+/// Refuses NaN, infinities, and what would become one when squared and multiplied.
+pub fn check_finite<T: Copy + Into<f64>>(name: &str, array: &ArrayViewD<'_, T>) -> Result<()> {
+    if array.iter().all(|&x| x.into().abs() <= LARGEST_COORDINATE) {
+        return Ok(());
+    }
+    Err(GeometryError::new(name, format!("not finite, or beyond {LARGEST_COORDINATE:e}")))
 }
 
 /// A matrix with `columns` columns.

@@ -1,30 +1,47 @@
-//! Work done a few items at a time, so that Ctrl-C is noticed on the way.
+//! Work done a few items at a time: in parallel, without the GIL, and with a look for Ctrl-C after each batch.
+
+use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-/// Items handed to each thread before Python is asked whether Ctrl-C was pressed.
-const ITEMS_PER_THREAD: usize = 4;
+/// How long a batch should take: Ctrl-C waits for the end of one.
+const BATCH_TIME: Duration = Duration::from_millis(50);
+/// Items for each thread in the first batch, when nothing is known of how long they take.
+const FIRST_ITEMS_PER_THREAD: usize = 1;
+/// A batch has at most so many times the items of the one before: those to come may take longer.
+const LARGEST_GROWTH: f64 = 16.0;
 
-/// What `work` makes of every item, in order: in parallel, without the GIL, and looking for Ctrl-C between batches.
-pub fn map_in_batches<I: Sync, T: Send>(
+/// What `work` makes of every item, in order.
+pub fn map_in_batches<I: Send, T: Send>(
     py: Python<'_>,
-    items: &[I],
-    work: impl Fn(&I) -> T + Sync,
+    items: impl IntoIterator<Item = I>,
+    work: impl Fn(I) -> T + Sync,
 ) -> PyResult<Vec<T>> {
-    let mut results = Vec::with_capacity(items.len());
-    for batch in items.chunks(ITEMS_PER_THREAD * rayon::current_num_threads()) {
-        results.extend(py.detach(|| batch.par_iter().map(&work).collect::<Vec<_>>()));
-        py.check_signals()?;
-    }
-    Ok(results)
+    filter_map_in_batches(py, items, |item| Some(work(item)))
 }
 
-/// As [`map_in_batches`], for work that leaves its results in the items.
-pub fn for_each_in_batches<I: Send>(py: Python<'_>, items: &mut [I], work: impl Fn(&mut I) + Sync) -> PyResult<()> {
-    for batch in items.chunks_mut(ITEMS_PER_THREAD * rayon::current_num_threads()) {
-        py.detach(|| batch.par_iter_mut().for_each(&work));
+/// As [`map_in_batches`], without the items of which `work` makes nothing.
+pub fn filter_map_in_batches<I: Send, T: Send>(
+    py: Python<'_>,
+    items: impl IntoIterator<Item = I>,
+    work: impl Fn(I) -> Option<T> + Sync,
+) -> PyResult<Vec<T>> {
+    let threads = rayon::current_num_threads();
+    let mut items = items.into_iter().peekable();
+    let mut results = Vec::with_capacity(items.size_hint().0);
+    let mut size = FIRST_ITEMS_PER_THREAD * threads;
+    while items.peek().is_some() {
+        let batch: Vec<I> = items.by_ref().take(size).collect();
+        let started = Instant::now();
+        results.extend(py.detach(|| match threads {
+            // On this thread: waking the only other one takes as long as many an item.
+            1 => batch.into_iter().filter_map(&work).collect::<Vec<T>>(),
+            _ => batch.into_par_iter().filter_map(&work).collect(),
+        }));
         py.check_signals()?;
+        let growth = BATCH_TIME.as_secs_f64() / started.elapsed().as_secs_f64().max(1e-9);
+        size = ((size as f64 * growth.min(LARGEST_GROWTH)) as usize).max(threads);
     }
-    Ok(())
+    Ok(results)
 }

@@ -1,9 +1,8 @@
 //! Groups of meshes and pairs of groups.
 
 use kinmo_geometry::{GeometryError, Result};
-use numpy::PyReadonlyArrayDyn;
 
-use crate::arrays::rows_of;
+use crate::arrays::{Array, rows_of};
 
 /// The indices of the meshes of every group, checked; without groups, every mesh by itself.
 pub fn groups_of(meshes: usize, groups: Option<Vec<Vec<i64>>>) -> Result<Vec<Vec<usize>>> {
@@ -22,8 +21,8 @@ pub fn members_of(name: &str, meshes: usize, members: &[i64]) -> Result<Vec<usiz
 }
 
 /// Pairs [E, 2] of different groups.
-pub fn pairs_of(groups: usize, pairs: &PyReadonlyArrayDyn<'_, u32>) -> Result<Vec<(usize, usize)>> {
-    let rows = rows_of("pairs", pairs.as_array(), 2)?;
+pub fn pairs_of(groups: usize, pairs: &Array<'_, u32>) -> Result<Vec<(usize, usize)>> {
+    let rows = rows_of("pairs", pairs.view(), 2)?;
     let pairs: Vec<(usize, usize)> = rows.rows().into_iter().map(|row| (row[0] as usize, row[1] as usize)).collect();
     for (row, &(a, b)) in pairs.iter().enumerate() {
         if a >= groups || b >= groups {

@@ -1,44 +1,56 @@
+//! `interaction_regions`.
+
 use kinmo_geometry::GeometryError;
-use kinmo_geometry::interaction::{self, InteractionRegion, PairSamples};
+use kinmo_geometry::interaction::interaction_region;
 use nalgebra::Point3;
 use numpy::ndarray::{Array2, ArrayViewD};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArrayDyn};
+use numpy::{Element, IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
+use crate::arrays::{Array, check_finite};
+use crate::batches::map_in_batches;
 use crate::convert::value_error;
 use crate::groups::{groups_of, pairs_of};
 
-/// Pairs between two looks at the signals.
-const BATCH: usize = 64;
-
-#[derive(FromPyObject)]
-enum Points<'py> {
-    Double(PyReadonlyArrayDyn<'py, f64>),
-    Single(PyReadonlyArrayDyn<'py, f32>),
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<InteractionRegions>()?;
+    module.add_function(wrap_pyfunction!(interaction_regions, module)?)
 }
 
-impl Points<'_> {
-    /// The samples of every mesh, all of them finite, and how many each has.
-    fn samples(&self) -> Result<(Vec<Point3<f64>>, usize), GeometryError> {
-        match self {
-            Points::Double(points) => samples_of(points.as_array()),
-            Points::Single(points) => samples_of(points.as_array()),
+/// `n` samples of every mesh.
+struct Samples {
+    points: Vec<Point3<f64>>,
+    of_each: usize,
+}
+
+impl Samples {
+    /// Those of an array of single or of double precision.
+    fn of(points: &Bound<'_, PyAny>) -> PyResult<Self> {
+        match points.extract::<Array<'_, f32>>() {
+            Ok(points) => Self::of_view(points.view()),
+            Err(_) => Self::of_view(points.extract::<Array<'_, f64>>()?.view()),
         }
+        .map_err(value_error)
     }
-}
 
-fn samples_of<T: Copy + Into<f64>>(points: ArrayViewD<'_, T>) -> Result<(Vec<Point3<f64>>, usize), GeometryError> {
-    let (&[_, count, 3], false) = (points.shape(), points.is_empty()) else {
-        return Err(GeometryError::new(
-            "points",
-            format!("shape {:?}, expected [P, n, 3], n at least 1", points.shape()),
-        ));
-    };
-    let values: Vec<f64> = points.iter().map(|&x| x.into()).collect();
-    if !values.iter().all(|x| x.is_finite()) {
-        return Err(GeometryError::new("points", "not finite"));
+    fn of_view<T: Element + Copy + Into<f64>>(points: ArrayViewD<'_, T>) -> Result<Self, GeometryError> {
+        let (&[_, of_each, 3], true) = (points.shape(), points.shape().get(1) != Some(&0)) else {
+            let problem = format!("shape {:?}, expected [P, n, 3], n at least 1", points.shape());
+            return Err(GeometryError::new("points", problem));
+        };
+        check_finite("points", &points)?;
+        let values: Vec<f64> = points.iter().map(|&x| x.into()).collect();
+        Ok(Self { points: values.chunks_exact(3).map(Point3::from_slice).collect(), of_each })
     }
-    Ok((values.chunks_exact(3).map(Point3::from_slice).collect(), count))
+
+    fn meshes(&self) -> usize {
+        self.points.len() / self.of_each
+    }
+
+    fn of_group(&self, group: &[usize]) -> Vec<Point3<f64>> {
+        let of_mesh = |&mesh: &usize| &self.points[mesh * self.of_each..(mesh + 1) * self.of_each];
+        group.iter().flat_map(of_mesh).copied().collect()
+    }
 }
 
 #[pyclass(frozen, get_all, module = "kinmo._core")]
@@ -55,35 +67,23 @@ struct InteractionRegions {
 #[pyo3(signature = (points, pairs, groups=None))]
 fn interaction_regions<'py>(
     py: Python<'py>,
-    points: Points<'py>,
-    pairs: PyReadonlyArrayDyn<'py, u32>,
+    #[pyo3(from_py_with = Samples::of)] points: Samples,
+    pairs: Array<'py, u32>,
     groups: Option<Vec<Vec<i64>>>,
 ) -> PyResult<InteractionRegions> {
-    let (samples, count) = points.samples().map_err(value_error)?;
-    let groups = groups_of(samples.len() / count, groups).map_err(value_error)?;
+    let groups = groups_of(points.meshes(), groups).map_err(value_error)?;
     let pairs = pairs_of(groups.len(), &pairs).map_err(value_error)?;
-    let gather = |group: usize| -> Vec<Point3<f64>> {
-        groups[group].iter().flat_map(|&mesh| &samples[mesh * count..(mesh + 1) * count]).copied().collect()
-    };
-    let mut regions: Vec<InteractionRegion> = Vec::with_capacity(pairs.len());
-    for batch in pairs.chunks(BATCH) {
-        regions.extend(py.detach(|| {
-            let clouds: Vec<PairSamples> = batch
-                .iter()
-                .map(|&(moving, reference)| PairSamples { moving: gather(moving), reference: gather(reference) })
-                .collect();
-            interaction::interaction_regions(&clouds)
-        }));
-        py.check_signals()?;
-    }
+    let regions = map_in_batches(py, &pairs, |&(moving, reference)| {
+        interaction_region(&points.of_group(&groups[moving]), &points.of_group(&groups[reference]))
+    })?;
 
     let mut offsets = vec![0i64];
     let (mut chosen, mut weights) = (Vec::new(), Vec::new());
     for (&(moving, reference), region) in pairs.iter().zip(&regions) {
+        let meshes = [&groups[moving][..], &groups[reference]].concat();
         for &(sample, weight) in &region.samples {
-            let (slot, within) = (sample as usize / count, sample as usize % count);
-            let mesh = groups[moving].iter().chain(&groups[reference]).nth(slot);
-            chosen.extend([mesh.map_or(0, |&mesh| mesh as u32), within as u32]);
+            let sample = sample as usize;
+            chosen.extend([meshes[sample / points.of_each] as u32, (sample % points.of_each) as u32]);
             weights.push(weight);
         }
         offsets.push(weights.len() as i64);
@@ -98,9 +98,4 @@ fn interaction_regions<'py>(
         samples: samples.into_pyarray(py).unbind(),
         weights: PyArray1::from_vec(py, weights).unbind(),
     })
-}
-
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<InteractionRegions>()?;
-    module.add_function(wrap_pyfunction!(interaction_regions, module)?)
 }

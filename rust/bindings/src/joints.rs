@@ -3,24 +3,23 @@
 use kinmo_geometry::motion::{JointAxis, JointKind};
 use kinmo_geometry::{GeometryError, Result};
 use nalgebra::Unit;
-use numpy::PyReadonlyArrayDyn;
 
-use crate::arrays::{check_shape, points_of, vectors_of};
+use crate::arrays::{Array, check_shape, points_of, vectors_of};
 
 /// Largest deviation of a direction's length from 1.
 const UNIT_LENGTH: f64 = 1e-6;
 
 /// C candidate joints from `kinds` `[C]` (0 revolute, 1 prismatic, 2 screw), `directions` `[C, 3]` and `pivots` `[C, 3]`.
 pub fn joints_of(
-    kinds: &PyReadonlyArrayDyn<'_, u8>,
-    directions: &PyReadonlyArrayDyn<'_, f64>,
-    pivots: &PyReadonlyArrayDyn<'_, f64>,
+    kinds: &Array<'_, u8>,
+    directions: &Array<'_, f64>,
+    pivots: &Array<'_, f64>,
 ) -> Result<Vec<JointAxis>> {
-    let kinds = kinds.as_array();
+    let kinds = kinds.view();
     let count = kinds.shape().first().copied().unwrap_or(0);
     check_shape("kinds", &kinds, &[count])?;
-    let directions = vectors_of("directions", directions.as_array(), count)?;
-    let pivots = points_of("pivots", pivots.as_array(), count)?;
+    let directions = vectors_of("directions", directions.view(), count)?;
+    let pivots = points_of("pivots", pivots.view(), count)?;
     let mut joints = Vec::with_capacity(count);
     for (row, ((&kind, direction), pivot)) in kinds.iter().zip(directions).zip(pivots).enumerate() {
         let kind = match kind {

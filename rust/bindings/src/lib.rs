@@ -4,6 +4,7 @@
 mod adjacency;
 mod arrays;
 mod batches;
+mod boxes;
 mod convert;
 mod groups;
 mod interaction;
@@ -11,6 +12,7 @@ mod iou;
 mod joints;
 mod meshes;
 mod motion;
+mod numbers;
 mod obb;
 mod proximity;
 mod sampling;

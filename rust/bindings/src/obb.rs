@@ -1,35 +1,22 @@
 //! `fit_boxes`, `fit_aligned_boxes`, `fit_upright_boxes`.
 
 use kinmo_geometry::GeometryError;
-use kinmo_geometry::obb::{OrientedBox, aligned_box, minimum_volume_box, upright_box};
-use nalgebra::{Matrix3, Point3, Vector3};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArrayDyn};
+use kinmo_geometry::obb::{aligned_box, minimum_volume_box, upright_box};
+use kinmo_geometry::oriented_box::OrientedBox;
+use nalgebra::{Point3, Vector3};
 use pyo3::prelude::*;
 
-use crate::arrays::{matrix_of, vector_of};
+use crate::arrays::{Array, matrix_of, vector_of};
 use crate::batches::map_in_batches;
+use crate::boxes::{Boxes, is_orthonormal, to_arrays};
 use crate::convert::value_error;
 use crate::groups::groups_of;
 use crate::meshes::Meshes;
-
-/// How far the rows of a frame may be from orthonormal.
-const ORTHONORMAL: f64 = 1e-6;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit_boxes, module)?)?;
     module.add_function(wrap_pyfunction!(fit_aligned_boxes, module)?)?;
     module.add_function(wrap_pyfunction!(fit_upright_boxes, module)?)
-}
-
-/// Centers [G, 3], axes [G, 3, 3] as rows, half extents [G, 3].
-pub type Boxes<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>, Bound<'py, PyArray2<f64>>);
-
-pub fn to_arrays<'py>(py: Python<'py>, boxes: &[OrientedBox]) -> PyResult<Boxes<'py>> {
-    let count = boxes.len();
-    let centers = PyArray1::from_iter(py, boxes.iter().flat_map(|b| b.center.coords.data.0[0]));
-    let axes = PyArray1::from_iter(py, boxes.iter().flat_map(|b| b.axes).flat_map(|axis| axis.data.0[0]));
-    let half_extents = PyArray1::from_iter(py, boxes.iter().flat_map(|b| b.half_extents.data.0[0]));
-    Ok((centers.reshape([count, 3])?, axes.reshape([count, 3, 3])?, half_extents.reshape([count, 3])?))
 }
 
 #[pyfunction]
@@ -43,10 +30,10 @@ fn fit_boxes<'py>(py: Python<'py>, meshes: &Meshes, groups: Option<Vec<Vec<i64>>
 fn fit_aligned_boxes<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    frame: PyReadonlyArrayDyn<'py, f64>,
+    frame: Array<'py, f64>,
     groups: Option<Vec<Vec<i64>>>,
 ) -> PyResult<Boxes<'py>> {
-    let axes = orthonormal_rows(&frame).map_err(value_error)?;
+    let axes = right_handed_rows(&frame).map_err(value_error)?;
     fit_each(py, meshes, groups, |points| aligned_box(points, axes))
 }
 
@@ -55,7 +42,7 @@ fn fit_aligned_boxes<'py>(
 fn fit_upright_boxes<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    up: PyReadonlyArrayDyn<'py, f64>,
+    up: Array<'py, f64>,
     groups: Option<Vec<Vec<i64>>>,
 ) -> PyResult<Boxes<'py>> {
     let up = unit("up", &up).map_err(value_error)?;
@@ -76,17 +63,16 @@ fn fit_each<'py>(
     to_arrays(py, &boxes)
 }
 
-fn orthonormal_rows(frame: &PyReadonlyArrayDyn<'_, f64>) -> Result<[Vector3<f64>; 3], GeometryError> {
-    let columns = matrix_of("frame", frame.as_array())?.transpose();
-    let deviation = (columns.transpose() * columns - Matrix3::identity()).amax();
-    if deviation > ORTHONORMAL || columns.determinant() < 0.0 {
+fn right_handed_rows(frame: &Array<'_, f64>) -> Result<[Vector3<f64>; 3], GeometryError> {
+    let rows = matrix_of("frame", frame.view())?;
+    if !is_orthonormal(&rows) || rows.determinant() < 0.0 {
         return Err(GeometryError::new("frame", "rows are not orthonormal and right-handed"));
     }
-    Ok([0, 1, 2].map(|axis| columns.column(axis).into_owned()))
+    Ok([0, 1, 2].map(|axis| rows.row(axis).transpose()))
 }
 
-fn unit(argument: &str, direction: &PyReadonlyArrayDyn<'_, f64>) -> Result<Vector3<f64>, GeometryError> {
-    let vector = vector_of(argument, direction.as_array())?;
+fn unit(argument: &str, direction: &Array<'_, f64>) -> Result<Vector3<f64>, GeometryError> {
+    let vector = vector_of(argument, direction.view())?;
     // Scaled first: the square of a very long or short vector is out of range.
     let scaled = vector / vector.amax();
     scaled.try_normalize(0.0).filter(|unit| unit.x.is_finite()).ok_or_else(|| GeometryError::new(argument, "is zero"))

@@ -1,11 +1,13 @@
+//! `closest_points`.
+
 use kinmo_geometry::parry::Nearest;
 use kinmo_geometry::proximity;
 use nalgebra::{Point3, Vector3};
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::points_of;
+use crate::arrays::{Array, points_of, rows_of};
 use crate::batches::map_in_batches;
 use crate::convert::value_error;
 use crate::groups::members_of;
@@ -14,6 +16,11 @@ use crate::meshes::Meshes;
 /// Points handed to a thread at a time.
 const CHUNK: usize = 256;
 
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(closest_points, module)?)
+}
+
+/// Distances, places, normals.
 type Found<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 
 #[pyfunction]
@@ -21,17 +28,16 @@ fn closest_points<'py>(
     py: Python<'py>,
     meshes: &Meshes,
     group: Vec<i64>,
-    points: PyReadonlyArray2<'py, f64>,
+    points: Array<'py, f64>,
 ) -> PyResult<Found<'py>> {
     let group = members_of("group", meshes.parts.len(), &group).map_err(value_error)?;
-    let view = points.as_array();
-    let points = points_of("points", view.into_dyn(), view.nrows()).map_err(value_error)?;
-    let surfaces: Vec<_> = py.detach(|| group.iter().map(|&part| meshes.surface(part)).collect());
-    let chunks: Vec<&[Point3<f64>]> = points.chunks(CHUNK).collect();
-    let found: Vec<Nearest> = map_in_batches(py, &chunks, |chunk| {
+    let count = rows_of("points", points.view(), 3).map_err(value_error)?.nrows();
+    let points = points_of("points", points.view(), count).map_err(value_error)?;
+    let surfaces = map_in_batches(py, &group, |&part| meshes.surface(part))?;
+    let chunks = map_in_batches(py, points.chunks(CHUNK), |chunk: &[Point3<f64>]| {
         chunk.iter().filter_map(|point| proximity::nearest(&surfaces, point)).collect::<Vec<_>>()
-    })?
-    .concat();
+    })?;
+    let found: Vec<Nearest> = chunks.concat();
     let rows = |of: fn(&Nearest) -> Vector3<f64>| {
         Array2::from_shape_fn((found.len(), 3), |(row, axis)| of(&found[row])[axis]).into_pyarray(py)
     };
@@ -40,8 +46,4 @@ fn closest_points<'py>(
         rows(|nearest| nearest.point.coords),
         rows(|nearest| nearest.normal),
     ))
-}
-
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(closest_points, module)?)
 }

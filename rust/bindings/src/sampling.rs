@@ -2,63 +2,64 @@
 
 use kinmo_geometry::sampling::{SurfaceSample, sample_surface_evenly, visit_samples};
 use kinmo_geometry::{GeometryError, Mesh};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::batches::for_each_in_batches;
+use crate::arrays::zeros;
+use crate::batches::map_in_batches;
 use crate::convert::value_error;
 use crate::meshes::Meshes;
+use crate::numbers::{count_of, integer, seed};
 
-/// Most points on a mesh in one call.
+/// Most points of a mesh, the same where they are spread evenly, which takes more room and time, and most of all meshes.
 const MOST_POINTS: usize = 10_000_000;
+const MOST_EVEN_POINTS: usize = 100_000;
+const MOST_IN_ALL: usize = 100_000_000;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sample_surface, module)?)
 }
 
-type Samples<'py> = (Bound<'py, PyArray3<f32>>, Bound<'py, PyArray3<f32>>, Bound<'py, PyArray2<u32>>);
+/// Points, normals, faces.
+type Samples<'py> = (Bound<'py, PyArrayDyn<f32>>, Bound<'py, PyArrayDyn<f32>>, Bound<'py, PyArrayDyn<u32>>);
 
 #[pyfunction]
 #[pyo3(signature = (meshes, count, seed=0, *, blue_noise=false))]
 fn sample_surface<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    count: i64,
-    seed: u64,
+    #[pyo3(from_py_with = integer)] count: i64,
+    #[pyo3(from_py_with = seed)] seed: u64,
     blue_noise: bool,
 ) -> PyResult<Samples<'py>> {
-    let count = usize::try_from(count).ok().filter(|count| (1..=MOST_POINTS).contains(count));
-    let count = count.ok_or_else(|| {
-        value_error(GeometryError::new("count", format!("expected an integer from 1 to {MOST_POINTS}")))
-    })?;
+    let parts = meshes.parts.len();
+    let most = if blue_noise { MOST_EVEN_POINTS } else { MOST_POINTS }.min(MOST_IN_ALL / parts.max(1));
+    let count = count_of("count", count, most).map_err(value_error)?;
     for (part, mesh) in meshes.parts.iter().enumerate() {
         refuse_beyond_single_precision(part, mesh).map_err(value_error)?;
     }
-    let parts = meshes.parts.len();
-    let mut points = vec![0.0; parts * count * 3];
-    let mut normals = vec![0.0; parts * count * 3];
-    let mut faces = vec![0; parts * count];
-    let rows = points.chunks_mut(3 * count).zip(normals.chunks_mut(3 * count)).zip(faces.chunks_mut(count));
-    let mut slots: Vec<_> = meshes.parts.iter().zip(rows).collect();
-    for_each_in_batches(py, &mut slots, |(mesh, ((points, normals), faces))| {
-        let mut rows = points.chunks_exact_mut(3).zip(normals.chunks_exact_mut(3)).zip(faces.iter_mut());
-        let write = |sample: SurfaceSample| {
-            if let Some(((point, normal), face)) = rows.next() {
-                point.copy_from_slice(&sample.point.coords.map(|x| x as f32).data.0[0]);
-                normal.copy_from_slice(&sample.normal.map(|x| x as f32).data.0[0]);
-                *face = sample.face;
+    let (points, normals) = (zeros(py, &[parts, count, 3])?, zeros(py, &[parts, count, 3])?);
+    let faces = zeros(py, &[parts, count])?;
+    {
+        let (mut points, mut normals, mut faces) = (points.readwrite(), normals.readwrite(), faces.readwrite());
+        let places = points.as_slice_mut()?.chunks_mut(3 * count).zip(normals.as_slice_mut()?.chunks_mut(3 * count));
+        let rows = meshes.parts.iter().zip(places.zip(faces.as_slice_mut()?.chunks_mut(count)));
+        map_in_batches(py, rows, |(mesh, ((points, normals), faces))| {
+            let mut rows = points.chunks_exact_mut(3).zip(normals.chunks_exact_mut(3)).zip(faces.iter_mut());
+            let write = |sample: SurfaceSample| {
+                if let Some(((point, normal), face)) = rows.next() {
+                    point.copy_from_slice(&sample.point.coords.map(|x| x as f32).data.0[0]);
+                    normal.copy_from_slice(&sample.normal.map(|x| x as f32).data.0[0]);
+                    *face = sample.face;
+                }
+            };
+            match blue_noise {
+                true => sample_surface_evenly(mesh, count, seed).into_iter().for_each(write),
+                false => visit_samples(mesh, count, seed, write),
             }
-        };
-        match blue_noise {
-            true => sample_surface_evenly(mesh, count, seed).into_iter().for_each(write),
-            false => visit_samples(mesh, count, seed, write),
-        }
-    })?;
-    Ok((
-        PyArray1::from_vec(py, points).reshape([parts, count, 3])?,
-        PyArray1::from_vec(py, normals).reshape([parts, count, 3])?,
-        PyArray1::from_vec(py, faces).reshape([parts, count])?,
-    ))
+        })?;
+    }
+    Ok((points, normals, faces))
 }
 
 fn refuse_beyond_single_precision(part: usize, mesh: &Mesh) -> Result<(), GeometryError> {

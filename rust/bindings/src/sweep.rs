@@ -1,83 +1,66 @@
-use kinmo_geometry::GeometryError;
+//! `sweep`.
+
 use kinmo_geometry::probes::Solid;
-use kinmo_geometry::sweep::{self, Candidate, SweepOptions, Travel};
+use kinmo_geometry::sweep::{Candidate, Scene, SweepOptions, Travel};
+use kinmo_geometry::{GeometryError, Result};
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArrayDyn};
+use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::values_of;
+use crate::arrays::{Array, values_of};
+use crate::batches::map_in_batches;
 use crate::convert::value_error;
 use crate::groups::members_of;
 use crate::joints::joints_of;
 use crate::meshes::Meshes;
+use crate::numbers::{count_of, integer};
 
+/// Most probes of a body, and most steps of a motion.
+const MOST_PROBES: usize = 100_000;
+const MOST_STEPS: usize = 100_000;
+
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(sweep, module)?)
+}
+
+/// Free travel downwards and upwards, penetration.
 type Travels<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
 #[pyfunction]
 #[pyo3(
-    name = "sweep",
     signature = (meshes, moving, obstacles, kinds, directions, pivots, lower, upper, *, pitches=None,
                  probes=200, steps=16, tolerance=0.01, ignored_share=0.005)
 )]
 #[allow(clippy::too_many_arguments)]
-fn sweep_joints<'py>(
+fn sweep<'py>(
     py: Python<'py>,
     meshes: &Meshes,
     moving: Vec<i64>,
     obstacles: Vec<i64>,
-    kinds: PyReadonlyArrayDyn<'py, u8>,
-    directions: PyReadonlyArrayDyn<'py, f64>,
-    pivots: PyReadonlyArrayDyn<'py, f64>,
-    lower: PyReadonlyArrayDyn<'py, f64>,
-    upper: PyReadonlyArrayDyn<'py, f64>,
-    pitches: Option<PyReadonlyArrayDyn<'py, f64>>,
-    probes: usize,
-    steps: usize,
+    kinds: Array<'py, u8>,
+    directions: Array<'py, f64>,
+    pivots: Array<'py, f64>,
+    lower: Array<'py, f64>,
+    upper: Array<'py, f64>,
+    pitches: Option<Array<'py, f64>>,
+    #[pyo3(from_py_with = integer)] probes: i64,
+    #[pyo3(from_py_with = integer)] steps: i64,
     tolerance: f64,
     ignored_share: f64,
 ) -> PyResult<Travels<'py>> {
-    let moving = members_of("moving", meshes.parts.len(), &moving).map_err(value_error)?;
-    let obstacles = members_of("obstacles", meshes.parts.len(), &obstacles).map_err(value_error)?;
-    if let Some(mesh) = moving.iter().find(|mesh| obstacles.contains(mesh)) {
-        return Err(value_error(GeometryError::new("obstacles", format!("mesh {mesh} is in moving too"))));
-    }
-    for (name, positive) in [("probes", probes > 0), ("steps", steps > 0)] {
-        if !positive {
-            return Err(value_error(GeometryError::new(name, "0, expected at least 1")));
-        }
-    }
-    for (name, share) in [("tolerance", tolerance), ("ignored_share", ignored_share)] {
-        if !(0.0..1.0).contains(&share) {
-            return Err(value_error(GeometryError::new(name, format!("{share}, expected at least 0 and below 1"))));
-        }
-    }
-    let joints = joints_of(&kinds, &directions, &pivots).map_err(value_error)?;
-    let lower = values_of("lower", lower.as_array(), joints.len()).map_err(value_error)?;
-    let upper = values_of("upper", upper.as_array(), joints.len()).map_err(value_error)?;
-    let pitches = match &pitches {
-        Some(pitches) => values_of("pitches", pitches.as_array(), joints.len()).map_err(value_error)?.to_vec(),
-        None => vec![0.0; joints.len()],
+    let (moving, obstacles) = bodies_of(meshes, &moving, &obstacles).map_err(value_error)?;
+    let options = options_of(probes, steps, tolerance, ignored_share).map_err(value_error)?;
+    let lines = Lines { kinds, directions, pivots, lower, upper, pitches };
+    let candidates = lines.candidates().map_err(value_error)?;
+    map_in_batches(py, moving.iter().chain(&obstacles), |&mesh| {
+        meshes.tree(mesh);
+    })?;
+    let solids = |body: &[usize]| -> Vec<Solid<'_>> {
+        body.iter().map(|&mesh| Solid { mesh: &meshes.parts[mesh], tree: meshes.tree(mesh) }).collect()
     };
-    if let Some(row) = lower.iter().position(|&limit| limit > 0.0) {
-        return Err(value_error(GeometryError::new("lower", format!("row {row} is above 0"))));
-    }
-    if let Some(row) = upper.iter().position(|&limit| limit < 0.0) {
-        return Err(value_error(GeometryError::new("upper", format!("row {row} is below 0"))));
-    }
-    let candidates: Vec<Candidate> = joints
-        .into_iter()
-        .zip(pitches)
-        .zip(lower.iter().zip(&upper))
-        .map(|((axis, pitch), (&lower, &upper))| Candidate { axis, pitch, limits: [lower, upper] })
-        .collect();
-    let options = SweepOptions { probes, steps, tolerance, ignored_share };
-    let travels: Vec<Travel> = py.detach(|| {
-        let solids = |members: &[usize]| -> Vec<Solid<'_>> {
-            members.iter().map(|&mesh| Solid { mesh: &meshes.parts[mesh], tree: meshes.tree(mesh) }).collect()
-        };
-        sweep::sweep(&solids(&moving), &solids(&obstacles), &candidates, &options)
-    });
-    py.check_signals()?;
+    let (moving, obstacles) = (solids(&moving), solids(&obstacles));
+    let scene = py.detach(|| Scene::new(&moving, &obstacles, &candidates, options));
+    let travels: Vec<Travel> = map_in_batches(py, &candidates, |candidate| scene.travel(candidate))?;
     let penetration = Array2::from_shape_fn((travels.len(), 2), |(row, side)| travels[row].penetration[side]);
     Ok((
         PyArray1::from_iter(py, travels.iter().map(|travel| travel.free[0])),
@@ -86,6 +69,54 @@ fn sweep_joints<'py>(
     ))
 }
 
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(sweep_joints, module)?)
+/// The meshes of the two bodies, which must not share any.
+fn bodies_of(meshes: &Meshes, moving: &[i64], obstacles: &[i64]) -> Result<(Vec<usize>, Vec<usize>)> {
+    let moving = members_of("moving", meshes.parts.len(), moving)?;
+    let obstacles = members_of("obstacles", meshes.parts.len(), obstacles)?;
+    match moving.iter().find(|mesh| obstacles.contains(mesh)) {
+        Some(mesh) => Err(GeometryError::new("obstacles", format!("mesh {mesh} is in moving too"))),
+        None => Ok((moving, obstacles)),
+    }
+}
+
+fn options_of(probes: i64, steps: i64, tolerance: f64, ignored_share: f64) -> Result<SweepOptions> {
+    for (name, share) in [("tolerance", tolerance), ("ignored_share", ignored_share)] {
+        if !(0.0..1.0).contains(&share) {
+            return Err(GeometryError::new(name, format!("{share}, expected at least 0 and below 1")));
+        }
+    }
+    let probes = count_of("probes", probes, MOST_PROBES)?;
+    let steps = count_of("steps", steps, MOST_STEPS)?;
+    Ok(SweepOptions { probes, steps, tolerance, ignored_share })
+}
+
+/// The arguments that describe candidate joints.
+struct Lines<'py> {
+    kinds: Array<'py, u8>,
+    directions: Array<'py, f64>,
+    pivots: Array<'py, f64>,
+    lower: Array<'py, f64>,
+    upper: Array<'py, f64>,
+    pitches: Option<Array<'py, f64>>,
+}
+
+impl Lines<'_> {
+    fn candidates(&self) -> Result<Vec<Candidate>> {
+        let joints = joints_of(&self.kinds, &self.directions, &self.pivots)?;
+        let lower = values_of("lower", self.lower.view(), joints.len())?;
+        let upper = values_of("upper", self.upper.view(), joints.len())?;
+        let pitches = match &self.pitches {
+            Some(pitches) => values_of("pitches", pitches.view(), joints.len())?.to_vec(),
+            None => vec![0.0; joints.len()],
+        };
+        if let Some(row) = lower.iter().position(|&limit| limit > 0.0) {
+            return Err(GeometryError::new("lower", format!("row {row} is above 0")));
+        }
+        if let Some(row) = upper.iter().position(|&limit| limit < 0.0) {
+            return Err(GeometryError::new("upper", format!("row {row} is below 0")));
+        }
+        let rows = joints.into_iter().zip(pitches).zip(lower.iter().zip(&upper));
+        let candidate = |((axis, pitch), (&lower, &upper))| Candidate { axis, pitch, limits: [lower, upper] };
+        Ok(rows.map(candidate).collect())
+    }
 }

@@ -1,24 +1,30 @@
 //! `fit_symmetric_boxes`, `find_symmetries`.
 
 use kinmo_geometry::GeometryError;
-use kinmo_geometry::obb::OrientedBox;
+use kinmo_geometry::oriented_box::OrientedBox;
 use kinmo_geometry::surface::Surface;
 use kinmo_geometry::symmetric_box::symmetric_box;
 use kinmo_geometry::symmetry::{Symmetry, SymmetryKind, find_symmetries};
+use kinmo_geometry::symmetry_test::TestOptions;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::batches::map_in_batches;
+use crate::boxes::to_arrays;
 use crate::convert::value_error;
 use crate::groups::groups_of;
 use crate::meshes::Meshes;
-use crate::obb::to_arrays;
+use crate::numbers::{count_of, integer, seed};
+
+/// Most samples of a part.
+const MOST_SAMPLES: usize = 1_000_000;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit_symmetric_boxes, module)?)?;
     module.add_function(wrap_pyfunction!(py_find_symmetries, module)?)
 }
 
+/// Centers, axes, half extents, numbers of symmetric planes.
 type SymmetricBoxes<'py> =
     (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u8>>);
 
@@ -28,18 +34,17 @@ fn fit_symmetric_boxes<'py>(
     py: Python<'py>,
     meshes: &Meshes,
     groups: Option<Vec<Vec<i64>>>,
-    seed: u64,
-    samples: i64,
+    #[pyo3(from_py_with = seed)] seed: u64,
+    #[pyo3(from_py_with = integer)] samples: i64,
     tolerance: f64,
 ) -> PyResult<SymmetricBoxes<'py>> {
-    let samples = at_least_one("samples", samples)?;
-    let tolerance = positive("tolerance", tolerance)?;
-    let found = for_each_part(py, meshes, groups, |part| symmetric_box(part, samples, tolerance, seed))?;
+    let found = test_each_part(py, meshes, groups, seed, samples, tolerance, symmetric_box)?;
     let (boxes, planes): (Vec<OrientedBox>, Vec<u8>) = found.into_iter().unzip();
     let (centers, axes, half_extents) = to_arrays(py, &boxes)?;
     Ok((centers, axes, half_extents, PyArray1::from_vec(py, planes)))
 }
 
+/// Groups, kinds, orders, points, directions, errors.
 type Symmetries<'py> = (
     Bound<'py, PyArray1<u32>>,
     Bound<'py, PyArray1<u8>>,
@@ -55,18 +60,13 @@ fn py_find_symmetries<'py>(
     py: Python<'py>,
     meshes: &Meshes,
     groups: Option<Vec<Vec<i64>>>,
-    seed: u64,
-    samples: i64,
+    #[pyo3(from_py_with = seed)] seed: u64,
+    #[pyo3(from_py_with = integer)] samples: i64,
     tolerance: f64,
 ) -> PyResult<Symmetries<'py>> {
-    let samples = at_least_one("samples", samples)?;
-    let tolerance = positive("tolerance", tolerance)?;
-    let found = for_each_part(py, meshes, groups, |part| find_symmetries(part, samples, tolerance, seed))?;
-    let rows: Vec<(u32, Symmetry)> = found
-        .into_iter()
-        .enumerate()
-        .flat_map(|(group, list)| list.into_iter().map(move |s| (group as u32, s)))
-        .collect();
+    let found = test_each_part(py, meshes, groups, seed, samples, tolerance, find_symmetries)?;
+    let rows: Vec<(u32, Symmetry)> =
+        (0..).zip(found).flat_map(|(group, list)| list.into_iter().map(move |s| (group, s))).collect();
     let count = rows.len();
     let kinds = rows.iter().map(|(_, s)| kind_and_order(s.kind));
     Ok((
@@ -79,16 +79,26 @@ fn py_find_symmetries<'py>(
     ))
 }
 
-fn for_each_part<T: Send>(
+/// What `work` finds on the surface of every group.
+fn test_each_part<T: Send>(
     py: Python<'_>,
     meshes: &Meshes,
     groups: Option<Vec<Vec<i64>>>,
-    work: impl Fn(&Surface<'_>) -> T + Sync,
+    seed: u64,
+    samples: i64,
+    tolerance: f64,
+    work: impl Fn(&Surface<'_>, &TestOptions) -> T + Sync,
 ) -> PyResult<Vec<T>> {
+    let samples = count_of("samples", samples, MOST_SAMPLES).map_err(value_error)?;
+    if !(tolerance > 0.0 && tolerance.is_finite()) {
+        let problem = format!("{tolerance}, expected a positive number");
+        return Err(value_error(GeometryError::new("tolerance", problem)));
+    }
+    let options = TestOptions { samples, tolerance, seed };
     let groups = groups_of(meshes.parts.len(), groups).map_err(value_error)?;
     map_in_batches(py, &groups, |group| {
         let members: Vec<_> = group.iter().map(|&part| &meshes.parts[part]).collect();
-        work(&Surface::new(&members, group.iter().map(|&part| meshes.tree(part)).collect()))
+        work(&Surface::new(&members, group.iter().map(|&part| meshes.tree(part)).collect()), &options)
     })
 }
 
@@ -98,16 +108,4 @@ fn kind_and_order(kind: SymmetryKind) -> (u8, u32) {
         SymmetryKind::Rotation(order) => (1, order),
         SymmetryKind::Revolution => (1, 0),
     }
-}
-
-fn at_least_one(argument: &str, count: i64) -> PyResult<usize> {
-    let count = usize::try_from(count).ok().filter(|&count| count > 0);
-    count.ok_or_else(|| value_error(GeometryError::new(argument, "expected at least 1")))
-}
-
-fn positive(argument: &str, value: f64) -> PyResult<f64> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(value);
-    }
-    Err(value_error(GeometryError::new(argument, format!("{value}, expected a positive number"))))
 }

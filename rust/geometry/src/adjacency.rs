@@ -1,7 +1,6 @@
 //! Exact distances between parts.
 
 use nalgebra::Point3;
-use rayon::prelude::*;
 
 use crate::aabb::Aabb;
 use crate::bvh::Bvh;
@@ -21,54 +20,114 @@ pub struct PartDistance {
     pub witness_b: Point3<f64>,
 }
 
-/// Distance of the surfaces of two parts, each the union of some meshes; `None` if it is more than `max_distance`.
-///
-/// It is the distance of *surfaces*: a closed part wholly inside another is as far away as its surface is.
-/// Meshes are taken by the distance of their boxes, so most pairs of meshes are never looked at.
-pub fn part_distance(a: &[&Bvh], b: &[&Bvh], max_distance: f64) -> Option<PartDistance> {
-    let largest = a.iter().chain(b).flat_map(|tree| [tree.bounds().low, tree.bounds().high]);
-    let largest = largest.fold(0.0f64, |largest, corner| largest.max(corner.coords.amax()));
-    let touching = (TOUCHING_ULPS * f64::EPSILON * largest).powi(2);
-
-    let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(a.len() * b.len());
-    for (i, first) in a.iter().enumerate() {
-        for (j, second) in b.iter().enumerate() {
-            pairs.push((first.bounds().squared_distance(second.bounds()), i, j));
-        }
-    }
-    pairs.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
-
-    // The least upward step keeps pairs at exactly `max_distance`.
-    let mut bound = (max_distance * max_distance).max(touching).next_up();
-    let mut best: Option<ClosestPoints> = None;
-    for (squared, i, j) in pairs {
-        if squared >= bound || bound <= touching {
-            break;
-        }
-        if let Some(found) = a[i].closest(b[j], bound, touching) {
-            bound = found.squared;
-            best = Some(found);
-        }
-    }
-    best.map(|points| PartDistance {
-        distance: if points.squared <= touching { 0.0 } else { points.squared.sqrt() },
-        witness_a: points.a,
-        witness_b: points.b,
-    })
+/// A part: the trees over the triangles of its meshes, and the box around them all.
+pub struct Part<'a> {
+    trees: Vec<&'a Bvh>,
+    bounds: Aabb,
 }
 
-/// Distances of many pairs of parts, in the order of `pairs`.
-pub fn part_distances(parts: &[Vec<&Bvh>], pairs: &[(usize, usize)], max_distance: f64) -> Vec<Option<PartDistance>> {
-    let bounds: Vec<Aabb> = parts.iter().map(|part| bounds_of(part)).collect();
-    pairs
-        .par_iter()
-        .map(|&(a, b)| {
-            let near = bounds[a].squared_distance(&bounds[b]).sqrt() <= max_distance;
-            near.then(|| part_distance(&parts[a], &parts[b], max_distance)).flatten()
+impl<'a> Part<'a> {
+    /// The part that is the union of the meshes of `trees`.
+    pub fn new(trees: Vec<&'a Bvh>) -> Self {
+        let bounds = trees.iter().fold(Aabb::empty(), |bounds, tree| bounds.merged(tree.bounds()));
+        Self { trees, bounds }
+    }
+
+    /// Distance of the surfaces of two parts; `None` if it is more than `max_distance`.
+    ///
+    /// It is the distance of *surfaces*: a closed part wholly inside another is as far away as its surface is.
+    pub fn distance(&self, other: &Self, max_distance: f64) -> Option<PartDistance> {
+        if self.bounds.squared_distance(&other.bounds).sqrt() > max_distance {
+            return None;
+        }
+        let corners = [self.bounds.low, self.bounds.high, other.bounds.low, other.bounds.high];
+        let largest = corners.iter().fold(0.0f64, |largest, corner| largest.max(corner.coords.amax()));
+        let touching = (TOUCHING_ULPS * f64::EPSILON * largest).powi(2);
+        // The least upward step keeps pairs at exactly `max_distance`.
+        let mut bound = (max_distance * max_distance).max(touching).next_up();
+        let mut best: Option<ClosestPoints> = None;
+        for (squared, a, b) in self.pairs_by_distance_of_boxes(other) {
+            if squared >= bound || bound <= touching {
+                break;
+            }
+            if let Some(found) = a.closest(b, bound, touching) {
+                bound = found.squared;
+                best = Some(found);
+            }
+        }
+        best.map(|points| PartDistance {
+            distance: if points.squared <= touching { 0.0 } else { points.squared.sqrt() },
+            witness_a: points.a,
+            witness_b: points.b,
         })
-        .collect()
+    }
+
+    /// The nearest first: most pairs of meshes are then never looked at.
+    fn pairs_by_distance_of_boxes(&self, other: &Self) -> Vec<(f64, &'a Bvh, &'a Bvh)> {
+        let pairs = self.trees.iter().flat_map(|&a| other.trees.iter().map(move |&b| (a, b)));
+        let mut pairs: Vec<_> = pairs.map(|(a, b)| (a.bounds().squared_distance(b.bounds()), a, b)).collect();
+        pairs.sort_by(|x, y| x.0.total_cmp(&y.0));
+        pairs
+    }
 }
 
-fn bounds_of(part: &[&Bvh]) -> Aabb {
-    part.iter().fold(Aabb::empty(), |bounds, tree| bounds.merged(tree.bounds()))
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::Mesh;
+    use crate::soup::{isometry, mapped, soup};
+    use crate::triangle::{point_triangle, triangle_triangle};
+
+    /// Two parts of two meshes each, the second moved away along x by up to three lengths.
+    fn parts() -> impl Strategy<Value = [Mesh; 4]> {
+        let far = |mesh: Mesh, shift: f64| mapped(&mesh, |p| p + nalgebra::Vector3::x() * shift);
+        (soup(6), soup(9), soup(5), soup(8), 0.0..3.0f64)
+            .prop_map(move |(a, b, c, d, shift)| [a, b, far(c, shift), far(d, shift)])
+    }
+
+    fn distance([a, b, c, d]: &[Mesh; 4], max_distance: f64) -> Option<PartDistance> {
+        let trees = [a, b, c, d].map(Bvh::new);
+        let [a, b, c, d] = &trees;
+        let (first, second) = (Part::new(vec![a, b]), Part::new(vec![c, d]));
+        let (forth, back) = (first.distance(&second, max_distance), second.distance(&first, max_distance));
+        assert_eq!(forth.is_some(), back.is_some(), "symmetric");
+        if let (Some(forth), Some(back)) = (forth, back) {
+            assert!((forth.distance - back.distance).abs() < 1e-12, "symmetric");
+        }
+        forth
+    }
+
+    fn triangles(meshes: &[Mesh]) -> Vec<[Point3<f64>; 3]> {
+        meshes.iter().flat_map(|mesh| (0..mesh.faces().len()).map(|face| mesh.triangle(face))).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn the_distance_is_the_least_of_all_pairs_of_triangles(meshes in parts()) {
+            let (first, second) = (triangles(&meshes[..2]), triangles(&meshes[2..]));
+            let pairs = first.iter().flat_map(|p| second.iter().map(move |q| (p, q)));
+            let squares = pairs.filter_map(|(p, q)| triangle_triangle(p, q, f64::INFINITY)).map(|found| found.squared);
+            let expected = squares.fold(f64::INFINITY, f64::min).sqrt();
+            let found = distance(&meshes, f64::INFINITY).expect("unbounded");
+            prop_assert!((found.distance - expected).abs() < 1e-12);
+            prop_assert!(((found.witness_b - found.witness_a).norm() - found.distance).abs() < 1e-12);
+            for (witness, side) in [(found.witness_a, first), (found.witness_b, second)] {
+                prop_assert!(side.iter().any(|triangle| point_triangle(&witness, triangle) < 1e-24));
+            }
+            prop_assert!(distance(&meshes, expected + 1e-9).is_some());
+            prop_assert!(expected < 1e-9 || distance(&meshes, expected - 1e-9).is_none());
+        }
+
+        #[test]
+        fn the_distance_moves_and_scales_with_the_parts(meshes in parts(), motion in isometry(), exponent in -30i32..30) {
+            let expected = distance(&meshes, f64::INFINITY).expect("unbounded").distance;
+            let moved = meshes.each_ref().map(|mesh| mapped(mesh, |p| motion * p));
+            prop_assert!((distance(&moved, f64::INFINITY).expect("unbounded").distance - expected).abs() < 1e-12);
+            let scale = 2f64.powi(exponent);
+            let scaled = meshes.each_ref().map(|mesh| mapped(mesh, |p| p * scale));
+            prop_assert_eq!(distance(&scaled, f64::INFINITY).expect("unbounded").distance, expected * scale);
+        }
+    }
 }

@@ -1,10 +1,13 @@
 //! A tree of boxes over the triangles of a mesh.
 
-use nalgebra::{Point3, Vector3};
+mod closest;
+mod crossings;
+
+use nalgebra::Point3;
 
 use crate::Mesh;
 use crate::aabb::{Aabb, greater, lesser};
-use crate::triangle::{ClosestPoints, Triangle, point_triangle, ray_triangle, triangle_triangle};
+use crate::triangle::{Triangle, point_triangle};
 
 const LEAF_TRIANGLES: usize = 4;
 /// A split leaves at least one in this many triangles on either side.
@@ -88,43 +91,6 @@ impl Bvh {
         [node.first, node.first + 1]
     }
 
-    /// Nearest points of the two surfaces, if they are nearer than the square root of `bound`.
-    ///
-    /// Stops at the first pair whose squared distance is at most `touching`.
-    pub fn closest(&self, other: &Self, bound: f64, touching: f64) -> Option<ClosestPoints> {
-        let mut best = Best { points: None, bound, distance: bound.sqrt(), direction: Vector3::zeros() };
-        let mut stack = vec![(0u32, 0u32, self.bounds().squared_distance(other.bounds()))];
-        while let Some((a, b, squared)) = stack.pop() {
-            if squared >= best.bound {
-                continue;
-            }
-            let (node_a, node_b) = (&self.nodes[a as usize], &other.nodes[b as usize]);
-            if node_a.bounds.gap_along(&node_b.bounds, &best.direction) >= best.distance {
-                continue;
-            }
-            if node_a.count > 0 && node_b.count > 0 {
-                best.improve(self.leaf(node_a), other.leaf(node_b), &node_b.bounds);
-                if best.bound <= touching {
-                    break;
-                }
-                continue;
-            }
-            let split_a = node_b.count > 0
-                || (node_a.count == 0 && node_a.bounds.squared_diagonal() >= node_b.bounds.squared_diagonal());
-            let [near, far] = if split_a {
-                self.children(node_a)
-                    .map(|child| (child, b, self.nodes[child as usize].bounds.squared_distance(&node_b.bounds)))
-            } else {
-                other
-                    .children(node_b)
-                    .map(|child| (a, child, node_a.bounds.squared_distance(&other.nodes[child as usize].bounds)))
-            };
-            let (near, far) = if far.2 < near.2 { (far, near) } else { (near, far) };
-            stack.extend([far, near]);
-        }
-        best.points
-    }
-
     /// Squared distance of a point to the surface, if less than `bound`; the search stops at the first one below `enough`.
     pub fn squared_distance_to_point(&self, point: &Point3<f64>, bound: f64, enough: f64) -> Option<f64> {
         let mut best = bound;
@@ -153,26 +119,6 @@ impl Bvh {
         }
     }
 
-    /// Share in [0, 1] of the way from `start` to `end` at which the surface is first met.
-    pub fn first_crossing(&self, start: &Point3<f64>, end: &Point3<f64>) -> Option<f64> {
-        let mut first = None;
-        self.visit_crossings(start, &(end - start), 1.0, |t| {
-            first = Some(t);
-            t
-        });
-        first
-    }
-
-    /// How often the ray from `origin` along `direction` meets the surface.
-    pub fn count_crossings(&self, origin: &Point3<f64>, direction: &Vector3<f64>) -> usize {
-        let mut count = 0;
-        self.visit_crossings(origin, direction, f64::INFINITY, |_| {
-            count += 1;
-            f64::INFINITY
-        });
-        count
-    }
-
     /// Calls `visit` with every triangle of the leaves that meet `bounds`.
     pub fn visit_triangles(&self, bounds: &Aabb, mut visit: impl FnMut(&Triangle)) {
         let mut stack = vec![0u32];
@@ -185,36 +131,6 @@ impl Bvh {
                 stack.extend(self.children(node));
             } else {
                 self.leaf(node).iter().for_each(&mut visit);
-            }
-        }
-    }
-
-    /// Calls `found` with the parameter of every crossing below a limit, which `found` gives anew.
-    fn visit_crossings(
-        &self,
-        origin: &Point3<f64>,
-        direction: &Vector3<f64>,
-        limit: f64,
-        mut found: impl FnMut(f64) -> f64,
-    ) {
-        let mut limit = limit;
-        let inverse = direction.map(f64::recip);
-        let meets = |index: u32, limit: f64| self.nodes[index as usize].bounds.meets_ray(origin, &inverse, limit);
-        // Most rays miss the whole mesh: nothing is allocated for them.
-        if !meets(0, limit) {
-            return;
-        }
-        let mut stack = vec![0u32];
-        while let Some(index) = stack.pop() {
-            let node = &self.nodes[index as usize];
-            if node.count == 0 {
-                stack.extend(self.children(node).into_iter().filter(|&child| meets(child, limit)));
-                continue;
-            }
-            for triangle in self.leaf(node) {
-                if let Some(t) = ray_triangle(origin, direction, triangle).filter(|&t| t <= limit) {
-                    limit = found(t);
-                }
             }
         }
     }
@@ -254,90 +170,36 @@ fn divide(items: &mut [Item]) -> usize {
     middle
 }
 
-/// The nearest points found so far. What is apart by as much along the direction from one to the other need not be looked
-/// at: near the nearest points, that tells far more than boxes do.
-struct Best {
-    points: Option<ClosestPoints>,
-    /// Square of the distance to be undercut, and the distance.
-    bound: f64,
-    distance: f64,
-    /// Unit vector from the first surface to the second; zero as long as there is none.
-    direction: Vector3<f64>,
-}
-
-impl Best {
-    /// Looks at two short lists of triangles, those of the second inside `bounds_b`.
-    fn improve(&mut self, a: &[Triangle], b: &[Triangle], bounds_b: &Aabb) {
-        for p in a {
-            let bounds_p = Aabb::of(p);
-            if bounds_p.squared_distance(bounds_b) >= self.bound {
-                continue;
-            }
-            for q in b {
-                if bounds_p.squared_distance(&Aabb::of(q)) >= self.bound || self.parts(p, q) {
-                    continue;
-                }
-                if let Some(found) = triangle_triangle(p, q, self.bound) {
-                    let distance = found.squared.sqrt();
-                    self.direction = (found.b - found.a) / distance;
-                    if !self.direction.iter().all(|x| x.is_finite()) {
-                        self.direction = Vector3::zeros();
-                    }
-                    (self.points, self.bound, self.distance) = (Some(found), found.squared, distance);
-                }
-            }
-        }
-    }
-
-    /// Whether the direction shows that two triangles are not nearer than the best points.
-    fn parts(&self, p: &Triangle, q: &Triangle) -> bool {
-        let origin = p[0];
-        let [a, b] = [p[1], p[2]].map(|corner| (corner - origin).dot(&self.direction));
-        let [c, d, e] = q.map(|corner| (corner - origin).dot(&self.direction));
-        lesser(lesser(c, d), e) - greater(greater(a, b), 0.0) >= self.distance
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
-
-    fn soup(faces: usize) -> impl Strategy<Value = Mesh> {
-        prop::collection::vec(prop::array::uniform3(-1.0..1.0f64), 3 * faces).prop_map(move |corners| {
-            let faces = (0..faces as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
-            Mesh::new(corners.into_iter().map(Point3::from).collect(), faces).expect("finite")
-        })
-    }
+    use crate::soup::soup;
 
     proptest! {
         #[test]
-        fn the_tree_finds_what_all_pairs_of_triangles_give(a in soup(25), b in soup(25), shift in 0.0..4.0f64) {
-            let moved = b.vertices().iter().map(|p| p + Vector3::x() * shift).collect();
-            let b = Mesh::new(moved, b.faces().to_vec()).expect("finite");
-            let all = (0..25).flat_map(|i| (0..25).map(move |j| (i, j)));
-            let expected = all
-                .filter_map(|(i, j)| triangle_triangle(&a.triangle(i), &b.triangle(j), f64::INFINITY))
-                .fold(f64::INFINITY, |least, found| least.min(found.squared));
-            let (tree_a, tree_b) = (Bvh::new(&a), Bvh::new(&b));
-            let found = tree_a.closest(&tree_b, f64::INFINITY, 0.0).expect("unbounded");
-            prop_assert!((found.squared.sqrt() - expected.sqrt()).abs() < 1e-12);
-            let swapped = tree_b.closest(&tree_a, f64::INFINITY, 0.0).expect("unbounded");
-            prop_assert!((found.squared.sqrt() - swapped.squared.sqrt()).abs() < 1e-12);
-            if expected > 1e-6 {
-                prop_assert!(tree_a.closest(&tree_b, 0.99 * expected, 0.0).is_none());
-            }
+        fn a_point_is_as_far_as_from_the_nearest_triangle(mesh in soup(40), point in prop::array::uniform3(-3.0..3.0f64)) {
+            let point = Point3::from(point);
+            let tree = Bvh::new(&mesh);
+            let squares = (0..40).map(|face| point_triangle(&point, &mesh.triangle(face)));
+            let expected = squares.fold(f64::INFINITY, f64::min);
+            prop_assert_eq!(tree.squared_distance_to_point(&point, f64::INFINITY, 0.0), Some(expected));
+            prop_assert_eq!(tree.squared_distance_to_point(&point, expected, 0.0), None);
+            let enough = tree.squared_distance_to_point(&point, f64::INFINITY, 2.0 * expected).expect("unbounded");
+            prop_assert!(enough >= expected && enough <= 12.0 * 12.0);
         }
 
         #[test]
-        fn a_ray_meets_the_tree_where_it_meets_the_triangles(mesh in soup(40), to in prop::array::uniform3(-2.0..2.0f64)) {
-            let (start, end) = (Point3::new(-3.0, 0.1, 0.2), Point3::from(to));
-            let expected = (0..40)
-                .filter_map(|face| ray_triangle(&start, &(end - start), &mesh.triangle(face)))
-                .filter(|&share| share <= 1.0)
-                .min_by(f64::total_cmp);
-            prop_assert_eq!(Bvh::new(&mesh).first_crossing(&start, &end), expected);
+        fn all_triangles_that_reach_into_a_box_are_visited(mesh in soup(40), corners in prop::array::uniform6(-1.0..1.0f64)) {
+            let [a, b, c, d, e, f] = corners;
+            let bounds = Aabb::of(&[Point3::new(a, b, c), Point3::new(d, e, f)]);
+            let mut visited = Vec::new();
+            Bvh::new(&mesh).visit_triangles(&bounds, |triangle| visited.push(*triangle));
+            for triangle in (0..40).map(|face| mesh.triangle(face)) {
+                let times = visited.iter().filter(|other| **other == triangle).count();
+                prop_assert!(times == 1 || times == 0 && Aabb::of(&triangle).squared_distance(&bounds) > 0.0);
+            }
         }
     }
 }

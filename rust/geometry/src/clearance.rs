@@ -110,3 +110,44 @@ impl ClearanceGrid {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::soup::{block, soup};
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        #[test]
+        fn no_surface_inside_the_bounds_is_nearer_than_the_clearance(
+            mesh in soup(20),
+            size in prop::array::uniform3(0.0..1.0f64),
+            points in prop::collection::vec(prop::array::uniform3(-2.0..2.0f64), 60),
+        ) {
+            let tree = Bvh::new(&mesh);
+            let bounds = Aabb { low: Point3::from(size.map(|x| -x)), high: Point3::from(size) };
+            let grid = ClearanceGrid::new(&[&tree], &bounds);
+            for point in points.into_iter().map(Point3::from) {
+                // Along a line that ends nearer than the clearance, no surface is met inside the bounds.
+                let clearance = grid.clearance(&point);
+                for direction in [Vector3::x(), -Vector3::y(), Vector3::new(0.6, 0.0, -0.8), Vector3::new(-0.48, 0.8, 0.36)] {
+                    let end = point + direction * clearance * (1.0 - 1e-9);
+                    if let Some(share) = tree.first_crossing(&point, &end) {
+                        let met = point + (end - point) * share;
+                        prop_assert!(bounds.loosened(-1e-9).squared_distance_to_point(&met) > 0.0);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_middle_of_a_hollow_block_is_clear_nearly_as_far_as_its_walls() {
+        let tree = Bvh::new(&block([-1.0; 3], [1.0; 3]));
+        let clearance = ClearanceGrid::new(&[&tree], tree.bounds()).clearance(&Point3::origin());
+        assert!(clearance > 0.9 && clearance <= 1.0, "{clearance}");
+    }
+}

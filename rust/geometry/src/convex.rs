@@ -2,10 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 
-/// A face: a tag that says where it came from, and its corners, counter-clockwise seen from outside.
+/// A face: where in the list of loops its corners stand, counter-clockwise seen from outside.
 #[derive(Debug, Clone, Copy)]
 struct Face {
-    tag: u32,
     start: u32,
     len: u32,
 }
@@ -17,18 +16,15 @@ struct Face {
 #[derive(Debug, Clone, Default)]
 pub struct ConvexPolyhedron {
     corners: Vec<Point3<f64>>,
-    /// Whether a caller has marked the corner; marks survive cuts.
-    marks: Vec<bool>,
     faces: Vec<Face>,
     loops: Vec<u32>,
     spare: Spare,
 }
 
-/// Buffers that a cut works in; the first four become the polyhedron.
+/// Buffers that a cut works in; the first three become the polyhedron.
 #[derive(Debug, Clone, Default)]
 struct Spare {
     corners: Vec<Point3<f64>>,
-    marks: Vec<bool>,
     faces: Vec<Face>,
     loops: Vec<u32>,
     /// Height of every old corner over the plane.
@@ -51,7 +47,6 @@ impl Spare {
         let (from, to) = (old[kept as usize], old[dropped as usize]);
         let corner = self.corners.len() as u32;
         self.corners.push(from + (to - from) * (below / (below - above)));
-        self.marks.push(false);
         self.cuts.push((kept, dropped, corner));
         corner
     }
@@ -61,20 +56,17 @@ impl Spare {
 const BOX_FACES: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
 impl ConvexPolyhedron {
-    /// Makes this the box with the given centre and half edges (a right-handed triple), all faces tagged `tag`.
-    pub fn set_box(&mut self, center: &Point3<f64>, half_edges: &[Vector3<f64>; 3], tag: u32) {
-        self.corners.clear();
-        self.corners.extend((0..8).map(|corner| {
+    /// The box with the given centre and half edges, a right-handed triple.
+    pub fn new_box(center: &Point3<f64>, half_edges: &[Vector3<f64>; 3]) -> Self {
+        let corner = |corner: usize| {
             let side = |axis: usize| if corner >> axis & 1 == 1 { half_edges[axis] } else { -half_edges[axis] };
             center + side(0) + side(1) + side(2)
-        }));
-        self.marks.clear();
-        self.marks.resize(8, false);
-        self.faces.clear();
-        self.loops.clear();
-        for face in BOX_FACES {
-            self.faces.push(Face { tag, start: self.loops.len() as u32, len: 4 });
-            self.loops.extend(face);
+        };
+        Self {
+            corners: (0..8).map(corner).collect(),
+            faces: (0..6).map(|face| Face { start: 4 * face, len: 4 }).collect(),
+            loops: BOX_FACES.into_iter().flatten().collect(),
+            spare: Spare::default(),
         }
     }
 
@@ -83,16 +75,16 @@ impl ConvexPolyhedron {
         self.corners.is_empty()
     }
 
-    /// The faces: tag and corners, counter-clockwise seen from outside.
-    pub fn faces(&self) -> impl Iterator<Item = (u32, impl ExactSizeIterator<Item = Point3<f64>> + Clone + '_)> + '_ {
+    /// Corners of the faces, counter-clockwise seen from outside.
+    fn faces(&self) -> impl Iterator<Item = impl ExactSizeIterator<Item = Point3<f64>>> {
         self.faces.iter().map(|face| {
             let corners = &self.loops[face.start as usize..(face.start + face.len) as usize];
-            (face.tag, corners.iter().map(|&corner| self.corners[corner as usize]))
+            corners.iter().map(|&corner| self.corners[corner as usize])
         })
     }
 
-    /// Keeps what lies in `normal . x <= offset`; says whether anything was cut off. The new face gets `tag`.
-    pub fn cut(&mut self, normal: &Vector3<f64>, offset: f64, tag: u32) -> bool {
+    /// Keeps what lies in `normal . x <= offset`; says whether anything was cut off.
+    pub fn cut(&mut self, normal: &Vector3<f64>, offset: f64) -> bool {
         self.spare.heights.clear();
         self.spare.heights.extend(self.corners.iter().map(|corner| normal.dot(&corner.coords) - offset));
         if self.spare.heights.iter().all(|&height| height <= 0.0) {
@@ -100,7 +92,7 @@ impl ConvexPolyhedron {
         }
         self.keep_corners();
         self.cut_faces();
-        self.close(tag);
+        self.close();
         true
     }
 
@@ -108,13 +100,11 @@ impl ConvexPolyhedron {
     fn keep_corners(&mut self) {
         let spare = &mut self.spare;
         spare.corners.clear();
-        spare.marks.clear();
         spare.numbers.clear();
         for (corner, &height) in spare.heights.iter().enumerate() {
             spare.numbers.push(spare.corners.len() as u32);
             if height <= 0.0 {
                 spare.corners.push(self.corners[corner]);
-                spare.marks.push(self.marks[corner]);
             }
         }
         spare.cuts.clear();
@@ -155,13 +145,13 @@ impl ConvexPolyhedron {
             }
             let len = spare.loops.len() - start;
             if len > 0 {
-                spare.faces.push(Face { tag: face.tag, start: start as u32, len: len as u32 });
+                spare.faces.push(Face { start: start as u32, len: len as u32 });
             }
         }
     }
 
     /// Adds the new face (more than one only if rounding made the old surface dented) and takes the result over.
-    fn close(&mut self, tag: u32) {
+    fn close(&mut self) {
         let spare = &mut self.spare;
         while let Some((first, mut next)) = spare.rim.pop() {
             let start = spare.loops.len();
@@ -171,10 +161,9 @@ impl ConvexPolyhedron {
                 let Some(edge) = spare.rim.iter().position(|&(from, _)| from == next) else { break };
                 next = spare.rim.swap_remove(edge).1;
             }
-            spare.faces.push(Face { tag, start: start as u32, len: (spare.loops.len() - start) as u32 });
+            spare.faces.push(Face { start: start as u32, len: (spare.loops.len() - start) as u32 });
         }
         std::mem::swap(&mut self.corners, &mut spare.corners);
-        std::mem::swap(&mut self.marks, &mut spare.marks);
         std::mem::swap(&mut self.faces, &mut spare.faces);
         std::mem::swap(&mut self.loops, &mut spare.loops);
     }
@@ -183,7 +172,7 @@ impl ConvexPolyhedron {
     pub fn volume(&self) -> f64 {
         let Some(apex) = self.corners.first() else { return 0.0 };
         let mut sum = 0.0;
-        for (_, corners) in self.faces() {
+        for corners in self.faces() {
             let mut corners = corners.map(|corner| corner - apex);
             let (Some(first), Some(mut last)) = (corners.next(), corners.next()) else { continue };
             for corner in corners {
@@ -202,9 +191,7 @@ mod tests {
     use super::*;
 
     fn unit_box() -> ConvexPolyhedron {
-        let mut solid = ConvexPolyhedron::default();
-        solid.set_box(&Point3::origin(), &[Vector3::x() * 0.5, Vector3::y() * 0.5, Vector3::z() * 0.5], 0);
-        solid
+        ConvexPolyhedron::new_box(&Point3::origin(), &[Vector3::x() * 0.5, Vector3::y() * 0.5, Vector3::z() * 0.5])
     }
 
     proptest! {
@@ -214,8 +201,8 @@ mod tests {
             for [x, y, z, offset] in planes {
                 let normal = Vector3::new(x, y, z);
                 let (mut rest, whole) = (solid.clone(), solid.volume());
-                solid.cut(&normal, offset, 1);
-                rest.cut(&-normal, -offset, 1);
+                solid.cut(&normal, offset);
+                rest.cut(&-normal, -offset);
                 prop_assert!((solid.volume() + rest.volume() - whole).abs() < 1e-12);
             }
         }
@@ -224,14 +211,11 @@ mod tests {
     #[test]
     fn a_corner_cut_off_is_a_tetrahedron_and_its_cut_a_triangle() {
         let mut solid = unit_box();
-        assert!(!solid.cut(&Vector3::new(1.0, 1.0, 1.0), 1.5, 7));
-        assert!(solid.cut(&-Vector3::new(1.0, 1.0, 1.0), -0.6, 7));
+        assert!(!solid.cut(&Vector3::new(1.0, 1.0, 1.0), 1.5));
+        assert!(solid.cut(&-Vector3::new(1.0, 1.0, 1.0), -0.6));
         assert!((solid.volume() - 0.9f64.powi(3) / 6.0).abs() < 1e-15);
-        assert_eq!(
-            solid.faces().filter(|(tag, _)| *tag == 7).map(|(_, corners)| corners.len()).collect::<Vec<_>>(),
-            [3]
-        );
-        assert!(solid.cut(&Vector3::x(), -1.0, 8) && solid.is_empty());
+        assert_eq!(solid.faces().map(|corners| corners.len()).collect::<Vec<_>>(), [3; 4]);
+        assert!(solid.cut(&Vector3::x(), -1.0) && solid.is_empty());
         assert_eq!(solid.volume(), 0.0);
     }
 }

@@ -17,7 +17,6 @@ use std::f64::consts::{FRAC_PI_3, PI};
 use std::sync::LazyLock;
 
 use nalgebra::{Point3, Vector3};
-use rayon::prelude::*;
 
 use crate::delaunay::{Delaunay, HULL_POINTS};
 use crate::point_tree::{Neighbour, PointTree};
@@ -51,20 +50,6 @@ pub struct InteractionRegion {
     /// Samples with a positive score, ascending: number (the moving part's first, then the reference's) and score. Scores
     /// are areas over the squared diagonal, so free of scale.
     pub samples: Vec<(u32, f64)>,
-}
-
-/// Surface samples of two parts.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PairSamples {
-    /// Samples of the part that moves.
-    pub moving: Vec<Point3<f64>>,
-    /// Samples of the part that it moves against.
-    pub reference: Vec<Point3<f64>>,
-}
-
-/// Interaction regions of many pairs.
-pub fn interaction_regions(pairs: &[PairSamples]) -> Vec<InteractionRegion> {
-    pairs.par_iter().map(|pair| interaction_region(&pair.moving, &pair.reference)).collect()
 }
 
 /// Interaction region of the samples of two parts; neither may be empty.
@@ -234,4 +219,90 @@ fn ridge_score(vertices: &[Vector3<f64>], squared_height: f64) -> f64 {
         from = to;
     }
     total
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{IsometryMatrix3, Rotation3};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Samples of a board and of another that stands `gap` before a part of it.
+    fn boards() -> impl Strategy<Value = (Vec<Point3<f64>>, Vec<Point3<f64>>, f64)> {
+        let board = |count| prop::collection::vec(prop::array::uniform3(0.0..1.0f64), count);
+        (board(60), board(90), 0.02..0.3f64).prop_map(|(moving, reference, gap)| {
+            let place = |p: &[f64; 3]| Point3::new(p[0], p[1], 0.05 * p[2]);
+            let before = |p: &[f64; 3]| place(p) + Vector3::new(0.4, 0.3, 0.05 + gap);
+            (moving.iter().map(before).collect(), reference.iter().map(place).collect(), gap)
+        })
+    }
+
+    fn distance(a: &InteractionRegion, b: &InteractionRegion) -> f64 {
+        (a.centroid - b.centroid).norm()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        #[test]
+        fn the_parts_can_change_places((moving, reference, _) in boards()) {
+            let forth = interaction_region(&moving, &reference);
+            let back = interaction_region(&reference, &moving);
+            prop_assert_eq!(forth.touching, back.touching);
+            let mut scores = vec![0.0; moving.len() + reference.len()];
+            forth.samples.iter().for_each(|&(sample, score)| scores[sample as usize] = score);
+            let total: f64 = scores.iter().sum();
+            for &(sample, score) in &back.samples {
+                let own = (sample as usize + moving.len()) % scores.len();
+                scores[own] -= score;
+            }
+            // The two diagrams differ by the order of insertion and the jitter that comes with it.
+            prop_assert!(scores.iter().map(|difference| difference.abs()).sum::<f64>() < 1e-3 * total);
+        }
+
+        #[test]
+        fn regions_scale_and_turn_with_the_parts((moving, reference, _) in boards(), exponent in -30i32..30) {
+            let found = interaction_region(&moving, &reference);
+            let map = |points: &[Point3<f64>], f: &dyn Fn(&Point3<f64>) -> Point3<f64>| points.iter().map(f).collect::<Vec<_>>();
+            let scale = 2f64.powi(exponent);
+            let scaled = |p: &Point3<f64>| p * scale;
+            let larger = interaction_region(&map(&moving, &scaled), &map(&reference, &scaled));
+            prop_assert_eq!(larger.centroid / scale, found.centroid);
+            prop_assert_eq!(larger.samples, found.samples.clone());
+            // Quarter turns keep the box of all samples; the sphere around it turns otherwise, and matters little.
+            let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), 0.5 * PI) * Rotation3::from_axis_angle(&Vector3::z_axis(), PI);
+            let motion = IsometryMatrix3::from_parts(Vector3::new(5.0, -3.0, 2.0).into(), turn);
+            let moved = |p: &Point3<f64>| motion * p;
+            let mut turned = interaction_region(&map(&moving, &moved), &map(&reference, &moved));
+            turned.centroid = motion.inverse() * turned.centroid;
+            prop_assert!(distance(&turned, &found) < 0.02, "{}", distance(&turned, &found));
+        }
+
+        #[test]
+        fn only_samples_near_the_other_part_score((moving, reference, gap) in boards()) {
+            let region = interaction_region(&moving, &reference);
+            prop_assert!(region.scored && !region.samples.is_empty());
+            let all: Vec<Point3<f64>> = moving.iter().chain(&reference).copied().collect();
+            let (low, high) = all.iter().fold((all[0], all[0]), |(low, high), p| (low.inf(p), high.sup(p)));
+            let diagonal = (high - low).norm();
+            let nearest = |p: &Point3<f64>, others: &[Point3<f64>]| {
+                others.iter().map(|other| (other - p).norm()).fold(f64::INFINITY, f64::min)
+            };
+            let least = moving.iter().map(|p| nearest(p, &reference)).fold(f64::INFINITY, f64::min);
+            prop_assert_eq!(region.touching, least <= CONTACT_SHARE * diagonal);
+            prop_assert!(least >= gap);
+            for &(sample, score) in &region.samples {
+                let other = if (sample as usize) < moving.len() { &reference } else { &moving };
+                prop_assert!(score > 0.0);
+                prop_assert!(nearest(&all[sample as usize], other) < 2.0 * reach(least / diagonal) * diagonal * (1.0 + 1e-6));
+            }
+            let inside = |axis: usize| {
+                let along = moving.iter().map(|p| p[axis]);
+                let (low, high) = (along.clone().fold(f64::MAX, f64::min), along.fold(f64::MIN, f64::max));
+                (low - 1e-9..=high + 1e-9).contains(&region.centroid[axis])
+            };
+            prop_assert!((0..3).all(inside));
+        }
+    }
 }

@@ -1,50 +1,19 @@
 //! Intersection of oriented boxes.
 
-use nalgebra::{Matrix3, Point3, Vector3};
-
-use rayon::prelude::*;
+use nalgebra::Point3;
 
 use crate::convex::ConvexPolyhedron;
-
-/// A box: centre, unit axes as rows (right-handed or not), and half extents along them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OrientedBox {
-    /// The centre.
-    pub center: Point3<f64>,
-    /// The axes, one a row.
-    pub axes: Matrix3<f64>,
-    /// Half of the extent along each axis.
-    pub half: Vector3<f64>,
-}
-
-impl OrientedBox {
-    /// The volume.
-    pub fn volume(&self) -> f64 {
-        8.0 * self.half.product()
-    }
-
-    fn axis(&self, axis: usize) -> Vector3<f64> {
-        self.axes.row(axis).transpose()
-    }
-
-    /// Half edges in right-handed order.
-    fn half_edges(&self) -> [Vector3<f64>; 3] {
-        let edges = [0, 1, 2].map(|axis| self.axis(axis) * self.half[axis]);
-        if edges[0].cross(&edges[1]).dot(&edges[2]) < 0.0 { [edges[1], edges[0], edges[2]] } else { edges }
-    }
-}
+use crate::oriented_box::OrientedBox;
 
 /// Exact volume of the intersection of two boxes: the first one cut by the six planes of the second.
 pub fn intersection_volume(a: &OrientedBox, b: &OrientedBox) -> f64 {
     // Around the centre of `a`, so that boxes far from the origin lose no digits.
-    let mut solid = ConvexPolyhedron::default();
-    solid.set_box(&Point3::origin(), &a.half_edges(), 0);
+    let mut solid = ConvexPolyhedron::new_box(&Point3::origin(), &a.half_edges());
     let center = b.center - a.center;
-    for axis in 0..3 {
-        let normal = b.axis(axis);
+    for (normal, half_extent) in b.axes.iter().zip(b.half_extents.iter()) {
         let middle = normal.dot(&center);
-        solid.cut(&normal, middle + b.half[axis], 0);
-        solid.cut(&-normal, b.half[axis] - middle, 0);
+        solid.cut(normal, middle + half_extent);
+        solid.cut(&-normal, half_extent - middle);
         if solid.is_empty() {
             return 0.0;
         }
@@ -59,7 +28,70 @@ pub fn box_iou(a: &OrientedBox, b: &OrientedBox) -> f64 {
     if joint > 0.0 { (shared / joint).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// One `measure` of every pair of boxes.
-pub fn for_pairs(a: &[OrientedBox], b: &[OrientedBox], measure: fn(&OrientedBox, &OrientedBox) -> f64) -> Vec<f64> {
-    a.par_iter().zip(b).map(|(a, b)| measure(a, b)).collect()
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix3, Rotation3, Vector3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::soup::isometry;
+
+    fn boxes() -> impl Strategy<Value = OrientedBox> {
+        let vector = |range: std::ops::Range<f64>| prop::array::uniform3(range).prop_map(Vector3::from);
+        (vector(-0.5..0.5), vector(-3.0..3.0), vector(0.05..1.0), any::<bool>()).prop_map(
+            |(center, turn, half_extents, mirrored)| {
+                let turn = Rotation3::new(turn).into_inner();
+                let sign = if mirrored { -1.0 } else { 1.0 };
+                let axes = [0, 1, 2].map(|axis| turn.column(axis) * if axis == 2 { sign } else { 1.0 });
+                OrientedBox { center: center.into(), axes, half_extents }
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn a_box_is_its_own_intersection(a in boxes()) {
+            prop_assert!((box_iou(&a, &a) - 1.0).abs() < 1e-12);
+            let [x, y, z] = a.axes;
+            let renamed = OrientedBox { axes: [-z, x, y], half_extents: a.half_extents.zxy(), ..a };
+            prop_assert!((box_iou(&a, &renamed) - 1.0).abs() < 1e-12);
+        }
+
+        #[test]
+        fn the_overlap_does_not_depend_on_order_and_pose(a in boxes(), b in boxes(), motion in isometry(), exponent in -30i32..30) {
+            let expected = box_iou(&a, &b);
+            prop_assert!((0.0..=1.0).contains(&expected));
+            prop_assert!((box_iou(&b, &a) - expected).abs() < 1e-12);
+            let scale = 2f64.powi(exponent);
+            let moved = |b: &OrientedBox| OrientedBox {
+                center: (motion * b.center) * scale,
+                axes: b.axes.map(|axis| motion.rotation * axis),
+                half_extents: b.half_extents * scale,
+            };
+            prop_assert!((box_iou(&moved(&a), &moved(&b)) - expected).abs() < 1e-11);
+        }
+
+        #[test]
+        fn boxes_on_two_sides_of_a_plane_share_nothing(a in boxes(), b in boxes()) {
+            let reach = a.half_extents.norm() + b.half_extents.norm();
+            let apart = OrientedBox { center: a.center + Vector3::new(0.6, 0.0, 0.8) * (reach + 1e-9), ..b };
+            prop_assert_eq!(intersection_volume(&a, &apart), 0.0);
+        }
+
+        #[test]
+        fn the_volume_is_the_share_of_points_that_are_in_both(a in boxes(), b in boxes()) {
+            // A lattice of rank one in place of random points.
+            const COUNT: usize = 4096;
+            let frame = |b: &OrientedBox| Matrix3::from_columns(&b.axes);
+            let inside = (0..COUNT).filter(|&i| {
+                let place = [0.5, 1487.0, 2903.0].map(|step: f64| 2.0 * (step * (i as f64 + 0.5) / COUNT as f64).fract() - 1.0);
+                let place = Vector3::new(2.0 * (i as f64 + 0.5) / COUNT as f64 - 1.0, place[1], place[2]);
+                let point = a.center + frame(&a) * place.component_mul(&a.half_extents);
+                let local = frame(&b).transpose() * (point - b.center);
+                (0..3).all(|axis| local[axis].abs() <= b.half_extents[axis])
+            });
+            let expected = inside.count() as f64 / COUNT as f64;
+            prop_assert!((intersection_volume(&a, &b) / a.volume() - expected).abs() < 0.04);
+        }
+    }
 }

@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use crate::{GeometryError, Result};
 
 /// Coordinates beyond this overflow when squared areas and volumes are formed.
-const LARGEST_COORDINATE: f64 = 1e60;
+pub const LARGEST_COORDINATE: f64 = 1e60;
 
 /// A triangle mesh with at least one face, finite coordinates and indices in range.
 ///
@@ -30,7 +30,10 @@ impl Mesh {
             return Err(GeometryError::new("faces", "empty, expected at least one face"));
         }
         if let Some(row) = vertices.iter().position(|v| !v.iter().all(|x| x.abs() <= LARGEST_COORDINATE)) {
-            return Err(GeometryError::new("vertices", format!("row {row} is not finite")));
+            return Err(GeometryError::new(
+                "vertices",
+                format!("row {row} is not finite, or beyond {LARGEST_COORDINATE:e}"),
+            ));
         }
         let count = vertices.len();
         if let Some(row) = faces.iter().position(|f| f.iter().any(|&i| i as usize >= count)) {

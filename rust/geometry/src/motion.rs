@@ -1,7 +1,6 @@
 //! Points moved along candidate joints.
 
-use nalgebra::{Matrix3, Point3, Rotation3, Unit, Vector3};
-use rayon::prelude::*;
+use nalgebra::{IsometryMatrix3, Point3, Rotation3, Unit, Vector3};
 
 /// How a joint moves its part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,58 +25,42 @@ pub struct JointAxis {
 }
 
 /// A rotation followed by a translation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RigidMotion {
-    /// The rotation.
-    pub rotation: Matrix3<f64>,
-    /// The translation.
-    pub translation: Vector3<f64>,
-}
-
-impl RigidMotion {
-    /// The moved point.
-    pub fn apply(&self, point: &Point3<f64>) -> Point3<f64> {
-        Point3::from(self.rotation * point.coords + self.translation)
-    }
-
-    /// The motion back.
-    pub fn inverse(&self) -> Self {
-        let rotation = self.rotation.transpose();
-        Self { rotation, translation: -(rotation * self.translation) }
-    }
-}
+pub type RigidMotion = IsometryMatrix3<f64>;
 
 impl JointAxis {
     /// The displacement by `angle` (radians, unused by prismatic joints) and `shift` (a length, unused by revolute ones).
     pub fn displacement(&self, angle: f64, shift: f64) -> RigidMotion {
         let angle = if self.kind == JointKind::Prismatic { 0.0 } else { angle };
         let shift = if self.kind == JointKind::Revolute { 0.0 } else { shift };
-        let rotation = Rotation3::from_axis_angle(&self.direction, angle).into_inner();
+        let rotation = Rotation3::from_axis_angle(&self.direction, angle);
         let pivot = if self.kind == JointKind::Prismatic { Vector3::zeros() } else { self.pivot.coords };
-        RigidMotion { rotation, translation: pivot - rotation * pivot + self.direction.scale(shift) }
+        let translation = pivot - rotation * pivot + self.direction.scale(shift);
+        RigidMotion::from_parts(translation.into(), rotation)
     }
 }
 
 /// Coordinates of four points: the unit in which they are moved, so that every lane of a vector register does the same.
 const LANES: usize = 12;
 
-/// The points, each coordinate repeated for the three coordinates of the result.
-struct SpreadPoints {
+/// Points arranged to be moved again and again: each coordinate is repeated for the three coordinates of the result.
+pub struct PointBlocks {
     blocks: Vec<[[f32; LANES]; 3]>,
 }
 
-impl SpreadPoints {
-    fn new(points: &[[f32; 3]]) -> Self {
+impl PointBlocks {
+    /// Arranges `points`.
+    pub fn new(points: &[[f32; 3]]) -> Self {
         let spread = |four: &[[f32; 3]]| {
             std::array::from_fn(|axis| std::array::from_fn(|lane| four.get(lane / 3).map_or(0.0, |point| point[axis])))
         };
         Self { blocks: points.chunks(LANES / 3).map(spread).collect() }
     }
 
-    fn moved_into(&self, motion: &RigidMotion, out: &mut [f32]) {
+    /// Writes the moved points, three coordinates each, to `out`, which has room for exactly so many.
+    pub fn moved_into(&self, motion: &RigidMotion, out: &mut [f32]) {
         let column = |axis: usize| -> [f32; LANES] { std::array::from_fn(|i| motion.rotation[(i % 3, axis)] as f32) };
         let (x, y, z) = (column(0), column(1), column(2));
-        let shift: [f32; LANES] = std::array::from_fn(|i| motion.translation[i % 3] as f32);
+        let shift: [f32; LANES] = std::array::from_fn(|i| motion.translation.vector[i % 3] as f32);
         let mut rows = out.chunks_exact_mut(LANES);
         for (row, points) in rows.by_ref().zip(&self.blocks) {
             for i in 0..LANES {
@@ -93,12 +76,58 @@ impl SpreadPoints {
     }
 }
 
-/// Moves all `points` by every motion: `out` takes `motions.len() * points.len() * 3` coordinates, motion by motion.
-pub fn move_points(points: &[[f32; 3]], motions: &[RigidMotion], out: &mut [f32]) {
-    assert_eq!(out.len(), motions.len() * points.len() * 3, "size of out");
-    if points.is_empty() {
-        return;
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn axes() -> impl Strategy<Value = JointAxis> {
+        let kinds = prop::sample::select(vec![JointKind::Revolute, JointKind::Prismatic, JointKind::Screw]);
+        let vector = || prop::array::uniform3(-2.0..2.0f64);
+        (kinds, vector(), vector()).prop_filter_map("a direction", |(kind, direction, pivot)| {
+            let direction = Unit::try_new(Vector3::from(direction), 0.1)?;
+            Some(JointAxis { kind, direction, pivot: pivot.into() })
+        })
     }
-    let spread = SpreadPoints::new(points);
-    out.par_chunks_mut(points.len() * 3).zip(motions).for_each(|(out, motion)| spread.moved_into(motion, out));
+
+    proptest! {
+        #[test]
+        fn displacements_are_turns_about_the_pivot_and_slides(
+            axis in axes(), angle in -7.0..7.0f64, shift in -2.0..2.0f64, point in prop::array::uniform3(-2.0..2.0f64),
+        ) {
+            let point = Point3::from(point);
+            let turn = Isometry3::rotation_wrt_point(UnitQuaternion::from_axis_angle(&axis.direction, angle), axis.pivot);
+            let slide = Isometry3::from_parts(Translation3::from(axis.direction.scale(shift)), UnitQuaternion::identity());
+            let expected = match axis.kind {
+                JointKind::Revolute => turn * point,
+                JointKind::Prismatic => slide * point,
+                JointKind::Screw => slide * (turn * point),
+            };
+            prop_assert!((axis.displacement(angle, shift) * point - expected).norm() < 1e-13);
+        }
+
+        #[test]
+        fn displacements_along_one_axis_add_up(
+            axis in axes(), a in prop::array::uniform2(-3.0..3.0f64), b in prop::array::uniform2(-3.0..3.0f64),
+        ) {
+            let both = axis.displacement(a[0], a[1]) * axis.displacement(b[0], b[1]);
+            let at_once = axis.displacement(a[0] + b[0], a[1] + b[1]);
+            prop_assert!((both.to_homogeneous() - at_once.to_homogeneous()).amax() < 1e-13);
+        }
+
+        #[test]
+        fn blocks_of_points_move_like_single_points(
+            axis in axes(), angle in -7.0..7.0f64, points in prop::collection::vec(prop::array::uniform3(-1.0..1.0f32), 0..19),
+        ) {
+            let motion = axis.displacement(angle, 0.5);
+            let mut out = vec![f32::NAN; 3 * points.len()];
+            PointBlocks::new(&points).moved_into(&motion, &mut out);
+            for (moved, point) in out.chunks_exact(3).zip(&points) {
+                let expected = motion * Point3::from(point.map(f64::from));
+                prop_assert!((0..3).all(|i| (f64::from(moved[i]) - expected[i]).abs() < 2e-6));
+            }
+        }
+    }
 }

@@ -4,21 +4,11 @@ use nalgebra::{Point3, Vector3};
 
 use crate::box_search::BoxSearch;
 use crate::hull::Hull;
+use crate::oriented_box::OrientedBox;
 use crate::rectangle::flush_axes;
 
 /// Parts thinner than this share of their extent are flat.
 const FLATNESS: f64 = 1e-9;
-
-/// A box of any orientation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OrientedBox {
-    /// Middle.
-    pub center: Point3<f64>,
-    /// Orthonormal and right-handed.
-    pub axes: [Vector3<f64>; 3],
-    /// Half the side along each axis.
-    pub half_extents: Vector3<f64>,
-}
 
 /// The box of minimum volume around `points`.
 ///

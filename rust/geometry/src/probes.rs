@@ -34,8 +34,7 @@ const SHALLOW: f64 = 0.9;
 const LIFT: f64 = 1e-3;
 
 /// At most `count` points spread evenly over the surface of every mesh inside `region`, in number as the roots of the areas,
-/// each moved inwards by `tolerance` or to the
-/// middle of a wall thinner than twice that. Points that are inside `other` are left out: those bodies overlap as given.
+/// each moved inwards by `tolerance`, or to the middle of a wall thinner than twice that. Points that are inside `other` are left out: those bodies overlap as given.
 pub fn probes_of(body: &[Solid<'_>], other: &[Solid<'_>], region: &Aabb, count: usize, tolerance: f64) -> Vec<Probe> {
     let mut cumulated = Vec::new();
     let mut total = 0.0;
@@ -121,4 +120,38 @@ fn is_inside(tree: &Bvh, point: &Point3<f64>) -> bool {
     let odd = |direction: [f64; 3]| tree.count_crossings(point, &Vector3::from(direction)) % 2 == 1;
     let [first, second] = [odd(DIRECTIONS[0]), odd(DIRECTIONS[1])];
     if first == second { first } else { odd(DIRECTIONS[2]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::soup::{block, isometry, mapped};
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        #[test]
+        fn probes_of_a_block_lie_inside_as_deep_as_told(
+            sides in prop::array::uniform3(0.2..1.0f64), place in isometry(), inside_out in any::<bool>(),
+        ) {
+            const DEPTH: f64 = 0.02;
+            let upright = block(sides.map(|x| -x), sides);
+            let mut mesh = mapped(&upright, |p| place * p);
+            if inside_out {
+                let faces = mesh.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
+                mesh = Mesh::new(mesh.vertices().to_vec(), faces).expect("finite");
+            }
+            let tree = Bvh::new(&mesh);
+            let probes = probes_of(&[Solid { mesh: &mesh, tree: &tree }], &[], tree.bounds(), 100, DEPTH);
+            prop_assert!(probes.len() > 80);
+            for probe in probes {
+                let point = place.inverse() * probe.point;
+                let depth = (0..3).map(|axis| sides[axis] - point[axis].abs()).fold(f64::INFINITY, f64::min);
+                prop_assert!((SHALLOW * DEPTH - 1e-9..=DEPTH + 1e-9).contains(&depth), "{depth}");
+                prop_assert_eq!(probe.grace, 0.0);
+            }
+        }
+    }
 }

@@ -6,7 +6,6 @@
 //! move forth against the obstacles, those of the obstacles move back against the part.
 
 use nalgebra::Point3;
-use rayon::prelude::*;
 
 use crate::aabb::Aabb;
 use crate::bvh::Bvh;
@@ -67,22 +66,6 @@ pub struct Travel {
     pub penetration: [f64; 2],
 }
 
-/// The travels of many candidates of one part among its obstacles.
-pub fn sweep(
-    moving: &[Solid<'_>],
-    obstacles: &[Solid<'_>],
-    candidates: &[Candidate],
-    options: &SweepOptions,
-) -> Vec<Travel> {
-    let own = bounds_of(moving);
-    let swept = candidates.iter().fold(own, |bounds, candidate| bounds.merged(&swept_bounds(&own, candidate)));
-    let scene = Scene {
-        forth: Side::new(moving, obstacles, &swept, &own, options),
-        back: Side::new(obstacles, moving, &own, &swept, options),
-    };
-    candidates.par_iter().map(|candidate| scene.travel(candidate, options)).collect()
-}
-
 /// Probes of one body against the surface of the other.
 struct Side<'a> {
     probes: Vec<Probe>,
@@ -121,15 +104,15 @@ impl<'a> Side<'a> {
     fn collision(&self, grid: &ClearanceGrid, probe: &Probe, stride: f64, motions: &[RigidMotion]) -> Option<f64> {
         let last = motions.len() - 1;
         let mut at = if probe.grace > 0.0 { (probe.grace / stride).ceil().min(last as f64) as usize } else { 0 };
-        let mut point = motions[at].apply(&probe.point);
+        let mut point = motions[at] * probe.point;
         while at < last {
             let clear = (grid.clearance(&point) / stride).min(last as f64) as usize;
             if clear > 0 {
                 at = (at + clear).min(last);
-                point = motions[at].apply(&probe.point);
+                point = motions[at] * probe.point;
                 continue;
             }
-            let next = motions[at + 1].apply(&probe.point);
+            let next = motions[at + 1] * probe.point;
             let met = self.trees.iter().filter_map(|tree| tree.first_crossing(&point, &next)).min_by(f64::total_cmp);
             if let Some(share) = met {
                 return Some(at as f64 + share);
@@ -141,22 +124,35 @@ impl<'a> Side<'a> {
     }
 }
 
-/// Both bodies' probes.
-struct Scene<'a> {
+/// A part among its obstacles: the probes of both bodies, which any of some candidates can bring together.
+pub struct Scene<'a> {
     forth: Side<'a>,
     back: Side<'a>,
+    options: SweepOptions,
 }
 
-impl Scene<'_> {
-    fn travel(&self, candidate: &Candidate, options: &SweepOptions) -> Travel {
+impl<'a> Scene<'a> {
+    /// Looks at what `candidates` can reach.
+    pub fn new(moving: &[Solid<'a>], obstacles: &[Solid<'a>], candidates: &[Candidate], options: SweepOptions) -> Self {
+        let own = bounds_of(moving);
+        let swept = candidates.iter().fold(own, |bounds, candidate| bounds.merged(&swept_bounds(&own, candidate)));
+        Self {
+            forth: Side::new(moving, obstacles, &swept, &own, &options),
+            back: Side::new(obstacles, moving, &own, &swept, &options),
+            options,
+        }
+    }
+
+    /// The travel of one of the candidates.
+    pub fn travel(&self, candidate: &Candidate) -> Travel {
         let mut result = Travel { free: candidate.limits, penetration: [0.0; 2] };
         for (direction, &limit) in candidate.limits.iter().enumerate() {
             if limit == 0.0 {
                 continue;
             }
             let steps = match candidate.axis.kind {
-                JointKind::Prismatic => options.steps.min(STRAIGHT_STEPS),
-                _ => options.steps,
+                JointKind::Prismatic => self.options.steps.min(STRAIGHT_STEPS),
+                _ => self.options.steps,
             };
             let step = limit / steps as f64;
             for (side, sign) in [(&self.forth, 1.0), (&self.back, -1.0)] {
@@ -165,7 +161,7 @@ impl Scene<'_> {
                 let collisions = side.collisions(candidate, limit, &motions);
                 let count = side.probes.len().max(1) as f64;
                 result.penetration[direction] = result.penetration[direction].max(collisions.len() as f64 / count);
-                let ignored = (options.ignored_share * count) as usize;
+                let ignored = (self.options.ignored_share * count) as usize;
                 if let Some(at) = collisions.get(ignored) {
                     let free = step * at;
                     if free.abs() < result.free[direction].abs() {
@@ -197,12 +193,117 @@ fn swept_bounds(bounds: &Aabb, candidate: &Candidate) -> Aabb {
         radius = radius.max((corner - candidate.axis.pivot).cross(&candidate.axis.direction).norm());
         for look in 0..=looks {
             let travel = lower + (upper - lower) * look as f64 / looks as f64;
-            let moved = candidate.displacement(travel).apply(&corner);
+            let moved = candidate.displacement(travel) * corner;
             swept = swept.merged(&Aabb { low: moved, high: moved });
         }
     }
     match candidate.axis.kind {
         JointKind::Prismatic => swept,
         _ => swept.loosened(radius * (1.0 - (0.5 * (upper - lower) / looks as f64).min(std::f64::consts::PI).cos())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{IsometryMatrix3, Unit, Vector3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::Mesh;
+    use crate::adjacency::Part;
+    use crate::soup::{block, isometry, mapped};
+
+    const OPTIONS: SweepOptions = SweepOptions { probes: 300, steps: 16, tolerance: 0.01, ignored_share: 0.005 };
+    /// Rotations are straight between steps: how far a path of at most three lengths radius strays from its arc.
+    const STRAY: f64 = 0.02;
+
+    fn candidates() -> impl Strategy<Value = Candidate> {
+        let kinds = prop::sample::select(vec![JointKind::Revolute, JointKind::Prismatic, JointKind::Screw]);
+        let vector = || prop::array::uniform3(-1.0..1.0f64);
+        (kinds, vector(), vector(), 0.2..1.5f64, -0.3..0.3f64).prop_filter_map(
+            "a direction",
+            |(kind, direction, pivot, limit, pitch)| {
+                let direction = Unit::try_new(Vector3::from(direction), 0.1)?;
+                Some(Candidate {
+                    axis: JointAxis { kind, direction, pivot: pivot.into() },
+                    pitch,
+                    limits: [-limit, limit],
+                })
+            },
+        )
+    }
+
+    fn blocks() -> impl Strategy<Value = (Mesh, Mesh)> {
+        let sides = || prop::array::uniform3(0.1..0.5f64);
+        (sides(), sides(), isometry()).prop_map(|(a, b, place)| {
+            let obstacle = mapped(&block(b.map(|x| -x), b), |p| place * p);
+            (block(a.map(|x| -x), a), obstacle)
+        })
+    }
+
+    fn travel(moving: &Mesh, obstacle: &Mesh, candidate: &Candidate) -> Travel {
+        let trees = [Bvh::new(moving), Bvh::new(obstacle)];
+        let solids = [Solid { mesh: moving, tree: &trees[0] }, Solid { mesh: obstacle, tree: &trees[1] }];
+        Scene::new(&solids[..1], &solids[1..], std::slice::from_ref(candidate), OPTIONS).travel(candidate)
+    }
+
+    /// Exact distances of the two on the way, `looks` of them after the first.
+    fn distances(
+        moving: &Mesh,
+        obstacle: &Mesh,
+        motion: impl Fn(f64) -> IsometryMatrix3<f64>,
+        looks: usize,
+    ) -> Vec<f64> {
+        let there = Bvh::new(obstacle);
+        let at = |look: usize| {
+            let motion = motion(look as f64 / looks as f64);
+            let here = Bvh::new(&mapped(moving, |p| motion * p));
+            let found = Part::new(vec![&here]).distance(&Part::new(vec![&there]), f64::INFINITY);
+            found.expect("unbounded").distance
+        };
+        (0..=looks).map(at).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        #[test]
+        fn travel_ends_where_the_blocks_meet_and_nowhere_else((moving, obstacle) in blocks(), candidate in candidates()) {
+            const LOOKS: usize = 60;
+            let found = travel(&moving, &obstacle, &candidate);
+            for (side, limit) in candidate.limits.into_iter().enumerate() {
+                let apart = distances(&moving, &obstacle, |share| candidate.displacement(share * limit), LOOKS);
+                prop_assume!(apart[0] > STRAY);
+                prop_assert!(found.free[side].abs() <= limit.abs() && found.free[side] * limit >= 0.0);
+                match apart.iter().position(|&distance| distance <= STRAY) {
+                    None => {
+                        prop_assert_eq!(found.free[side], limit);
+                        prop_assert_eq!(found.penetration[side], 0.0);
+                    }
+                    // Not before they are near; between two looks nothing moves farther than a tenth.
+                    Some(near) => prop_assert!(found.free[side] / limit >= (near as f64 - 1.0) / LOOKS as f64 - 1e-9),
+                }
+            }
+        }
+
+        #[test]
+        fn a_block_slides_as_far_as_the_gap_and_a_little(
+            gap in 0.05..0.5f64, sides in prop::array::uniform3(0.2..0.5f64), motion in isometry(), exponent in -20i32..20,
+        ) {
+            let scale = 2f64.powi(exponent);
+            let low = [-sides[0], -sides[1], sides[2] + gap];
+            let obstacle = block(low, [sides[0], sides[1], sides[2] + gap + 0.5]);
+            let place = |mesh: &Mesh| mapped(mesh, |p| (motion * p) * scale);
+            let direction = Unit::new_normalize(motion.rotation * Vector3::z());
+            let axis = JointAxis { kind: JointKind::Prismatic, direction, pivot: Point3::origin() };
+            let candidate = Candidate { axis, pitch: 0.0, limits: [-scale, scale] };
+            let moving = block(sides.map(|x| -x), sides);
+            let found = travel(&place(&moving), &place(&obstacle), &candidate);
+            prop_assert_eq!(found.free[0], -scale);
+            let over = found.free[1] / scale - gap;
+            // Probes lie inside by a hundredth of the diagonal.
+            prop_assert!((-1e-9..=0.011 * place(&moving).diagonal() / scale).contains(&over), "{over}");
+            prop_assert!(found.penetration[1] > 0.05);
+        }
     }
 }

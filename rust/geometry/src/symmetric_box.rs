@@ -1,8 +1,9 @@
 //! The box of a part that shows its symmetries.
 
-use crate::obb::{BoxFitter, OrientedBox};
+use crate::obb::BoxFitter;
+use crate::oriented_box::OrientedBox;
 use crate::surface::Surface;
-use crate::symmetry_test::SymmetryTest;
+use crate::symmetry_test::{SymmetryTest, TestOptions};
 
 /// At most this many boxes on facets of the hull are looked at.
 const CANDIDATES: usize = 48;
@@ -14,11 +15,11 @@ const SAME_AXIS: f64 = 0.005;
 /// two of them, or else one, or else of all. Returned with the number of symmetric planes.
 ///
 /// Candidates are the box of minimum volume and the best boxes along the normals of the hull's facets. A plane counts as symmetric if
-/// the 90th percentile of the squared distances of `samples` mirrored samples to the surface, over the squared diagonal, is below
-/// `tolerance`.
-pub fn symmetric_box(surface: &Surface<'_>, samples: usize, tolerance: f64, seed: u64) -> (OrientedBox, u8) {
+/// the 90th percentile of the squared distances of mirrored samples to the surface, over the squared diagonal, is below the tolerance:
+/// it is that of a square, unlike that of [`crate::symmetry::find_symmetries`].
+pub fn symmetric_box(surface: &Surface<'_>, options: &TestOptions) -> (OrientedBox, u8) {
     let fitter = BoxFitter::new(surface.mesh().vertices());
-    let test = SymmetryTest::new(surface, samples, tolerance.sqrt(), seed);
+    let test = SymmetryTest::new(surface, &TestOptions { tolerance: options.tolerance.sqrt(), ..*options });
     most_symmetric_box(&fitter, fitter.minimum_volume(), &test)
 }
 

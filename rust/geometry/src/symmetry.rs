@@ -11,7 +11,7 @@ use crate::revolution::axis_of_revolution;
 use crate::sampling::{SurfaceSample, sample_surface};
 use crate::surface::Surface;
 use crate::symmetric_box::most_symmetric_box;
-use crate::symmetry_test::SymmetryTest;
+use crate::symmetry_test::{SymmetryTest, TestOptions};
 
 /// A mirror or a turn that maps a part onto itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,16 +62,16 @@ const SAME_POINT: f64 = 0.2;
 ///
 /// Candidates are the axis of revolution of the surface, the axes of the boxes of minimum volume and of Fish's, and the principal axes,
 /// each where it was found, through the centroid of the surface and through the middle of the box. Reported are those with an
-/// error below `tolerance`; of an axis, the finest order; of nearly parallel ones, the best.
-pub fn find_symmetries(surface: &Surface<'_>, samples: usize, tolerance: f64, seed: u64) -> Vec<Symmetry> {
+/// error below the tolerance; of an axis, the finest order; of nearly parallel ones, the best.
+pub fn find_symmetries(surface: &Surface<'_>, options: &TestOptions) -> Vec<Symmetry> {
     let fitter = BoxFitter::new(surface.mesh().vertices());
     let minimal = fitter.minimum_volume();
     if minimal.half_extents.x == 0.0 {
         return Vec::new();
     }
-    let test = SymmetryTest::new(surface, samples, tolerance, seed);
+    let test = SymmetryTest::new(surface, options);
     let (symmetric, _) = most_symmetric_box(&fitter, minimal, &test);
-    let fitted = sample_surface(surface.mesh(), FITTED_SAMPLES, seed);
+    let fitted = sample_surface(surface.mesh(), FITTED_SAMPLES, options.seed);
     let (centroid, principal) = principal_axes(surface.mesh(), &fitted);
     let mut lines: Vec<(Point3<f64>, Vector3<f64>)> = axis_of_revolution(&fitted).into_iter().collect();
     for candidate in [symmetric, minimal] {
@@ -81,7 +81,7 @@ pub fn find_symmetries(surface: &Surface<'_>, samples: usize, tolerance: f64, se
     let (mut tried, mut mirrors, mut turns) = (Vec::new(), Vec::new(), Vec::new());
     for (own_point, direction) in lines {
         let is_settled = mirrors.iter().any(|mirror: &Symmetry| {
-            mirror.error < SETTLED * tolerance && !is_new(&[mirror.direction], &direction, SAME_DIRECTION)
+            mirror.error < SETTLED * options.tolerance && !is_new(&[mirror.direction], &direction, SAME_DIRECTION)
         });
         if is_settled || !is_new(&tried, &direction, SAME_CANDIDATE) {
             continue;
@@ -208,7 +208,7 @@ mod tests {
         let mesh = prism(sides);
         let tree = Bvh::new(&mesh);
         let surface = Surface::new(&[&mesh], vec![&tree]);
-        let found = find_symmetries(&surface, 200, 0.005, 1);
+        let found = find_symmetries(&surface, &TestOptions { samples: 200, tolerance: 0.005, seed: 1 });
         let about_z = |s: &&Symmetry| s.kind != SymmetryKind::Reflection && s.direction.z.abs() > 0.999;
         found.iter().find(about_z).map(|symmetry| symmetry.kind)
     }

@@ -8,6 +8,17 @@ use crate::surface::Surface;
 /// Share of the mapped samples that must lie on the surface.
 const QUANTILE: f64 = 0.9;
 
+/// How closely to look, and from where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TestOptions {
+    /// Surface samples that are mapped.
+    pub samples: usize,
+    /// Error, over the part's diagonal, that a symmetry has to stay below.
+    pub tolerance: f64,
+    /// Seed of the samples.
+    pub seed: u64,
+}
+
 /// Samples of a surface and the distances to it.
 pub struct SymmetryTest<'a> {
     surface: &'a Surface<'a>,
@@ -20,12 +31,12 @@ pub struct SymmetryTest<'a> {
 }
 
 impl<'a> SymmetryTest<'a> {
-    /// A test with `count` samples that demands errors below `tolerance`.
-    pub fn new(surface: &'a Surface<'a>, count: usize, tolerance: f64, seed: u64) -> Self {
-        let samples = sample_surface(surface.mesh(), count, seed);
+    /// Draws the samples.
+    pub fn new(surface: &'a Surface<'a>, options: &TestOptions) -> Self {
+        let samples = sample_surface(surface.mesh(), options.samples, options.seed);
         let diagonal = surface.mesh().diagonal();
-        let outliers = count - (QUANTILE * count as f64).ceil() as usize;
-        Self { surface, samples, diagonal, reach: tolerance * diagonal, outliers }
+        let outliers = options.samples - (QUANTILE * options.samples as f64).ceil() as usize;
+        Self { surface, samples, diagonal, reach: options.tolerance * diagonal, outliers }
     }
 
     /// How far mapped samples may be from the surface.

@@ -32,3 +32,10 @@ def test_a_lid_is_small_beside_its_bottle() -> None:
         shape = built("bottle", seed)
         own, rest = pieces_of(shape, next(movable(shape)))
         assert np.ptp(box_of(own), axis=0)[1] < np.ptp(box_of(rest), axis=0)[1]
+
+
+def test_triggers_turn_about_a_level_line_or_slide_to_the_rear() -> None:
+    triggers = [link for seed in range(120) for link in movable(built("bottle", seed)) if link.name == "trigger"]
+    assert triggers
+    for link in triggers:
+        np.testing.assert_allclose(np.abs(link.motion.direction), (1, 0, 0) if link.motion.is_hinge else (0, 0, 1))

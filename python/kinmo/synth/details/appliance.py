@@ -52,7 +52,7 @@ def add_feet(draw: Draw, above: Node, x: float, z: float, low: float) -> Node:
 
 def add_dial(draw: Draw, above: Node, carrier: Link, at: tuple[float, float, float], radius: float, name: str) -> Link:
     """A knob on a front that turns about z, mostly without limits."""
-    node = above.add(name, *dial(draw, radius, radius * draw.between(0.3, 0.9), at))
+    node = above.add(name, *dial(draw, radius, radius * draw.between(0.25, 1.5), at))
     motion = spinner(at, (0, 0, 1))
     if draw.chance(0.2):
         motion = Motion(motion.joint, motion.origin, motion.direction, 0.0, draw.pick([90.0, 180.0, 270.0]))

@@ -52,7 +52,7 @@ def add_carrying_handle(
     rod, reach = half * draw.between(0.05, 0.14), half * draw.between(0.3, 1.1)
     deep = draw.between(0.0, 1.2) * rod
     pieces = [transform(piece, place) for piece in carrying_handle(draw, half, reach, rod)]
-    node = above.add(draw.pick(["handle", "handle", "grip"], [6, 1, 1]), *pieces)
+    node = above.add(draw.pick(["handle", "grip"], [9, 1]), *pieces)
     if draw.chance(0.4):
         ends = [box((3 * rod, 4 * rod, 2 * rod), (s * half, 0, 0.5 * rod)) for s in (-1, 1)]
         carrier.nodes[0].pieces += [transform(piece, place) for piece in ends]

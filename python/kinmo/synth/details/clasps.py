@@ -15,7 +15,7 @@ from kinmo.synth.draw import Draw
 from kinmo.synth.model import Link, Motion, Node, hinge, slider, spinner
 from kinmo.synth.primitives import X, Y, Z, box, cylinder, join, move, rounded_box, rounded_path, sweep, transform
 
-KINDS = {"latch": 8, "bail": 2, "turn": 2, "slide": 2, "push": 3, "wheels": 1, "plate": 2}
+KINDS = {"latch": 14, "bail": 3, "turn": 1.5, "slide": 1.5, "push": 4, "wheels": 0.5, "plate": 1.5}
 """Kinds of clasps and how often they occur."""
 
 
@@ -54,7 +54,7 @@ def drawn_clasp(draw: Draw, size: float) -> Clasp:
 def _latch(draw: Draw, size: float) -> Clasp:
     """A plate or hook across the seam that swings off the wall about its edge on the body, on the lid, or at its side."""
     wide, thick = size * draw.between(0.25, 1.2), size * draw.between(0.06, 0.6)
-    on_lid, edge = draw.chance(0.5), draw.pick(["level", "upright"], [6, 1])
+    on_lid, edge = draw.chance(0.5), draw.pick(["level", "upright"], [12, 1])
     up = 1.0 if on_lid else -1.0
     share = draw.between(0.0, 0.45)
     middle = up * (0.5 - share) * size

@@ -77,16 +77,17 @@ def _arm_handle(draw: Draw, size: float, *, both_ways: bool) -> list[Mesh]:
 
 def _wheel(draw: Draw, radius: float) -> list[Mesh]:
     """A hub with one to five spokes, with knobs at their ends or a rim round them."""
-    reach, rod = radius * draw.between(0.25, 1.0), radius * draw.between(0.07, 0.16)
+    reach, rod = radius * draw.between(0.12, 1.0), radius * draw.between(0.07, 0.16)
+    level = max(0.8 * reach, 2.0 * rod)
     hub = cylinder(draw.between(0.2, 0.45) * radius, reach, "z", (0, 0, reach / 2), 20)
     if draw.chance(0.3):
         profile = np.array([[0.45, 0], [0.3, 0.3], [0.25, 0.8], [0.35, 1.0], [0, 1.1]]) * (radius, reach)
         hub = turn(lathe(profile, 20), (1, 0, 0), 90.0)
     count, start = draw.pick([1, 2, 3, 4, 5], [1, 2, 4, 2, 2]), draw.between(0.0, 120.0)
-    spoke = cylinder(rod, radius, "x", (radius / 2, 0, 0.8 * reach), 8, top_radius=rod * draw.between(0.6, 1.4))
+    spoke = cylinder(rod, radius, "x", (radius / 2, 0, level), 8, top_radius=rod * draw.between(0.6, 1.4))
     if draw.chance(0.3):
-        spoke = join(spoke, cylinder(1.8 * rod, 3 * rod, "x", (radius, 0, 0.8 * reach), 12))
+        spoke = join(spoke, cylinder(1.8 * rod, 3 * rod, "x", (radius, 0, level), 12))
     pieces = [hub, *(turn(spoke, Z, start + 360.0 * i / count) for i in range(count))]
     if count >= 2 and draw.chance(0.4):
-        pieces.append(torus(radius, rod, "z", (0, 0, 0.8 * reach), 24))
+        pieces.append(torus(radius, rod, "z", (0, 0, level), 24))
     return pieces

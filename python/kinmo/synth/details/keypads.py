@@ -12,6 +12,9 @@ from kinmo.synth.model import Link, Node, slider
 from kinmo.synth.primitives import box, join, move, sheet
 from kinmo.synth.primitives.place import Point
 
+SMALLEST_CELL = 0.035
+"""Least pitch of the keys of a field, in an object about two units across."""
+
 
 def add_keypad(
     draw: Draw,
@@ -29,8 +32,10 @@ def add_keypad(
     fixed, and fields of which only a block moves, as annotators left them. Keys that stand still belong to `carrier`.
     """
     columns, rows = draw.pick([1, 2, 3, 4], [1, 2, 5, 3]), draw.integer(2, 7)
+    # No more keys than fingers could tell apart.
+    columns, rows = (max(1, min(count, int(room / SMALLEST_CELL))) for count, room in zip((columns, rows), size, strict=True))
     cell = min(size[0] / columns, size[1] / rows)
-    width = cell * draw.between(0.25, 0.9)
+    width = cell * draw.between(0.45, 0.9)
     height = width * draw.pick([draw.between(0.45, 1.0), draw.between(1.0, 1.6) if width < 0.6 * cell else 1.0], [4, 1])
     printed = lookalikes and draw.chance(0.35)
     depth = draw.between(0.003, 0.02)

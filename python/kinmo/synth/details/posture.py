@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import SynthObject
+from kinmo.synth.model import Link, SynthObject
 from kinmo.synth.primitives import X, Y, Z, transform
 from kinmo.synth.primitives.place import rotation_about
 
 ORIGIN = (0.0, 0.0, 0.0)
 
 
-def reorient(shape: SynthObject, matrix: NDArray[np.float64]) -> None:
-    """Move the whole object, joints with it, by a rigid transform [4, 4]."""
-    for leaf in shape.root.leaves():
-        leaf.pieces = [transform(piece, matrix) for piece in leaf.pieces]
-    for link in shape.links:
+def carry(links: Iterable[Link], matrix: NDArray[np.float64]) -> None:
+    """Move links, their joints with them, by a rigid transform [4, 4]."""
+    for link in links:
+        for leaf in link.leaves():
+            leaf.pieces = [transform(piece, matrix) for piece in leaf.pieces]
         if link.motion is not None:
             link.motion = link.motion.moved_by(matrix)
+
+
+def reorient(shape: SynthObject, matrix: NDArray[np.float64]) -> None:
+    """Move the whole object by a rigid transform [4, 4]."""
+    carry(shape.links, matrix)
 
 
 def face(draw: Draw, shape: SynthObject, directions: tuple[float, ...] = (0.0, 90.0, 180.0, 270.0)) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from kinmo.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider
+from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
 from kinmo.synth.primitives import X, Y, box, cylinder, extrude, lathe, move, rounded_path, sweep, torus, tube, turn
 
 
@@ -24,9 +24,11 @@ def build(draw: Draw) -> SynthObject:
         still.append(unit.add("handle", _grip(draw, radius, height)))
     base = Link("body", still, kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY], [4, 1, 1]))
     top = height + neck_height
-    kind = draw.pick(["screw", "lift", "flip", "pump"], [6, 2, 2, 2])
+    kind = draw.pick(["screw", "lift", "flip", "pump", "trigger"], [6, 2, 2, 2, 1])
     if kind == "pump":
         return SynthObject("Bottle", root, [base, *_pump(draw, unit, base, neck, top)])
+    if kind == "trigger":
+        return SynthObject("Bottle", root, [base, *_trigger(draw, unit, base, neck, top)])
     cap_height = neck * draw.between(0.4, 1.6)
     pieces = _cap(draw, neck * draw.between(1.02, 1.25), cap_height, segments)
     sunk = draw.pick([cap_height * draw.between(0.5, 0.95), 0.0], [4, 1])
@@ -118,3 +120,27 @@ def _pump(draw: Draw, unit: Node, base: Link, neck: float, top: float) -> list[L
         closure.motion = screw((0, top, 0), Y, 0.0, collar_height, turns=draw.pick([180.0, None]))
     pressed = slider(Y, -travel, 0.0) if draw.chance(0.7) else slider((0, -1, 0), 0.0, travel)
     return [closure, Link("lid", [unit.add(draw.pick(["head", "lid"]), *head)], closure, pressed)]
+
+
+def _trigger(draw: Draw, unit: Node, base: Link, neck: float, top: float) -> list[Link]:
+    """A sprayer: a trigger that turns about a level line under the head, or slides in, and maybe a nozzle that turns."""
+    size = max(neck, 0.1) * draw.between(0.8, 1.4)
+    collar = cylinder(1.1 * neck, 0.6 * size, "y", (0, top, 0), 20)
+    head = box((0.5 * size, 0.5 * size, 2.2 * size), (0, top + 1.5 * size, 0.3 * size))
+    neck_post = box((0.5 * size, 1.2 * size, 0.6 * size), (0, top + 0.7 * size, -0.2 * size))
+    closure = Link("closure", [unit.add("closure", collar)], base)
+    if draw.chance(0.4):
+        closure.motion = screw((0, top, 0), Y, 0.0, 0.6 * size, turns=draw.pick([180.0, None]))
+    sprayer = Link("sprayer", [unit.add("head", head, neck_post)], closure)
+    pin = (0.0, top + 1.25 * size, 0.8 * size)
+    blade = box((0.3 * size, draw.between(0.8, 1.5) * size, 0.2 * size), (0, pin[1] - 0.5 * size, pin[2]))
+    squeezed = hinge(pin, X, 0.0, draw.between(10.0, 35.0))
+    if draw.chance(0.2):
+        squeezed = slider((0, 0, -1), 0.0, 0.3 * size)
+    trigger = unit.add("trigger", turn(blade, X, -draw.between(0.0, 30.0), pin))
+    links = [closure, sprayer, Link("trigger", [trigger], sprayer, squeezed)]
+    if draw.chance(0.6):
+        at = (0.0, top + 1.5 * size, 1.5 * size)
+        tip = cylinder(0.25 * size, 0.3 * size, "z", at, draw.pick([4, 6, 16]))
+        links.append(Link("nozzle", [unit.add("nozzle", tip)], sprayer, spinner(at, (0, 0, 1))))
+    return links

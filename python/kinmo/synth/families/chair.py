@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.shape import Mesh
+from kinmo.synth.details.seat_extras import add_foot_rest, add_moving_arms, add_writing_board
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, screw, slider, spinner
 from kinmo.synth.primitives import X, Y, box, cylinder, dome, move, rounded_box, rounded_path, sweep, torus, turn
@@ -35,12 +36,25 @@ def build(draw: Draw) -> SynthObject:
         "lift": slider(Y, 0.0, lift),
         "limited": hinge(origin, Y, -180.0, 180.0),
     }[kind]
-    seat = Link("seat", moving, base, motion)
+    carrier = base
+    if kind == "swivel" and draw.chance(0.25):
+        # The column rises out of the foot, the seat turns on it.
+        tube = foot.add("central_support", cylinder(0.03, seat_y - hub, "y", (0, 0.5 * (seat_y + hub), 0), 16))
+        carrier = Link("column", [tube], base, slider(Y, draw.pick([0.0, -0.5 * lift]), lift))
+        links.append(carrier)
+    seat = Link("seat", moving, carrier, motion)
     links.append(seat)
     if not stool or draw.chance(0.3):
         _back(draw, root, links, seat, seat_y, seat_radius)
     if not stool and draw.chance(0.5):
-        seat.nodes.append(root.add("chair_arm", *_arms(draw, seat_y, seat_radius)))
+        if draw.chance(0.3):
+            links += add_moving_arms(draw, root, seat, seat_y, seat_radius)
+        else:
+            seat.nodes.append(root.add("chair_arm", *_arms(draw, seat_y, seat_radius)))
+    elif not stool and draw.chance(0.2):
+        links.append(add_writing_board(draw, root, seat, seat_y, seat_radius))
+    if not stool and draw.chance(0.15):
+        links.append(add_foot_rest(draw, root, seat, seat_y, seat_radius))
     if draw.chance(0.35):
         at = (draw.sign() * 0.05, seat_y - 0.08, 0.0)
         rod = sweep(np.array([at, (np.sign(at[0]) * 0.9 * seat_radius, at[1] - 0.02, 0.05)]), 0.012, 8)

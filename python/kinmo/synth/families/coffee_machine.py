@@ -14,6 +14,7 @@ from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge,
 from kinmo.synth.primitives import (
     X,
     Y,
+    Z,
     box,
     box_between,
     cylinder,
@@ -56,7 +57,7 @@ def _blender(machine: _Machine) -> None:
     draw = machine.draw
     radius, foot = draw.between(0.22, 0.32), draw.between(0.25, 0.6)
     round_foot = draw.chance(0.5)
-    lean = draw.between(0.0, 25.0)
+    lean = draw.between(0.0, 35.0)
     front = radius
     if round_foot:
         profile = np.array([[0, 0], [1, 0], [1, 0.15], [0.85, 0.75], [0.75, 1], [0, 1]]) * (radius, foot)
@@ -158,7 +159,27 @@ def _espresso_machine(machine: _Machine) -> None:
         grip = dial(draw, draw.between(0.05, 0.09), draw.between(0.05, 0.1), (0, 0, 0))
         at = (side * 0.5 * width, height - 0.5 * over, draw.between(-0.2, 0.2) * depth)
         machine.add("knob", "knob", [move(turn(p, Y, side * 90.0), at) for p in grip], spinner(at, X))
+    if draw.chance(0.4):
+        _hand_levers(machine, width, height, half)
     _panel(machine, 0.7 * width, height - 0.5 * over, 0.7 * over, half, 0.0)
+
+
+def _hand_levers(machine: _Machine, width: float, height: float, half: float) -> None:
+    """Levers on the top or the front: a long one that pulls a piston, short ones for steam."""
+    draw = machine.draw
+    name = draw.pick(["lever", "knob", "handle"], [2, 2, 1])
+    for _ in range(draw.integer(1, 2)):
+        long = draw.chance(0.5)
+        length, x = draw.between(0.25, 0.5) if long else draw.between(0.06, 0.15), draw.between(-0.4, 0.4) * width
+        foot = (x, height if draw.chance(0.6) else draw.between(0.7, 0.9) * height, half * draw.between(0.5, 1.0))
+        rod = cylinder(length * draw.between(0.04, 0.1), length, "y", (0, 0.5 * length, 0), 10)
+        ball = ellipsoid(np.full(3, length * draw.between(0.08, 0.18)), (0, length, 0), 12, 8)
+        lean = draw.between(-10.0, 90.0)
+        axis, sense = draw.pick([(X, 1.0), (Z, draw.sign())], [3, 1])
+        pieces = [move(turn(piece, axis, sense * lean), foot) for piece in (rod, ball)]
+        swing = draw.between(30.0, 90.0)
+        machine.body.pieces.append(box(np.full(3, 0.3 * length), foot))
+        machine.add(name, name, pieces, hinge(foot, axis, *draw.pick([(0.0, swing), (-swing, 0.0), (-30.0, 30.0)])))
 
 
 def _capsule_machine(machine: _Machine) -> None:

@@ -25,6 +25,8 @@ def build(draw: Draw) -> SynthObject:
     strip = draw.pick([0.0, draw.between(0.08, 0.15) * height], [1, 3])
     kick = draw.pick([0.0, draw.between(0.04, 0.15) * height], [1, 3])
     door = _door(draw, body, base, (x, -y + kick, y - strip), z, wall)
+    if draw.chance(0.1):
+        _make_drawer(draw, door, (x - wall, -y + kick, y - strip), z, depth)
     links.append(door)
     if strip:
         links += _controls(draw, body, base, x, y - strip / 2, strip, z)
@@ -67,6 +69,19 @@ def _door(draw: Draw, body: Node, base: Link, extent: tuple[float, float, float]
     axis = (0, low + draw.pick([0.0, draw.between(0.0, 0.06)]), back + thickness * draw.pick([0.0, 0.3, 0.6]))
     rest = draw.pick([90.0, draw.between(15, 85)]) if draw.chance(0.25) else 0.0
     return Link("door", [node], base, hinge(axis, (1, 0, 0), 0, 90, rest=rest))
+
+
+def _make_drawer(draw: Draw, door: Link, extent: tuple[float, float, float], z: float, depth: float) -> None:
+    """Let the door pull out, with the tub behind it, as on a dishwasher that is a drawer."""
+    x, low, high = extent
+    if draw.chance(0.8):
+        wall, far, rim = 0.02, z - draw.between(0.6, 0.9) * depth, low + draw.between(0.4, 0.9) * (high - low)
+        tub = [box_between((-x, low, far), (x, low + wall, z)), box_between((-x, low, far), (x, rim, far + wall))]
+        tub += [box_between((s * x - 0.5 * wall, low, far), (s * x + 0.5 * wall, rim, z)) for s in (-0.95, 0.95)]
+        door.nodes[0].add("other").add("other_leaf", *tub)
+    travel = draw.between(0.4, 0.85) * depth
+    rest = travel * draw.pick([0.0, draw.between(0.2, 0.95)])
+    door.motion = slider((0, 0, 1), 0, travel, rest=rest)
 
 
 def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: float, z: float) -> list[Link]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.shape import Mesh
+from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.leafs import board, sash
 from kinmo.synth.draw import Draw
@@ -132,4 +133,25 @@ class _Leaf:
         node = group.add("moving_part", *movable)
         turning = hinge(place, (0, 0, out), 0, self.draw.between(30, 60))
         motion = turning if kind == "lever" else spinner(place, (0, 0, 1))
-        return [Link("handle", [node], leaf, motion, lumped_name="handle")]
+        return [Link("handle", [node], leaf, motion, lumped_name="handle"), *self.extras(group, place, leaf)]
+
+    def extras(self, group: Node, place: np.ndarray, leaf: Link) -> list[Link]:
+        """A second lock above or below the handle, a knocker, or a flap for letters in the middle."""
+        draw, front = self.draw, self.thickness / 2
+        kind = draw.pick(["none", "lock", "knocker", "flap"], [6, 2, 1, 1])
+        if kind == "lock":
+            at = place + [0, draw.pick([-1.0, 1.0, 1.0]) * draw.between(0.08, 0.3), front]
+            return [
+                add_door_lock(draw, group, leaf, draw.pick(["cylinder", "tee", "lever", "cover"]), at, draw.between(0.04, 0.1))
+            ]
+        middle = self.at + [0, draw.between(-0.1, 0.25) * self.height, front]
+        if kind == "knocker":
+            ring = move(torus(0.05, 0.01, "z", segments=18), middle + [0, -0.05, 0.012])
+            swing = hinge(middle + [0, 0, 0.012], (-1, 0, 0), 0, draw.between(20, 60))
+            return [Link("knocker", [group.add("moving_part", ring)], leaf, swing)]
+        if kind == "flap":
+            size = (draw.between(0.2, 0.35), draw.between(0.05, 0.09), 0.01)
+            plate = box(size, middle + [0, 0, 0.005])
+            upper = middle + [0, 0.5 * size[1], 0.005]
+            return [Link("flap", [group.add("moving_part", plate)], leaf, hinge(upper, (-1, 0, 0), 0, draw.between(30, 80)))]
+        return []

@@ -25,6 +25,7 @@ from kinmo.synth.primitives import (
     torus,
     turn,
 )
+from kinmo.synth.primitives.place import rotation
 
 
 @dataclass
@@ -89,8 +90,10 @@ def _single_lever(faucet: _Faucet) -> None:
         ]
         back = -radius - 0.04
         other = faucet.unit.add("other").add("other_leaf")
-        other.pieces = [turn(move(p, (0, 0, back)), X, draw.between(-20.0, 0.0), (0, height, back)) for p in rod]
-        faucet.links.append(Link("slider", [other], faucet.base, slider(Y, 0.0, draw.between(0.03, 0.1))))
+        # It is pulled along itself.
+        lean = draw.pick([0.0, draw.between(-35.0, 0.0)])
+        other.pieces = [turn(move(p, (0, 0, back)), X, lean, (0, height, back)) for p in rod]
+        faucet.links.append(Link("slider", [other], faucet.base, slider(rotation(X, lean) @ Y, 0.0, draw.between(0.03, 0.1))))
 
 
 def _side_lever(faucet: _Faucet) -> None:

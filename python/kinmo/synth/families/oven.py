@@ -37,6 +37,8 @@ def build(draw: Draw) -> SynthObject:
     links += _controls(draw, body, base, x, y - strip / 2, strip, z)
     if draw.chance(0.4):
         _cooktop(draw, root, base, x, y, z)
+        if draw.chance(0.15):
+            links.append(_cover(draw, root, base, x, y, z))
     if draw.chance(0.3):
         base.nodes.append(add_feet(draw, root, x, z, -y))
     return SynthObject("Oven", root, links)
@@ -51,6 +53,7 @@ class _Look:
         self.window = draw.pick(["pane", "plate", "none"], [5, 3, 1])
         self.grip = draw.between(0.6, 0.95)
         self.rod = draw.between(0.02, 0.045)
+        self.side = draw.pick([0.0, -1.0, 1.0], [14, 1, 1])
 
     def add_door(self, draw: Draw, body: Node, base: Link, x: float, low: float, high: float, z: float) -> Link:
         node = body.add("door")
@@ -64,12 +67,17 @@ class _Look:
         middle = (0, 0.5 * (low + high), front - (0.4 * self.thickness if self.window == "pane" else -0.002))
         if self.window != "none":
             node.add("glass", sheet(pane, middle, "z") if draw.chance(0.5) else box((*pane, 0.004), middle))
-        y = high - draw.between(0.5, 0.9) * self.rim
-        node.add(
-            "handle", *pull(draw, 2 * x * self.grip, (0, y, front), vertical=False, thickness=self.rod, reach=2.2 * self.rod)
-        )
-        axis = (0, low + draw.pick([0.0, draw.between(0.0, 0.04)]), z + self.thickness * draw.pick([0.0, 0.2, 0.6]))
+        inset = draw.between(0.5, 0.9) * self.rim
+        upright = self.side != 0.0
+        foot = (-self.side * (x - inset), 0.5 * (low + high), front) if upright else (0, high - inset, front)
+        length = self.grip * ((high - low) if upright else 2 * x)
+        node.add("handle", *pull(draw, length, foot, vertical=upright, thickness=self.rod, reach=2.2 * self.rod))
         rest = draw.between(20, 90) if draw.chance(0.12) else 0.0
+        deep = z + self.thickness * draw.pick([0.0, 0.2, 0.6])
+        if self.side != 0.0:
+            # A door hinged at its side.
+            return Link("door", [node], base, hinge((self.side * x, 0, deep), (0, self.side, 0), 0, 110, rest=rest))
+        axis = (0, low + draw.pick([0.0, draw.between(0.0, 0.04)]), deep)
         return Link("door", [node], base, hinge(axis, (1, 0, 0), 0, 90, rest=rest))
 
 
@@ -132,3 +140,12 @@ def _cooktop(draw: Draw, root: Node, base: Link, x: float, y: float, z: float) -
             top.add("burner", torus(radius, 0.012, "y", at) if draw.chance(0.4) else cylinder(radius, 0.02, "y", at))
     if draw.chance(0.4):
         top.add("back_panel", box((2 * x, 0.25, 0.04), (0, y + 0.14, -z + 0.02)))
+
+
+def _cover(draw: Draw, root: Node, base: Link, x: float, y: float, z: float) -> Link:
+    """A glass or metal lid over the burners, hinged at the rear, mostly standing open."""
+    thick = draw.between(0.01, 0.03)
+    node = root.add(draw.pick(["lid", "cover"]), box((2 * x, thick, 2 * z), (0, y + 0.07 + thick / 2, 0)))
+    opens = draw.between(85, 100)
+    rest = draw.pick([opens, 0.0, draw.between(30, 80)], [3, 2, 1])
+    return Link("lid", [node], base, hinge((0, y + 0.07, -z), (-1, 0, 0), 0, opens, rest=rest))

@@ -6,6 +6,7 @@ import numpy as np
 
 from kinmo.synth.details.appliance import add_feet, housing
 from kinmo.synth.details.handles import pull
+from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import box, box_between, cylinder, rounded_box, sheet
@@ -33,11 +34,10 @@ def build(draw: Draw) -> SynthObject:
             else _door(draw, body, base, cell, z, thickness, handles)
         )
     if draw.chance(0.35):
-        inside = body.add("body_interior")
-        base.nodes.append(inside)
-        for row in range(draw.integer(1, 4)):
-            at = (0, low + (row + 1) * 0.2 * height, -0.02)
-            inside.add("shelf", box((width - 2 * wall, 0.012, 0.75 * depth), at))
+        links += _interior(draw, body, base, (width - 2 * wall, 0.2 * height, 0.75 * depth), low)
+    doors = [link for link in links if link.name == "door"]
+    if doors and draw.chance(0.15):
+        links += _water(draw, body, draw.pick(doors), z)
     if draw.chance(0.5):
         base.nodes.append(add_feet(draw, root, x, z, -y))
     return SynthObject("Refrigerator", root, links)
@@ -131,6 +131,47 @@ def _drawer(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness:
     travel = draw.between(0.4, 0.75) * depth
     rest = travel * draw.between(0.2, 0.9) if draw.chance(0.12) else 0.0
     return Link("drawer", [node], base, slider((0, 0, 1), 0, travel, rest=rest))
+
+
+def _interior(draw: Draw, body: Node, base: Link, size: tuple[float, float, float], low: float) -> list[Link]:
+    """Shelves, which stand still or slide, and crispers that slide out, one above the other."""
+    inside, links = body.add("body_interior"), []
+    width, pitch, deep = size
+    crispers, sliding = draw.chance(0.4), draw.chance(0.3)
+    for row in range(draw.integer(1, 4)):
+        y = low + (row + 1) * pitch
+        out = slider((0, 0, 1), 0, draw.between(0.4, 0.8) * deep)
+        if row == 0 and crispers:
+            for side in draw.pick([(0.0,), (-1.0, 1.0)]):
+                wide = width if side == 0.0 else 0.49 * width
+                tray = inside.add("tray", box((wide, 0.7 * pitch, 0.95 * deep), (side * 0.25 * width, y - 0.4 * pitch, -0.02)))
+                links.append(Link("tray", [tray], base, out, lumped_name="translation_tray"))
+        shelf = inside.add("shelf", box((width, 0.012, deep), (0, y, -0.02)))
+        if sliding:
+            links.append(Link("shelf", [shelf], base, out, lumped_name="translation_tray"))
+        else:
+            base.nodes.append(shelf)
+    return links
+
+
+def _water(draw: Draw, body: Node, door: Link, z: float) -> list[Link]:
+    """A dispenser on a door: a plate with keys and a paddle that is pushed in or back; on some doors all of it is fixed."""
+    corners = np.concatenate([piece.vertices for leaf in door.leaves() for piece in leaf.pieces])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    front = draw.pick([float(high[2]), z + 0.5 * (float(high[2]) - z)], [1, 1])
+    wide, middle = 0.4 * float(high[0] - low[0]), 0.5 * (low + high)
+    at = (float(middle[0]), float(middle[1]) + 0.15 * float(high[1] - low[1]), max(front, float(high[2]) - 0.02))
+    group = body.add("other")
+    door.nodes.append(group.add("other_leaf", box((wide, 1.4 * wide, 0.02), at)))
+    links = add_keypad(draw, group, door, (at[0], at[1] + 0.4 * wide, at[2] + 0.01), (0.8 * wide, 0.4 * wide), "button")
+    pin = (at[0], at[1] - 0.05 * wide, at[2] + 0.02)
+    paddle = box((0.25 * wide, 0.4 * wide, 0.02), (pin[0], pin[1] - 0.2 * wide, pin[2]))
+    if draw.chance(0.6):
+        motion = hinge(pin, (1, 0, 0), 0, draw.between(8, 30)) if draw.chance(0.7) else slider((0, 0, -1), 0, 0.02)
+        links.append(Link("lever", [group.add("lever", paddle)], door, motion))
+    else:
+        door.nodes.append(group.add("lever", paddle))
+    return links
 
 
 def _own(body: Node, base: Link) -> Node:

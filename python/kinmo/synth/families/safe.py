@@ -30,7 +30,7 @@ _SIZES = {
     "wheel": (0.16, 0.55),
     "lever": (0.1, 0.3),
     "tee": (0.1, 0.28),
-    "cylinder": (0.03, 0.1),
+    "cylinder": (0.05, 0.12),
     "cover": (0.05, 0.12),
 }
 """Range of each kind's size."""
@@ -57,7 +57,7 @@ def build(draw: Draw) -> SynthObject:
     inward = draw.between(0.0, 0.04)
     axis = (side * (door_width / 2 - inward), draw.pick([0.0, height / 2 - wall]), face - draw.pick([0.0, inward, thickness]))
     opening = draw.pick([90.0, 120.0, 160.0, 170.0, 180.0], [1, 1, 2, 4, 1])
-    rest = draw.between(20, min(opening, 110)) if draw.chance(0.38) else 0.0
+    rest = draw.between(20, min(opening, 110)) if draw.chance(0.33) else 0.0
     door = Link("door", [door_node], base, hinge(axis, (0, side, 0), 0, opening, rest=rest))
     if draw.chance(0.5):
         hinges = [cylinder(0.02, 0.12 * height, "y", (axis[0], y * height, front), 12) for y in (-0.3, 0.3)]
@@ -105,7 +105,7 @@ def _locks(draw: Draw, root: Node, links: list[Link], side: float, width: float,
         else:
             x, y = -side * draw.between(-0.2, 0.4) * width, draw.between(-0.35, 0.35) * height
         if kind == "keypad":
-            center, pad = (x, y, face), (draw.between(0.15, 0.35) * width, draw.between(0.15, 0.3) * height)
+            center, pad = (x, y, face), (draw.between(0.25, 0.45) * width, draw.between(0.22, 0.4) * height)
             if draw.chance(0.3):
                 plate = box((1.2 * pad[0], 1.2 * pad[1], 0.03), (x, y, face + 0.015))
                 door.nodes.append(root.add("frame", plate))

@@ -6,6 +6,14 @@ from dataclasses import dataclass
 
 from kinmo.shape import Mesh
 from kinmo.synth.details.casework import DoorNames, Fronts, Opening, add_door, add_drawer, add_sliding_doors, legs
+from kinmo.synth.details.casework_extras import (
+    add_casters,
+    add_false_front,
+    add_leaning_drawer,
+    add_lift_top,
+    add_locked_door,
+    add_pullout,
+)
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject
 from kinmo.synth.primitives import box_between, cylinder
@@ -33,11 +41,18 @@ def build(draw: Draw) -> SynthObject:
     frame = cabinet.add("cabinet_frame")
     base = Link("cabinet_frame", [frame], kind=draw.pick([JointName.HEAVY, JointName.STATIC, JointName.FREE], [6, 1, 1]))
     _add_frame(draw, frame, size)
-    if draw.chance(0.4):
+    links = [base]
+    x, y, z = size.width / 2, size.height / 2, size.depth / 2
+    if draw.chance(0.07):
+        lid = add_lift_top(draw, cabinet, base, (-x, y, -z), (x, y + size.board, z), draw.pick(["lid", "countertop"]))
+        links.append(lid)
+    elif draw.chance(0.4):
         base.nodes.append(cabinet.add("countertop", _top(draw, size)))
-    if draw.chance(0.7):
+    if draw.chance(0.06):
+        links += add_casters(draw, cabinet, base, 0.85 * x, 0.8 * z, -y)
+    elif draw.chance(0.7):
         base.nodes.append(_add_base(draw, cabinet, size))
-    links = [base, *_fill(draw, cabinet, frame, base, size)]
+    links += _fill(draw, cabinet, frame, base, size)
     return SynthObject("StorageFurniture", root, links)
 
 
@@ -139,6 +154,16 @@ def _rows(draw: Draw, height: float, board: float) -> list[float]:
 def _furnish(draw: Draw, cabinet: Node, base: Link, opening: Opening, fronts: Fronts, size: _Carcass) -> list[Link]:
     """What one opening gets, by its proportions."""
     aspect = opening.height / opening.width
+    rare = draw.between(0.0, 1.0)
+    if rare < 0.03:
+        add_false_front(draw, cabinet, base, opening, fronts)
+        return []
+    if rare < 0.05:
+        return [add_pullout(draw, cabinet, base, opening)]
+    if rare < 0.07 and aspect < 1.0:
+        return [add_leaning_drawer(draw, cabinet, base, opening, fronts)]
+    if rare < 0.11 and 0.6 < aspect < 3.0:
+        return add_locked_door(draw, cabinet, base, opening, fronts, draw.pick(["left", "right"]))
     if aspect < 0.75 and draw.chance(0.7):
         return [add_drawer(draw, cabinet, base, opening, fronts)]
     if aspect > 2.8 and draw.chance(0.3):

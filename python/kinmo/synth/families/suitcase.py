@@ -50,8 +50,8 @@ def _case(draw: Draw, root: Node) -> list[Link]:
     grip = facing(Y, Z, (0, height / 2, split - draw.pick([0.0, 0.04, draw.between(0.0, 0.5) * depth])))
     handle = add_carrying_handle(draw, root, base, grip, 0.5 * width * draw.between(0.12, 0.4), movable=draw.chance(0.9))
     links += handle
-    sides = draw.pick([(), (-1, 1), (0,)], [3, 5, 1])
-    size = draw.between(0.06, 0.2)
+    sides = draw.pick([(), (-1, 1), (0,)], [2, 7, 1])
+    size = draw.between(0.04, 0.26)
     for same, side in zip(draw.alike(len(sides)), sides, strict=True):
         # On the upper edge the lid lies to the front of the seam.
         place = facing(Y, Z, (side * draw.between(0.3, 0.38) * width, height / 2, split))

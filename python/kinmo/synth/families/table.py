@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinmo.synth.details.casework import DoorNames, Fronts, Opening, add_door, add_drawer, legs
+from kinmo.synth.details.casework_extras import add_casters, add_false_front, add_pullout
+from kinmo.synth.details.table_tops import add_moving_top
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
 from kinmo.synth.primitives import box, box_between, cylinder, extrude, rounded_box
@@ -23,19 +25,23 @@ class _Size:
 
 
 def build(draw: Draw) -> SynthObject:
-    kind = draw.pick(["apron", "stand", "pedestal", "cabinet"], [6, 3, 2, 1])
+    kind = draw.pick(["apron", "stand", "pedestal", "cabinet", "open"], [6, 3, 2, 1, 1.2])
     width = draw.between(1.0, 2.0) if kind == "pedestal" else draw.between(0.6, 1.4)
     size = _Size(width / 2, draw.between(0.6, 1.3), draw.between(0.3, 0.6), draw.between(0.025, 0.065))
     root = Node("table")
     inner = root.add(draw.pick(["regular_table", "desk"]))
     base = Link("board", [], kind=draw.pick([JointName.HEAVY, JointName.STATIC], [9, 1]), lumped_name="base_body")
     links = [base]
-    _add_top(draw, inner, base, links, size)
+    if kind == "open":
+        add_moving_top(draw, inner, base, links, (size.x, size.y, size.z), size.board)
+    else:
+        _add_top(draw, inner, base, links, size)
     parent = inner.add("table_base") if draw.chance(0.5) else inner
     drawers = parent.add("drawer_base")
-    {"apron": _apron, "stand": _stand, "pedestal": _pedestal, "cabinet": _stand}[kind](draw, drawers, links, size)
-    moving = {node for link in links[1:] for node in link.nodes}
-    base.nodes += [node for node in drawers.children if node not in moving]
+    furnish = {"apron": _apron, "stand": _stand, "pedestal": _pedestal, "cabinet": _stand, "open": _frame}
+    furnish[kind](draw, drawers, links, size)
+    owned = {node for link in links for top in link.nodes for node in top.walk()}
+    base.nodes += [node for child in drawers.children for node in _free(child, owned)]
     return SynthObject("Table", root, links)
 
 
@@ -93,7 +99,10 @@ def _row(
     for column in range(columns):
         left = low[0] + column * (width + board)
         opening = Opening(left + width / 2, (low[1] + high[1]) / 2, width, high[1] - low[1], 2 * size.z - 2 * board, size.z)
-        links.append(add_drawer(draw, node, links[0], opening, fronts))
+        if draw.chance(0.03):
+            add_false_front(draw, node, links[0], opening, fronts)
+        else:
+            links.append(add_drawer(draw, node, links[0], opening, fronts))
         if column:
             divider = box_between((left - board, low[1], -size.z + board), (left, high[1], size.z - board))
             node.add("vertical_divider_panel", divider)
@@ -118,6 +127,21 @@ def _connectors(draw: Draw, node: Node, size: _Size) -> None:
         if draw.chance(0.3):
             at = (side * (size.x - size.board / 2), size.y - size.board, 0)
             node.add("tabletop_connector", box((size.board, size.board, 1.6 * size.z), at))
+
+
+def _frame(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
+    """Legs and rails below a top that moves, maybe with a board that pulls out under it, on feet or wheels."""
+    thickness = draw.between(1.2, 2.6) * size.board + 0.02
+    _add_legs(draw, node, size, size.y, thickness)
+    rail = draw.between(0.03, 0.15) * size.y
+    half = size.x - thickness
+    for side in (-1, 1):
+        node.add("bar", box((2 * half, rail, size.board), (0, size.y - rail / 2, side * (size.z - thickness / 2))))
+    if draw.chance(0.25):
+        opening = Opening(0, size.y - rail - 0.04, 2 * half, 0.08, 1.8 * size.z, size.z)
+        links.append(add_pullout(draw, node, links[0], opening))
+    if draw.chance(0.25):
+        links += add_casters(draw, node, links[0], size.x - thickness / 2, size.z - thickness / 2, 0.0)
 
 
 def _apron(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
@@ -214,3 +238,10 @@ def _doors(draw: Draw, node: Node, links: list[Link], opening: Opening, fronts: 
         x = opening.x + side * opening.width / 4
         half = Opening(x, opening.y, opening.width / 2, opening.height, opening.depth, opening.front)
         links.append(add_door(draw, node, links[0], half, fronts, name, DoorNames()))
+
+
+def _free(node: Node, owned: set[Node]) -> list[Node]:
+    """The largest subtrees at or below a node in which nothing has an owner."""
+    if not any(inner in owned for inner in node.walk()):
+        return [node]
+    return [] if node in owned else [free for child in node.children for free in _free(child, owned)]

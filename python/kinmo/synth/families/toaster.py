@@ -10,7 +10,21 @@ from kinmo.shape import Mesh
 from kinmo.synth.details.controls import button, dial
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
-from kinmo.synth.primitives import X, Y, box, box_between, cylinder, extrude, move, rounded_box, rounded_outline, turn
+from kinmo.synth.primitives import (
+    X,
+    Y,
+    Z,
+    box,
+    box_between,
+    cylinder,
+    extrude,
+    move,
+    rounded_box,
+    rounded_outline,
+    transform,
+    turn,
+)
+from kinmo.synth.primitives.place import facing
 
 
 @dataclass(frozen=True)
@@ -109,22 +123,20 @@ def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]
     links = [_lever(draw, plan, base, body, x * plan.width, facing, len(levers)) for x, facing in levers]
     taken = levers[0][0] * plan.width
     # Below the lever, or beside it.
-    beside = -np.sign(taken or draw.sign()) * draw.between(0.2, 0.35) * plan.width
+    beside = -np.sign(taken or draw.sign()) * draw.between(0.2, 0.42) * plan.width
     radius = draw.between(0.035, 0.08)
     at = draw.pick([(taken, 0.2), (beside, draw.between(0.15, 0.4))])
     place = (at[0], max(at[1] * plan.height, 1.2 * radius), plan.front)
     if draw.chance(0.6):
-        lean = draw.between(-25.0, 0.0) if draw.chance(0.15) else 0.0
+        lean = draw.between(-35.0, 0.0) if draw.chance(0.25) else 0.0
         knob = Node(draw.pick(["button", "knob"], [3, 1]))
         knob.pieces = [turn(piece, X, lean, place) for piece in dial(draw, radius, draw.between(0.02, 0.1), place)]
         axis = (0.0, -np.sin(np.radians(lean)), np.cos(np.radians(lean)))
         origin = (place[0], place[1], draw.pick([0.0, place[2]])) if lean == 0.0 else place
         motion = spinner(origin, axis) if draw.chance(0.75) else hinge(origin, axis, *draw.pick([(-135, 135), (0, 270)]))
         links.append(Link("knob", [knob], base, motion))
-    elif draw.chance(0.3):
-        tab = Node("slider", pieces=[box((0.05, 0.06, 0.05), (place[0], place[1], plan.front + 0.02))])
-        body.pieces.append(box((0.5 * plan.width, 0.02, 0.01), (0, place[1], plan.front)))
-        links.append(Link("slider", [tab], base, slider(X, -0.2 * plan.width - place[0], 0.2 * plan.width - place[0])))
+    elif draw.chance(0.45):
+        links.append(_level_slider(draw, plan, base, body))
     if draw.chance(0.35):
         links += _buttons(draw, plan, base, -place[0] if abs(place[0]) > 0.1 else beside)
     return links
@@ -156,6 +168,20 @@ def _lever(draw: Draw, plan: _Plan, base: Link, body: Node, x: float, facing: fl
     if draw.chance(0.3):
         return Link("slider", [node], base, slider((0, -1, 0), 0.0, travel, rest=-rest))
     return Link("slider", [node], base, slider(Y, -travel, draw.pick([0.0, 0.1 * travel]), rest=rest))
+
+
+def _level_slider(draw: Draw, plan: _Plan, base: Link, body: Node) -> Link:
+    """A tab for the browning that slides sideways in a slot across either end, or along a side."""
+    y, tall = draw.between(0.1, 0.5) * plan.height, draw.between(0.02, 0.08)
+    wide, proud = draw.between(0.03, 0.2), draw.between(0.02, 0.06)
+    across = draw.chance(0.8)
+    half, wall = (0.5 * plan.width, plan.front) if across else (0.5 * plan.length, 0.5 * plan.width)
+    side, reach = draw.sign(), half * draw.between(0.25, 0.6)
+    place = facing(side * Z if across else side * X, Y, (0, y, side * wall) if across else (side * wall, y, 0))
+    at = draw.between(-1.0, 1.0) * reach
+    body.pieces.append(transform(box((2 * reach + wide, 0.3 * tall, 0.01)), place))
+    tab = transform(box((wide, tall, proud), (at, 0, 0.5 * proud)), place)
+    return Link("slider", [Node("slider", pieces=[tab])], base, slider(X, -reach - at, reach - at).moved_by(place))
 
 
 def _buttons(draw: Draw, plan: _Plan, base: Link, x: float) -> list[Link]:

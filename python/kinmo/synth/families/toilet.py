@@ -6,9 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.shape import Mesh
+from kinmo.synth.details.door_locks import lock_pieces
+from kinmo.synth.details.posture import ORIGIN, carry
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import Link, Node, SynthObject, hinge, slider
-from kinmo.synth.primitives import box, box_between, cylinder, extrude, join, lathe, move, rounded_box, scale, sheet
+from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, extrude, lathe, move, rounded_box, scale, sheet, turn
+from kinmo.synth.primitives.place import facing
 from kinmo.synth.primitives.turned import grid_faces
 
 
@@ -105,7 +108,7 @@ def _tank(draw: Draw, root: Node, base: Link, links: list[Link], width: float, r
         links.append(Link("lid", [node], base, slider((0, 1, 0), 0, draw.between(0.1, 0.4)), lumped_name="lid"))
     else:
         base.nodes[0].pieces.append(cover)
-    kind = draw.pick(["top", "side", "lever", "none"], [4, 2, 3, 1])
+    kind = draw.pick(["top", "side", "lever", "none"], [4, 2, 5, 1])
     travel = draw.between(0.008, 0.02)
     if kind == "top":
         count = draw.pick([1, 2])
@@ -118,11 +121,31 @@ def _tank(draw: Draw, root: Node, base: Link, links: list[Link], width: float, r
         node = root.add("button", box((2 * travel, 0.08, 0.08), (side * (wide / 2 + travel), top - 0.12, middle)))
         links.append(Link("button", [node], base, slider((-side, 0, 0), 0, travel)))
     elif kind == "lever":
-        front, x = middle + deep / 2, -0.35 * wide * draw.sign()
-        hub = cylinder(0.025, 0.05, "z", (x, top - 0.1, front + 0.025), 14)
-        arm = box((0.16, 0.03, 0.02), (x + 0.07, top - 0.1, front + 0.05))
-        node = root.add("lever", join(hub, arm))
-        links.append(Link("lever", [node], base, hinge((x, top - 0.1, front), (0, 0, -1), 0, draw.between(20, 50))))
+        links.append(_flush_lever(draw, root, base, (wide, deep), top - draw.between(0.06, 0.2), middle))
     if draw.chance(0.1):
         base.nodes[0].pieces.append(move(sheet((0.3, 0.2), axis="z"), (0, top - 0.2, middle + deep / 2 + 0.001)))
     return top
+
+
+def _flush_lever(draw: Draw, root: Node, base: Link, size: tuple[float, float], y: float, middle: float) -> Link:
+    """A lever on the front or on a side of a tank of `size` (width, depth), which turns about the wall's normal."""
+    wide, deep = size
+    side = draw.sign()
+    if draw.chance(0.6):
+        place = facing(Z, Y, (side * draw.between(0.3, 0.45) * wide, y, middle + deep / 2))
+    else:
+        place = facing(side * X, Y, (side * wide / 2, y, middle + draw.between(-0.3, 0.3) * deep))
+    length = draw.between(0.08, 0.24)
+    node = root.add(draw.pick(["lever", "button", "handle"], [3, 2, 1]))
+    swing = draw.sign() * draw.between(20.0, 60.0)
+    link = Link("lever", [node], base, hinge(ORIGIN, Z, min(0.0, swing), max(0.0, swing)))
+    if draw.chance(0.7):
+        node.pieces = lock_pieces(draw, "lever", length)
+    else:
+        # A plain rod or plate that starts at its pin.
+        rod = box(
+            (length, length * draw.between(0.1, 0.25), length * draw.between(0.08, 0.2)), (0.5 * length, 0, 0.06 * length)
+        )
+        node.pieces = [turn(rod, Z, draw.pick([0.0, 180.0, draw.between(-30.0, 30.0)]))]
+    carry([link], place)
+    return link

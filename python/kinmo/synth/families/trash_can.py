@@ -8,6 +8,7 @@ from kinmo.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import (
+    X,
     box,
     box_between,
     cylinder,
@@ -25,8 +26,8 @@ from kinmo.synth.primitives import (
 
 def build(draw: Draw) -> SynthObject:
     root = Node(draw.pick(["Trashcan", "trash_can"], [3, 1]))
-    kind = draw.pick(["wheeled", "pedal", "swing", "open"], [3, 3, 3, 1])
-    links = {"wheeled": _wheeled, "pedal": _pedal, "swing": _swing, "open": _drum}[kind](draw, root)
+    kinds = {"wheeled": _wheeled, "pedal": _pedal, "swing": _swing, "open": _drum, "front": _front_flap, "split": _split_lid}
+    links = draw.pick(list(kinds.values()), [3, 3, 3, 1, 1.5, 1])(draw, root)
     return SynthObject("TrashCan", root, links)
 
 
@@ -132,6 +133,59 @@ def _swing(draw: Draw, root: Node) -> list[Link]:
     rest = draw.between(-30, 30) if draw.chance(0.2) else 0.0
     limits = (-limit, limit) if front else (0.0, limit)
     return [base, Link("lid", [lid], base, hinge(axis, (1, 0, 0), *limits, rest=rest if front else 0.0))]
+
+
+def _front_flap(draw: Draw, root: Node) -> list[Link]:
+    """A closed cabinet with a flap to push at the top of its front, maybe a door or a drawer below it."""
+    width, depth, height = draw.between(0.5, 0.9), draw.between(0.4, 0.8), draw.between(0.9, 1.5)
+    x, z, wall = width / 2, depth / 2, 0.03
+    walls = [box((wall, height, depth), (s * (x - wall / 2), height / 2, 0)) for s in (-1, 1)]
+    walls += [box_between((-x, 0, -z), (x, height, -z + wall)), box_between((-x, height, -z), (x, height + wall, z))]
+    high, low = height * draw.between(0.85, 0.95), height * draw.between(0.55, 0.7)
+    below = draw.pick(["plain", "door", "bin"], [3, 2, 2])
+    if below == "plain":
+        walls.append(box_between((-x, 0, z - wall), (x, low, z)))
+    node = root.add("base_body", *walls, box_between((-x, high, z - wall), (x, height, z)))
+    base = Link("base_body", [node])
+    flap = root.add(draw.pick(["lid", "door", "cover"]), box_between((-x + wall, low, z - wall), (x - wall, high, z)))
+    upper = draw.chance(0.75)
+    axis = (0, high if upper else low, z - 0.5 * wall)
+    opens = draw.between(30.0, 80.0)
+    limits = draw.pick([(0.0, opens), (-opens, 0.0), (-opens, opens)], [3, 2, 1]) if upper else (-opens, 0.0)
+    links = [base, Link("lid", [flap], base, hinge(axis, X, *limits, rest=draw.pick([0.0, 0.4 * limits[1]], [4, 1])))]
+    front = box_between((-x + wall, 0.02, z - wall), (x - wall, low - 0.01, z))
+    if below == "door":
+        side = draw.sign()
+        turned = hinge((side * (x - wall), 0, z - 0.5 * wall), (0, side, 0), 0.0, draw.pick([90.0, 120.0]))
+        links.append(Link("door", [root.add("door", front)], base, turned))
+    elif below == "bin":
+        tub = rounded_box((1.7 * x, 0.8 * low, 1.6 * z), 0.05, "y", (0, 0.45 * low, -0.05))
+        out = slider((0, 0, 1), 0.0, draw.between(0.5, 1.0) * depth)
+        links.append(Link("drawer", [root.add(draw.pick(["drawer", "container"]), front, tub)], base, out))
+    return links
+
+
+def _split_lid(draw: Draw, root: Node) -> list[Link]:
+    """A can whose lid opens as two halves, about its sides or about a bar across its middle; maybe with a pedal."""
+    width, depth, height = draw.between(0.5, 1.1), draw.between(0.5, 0.8), draw.between(0.7, 1.4)
+    node = root.add("base_body", _tapered(width, depth, height, draw.between(0.75, 1.0), draw.between(0.01, 0.15)))
+    base = Link("base_body", [node])
+    links, thick, outer = [base], draw.between(0.02, 0.07), draw.chance(0.6)
+    opens = draw.pick([80.0, 90.0, 100.0])
+    if not outer:
+        node.pieces.append(box((0.03, thick, depth), (0, height + 0.5 * thick, 0)))
+    for side in (-1.0, 1.0):
+        half = box((0.5 * width - 0.02, thick, depth), (side * (0.25 * width + 0.01), height + 0.5 * thick, 0))
+        edge = (side * (0.5 * width if outer else 0.02), height + draw.pick([0.0, 0.5 * thick]), 0)
+        rest = draw.between(10.0, 80.0) if draw.chance(0.25) else 0.0
+        motion = hinge(edge, (0, 0, -side if outer else side), 0.0, opens, rest=rest)
+        links.append(Link("lid", [root.add("lid", half)], base, motion))
+    if draw.chance(0.5):
+        wide = draw.between(0.1, 0.3) * width
+        pedal = root.add("foot_pad", box((wide, 0.03, 0.2), (0, 0.05, 0.5 * depth + 0.05)))
+        press = hinge((0, 0.05, 0.5 * depth - 0.05), (1, 0, 0), 0.0, draw.between(8.0, 25.0))
+        links.append(Link("foot_pad", [pedal], base, press))
+    return links
 
 
 def _drum(draw: Draw, root: Node) -> list[Link]:

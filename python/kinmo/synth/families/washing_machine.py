@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.synth.details.appliance import add_dial, add_feet
 from kinmo.synth.details.keypads import add_keypad
+from kinmo.synth.details.posture import ORIGIN, carry
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import (
+    X,
     along,
     box,
     box_between,
@@ -23,6 +26,7 @@ from kinmo.synth.primitives import (
     tube,
     turn,
 )
+from kinmo.synth.primitives.place import rotation_about
 
 
 def build(draw: Draw) -> SynthObject:
@@ -93,7 +97,7 @@ def _front_controls(draw: Draw, root: Node, base: Link, x: float, y: float, z: f
     level = draw.between(0.75, 0.85) * y
     if draw.chance(0.8):
         at = (draw.between(-0.3, 0.6) * x, level, z)
-        links.append(add_dial(draw, root, base, at, draw.between(0.06, 0.13) * x, draw.pick(["button", "knob", "switch"])))
+        links.append(add_dial(draw, root, base, at, draw.between(0.03, 0.13) * x, draw.pick(["button", "knob", "switch"])))
     if draw.chance(0.6):
         count, size, travel = draw.integer(2, 8), draw.between(0.03, 0.06), draw.between(0.002, 0.015)
         for index in range(count):
@@ -142,18 +146,30 @@ def _top_loader(draw: Draw, root: Node, body: Node, base: Link, x: float, y: flo
     else:
         motion = hinge(center + [-(span if round_lid else half), 0, 0], (0, 0, 1), 0, 95.0, rest=rest)
     links = [Link("door", [lid], base, motion, lumped_name="door")]
-    normal = np.array([0, -np.sin(np.radians(-tilt)), np.cos(np.radians(tilt))])
-    for index in range(draw.integer(1, 4)):
-        radius = draw.between(0.03, 0.08)
-        place = at + [x * (0.75 - 0.4 * index), 0, 0] + normal * 0.06
-        knob_node = Node("control")
-        knob = add_dial(draw, knob_node, base, (0.0, 0.0, 0.0), radius, draw.pick(["button", "knob"]))
-        leaf = knob.nodes[0]
-        leaf.pieces = [move(turn(piece, (1, 0, 0), -tilt), place) for piece in leaf.pieces]
-        root.children.append(leaf)
-        assert knob.motion is not None
-        turned = type(knob.motion)(knob.motion.joint, place, normal, knob.motion.a, knob.motion.b, knob.motion.no_limit)
-        links.append(Link("knob", [leaf], base, turned))
-    if draw.chance(0.3):
+    links += _console(draw, root, base, x, panel_height, rotation_about(X, -tilt, ORIGIN), at)
+    if draw.chance(0.2):
         links += add_keypad(draw, root, base, (0.4 * x, 0.5 * y, z), (0.3 * x, 0.2 * y), "button", lookalikes=False)
+    return links
+
+
+def _console(
+    draw: Draw, root: Node, base: Link, x: float, height: float, tilt: NDArray[np.float64], at: NDArray[np.float64]
+) -> list[Link]:
+    """Knobs and keys on the panel of a top loader: built on an upright front at the origin, then tilted and moved to `at`."""
+    links: list[Link] = []
+    name = draw.pick(["button", "knob", "switch"], [3, 1, 1])
+    front = 0.06
+    small = draw.between(0.022, 0.05)
+    spacing = draw.between(0.2, 0.4) * x
+    start = draw.between(0.4, 0.85) * x
+    for index in range(draw.integer(1, 5)):
+        radius = small if index else draw.between(1.0, 2.5) * small
+        place = (start - spacing * index, draw.pick([0.0, draw.between(-0.2, 0.2)]) * height, front)
+        links.append(add_dial(draw, root, base, place, radius, name))
+    if draw.chance(0.5):
+        center = (draw.between(-0.7, -0.2) * x, 0.0, front)
+        links += add_keypad(draw, root, base, center, (0.3 * x, 0.6 * height), "button", lookalikes=False)
+    tilt = tilt.copy()
+    tilt[:3, 3] = at
+    carry(links, tilt)
     return links

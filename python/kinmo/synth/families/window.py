@@ -6,6 +6,7 @@ import numpy as np
 
 from kinmo.shape import Mesh
 from kinmo.synth.details.appliance import frame
+from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.leafs import sash
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, slider
@@ -91,8 +92,13 @@ def _turning(draw: Draw, root: Node, base: Link, size: tuple[float, float], dept
             node = _add_sash(draw, root, "rotation", (width - 2 * gap, height - 2 * gap), at, thickness)
             out = (1.0 if column else -1.0) if pair else draw.sign()
             motion, handle_side = _axis(draw, kind, at, width, height, thickness, out)
-            _latch(draw, node, at, handle_side, (width, height), thickness)
-            links.append(Link("rotation_window", [node], base, motion, lumped_name="rotation"))
+            leaf = Link("rotation_window", [node], base, motion, lumped_name="rotation")
+            links.append(leaf)
+            if draw.chance(0.15):
+                front = at + handle_side * [0.46 * width, 0.46 * height, 0] + [0, 0, 0.5 * thickness]
+                links.append(add_door_lock(draw, root, leaf, draw.pick(["lever", "tee"]), front, draw.between(0.06, 0.15)))
+            else:
+                _latch(draw, node, at, handle_side, (width, height), thickness)
     return links
 
 

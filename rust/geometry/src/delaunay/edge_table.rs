@@ -44,3 +44,30 @@ impl EdgeTable {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn the_second_face_at_an_edge_meets_the_first(
+            rounds in prop::collection::vec(prop::collection::vec((0u32..12, 0u32..12), 1..60), 1..5),
+        ) {
+            let mut table = EdgeTable::default();
+            for edges in rounds {
+                table.clear(edges.len());
+                let mut first = HashMap::new();
+                for ((u, v), face) in edges.into_iter().zip(0..) {
+                    let expected = first.get(&(u.min(v), u.max(v))).copied();
+                    prop_assert_eq!(table.pair(u, v, face), expected);
+                    first.entry((u.min(v), u.max(v))).or_insert(face);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+"""Less usual parts of furniture: lids, boards that pull out, false fronts, leaning drawers, locked doors, casters."""
+
+from __future__ import annotations
+
+from kinmo.synth.details.casework import DoorNames, Fronts, Opening, add_door, add_drawer, front_panel
+from kinmo.synth.details.door_locks import add_door_lock
+from kinmo.synth.details.handles import pull
+from kinmo.synth.details.posture import carry
+from kinmo.synth.draw import Draw
+from kinmo.synth.model import Link, Node, hinge, slider, spinner
+from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, move
+from kinmo.synth.primitives.place import Point, rotation_about
+
+
+def add_lift_top(draw: Draw, above: Node, carcass: Link, low: Point, high: Point, name: str) -> Link:
+    """A board between two corners that folds up about its rear edge, rarely its front one or an end."""
+    edge = draw.pick(["rear", "front", "end"], [8, 1, 1])
+    thick = float(high[1]) - float(low[1])
+    level = float(low[1]) + draw.pick([0.0, 0.5 * thick, thick])
+    opens = draw.between(45.0, 110.0)
+    rest = draw.between(0.2, 0.9) * opens if draw.chance(0.25) else 0.0
+    node = above.add(name, box_between(low, high))
+    if edge == "end":
+        motion = hinge((float(low[0]), level, 0), Z, 0.0, opens, rest=rest)
+    else:
+        z, sense = (float(low[2]), -1.0) if edge == "rear" else (float(high[2]), 1.0)
+        motion = hinge((0, level, z), sense * X, 0.0, opens, rest=rest)
+    return Link("lid", [node], carcass, motion, lumped_name="rotation_lid")
+
+
+def add_pullout(draw: Draw, above: Node, carcass: Link, opening: Opening) -> Link:
+    """A board in an opening that slides out: a keyboard tray, a shelf, a cutting board."""
+    thick = min(draw.between(0.015, 0.05), 0.5 * opening.height)
+    deep, y = opening.depth * draw.between(0.6, 0.95), opening.low + draw.between(0.1, 0.8) * (opening.height - thick)
+    front = opening.front + draw.pick([0.0, draw.between(-0.05, 0.02)])
+    half = 0.5 * opening.width - draw.between(0.0, 0.02)
+    pieces = [box_between((opening.x - half, y, front - deep), (opening.x + half, y + thick, front))]
+    if draw.chance(0.4):
+        pieces.append(box((2 * half, 2 * thick, 0.02), (opening.x, y + thick, front + 0.01)))
+    node = above.add(draw.pick(["tray", "shelf", "keyboard_tray", "board"]), *pieces)
+    travel = deep * draw.between(0.4, 0.9)
+    rest = travel * draw.between(0.2, 0.9) if draw.chance(0.2) else 0.0
+    return Link("tray", [node], carcass, slider(Z, 0.0, travel, rest=rest), lumped_name="translation_tray")
+
+
+def add_false_front(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> None:
+    """A panel that looks like a drawer or a door, sometimes with a handle, and stands still."""
+    width, height = opening.width - 2 * fronts.gap, opening.height - 2 * fronts.gap
+    back = fronts.back_plane(opening)
+    panel = front_panel(draw, width, height, fronts.thickness, fronts.look)
+    node = above.add(draw.pick(["vertical_front_panel", "frame_horizontal_bar", "other_leaf"], [4, 1, 1]))
+    node.pieces = [move(piece, (opening.x, opening.y, back)) for piece in panel]
+    carcass.nodes.append(node)
+    if draw.chance(0.5):
+        grip = pull(draw, 0.3 * width, (opening.x, opening.y, back + 1.5 * fronts.thickness), vertical=draw.chance(0.3))
+        carcass.nodes.append(above.add("handle", *grip))
+
+
+def add_leaning_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:
+    """A drawer or bin whose way out leans up or down."""
+    link = add_drawer(draw, above, carcass, opening, fronts)
+    pivot = (opening.x, opening.low, opening.front)
+    carry([link], rotation_about(X, draw.sign() * draw.between(4.0, 30.0), pivot))
+    return link
+
+
+def add_locked_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, side: str) -> list[Link]:
+    """A door with a knob, lever or key on it that turns about the door's normal."""
+    plain = Fronts(fronts.thickness, fronts.gap, fronts.look, has_handles=False, handle_length=fronts.handle_length)
+    door = add_door(draw, above, carcass, opening, plain, side, DoorNames())
+    out = 1.0 if side == "right" else -1.0
+    at = (
+        opening.x - out * draw.between(0.3, 0.42) * opening.width,
+        opening.y + draw.between(-0.2, 0.2) * opening.height,
+        plain.back_plane(opening) + plain.thickness,
+    )
+    kind = draw.pick(["dial", "lever", "tee", "cylinder"], [3, 3, 1, 2])
+    group = door.nodes[0]
+    door.nodes = list(group.children)
+    return [door, add_door_lock(draw, group, door, kind, at, draw.between(0.04, 0.15))]
+
+
+def add_casters(draw: Draw, above: Node, carcass: Link, x: float, z: float, low: float) -> list[Link]:
+    """Four wheels below the height `low` at (+-x, +-z), which roll and mostly also turn on upright stems; some stand still."""
+    radius, thick = draw.between(0.03, 0.07), draw.between(0.015, 0.04)
+    swivels, rolls, heading = draw.chance(0.6), draw.chance(0.7), draw.between(0.0, 180.0)
+    links: list[Link] = []
+    for place in ((x, z), (-x, z), (x, -z), (-x, -z)):
+        stem = (place[0], low, place[1])
+        turned = rotation_about(Y, heading if swivels else 0.0, stem)
+        hub = (place[0], low - 1.4 * radius, place[1] - (0.6 * radius if swivels else 0.0))
+        group = above.add("caster")
+        fork = group.add("caster_stem", box((1.6 * thick, 1.3 * radius, 0.6 * radius), (stem[0], low - 0.65 * radius, stem[2])))
+        wheel = group.add("wheel", cylinder(radius, thick, "x", hub, 18))
+        owner, made = carcass, []
+        if swivels:
+            owner = Link("caster", [fork], carcass, spinner(stem, Y))
+            made.append(owner)
+        else:
+            carcass.nodes.append(fork)
+        if rolls:
+            made.append(Link("wheel", [wheel], owner, spinner(hub, X)))
+        else:
+            owner.nodes.append(wheel)
+        carry(made, turned)
+        links += made
+    return links

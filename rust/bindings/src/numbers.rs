@@ -1,0 +1,34 @@
+//! Whole numbers as arguments: what is out of range is a `ValueError` that names it, however large it is.
+
+use kinmo_geometry::{GeometryError, Result};
+use pyo3::exceptions::PyOverflowError;
+use pyo3::prelude::*;
+
+use crate::convert::value_error;
+
+/// A Python integer, or the nearest `i64` where it is larger: every range that is checked for lies well inside.
+pub fn integer(object: &Bound<'_, PyAny>) -> PyResult<i64> {
+    match object.extract::<i64>() {
+        Err(error) if error.is_instance_of::<PyOverflowError>(object.py()) => {
+            Ok(if object.lt(0)? { i64::MIN } else { i64::MAX })
+        }
+        value => value,
+    }
+}
+
+/// A seed of random draws.
+pub fn seed(object: &Bound<'_, PyAny>) -> PyResult<u64> {
+    match object.extract::<u64>() {
+        Err(error) if error.is_instance_of::<PyOverflowError>(object.py()) => Err(value_error(GeometryError::new(
+            "seed",
+            format!("{object}, expected an integer from 0 to {}", u64::MAX),
+        ))),
+        value => value,
+    }
+}
+
+/// A count from 1 to `most`.
+pub fn count_of(argument: &str, count: i64, most: usize) -> Result<usize> {
+    let checked = usize::try_from(count).ok().filter(|count| (1..=most).contains(count));
+    checked.ok_or_else(|| GeometryError::new(argument, format!("{count}, expected an integer from 1 to {most}")))
+}

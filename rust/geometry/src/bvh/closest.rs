@@ -1,0 +1,119 @@
+//! Nearest points of two surfaces.
+
+use nalgebra::Vector3;
+
+use super::Bvh;
+use crate::aabb::{Aabb, greater, lesser};
+use crate::triangle::{ClosestPoints, Triangle, triangle_triangle};
+
+impl Bvh {
+    /// Nearest points of the two surfaces, if they are nearer than the square root of `bound`.
+    ///
+    /// Stops at the first pair whose squared distance is at most `touching`.
+    pub fn closest(&self, other: &Self, bound: f64, touching: f64) -> Option<ClosestPoints> {
+        let mut best = Best { points: None, bound, distance: bound.sqrt(), direction: Vector3::zeros() };
+        let mut stack = vec![(0u32, 0u32, self.bounds().squared_distance(other.bounds()))];
+        while let Some((a, b, squared)) = stack.pop() {
+            if squared >= best.bound {
+                continue;
+            }
+            let (node_a, node_b) = (&self.nodes[a as usize], &other.nodes[b as usize]);
+            if node_a.bounds.gap_along(&node_b.bounds, &best.direction) >= best.distance {
+                continue;
+            }
+            if node_a.count > 0 && node_b.count > 0 {
+                best.improve(self.leaf(node_a), other.leaf(node_b), &node_b.bounds);
+                if best.bound <= touching {
+                    break;
+                }
+                continue;
+            }
+            let split_a = node_b.count > 0
+                || (node_a.count == 0 && node_a.bounds.squared_diagonal() >= node_b.bounds.squared_diagonal());
+            let [near, far] = if split_a {
+                self.children(node_a)
+                    .map(|child| (child, b, self.nodes[child as usize].bounds.squared_distance(&node_b.bounds)))
+            } else {
+                other
+                    .children(node_b)
+                    .map(|child| (a, child, node_a.bounds.squared_distance(&other.nodes[child as usize].bounds)))
+            };
+            let (near, far) = if far.2 < near.2 { (far, near) } else { (near, far) };
+            stack.extend([far, near]);
+        }
+        best.points
+    }
+}
+
+/// The nearest points found so far. What is apart by as much along the direction from one to the other need not be looked
+/// at: near the nearest points, that tells far more than boxes do.
+struct Best {
+    points: Option<ClosestPoints>,
+    /// Square of the distance to be undercut, and the distance.
+    bound: f64,
+    distance: f64,
+    /// Unit vector from the first surface to the second; zero as long as there is none.
+    direction: Vector3<f64>,
+}
+
+impl Best {
+    /// Looks at two short lists of triangles, those of the second inside `bounds_b`.
+    fn improve(&mut self, a: &[Triangle], b: &[Triangle], bounds_b: &Aabb) {
+        for p in a {
+            let bounds_p = Aabb::of(p);
+            if bounds_p.squared_distance(bounds_b) >= self.bound {
+                continue;
+            }
+            for q in b {
+                if bounds_p.squared_distance(&Aabb::of(q)) >= self.bound || self.parts(p, q) {
+                    continue;
+                }
+                if let Some(found) = triangle_triangle(p, q, self.bound) {
+                    let distance = found.squared.sqrt();
+                    self.direction = (found.b - found.a) / distance;
+                    if !self.direction.iter().all(|x| x.is_finite()) {
+                        self.direction = Vector3::zeros();
+                    }
+                    (self.points, self.bound, self.distance) = (Some(found), found.squared, distance);
+                }
+            }
+        }
+    }
+
+    /// Whether the direction shows that two triangles are not nearer than the best points.
+    fn parts(&self, p: &Triangle, q: &Triangle) -> bool {
+        let origin = p[0];
+        let [a, b] = [p[1], p[2]].map(|corner| (corner - origin).dot(&self.direction));
+        let [c, d, e] = q.map(|corner| (corner - origin).dot(&self.direction));
+        lesser(lesser(c, d), e) - greater(greater(a, b), 0.0) >= self.distance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::Mesh;
+    use crate::soup::soup;
+
+    proptest! {
+        #[test]
+        fn the_tree_finds_what_all_pairs_of_triangles_give(a in soup(25), b in soup(25), shift in 0.0..4.0f64) {
+            let moved = b.vertices().iter().map(|p| p + Vector3::x() * shift).collect();
+            let b = Mesh::new(moved, b.faces().to_vec()).expect("finite");
+            let all = (0..25).flat_map(|i| (0..25).map(move |j| (i, j)));
+            let expected = all
+                .filter_map(|(i, j)| triangle_triangle(&a.triangle(i), &b.triangle(j), f64::INFINITY))
+                .fold(f64::INFINITY, |least, found| least.min(found.squared));
+            let (tree_a, tree_b) = (Bvh::new(&a), Bvh::new(&b));
+            let found = tree_a.closest(&tree_b, f64::INFINITY, 0.0).expect("unbounded");
+            prop_assert!((found.squared.sqrt() - expected.sqrt()).abs() < 1e-12);
+            let swapped = tree_b.closest(&tree_a, f64::INFINITY, 0.0).expect("unbounded");
+            prop_assert!((found.squared.sqrt() - swapped.squared.sqrt()).abs() < 1e-12);
+            if expected > 1e-6 {
+                prop_assert!(tree_a.closest(&tree_b, 0.99 * expected, 0.0).is_none());
+            }
+        }
+    }
+}

@@ -1,0 +1,87 @@
+"""Long calls let other threads run, and Ctrl-C stops them between two batches."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+# Every call would take long. Another thread runs for a while meanwhile, and then presses Ctrl-C. (`move_points` never takes
+# long: its result would not fit into memory.)
+SCRIPT = """
+import json, os, signal, threading, time
+import numpy as np
+from kinmo import _core
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # whoever started the tests may have had it ignored
+rng = np.random.default_rng(0)
+faces = np.arange(3000, dtype=np.uint32).reshape(-1, 3)
+tangle = _core.Meshes([rng.uniform(size=(300, 3)) for _ in range(2)], [faces[:100]] * 2)
+often = [[0, 1]] * 300_000
+many = np.broadcast_to(np.array([0, 1], np.uint32), (300_000, 2))
+joints = np.zeros(100_000, np.uint8), np.eye(3)[np.arange(100_000) % 3], np.zeros((100_000, 3))
+box = [np.tile(array, (500_000, *[1] * array.ndim)) for array in (np.zeros(3), np.eye(3), np.ones(3))]
+calls = {
+    "Meshes": lambda: _core.Meshes([np.broadcast_to(np.zeros(3), (1_000_000, 3))] * 3000, [faces] * 3000),
+    "sample_surface": lambda: _core.sample_surface(_core.Meshes([np.eye(3)] * 900, [faces[:1]] * 900), 5_000, blue_noise=True),
+    "fit_boxes": lambda: _core.fit_boxes(tangle, often),
+    "fit_symmetric_boxes": lambda: _core.fit_symmetric_boxes(tangle, often),
+    "find_symmetries": lambda: _core.find_symmetries(tangle, often),
+    "part_distances": lambda: _core.part_distances(_core.Meshes([np.eye(3)] * 20_000, [faces[:1]] * 20_000), max_distance=0.0),
+    "interaction_regions": lambda: _core.interaction_regions(rng.normal(size=(2, 500, 3)), many),
+    "sweep": lambda: _core.sweep(tangle, [0], [1], *joints, np.full(100_000, -1.0), np.ones(100_000)),
+    "box_iou": lambda: _core.box_iou(*box, *box),
+    "closest_points": lambda: _core.closest_points(tangle, [0, 1], rng.uniform(size=(3_000_000, 3))),
+}
+
+def press_after_a_while():
+    started.wait()
+    for _ in range(10):
+        time.sleep(0.01)
+    os.kill(os.getpid(), signal.SIGINT)
+
+outcomes = {}
+for name, call in calls.items():
+    started = threading.Event()
+    presser = threading.Thread(target=press_after_a_while)
+    presser.start()
+    try:
+        started.set()
+        call()
+        outcomes[name] = "finished"
+        presser.join()
+        time.sleep(1)  # what is pressed too late comes here
+    except KeyboardInterrupt:
+        outcomes.setdefault(name, "interrupted")
+    presser.join()
+print(json.dumps(outcomes))
+"""
+
+
+@pytest.fixture(scope="module")
+def outcomes() -> dict[str, str]:
+    """What became of every call."""
+    done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return dict(json.loads(done.stdout))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Meshes",
+        "sample_surface",
+        "fit_boxes",
+        "fit_symmetric_boxes",
+        "find_symmetries",
+        "part_distances",
+        "interaction_regions",
+        "sweep",
+        "box_iou",
+        "closest_points",
+    ],
+)
+def test_ctrl_c_stops_a_long_call_while_another_thread_runs(outcomes: dict[str, str], name: str) -> None:
+    assert outcomes[name] == "interrupted"
