@@ -55,6 +55,15 @@ def test_siblings_that_move_otherwise_or_stand_apart_are_two() -> None:
     assert len(predicted_bodies(touching(shape, 0.1), {first: SLIDE, second: SLIDE}, all_fixed(shape))) == 3
 
 
+def test_siblings_that_are_alike_are_two_such_as_the_keys_of_a_keypad() -> None:
+    shape = touching(cabinet(3), 0.0)
+    first, second = moving_pair(shape)
+    sizes = shape.minimum_boxes.half_extents.copy()
+    sizes[first] = 1.05 * sizes[second][[2, 0, 1]]
+    alike = replace(shape, minimum_boxes=replace(shape.minimum_boxes, half_extents=sizes))
+    assert len(predicted_bodies(alike, {first: SLIDE, second: SLIDE}, all_fixed(alike))) == 3
+
+
 def test_what_moves_inside_a_moving_node_is_a_body_of_its_own() -> None:
     shape = cabinet(3)
     first, _ = moving_pair(shape)

@@ -27,7 +27,11 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class TrainingConfig:
-    """Adam; `decay` multiplies the learning rate every `decay_epochs` epochs (0: the rate falls to zero along a cosine)."""
+    """Adam; `decay` multiplies the learning rate every `decay_epochs` epochs (0: the rate falls to zero along a cosine).
+
+    `average` is the decay a step of a moving average of the weights, which then is what is chosen and kept (0: no average).
+    `keep`: the epoch that did best on validation, or the last one, where the shapes to choose by are too few to tell.
+    """
 
     epochs: int
     learning_rate: float
@@ -35,6 +39,8 @@ class TrainingConfig:
     decay: float = 0.7
     decay_epochs: int = 20
     gradient_clip: float = 1.0
+    average: float = 0.0
+    keep: Literal["best", "last"] = "best"
     precision: Literal["32-true", "bf16-mixed", "16-mixed"] = "32-true"
     devices: int = 1
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
+from kinmo.box import are_alike
 from kinmo.candidates import KIND_CODES, Candidates
 from kinmo.evidence import Evidence, Scene, gather
 from kinmo.evidence.scene import TOUCHING
@@ -83,33 +84,42 @@ def scene_of(shape: PreparedShape, meshes: _core.Meshes) -> Scene:
 
 
 def moving_nodes(shape: PreparedShape, ranking: JointRanking) -> dict[int, Joint]:
-    """The nodes that rather move against their surroundings than rest, each with its best joint (normalised frame)."""
+    """The nodes that rather move against their surroundings than rest, each with its best joint (normalised frame).
+
+    A node with the same joint as the moving node that it is in moves with that, not against it.
+    """
     if len(shape.parents) < 2:
         return {}
     evidence = Evidence.of(shape.evidence)
     view = node_view(replace(shape, mobility=None), evidence)
     probabilities, rest = ranking.probabilities(view)
-    moving = {}
+    moving: dict[int, Joint] = {}
     for node, (unit, odds, still) in enumerate(zip(view.units, probabilities, rest, strict=True), start=1):
         if still < MOVES:
             best = rank_answers(evidence, unit, odds, float(still), shape.symmetric_boxes[node], shape.up)[0].joint
             assert best is not None, "what rather moves is answered with a joint"
-            moving[node] = best
+            above = shape.parents[node]
+            while above > 0 and above not in moving:
+                above = shape.parents[above]
+            if above not in moving or not same_joint(moving[above], best):
+                moving[node] = best
     return moving
 
 
 def predicted_bodies(shape: PreparedShape, moving: Mapping[int, Joint], edges: EdgePredictions) -> list[tuple[int, ...]]:
     """Positions of the leaves of every body; body 0 is what everything rests on (it may be empty).
 
-    Moving siblings are one body if the GNN holds them to be fixed to each other, they touch, and they have the same joint:
-    the front and the box of a drawer are, two drawers or the keys of a keypad are not.
+    Moving siblings are one body if the GNN holds them to be fixed to each other, they touch, and they have the same joint, but
+    are not alike: the front and the box of a drawer are, two drawers or the keys of a keypad are not.
     """
-    fixed = edges.type_set.FIXED.value
+    fixed, sizes = edges.type_set.FIXED.value, shape.minimum_boxes.half_extents
     odds: dict[tuple[int, int], list[float]] = {}
     for (part, other), probability, distance in zip(
         shape.edges.tolist(), edges.type_probabilities[:, fixed], shape.edge_distances, strict=True
     ):
-        if part in moving and other in moving and distance <= TOUCHING and same_joint(moving[part], moving[other]):
+        if part not in moving or other not in moving or distance > TOUCHING or are_alike(sizes[part], sizes[other]):
+            continue
+        if same_joint(moving[part], moving[other]):
             odds.setdefault((min(part, other), max(part, other)), []).append(float(probability))
     group = {node: node for node in moving}
     for pair, values in odds.items():

@@ -26,7 +26,7 @@ from kinmo.mobility import Body, Mobility
 from kinmo.prepared import Boxes, PreparedShape
 from kinmo.workspace import digest
 
-FORMAT = 5
+FORMAT = 6
 """Of the files; files of another format are made again."""
 INDEX = "index.jsonl"
 _HEADER_KEY = "kinmo"

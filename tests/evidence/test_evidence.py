@@ -85,3 +85,19 @@ def test_what_forms_a_body_does_not_show_in_the_evidence_of_parts() -> None:
     )
     np.testing.assert_array_equal(annotated.unit_features[: len(leaves)], bare.unit_features)
     np.testing.assert_array_equal(annotated.features[: len(bare.features)], bare.features)
+
+
+def test_a_door_hung_left_differs_from_one_hung_right() -> None:
+    """Mirrored, the cabinet is the same but for its hand: so are its features."""
+    mirrored = gather(scene(np.diag([-1.0, 1.0, 1.0])), UNITS)
+    left, right = ((x, 0.0, 0.15) for x in (-0.23, 0.23))
+    here = STILL.features[STILL.rows(1)][hypothesis_near(REVOLUTE, 1, (0, 1, 0), left)]
+    there = STILL.features[STILL.rows(1)][hypothesis_near(REVOLUTE, 1, (0, 1, 0), right)]
+    assert np.abs(here - there).max() > 0.5
+    rows = mirrored.rows(1)
+    away = np.linalg.norm((mirrored.pivots[rows] - right)[:, [0, 2]], axis=1)
+    upright = (np.abs(mirrored.directions[rows][:, 1]) > 0.99) & (mirrored.kinds[rows] == REVOLUTE)
+    same_door = mirrored.features[rows][np.argmin(np.where(upright, away, np.inf))]
+    differing = np.flatnonzero(np.abs(same_door - here) > 0.05)
+    np.testing.assert_allclose(same_door[differing], -here[differing], atol=0.05)
+    assert len(differing) == 2

@@ -80,6 +80,29 @@ def test_a_run_that_was_cut_off_ends_as_one_that_was_not(tmp_path: Path, undistu
     assert files[0] == files[1]
 
 
+AVERAGED = replace(CONFIG, average=0.9)
+
+
+def test_averaged_weights_are_validated_and_kept_and_survive_a_cut(tmp_path: Path, undisturbed: list[Tensor]) -> None:
+    averaged, _ = end_state(tmp_path / "whole", AVERAGED)
+    assert not all(torch.equal(a, b) for a, b in zip(averaged, undisturbed, strict=True))
+    with pytest.raises(RuntimeError, match="power cut"):
+        fit(Line(AVERAGED), Points((2, 1)), tmp_path / "cut", seed=3, device="cpu")
+    again, data = end_state(tmp_path / "cut", AVERAGED)
+    assert data.epochs == [2, 3, 4]
+    assert all(torch.equal(a, b) for a, b in zip(again, averaged, strict=True))
+
+
+def test_an_average_over_nearly_all_steps_lags_behind(tmp_path: Path) -> None:
+    errors = {
+        average: fit(Line(replace(CONFIG, average=average)), Points(), tmp_path / str(average), device="cpu").history
+        for average in (0.0, 1e-6, 0.9999)
+    }
+    last = {average: history[1][MONITOR] for average, history in errors.items()}
+    assert last[1e-6] == pytest.approx(last[0.0], rel=1e-3)
+    assert last[0.9999] > last[0.0]
+
+
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
 def test_a_cut_checkpoint_gives_way_to_the_previous_one(tmp_path: Path, undisturbed: list[Tensor], share: float) -> None:
     with pytest.raises(RuntimeError):
@@ -115,6 +138,12 @@ def test_the_best_epoch_is_kept_and_every_epoch_is_logged(tmp_path: Path) -> Non
     with torch.no_grad():
         found = np.mean([(module.layers(b[:, :2]) - b[:, 2:]).abs().mean().item() for b in Points().validation_batches()])
     assert found == pytest.approx(result.best_error, rel=1e-5)
+
+
+def test_the_last_epoch_is_kept_where_that_is_asked_for(tmp_path: Path) -> None:
+    result = fit(Line(replace(CONFIG, keep="last")), Points(), tmp_path, seed=3, device="cpu")
+    assert result.best_epoch == CONFIG.epochs - 1
+    assert result.best_error == result.history[-1][MONITOR]
 
 
 def test_nothing_is_printed(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -18,6 +18,8 @@ ALONG = np.linspace(-0.5, 0.5, 9)
 TURNS = np.radians([40.0, 90.0, 180.0])
 ECCENTRIC = 0.15
 """An axis farther from the part's centre than this share of its reach is no axis of symmetry."""
+UNCLEAR = 0.02
+"""A part that lies less than this far to either side of the object's middle faces neither way for sure."""
 SMALL_LEAF = 0.1
 """A leaf with less than this share of the part's surface is a detail of it, or of what stands around it."""
 
@@ -63,6 +65,8 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
     outward = center - scene.middle
     outward = outward - (outward @ up) * up
     outward = outward / max(float(np.linalg.norm(outward)), 0.02)
+    # Seen from the front: objects are made for right-handed people, and doors of a kind hang on the same side.
+    right_of_part, right_of_object = np.cross(up, facing(scene, unit)), np.cross(up, outward)
 
     def sideways(points: F64) -> F64:
         """How far [K] the mean of points [n, 3] lies towards the axis from the part's centre; 0 without points."""
@@ -79,6 +83,7 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
         "against the contact": np.abs(d @ unit.mean_toward),
         "eccentricity": np.stack([eccentricity / half, eccentricity, eccentricity / reach], axis=1),
         "side": np.stack([aside @ up, aside @ outward, np.abs(aside @ unit.sorted_axes[2])], axis=1),
+        "handed side": np.stack([aside @ right_of_part, aside @ right_of_object], axis=1),
         "place": np.stack([from_center @ up, from_center @ outward], axis=1) / half,
         "outer side": aside @ (center - scene.middle) / half,
         "at the object's edge": np.sum(aside * from_middle, axis=1) / support,
@@ -107,6 +112,14 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
         "agreeing sources": lines.sources.sum(axis=1),
     }
     return np.column_stack(list(features.values()))
+
+
+def facing(scene: Scene, unit: Unit) -> F64:
+    """Where the part's thin side faces, horizontally and away from the object's middle [3]; shorter where that is unclear."""
+    normal = unit.sorted_axes[2]
+    outside = float(np.clip(normal @ (unit.aligned.center - scene.middle) / UNCLEAR, -1.0, 1.0))
+    horizontal: F64 = outside * (normal - (normal @ scene.up) * scene.up)
+    return horizontal
 
 
 def turned_mismatch(unit: Unit, lines: Lines, eccentricity: F64) -> F64:

@@ -7,10 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from kinmo.box import are_alike
 from kinmo.evidence.scene import Scene, Unit
-
-SAME_SIZE = 0.15
-"""Parts whose sorted extents differ by less than this (in logarithms) are alike."""
 
 
 def unit_features(scene: Scene, unit: Unit, others: Sequence[Unit]) -> NDArray[np.float64]:
@@ -26,8 +24,7 @@ def unit_features(scene: Scene, unit: Unit, others: Sequence[Unit]) -> NDArray[n
     offset = unit.aligned.center - scene.middle
     contact = unit.contact_weights @ unit.contact - unit.aligned.center
     protrusion = unit.protrusion - unit.aligned.center
-    sizes = np.array([np.sort(other.minimum.half_extents)[::-1] for other in others]).reshape(-1, 3)
-    alike = (np.abs(np.log((sizes + 0.003) / (half + 0.003))) < SAME_SIZE).all(axis=1).sum()
+    alike = are_alike(half, np.array([other.minimum.half_extents for other in others]).reshape(-1, 3)).sum()
     area = scene.areas[list(unit.leaves)].sum() / max(scene.areas.sum(), 1e-12)
     features = {
         "extents": np.log(half + 1e-3),

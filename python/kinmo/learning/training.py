@@ -26,6 +26,7 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch.utils.data import DataLoader, IterableDataset
 
 from kinmo.config import TrainingConfig
+from kinmo.learning.averaging import ExponentialAverage
 from kinmo.learning.weights import pick_device
 from kinmo.workspace import write_atomically, write_text_atomically
 
@@ -57,7 +58,7 @@ class Progress:
 
 @dataclass(frozen=True)
 class FitResult:
-    """`history` has one entry an epoch; `best_epoch` is an index into it. The module holds the best epoch's weights."""
+    """`history` has one entry an epoch; `best_epoch`, whose weights the module holds, is an index into it."""
 
     best_epoch: int
     best_error: float
@@ -89,7 +90,7 @@ def fit(
     fingerprint: str = "",
     on_progress: Callable[[Progress], None] | None = None,
 ) -> FitResult:
-    """Train `module` and leave it with the weights of the epoch that did best on validation.
+    """Train `module` and leave it with the weights of the epoch that did best on validation, or of the last (`keep`).
 
     `run_dir` gets `last.ckpt` and `previous.ckpt` (resume), `best.pt` (weights), `metrics.csv` and `metrics.json` (one entry an
     epoch). If it holds checkpoints of the same configuration, seed and `fingerprint` (say, of the data), training goes on from
@@ -99,7 +100,8 @@ def fit(
     config = module.training_config
     run_dir.mkdir(parents=True, exist_ok=True)
     identity = json.dumps({"training": asdict(config), "seed": seed, "data": fingerprint}, sort_keys=True)
-    recorder = _Recorder(run_dir, identity, on_progress, config.epochs)
+    average = ExponentialAverage(config.average) if config.average else None
+    recorder = _Recorder(run_dir, identity, on_progress, config, average)
     device = pick_device(device)
     with _quiet():
         trainer = Trainer(
@@ -108,7 +110,7 @@ def fit(
             precision=config.precision,
             max_epochs=config.epochs,
             gradient_clip_val=config.gradient_clip or None,
-            callbacks=[_Seeding(seed), recorder],
+            callbacks=[_Seeding(seed), *([average] if average else []), recorder],
             num_sanity_val_steps=0,
             logger=False,
             enable_checkpointing=False,
@@ -173,8 +175,16 @@ class _Seeding(Callback):
 class _Recorder(Callback):
     """Keeps metrics, the best weights and the checkpoints."""
 
-    def __init__(self, folder: Path, identity: str, on_progress: Callable[[Progress], None] | None, epochs: int) -> None:
-        self.folder, self.identity, self.on_progress, self.epochs = folder, identity, on_progress, epochs
+    def __init__(
+        self,
+        folder: Path,
+        identity: str,
+        on_progress: Callable[[Progress], None] | None,
+        config: TrainingConfig,
+        average: ExponentialAverage | None,
+    ) -> None:
+        self.folder, self.identity, self.on_progress = folder, identity, on_progress
+        self.config, self.average = config, average
         self.history: list[dict[str, float]] = []
         self.best_epoch, self.best_error = -1, math.inf
 
@@ -193,10 +203,11 @@ class _Recorder(Callback):
         epoch = trainer.current_epoch
         self.history = [*self.history[:epoch], {"epoch": float(epoch), **metrics}]
         error = metrics[MONITOR]
-        if error < self.best_error or self.best_epoch < 0:
+        if error < self.best_error or self.best_epoch < 0 or self.config.keep == "last":
             self.best_epoch, self.best_error = epoch, error
             if trainer.is_global_zero:
-                weights = {name: tensor.cpu() for name, tensor in pl_module.state_dict().items()}
+                validated = self.average.weights() if self.average else pl_module.state_dict()
+                weights = {name: tensor.cpu() for name, tensor in validated.items()}
                 with write_atomically(self.folder / BEST) as scratch:
                     torch.save(weights, scratch)
         last, previous = (self.folder / name for name in CHECKPOINTS)
@@ -209,7 +220,7 @@ class _Recorder(Callback):
             trainer.save_checkpoint(scratch)
         self._write_metrics()
         if self.on_progress is not None:
-            self.on_progress(Progress(epoch + 1, self.epochs, metrics))
+            self.on_progress(Progress(epoch + 1, self.config.epochs, metrics))
 
     def _write_metrics(self) -> None:
         columns = list(dict.fromkeys(name for row in self.history for name in row))

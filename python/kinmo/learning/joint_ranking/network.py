@@ -67,14 +67,12 @@ class JointRanker(nn.Module):
             nn.Linear(unit_features + words, width), nn.GELU(), nn.Dropout(dropout), nn.Linear(width, width)
         )
         self.hypothesis = nn.Linear(hypothesis_features, width)
-        self.joint = nn.Sequential(
-            nn.LayerNorm(width), nn.GELU(), nn.Dropout(dropout), nn.Linear(width, width), nn.GELU(), nn.Linear(width, width)
-        )
+        self.joint = nn.Sequential(nn.LayerNorm(width), nn.GELU(), nn.Linear(width, width), nn.GELU(), nn.Linear(width, width))
         self.pooled = nn.Linear(3 * width, width)
         self.context = nn.TransformerEncoderLayer(
             width, 4, 2 * width, dropout, activation="gelu", batch_first=True, norm_first=True
         )
-        self.score = nn.Sequential(nn.Linear(2 * width, width), nn.GELU(), nn.Dropout(dropout), nn.Linear(width, 1))
+        self.score = nn.Sequential(nn.Linear(2 * width, width), nn.GELU(), nn.Linear(width, 1))
         self.rest = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, width), nn.GELU(), nn.Linear(width, 1))
 
     def standardize(self, hypotheses: Tensor, units: Tensor) -> None:
