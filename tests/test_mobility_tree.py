@@ -75,10 +75,29 @@ def test_given_bodies_take_the_mean_of_their_edges(seed: int) -> None:
         np.testing.assert_allclose(tree.estimates[index].pivot, body.joint.pivot, atol=1e-12)
 
 
+def test_nothing_but_the_bodies_is_read_off_the_annotation() -> None:
+    shape = cabinet(0)
+    predictions = told(shape)
+    bodies = tuple(replace(body, joint=None, parent=None) for body in shape.mobility.bodies)
+    hidden = replace(shape, mobility=replace(shape.mobility, bodies=bodies), edge_labels=None, body_types={})
+    for one, other in zip(given_tree(shape, predictions).estimates, given_tree(hidden, predictions).estimates, strict=True):
+        assert (one is None) == (other is None)
+        if one is not None:
+            np.testing.assert_array_equal(one.probabilities, other.probabilities)
+
+
+def test_of_given_bodies_one_rests_even_where_every_edge_says_none() -> None:
+    shape = cabinet(0)
+    tree = given_tree(shape, edges_saying(shape, {}))
+    assert sum(estimate is None for estimate in tree.estimates) == 1
+    assert not has_cycle([body.parent for body in tree.bodies])
+    assert all(estimate.type < MotionType.FIXED for estimate in tree.estimates if estimate is not None)
+
+
 def test_a_given_body_without_an_edge_has_no_estimate() -> None:
     shape = cabinet(0)
-    shape = replace(shape, edge_labels=replace(shape.edge_labels, bodies=np.full(len(shape.edges), -1)))
-    assert set(given_tree(shape, told(shape)).estimates) == {None}
+    nothing = EdgePredictions(np.zeros((0, 10)), np.zeros((0, 3)), np.zeros((0, 3)))
+    assert set(given_tree(replace(shape, edges=shape.edges[:0]), nothing).estimates) == {None}
 
 
 def test_parts_fixed_to_each_other_that_move_against_the_same_are_one_with_the_larger_ones_parameters() -> None:

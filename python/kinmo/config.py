@@ -73,11 +73,11 @@ class GnnConfig:
     """The motion GNN (paper, section 3.2).
 
     `inputs`: `paper` has points, boxes, names and the relation of two boxes; `kinmo` adds their relative pose, distance and
-    contact to every edge, and predicts pivots from the moving part's centre. `edges`: all sibling pairs, or those in contact
+    contact to every edge. `edges`: all sibling pairs, or those in contact
     (closer than `contact` diagonals). `direction_loss`: the mean over motion edges of the un-squared L2 norm, one Frobenius
     norm over all of them, or the mean with the sign of the axis left open. `class_weights`: one a class, empty for ones;
-    `class_balance` multiplies them with (share of the class) ** -class_balance. `turns`: in how many more poses, turned about
-    `up`, a training shape is shown.
+    `class_balance` multiplies them with (share of the class) ** -class_balance. `variants`: how many more forms of a
+    training shape are shown, mirrored and stretched along its axes by up to e ** +-`stretch`.
     """
 
     leaf: PointEncoderConfig
@@ -100,7 +100,8 @@ class GnnConfig:
     direction_loss: Literal["mean", "frobenius", "undirected"] = "mean"
     class_weights: tuple[float, ...] = ()
     class_balance: float = 0.0
-    turns: int = 0
+    variants: int = 0
+    stretch: float = 0.0
     batch_shapes: int = 2
     batch_edges: int = 20000
     per_category: bool = False
@@ -113,7 +114,9 @@ class AxisConfig:
     `articulated`: share of training pairs whose original cloud is itself moved along the true joint. A negative within
     `near_angle` degrees and `near_distance` diagonals of the truth is none, nor is one that moves the part to within
     `same_motion` diagonals of where the truth does. `negatives`: `edges` of the movable part's box as printed, or those and the
-    centre lines too. A batch holds `batch_joints` joints, a positive and a negative pair each.
+    centre lines too. `focus`: clouds are denser near the part, and seen from its middle in units of its size; `turned`: in
+    training they are turned and mirrored at random so that axes stay axes. A batch holds `batch_joints` joints, a positive and
+    a negative pair each.
     """
 
     encoder: PointEncoderConfig
@@ -122,6 +125,8 @@ class AxisConfig:
     head_dropout: float = 0.5
     articulated: float = 0.5
     negatives: Literal["edges", "lines"] = "lines"
+    focus: bool = False
+    turned: bool = False
     near_angle: float = 5.0
     near_distance: float = 0.05
     same_motion: float = 0.015

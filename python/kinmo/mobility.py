@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from kinmo.joint import Joint
@@ -52,6 +52,14 @@ def descendants(parents: Sequence[int | None], index: int) -> tuple[int, ...]:
     for node in found:
         found += [i for i, parent in enumerate(parents) if parent == node]
     return tuple(found)
+
+
+def upwards(parents: Mapping[int, int], index: int) -> Iterator[int]:
+    """`index`, what it is attached to by `parents`, and so on."""
+    node: int | None = index
+    while node is not None:
+        yield node
+        node = parents.get(node)
 
 
 def has_cycle(parents: Sequence[int | None]) -> bool:

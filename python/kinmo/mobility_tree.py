@@ -6,15 +6,14 @@ reference become one, with the parameters of the larger; where references would 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.joint import CoarseType, MotionType
 from kinmo.learning.edge_predictions import EdgePredictions
-from kinmo.mobility import Body, has_cycle
+from kinmo.mobility import Body, has_cycle, upwards
 from kinmo.prepared import PreparedShape
 
 F64 = NDArray[np.float64]
@@ -43,17 +42,47 @@ class MobilityTree:
 
 
 def given_tree(shape: PreparedShape, predictions: EdgePredictions) -> MobilityTree:
-    """*Parts given*: the bodies of the shape's annotation, without its joints.
+    """*Parts given*: the bodies of the shape's annotation, nothing of its joints or of what hangs on what.
 
-    A body's estimate is the mean over the edges from its parts to siblings that belong to what it is attached to. Raises
-    ValueError for a shape that is not annotated.
+    A part stands for the body that holds most of its surface, and the edges between the parts of two bodies say how the one
+    moves against the other. Different bodies are not fixed to each other, and in a tree only one rests; so every other body has
+    the most probable motion against its reference, the surest references first and none that closes a cycle. A body without
+    an edge to another rests. Raises ValueError for a shape that is not annotated.
     """
-    if shape.mobility is None or shape.edge_labels is None:
+    if shape.mobility is None:
         raise ValueError(f"shape {shape.id} is not annotated")
-    owner = shape.edge_labels.bodies
-    bodies = tuple(Body(b.id, b.name, b.leaves, b.parent) for b in shape.mobility.bodies)
-    estimates = tuple(mean_estimate(predictions, np.flatnonzero(owner == index)) for index in range(len(bodies)))
-    return MobilityTree(bodies, estimates)
+    owner = _owners(shape)
+    sure = predictions.type_probabilities[:, : predictions.type_set.FIXED].sum(axis=1)
+    pairs: dict[tuple[int, int], list[int]] = {}
+    for edge, (part, other) in enumerate(shape.edges.tolist()):
+        if owner[part] != owner[other] and sure[edge] > 0:  # 0: the network did not see it
+            pairs.setdefault((owner[part], owner[other]), []).append(edge)
+    surest = sorted(pairs, key=lambda pair: (-float(np.mean(sure[pairs[pair]])), pair))
+    parents: dict[int, int] = {}
+    estimates: dict[int, NetworkEstimate] = {}
+    for body, reference in surest:
+        if body not in parents and body not in upwards(parents, reference):
+            parents[body] = reference
+            estimates[body] = _moving(mean_estimate(predictions, np.array(pairs[body, reference])))
+    bodies = enumerate(shape.mobility.bodies)
+    tree = tuple(Body(body.id, body.name, body.leaves, parents.get(index)) for index, body in bodies)
+    return MobilityTree(tree, tuple(estimates.get(index) for index in range(len(tree))))
+
+
+def _owners(shape: PreparedShape) -> list[int]:
+    """For every part, the body of the annotation that holds most of its surface."""
+
+    def held(part: tuple[int, ...], body: tuple[int, ...]) -> float:
+        return float(shape.leaf_areas[sorted(set(part) & set(body))].sum())
+
+    return [int(np.argmax([held(part, body) for body in shape.body_leaves])) for part in shape.leaves_below]
+
+
+def _moving(estimate: NetworkEstimate) -> NetworkEstimate:
+    """The estimate for a body of which it is known that it moves."""
+    fixed = int(estimate.type_set.FIXED)
+    odds = np.where(np.arange(len(estimate.probabilities)) < fixed, estimate.probabilities, 0.0)
+    return replace(estimate, probabilities=odds / odds.sum())
 
 
 def predicted_tree(shape: PreparedShape, predictions: EdgePredictions) -> MobilityTree:
@@ -97,19 +126,13 @@ class _Motion:
         self.edge_of: dict[int, int] = {}
         for edge in moves[np.argsort(-sure[moves], kind="stable")]:  # the surest first: an edge that closes a cycle is left out
             part, reference = shape.edges[edge].tolist()
-            if part not in self.references and part not in self._upwards(reference):
+            if part not in self.references and part not in upwards(self.references, reference):
                 self.references[part], self.edge_of[part] = reference, int(edge)
         both: dict[tuple[int, int], list[float]] = {}
         rival = np.delete(probabilities, fixed, axis=1).max(axis=1)
         for (part, other), odds in zip(shape.edges.tolist(), probabilities[:, fixed] - rival, strict=True):
             both.setdefault((min(part, other), max(part, other)), []).append(float(odds))
         self.fixed: dict[tuple[int, int], float] = {pair: float(np.mean(odds)) for pair, odds in both.items()}
-
-    def _upwards(self, part: int) -> Iterator[int]:
-        node: int | None = part
-        while node is not None:
-            yield node
-            node = self.references.get(node)
 
 
 def _merged(shape: PreparedShape, motion: _Motion) -> list[int]:
@@ -153,10 +176,10 @@ def _companions(shape: PreparedShape, motion: _Motion, group_of: list[int]) -> d
     return {part: group_of[other] for part, (_, other) in best.items() if other in motion.references}
 
 
-def mean_estimate(predictions: EdgePredictions, edges: NDArray[np.int64]) -> NetworkEstimate | None:
-    """The mean of some edges; directions and pivots count by how probable a motion is, directions regardless of their sense."""
-    if not len(edges):
-        return None
+def mean_estimate(predictions: EdgePredictions, edges: NDArray[np.int64]) -> NetworkEstimate:
+    """The mean of some edges, at least one; directions and pivots count by how probable a motion is, directions regardless of
+    their sense.
+    """
     probabilities = predictions.type_probabilities[edges]
     weights = probabilities[:, : predictions.type_set.FIXED].sum(axis=1) + 1e-9
     weights /= weights.sum()

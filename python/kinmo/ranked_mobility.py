@@ -137,11 +137,12 @@ def predicted_bodies(shape: PreparedShape, moving: Mapping[int, Joint], edges: E
 
 def network_estimates(shape: PreparedShape, bodies: Sequence[tuple[int, ...]], edges: EdgePredictions) -> list[JointEstimate]:
     """What the motion GNN alone says of every body, by the edges from its parts to siblings outside it (normalised frame)."""
-    parts = [set(maximal_nodes(shape, leaves)) for leaves in bodies]
-    return [
-        said_alone(mean_estimate(edges, np.flatnonzero([i in own and j not in own for i, j in shape.edges.tolist()])))
-        for own in parts
-    ]
+    estimates = []
+    for leaves in bodies:
+        own = set(maximal_nodes(shape, leaves))
+        outwards = np.flatnonzero([i in own and j not in own for i, j in shape.edges.tolist()])
+        estimates.append(said_alone(mean_estimate(edges, outwards) if len(outwards) else None))
+    return estimates
 
 
 def attached_to(

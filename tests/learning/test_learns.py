@@ -86,6 +86,21 @@ def test_axis_selection_ranks_a_true_hinge_above_the_other_axes(tmp_path: Path) 
     assert ((scores[0] >= 0) & (scores[0] <= 1)).all()
 
 
+def test_training_goes_on_from_initial_weights(tmp_path: Path) -> None:
+    shapes = [cabinet(seed) for seed in range(4)]
+    still = {"epochs": 1, "learning_rate": 0.0}
+    gnn = replace(SMALL.gnn, variants=0, training=replace(SMALL.gnn.training, **still))
+    encoder = replace(SMALL.axis.encoder, points=64, norm="group")
+    axis = replace(SMALL.axis, encoder=encoder, batches_per_epoch=1, training=replace(SMALL.axis.training, **still))
+    for train, config in ((train_motion_gnn, gnn), (train_axis_selection, axis)):
+        first, second, other = (tmp_path / train.__name__ / name for name in ("first", "second", "other"))
+        train(shapes[:3], shapes[3:], config, first, device="cpu", seed=1)
+        train(shapes[:3], shapes[3:], config, second, device="cpu", seed=2, initial=first / "weights.safetensors")
+        train(shapes[:3], shapes[3:], config, other, device="cpu", seed=2)
+        contents = [(folder / "weights.safetensors").read_bytes() for folder in (first, second, other)]
+        assert contents[0] == contents[1] != contents[2]
+
+
 def test_two_steps_of_the_papers_sizes_run(tmp_path: Path) -> None:
     gnn = replace(PAPER.gnn, training=replace(PAPER.gnn.training, epochs=1), leaf=replace(PAPER.gnn.leaf, points=128))
     shapes = [cabinet(seed) for seed in (0, 1, 2, 3, 4)]

@@ -17,8 +17,7 @@ class NameEmbedding(nn.Module):
 
     def __init__(self, buckets: int, features: int) -> None:
         super().__init__()
-        self.table = nn.EmbeddingBag(buckets, features, mode="mean")
-        nn.init.normal_(self.table.weight, std=0.3)
+        self.table = nn.EmbeddingBag(buckets, features, mode="mean")  # of variance 1: smaller ones are hardly heeded
 
     def forward(self, ids: Tensor, counts: Tensor) -> Tensor:
         """`ids` [T], `counts` [N] -> [N, F]."""

@@ -113,18 +113,18 @@ def frame_answers(
     truth: PreparedShape, meshes: _core.Meshes, config: RefinementConfig, trees: TreesBaseline | None
 ) -> Iterator[tuple[str, dict[int, JointEstimate]]]:
     """The rows that frame the table, *parts given*: the best that candidates allow, a rule without learning, and trees."""
-    yield "ceiling, paper's candidates", ceiling(truth, _candidates(truth, meshes, config))
+    yield "ceiling, paper's candidates", ceiling(truth, true_type_candidates(truth, meshes, config))
     every = replace(config, extra=("boxes", "contact", "symmetry"), contact_pivots="revolute")
-    yield "ceiling, all candidates", ceiling(truth, _candidates(truth, meshes, every))
+    yield "ceiling, all candidates", ceiling(truth, true_type_candidates(truth, meshes, every))
     yield "no learning", without_learning(truth)
     if trees is not None:
         yield "trees", trees.answers(truth)
 
 
-def _candidates(
-    truth: PreparedShape, meshes: _core.Meshes, config: RefinementConfig
+def true_type_candidates(
+    truth: PreparedShape, meshes: _core.Meshes | None, config: RefinementConfig
 ) -> dict[int, tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Directions and pivots of the candidates of every movable body, its true type known."""
+    """Directions and pivots of the candidates of every movable body, its true type known (`meshes`: see `Refiner`)."""
     mobility, _ = annotation(truth)
     parts = part_geometries(truth, MobilityTree(mobility.bodies, (None,) * len(mobility.bodies)))
     refiner = Refiner(truth, config, None, meshes)

@@ -21,7 +21,7 @@ from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text
 
 CONFIG = "config.json"
 """In `workspace.models`: the configuration of the last training, which prediction follows."""
-SECONDS_PER_SHAPE = {"gnn_fine": 0.02, "gnn_coarse": 0.02, "axis": 0.15, "ranking": 0.02, "gnn_contact": 0.02}
+SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.04, "ranking": 0.02, "gnn_contact": 0.004}
 """Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
 
 

@@ -10,7 +10,7 @@ from kinmo.box import Box
 from kinmo.config import load_config
 from kinmo.joint import Joint, JointKind
 from kinmo.learning.axis_selection.clouds import LEAST_SHARE, marked_cloud
-from kinmo.learning.axis_selection.data import PairData, joint_samples, moving_leaves
+from kinmo.learning.axis_selection.data import PairData, joint_samples, moving_leaves, random_turn
 from kinmo.learning.axis_selection.negatives import motion_difference, negative_candidates
 from small_shapes import box_surface, cabinet
 
@@ -35,7 +35,8 @@ def hinge(direction, pivot) -> Joint:
 def test_a_door_is_not_told_from_the_other_edge_of_its_hinge_side() -> None:
     half = (0.3, 0.4, 0.01)
     box = Box(np.zeros(3), np.eye(3), np.array(half))
-    found = negative_candidates(hinge(UP, (0.3, 0, 0.01)), box, points_of_box(half), CONFIG)
+    config = replace(CONFIG, negatives="lines")
+    found = negative_candidates(hinge(UP, (0.3, 0, 0.01)), box, points_of_box(half), config)
     assert len(found) == 13  # 12 edges and 3 centre lines, without the two edges at the hinge
     at_hinge = (np.abs(found.directions @ UP) > 0.99) & (found.pivots[:, 0] > 0.29)
     assert not at_hinge.any()
@@ -47,7 +48,7 @@ def test_edges_alone_are_the_papers_negatives() -> None:
     half = (0.3, 0.4, 0.01)
     box = Box(np.zeros(3), np.eye(3), np.array(half))
     joint = hinge(UP, (0.3, 0, 0.01))
-    assert len(negative_candidates(joint, box, points_of_box(half), replace(CONFIG, negatives="edges"))) == 10
+    assert len(negative_candidates(joint, box, points_of_box(half), CONFIG)) == 10
 
 
 def test_an_axis_that_moves_a_round_part_onto_itself_as_the_truth_does_is_no_negative() -> None:
@@ -89,6 +90,30 @@ def test_a_cloud_shows_enough_of_either_side(seed: int) -> None:
             assert LEAST_SHARE - 0.01 <= cloud.moving / 200 <= 1 - LEAST_SHARE + 0.01
 
 
+def test_a_focused_cloud_is_denser_near_the_part_and_shown_from_it() -> None:
+    shape = cabinet(1)
+    plain, focused = (
+        marked_cloud(shape.leaf_points, shape.leaf_areas, [2], 400, np.random.default_rng(0), focus=focus)
+        for focus in (False, True)
+    )
+    gaps = [np.linalg.norm(cloud.points[cloud.moving :] - focused.center, axis=1).mean() for cloud in (plain, focused)]
+    assert gaps[1] < 0.8 * gaps[0]
+    part = focused.shown()[: focused.moving, :3]
+    np.testing.assert_allclose(part.max(axis=0) + part.min(axis=0), 0, atol=1e-5)
+    assert np.linalg.norm(part, axis=1).max() <= 1 + 1e-5
+    np.testing.assert_array_equal(plain.shown()[:, :3], plain.points)
+
+
+def test_a_focused_cloud_looks_the_same_whatever_the_size_and_place() -> None:
+    shape = cabinet(1)
+    points = (3.0 * shape.leaf_points + np.array([1.0, 2.0, 3.0])).astype(np.float32)
+    clouds = [
+        marked_cloud(leaves, shape.leaf_areas, [0], 200, np.random.default_rng(0), focus=True).shown()
+        for leaves in (shape.leaf_points, points)
+    ]
+    np.testing.assert_allclose(*clouds, atol=1e-4)
+
+
 def test_moving_takes_only_the_marked_points_along() -> None:
     shape = cabinet(1)
     cloud = marked_cloud(shape.leaf_points, shape.leaf_areas, [2], 100, np.random.default_rng(0))
@@ -120,3 +145,11 @@ def test_batches_depend_on_the_generator_alone_and_mark_what_moves() -> None:
     still = batch.original[..., 3] == 0
     assert torch.equal(batch.original[still], batch.feasible[still])
     assert not torch.allclose(batch.feasible[~still], batch.infeasible[~still])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_turn_takes_axes_to_axes_and_leaves_the_mark(seed: int) -> None:
+    turn = random_turn(np.random.default_rng(seed))
+    np.testing.assert_array_equal(turn @ turn.T, np.eye(4))
+    np.testing.assert_array_equal(np.abs(turn).sum(axis=0), 1)
+    np.testing.assert_array_equal(turn[3], [0, 0, 0, 1])

@@ -6,45 +6,63 @@ import numpy as np
 import torch
 
 from kinmo.config import load_config
-from kinmo.learning.motion_gnn.data import GraphData, rotation_about, shape_graph
+from kinmo.learning.graph import ShapeGraph
+from kinmo.learning.motion_gnn.data import GraphData, shape_graph
 from kinmo.learning.names import HIDDEN
-from small_shapes import UP, cabinet
+from small_shapes import cabinet
 
 CONFIG = load_config("small").gnn
 
 
-def test_a_rotation_turns_by_its_angle_about_its_axis() -> None:
-    axis = np.array([0.6, 0.0, 0.8])
-    rotation = rotation_about(axis, 0.7)
-    np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
-    np.testing.assert_allclose(rotation @ axis, axis, atol=1e-12)
-    np.testing.assert_allclose(np.trace(rotation), 1 + 2 * np.cos(0.7))
-    np.testing.assert_allclose(rotation_about(np.array([0.0, 0, 1]), np.pi / 2) @ [1, 0, 0], [0, 1, 0], atol=1e-12)
-
-
-def test_a_turned_graph_keeps_all_that_does_not_turn() -> None:
+def test_a_mirrored_graph_is_that_of_the_mirrored_boxes() -> None:
     shape = cabinet(4)
-    plain, turned = shape_graph(shape, CONFIG), shape_graph(shape, CONFIG, rotation_about(UP, 0.4))
-    for name in ("states", "sides", "types", "pose"):
-        torch.testing.assert_close(getattr(plain, name), getattr(turned, name), atol=1e-5, rtol=1e-5)
-    moving = plain.edges[:, 0]
-    arms = [torch.linalg.norm(g.pivots - g.boxes[moving, :3], dim=1)[plain.types < 8] for g in (plain, turned)]
-    torch.testing.assert_close(*arms, atol=1e-5, rtol=1e-5)
-    assert not torch.allclose(plain.boxes, turned.boxes)
+    plain, mirrored = shape_graph(shape, CONFIG), shape_graph(shape, CONFIG, np.diag([-1.0, 1.0, 1.0]))
+    for name in ("states", "types"):
+        assert torch.equal(getattr(plain, name), getattr(mirrored, name))
+    flip = torch.tensor([-1.0, 1.0, 1.0])
+    torch.testing.assert_close(mirrored.boxes[:, :3], plain.boxes[:, :3] * flip)
+    torch.testing.assert_close(mirrored.boxes[:, 3:6], plain.boxes[:, 3:6])
+    torch.testing.assert_close(mirrored.pivots, plain.pivots * flip)
+    other_side = torch.tensor([1, 0, 2, 3, 4, 5])  # right is left
+    distinct = (plain.boxes[plain.edges[:, 0], :3] - plain.boxes[plain.edges[:, 1], :3]).abs()[:, 0] > 0.02
+    assert distinct.any()
+    assert torch.equal(other_side[plain.sides][distinct], mirrored.sides[distinct])
 
 
-def test_turned_copies_are_shown_with_turned_points() -> None:
+def test_stretching_keeps_pivots_where_they_are_in_their_boxes() -> None:
     shape = cabinet(4)
-    data = GraphData([shape], [shape], replace(CONFIG, turns=3, hide_names=0.0))
-    seen = [next(iter(data.training_batches(0, np.random.default_rng(seed)))).graph for seed in range(12)]
+    plain, stretched = shape_graph(shape, CONFIG), shape_graph(shape, CONFIG, np.diag([1.2, 0.9, 1.1]))
+    turns = (plain.types >= 2) & (plain.types < 8)
+
+    def places(graph: ShapeGraph) -> torch.Tensor:
+        boxes = graph.boxes[graph.edges[:, 0]]
+        local = torch.einsum("eij,ej->ei", boxes[:, 6:].view(-1, 3, 3), graph.pivots - boxes[:, :3])
+        return (local / boxes[:, 3:6])[turns]
+
+    assert turns.any()
+    torch.testing.assert_close(places(plain), places(stretched), atol=1e-4, rtol=1e-4)
+
+
+def test_a_true_direction_does_not_depend_on_which_way_its_range_runs() -> None:
+    shape = cabinet(4)
+    labels = shape.edge_labels
+    reversed_joints = replace(shape, edge_labels=replace(labels, directions=-labels.directions))
+    assert torch.equal(shape_graph(shape, CONFIG).directions, shape_graph(reversed_joints, CONFIG).directions)
+
+
+def test_variants_are_shown_with_points_that_fit_their_boxes() -> None:
+    shape = cabinet(4)
+    data = GraphData([shape], [shape], replace(CONFIG, variants=3, stretch=0.3, hide_names=0.0))
+    seen = [next(iter(data.training_batches(0, np.random.default_rng(seed)))).graph for seed in range(16)]
     places = {tuple(np.round(g.boxes[:, :3].flatten().numpy(), 3).tolist()) for g in seen}
     assert len(places) == 4
-    for graph in seen:  # a cloud is as wide as its box along the box's first axis, however it is turned
+    for graph in seen:
         leaf = graph.leaf_points[0]
         axes = graph.boxes[graph.leaves[0], 6:].view(3, 3)
         spans = np.ptp((leaf @ axes.T).numpy(), axis=0)
         sizes = graph.boxes[graph.leaves[0], 3:6].numpy()
         np.testing.assert_allclose(spans / spans.max(), sizes / sizes.max(), atol=0.08)
+        assert float(leaf.norm(dim=1).max()) <= 1.0 + 1e-6
 
 
 def test_names_are_hidden_as_often_as_asked() -> None:

@@ -9,7 +9,7 @@ import torch
 from kinmo.config import GnnConfig, load_config
 from kinmo.learning.graph import ShapeGraph, batch_graphs
 from kinmo.learning.motion_gnn.data import shape_graph, thinned
-from kinmo.learning.motion_gnn.network import EDGE_CHANNELS, MotionGnn
+from kinmo.learning.motion_gnn.network import EDGE_CHANNELS, MotionGnn, from_box
 from small_shapes import cabinet
 
 PAPER, SMALL = (load_config(name).gnn for name in ("paper", "small"))
@@ -120,3 +120,15 @@ def test_an_unknown_word_gets_an_answer_near_that_of_its_kin() -> None:
     known, kin, stranger = logits("handle"), logits("handlegrip"), logits("xylophone")
     assert torch.isfinite(stranger).all()
     assert (known - kin).norm() < (known - stranger).norm()
+
+
+def test_places_in_a_box_are_in_its_half_extents_and_turn_with_it() -> None:
+    boxes = torch.zeros(2, 15)
+    boxes[:, :3] = torch.tensor([1.0, 2.0, 3.0])
+    boxes[:, 3:6] = torch.tensor([2.0, 4.0, 0.0])
+    boxes[0, 6:] = torch.eye(3).flatten()
+    boxes[1, 6:] = torch.tensor([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]).flatten()
+    found = from_box(torch.tensor([[1.0, -1.0, 0.0], [1.0, -1.0, 1.0]]), boxes)
+    torch.testing.assert_close(found[0], torch.tensor([2.0, 0.0, 3.0]))
+    torch.testing.assert_close(found[1, :2], torch.tensor([3.0, 3.0]))
+    assert 0.0 < float(found[1, 2]) - 3.0 < 1.0  # off a plate, too

@@ -27,12 +27,34 @@ SCREW_TURN = math.pi / 2
 SCREW_SLIDES = np.linspace(-0.023, 0.0257, 3) / PARTNET_DIAGONAL
 
 
+CANDIDATES = 4
+"""So many points of the rest are drawn for one that is kept, where the cloud is focused."""
+
+LEAST_REACH = 0.1
+"""Half the size, in diagonals, of the smallest surroundings that a focused cloud looks at."""
+
+
 @dataclass(frozen=True, eq=False)
 class MarkedCloud:
-    """`points` [n, 3] float32 of a shape in the normalised frame; the first `moving` of them lie on the part that moves."""
+    """`points` [n, 3] float32 of a shape in the normalised frame; the first `moving` of them lie on the part that moves.
+
+    The network sees them from `center` [3], in units of `reach`.
+    """
 
     points: F32
     moving: int
+    center: F32
+    reach: float
+
+    def shown(self, points: F32 | None = None) -> F32:
+        """What the network sees [..., n, 4] of the cloud, or of `points` [..., n, 3] that it was moved to: places, and a mark,
+        1 on the moving part and 0 elsewhere.
+        """
+        points = self.points if points is None else points
+        seen = np.zeros((*points.shape[:-1], 4), np.float32)
+        seen[..., :3] = (points - self.center) / np.float32(self.reach)
+        seen[..., : self.moving, 3] = 1.0
+        return seen
 
     def moved(self, kinds: NDArray[np.uint8], directions: F64, pivots: F64, angles: F64, shifts: F64) -> F32:
         """The cloud [C, D, n, 3] after each of D displacements [C, D] along each of C joints (as in `_core.move_points`)."""
@@ -44,17 +66,31 @@ class MarkedCloud:
         return out
 
 
-def marked_cloud(leaf_points: F32, leaf_areas: F64, moving: list[int], count: int, rng: np.random.Generator) -> MarkedCloud:
-    """`count` points drawn from the leaves [L, n, 3], by area on either side; `moving` are places of leaves."""
+def marked_cloud(
+    leaf_points: F32, leaf_areas: F64, moving: list[int], count: int, rng: np.random.Generator, *, focus: bool = False
+) -> MarkedCloud:
+    """`count` points drawn from the leaves [L, n, 3], by area on either side; `moving` are places of leaves.
+
+    With `focus` the points of the rest are the denser the nearer they are to the part, and the network sees the cloud from the
+    part's middle, in units of its size: a button and a door then look alike in what matters.
+    """
     rest = np.setdiff1d(np.arange(len(leaf_points)), moving)
     part = np.asarray(moving, np.int64)
-    if len(rest) == 0:
-        return MarkedCloud(_drawn(leaf_points, leaf_areas, part, count, rng), count)
     whole = max(float(leaf_areas.sum()), 1e-12)
     share = min(max(float(leaf_areas[part].sum()) / whole, LEAST_SHARE), 1.0 - LEAST_SHARE)
-    on_part = round(share * count)
-    drawn = _drawn(leaf_points, leaf_areas, part, on_part, rng), _drawn(leaf_points, leaf_areas, rest, count - on_part, rng)
-    return MarkedCloud(np.concatenate(drawn), on_part)
+    on_part = round(share * count) if len(rest) else count
+    drawn = _drawn(leaf_points, leaf_areas, part, on_part, rng)
+    if not focus:
+        others = _drawn(leaf_points, leaf_areas, rest, count - on_part, rng) if len(rest) else drawn[:0]
+        return MarkedCloud(np.concatenate([drawn, others]), on_part, np.zeros(3, np.float32), 1.0)
+    center = (drawn.min(axis=0) + drawn.max(axis=0)) / 2
+    reach = max(float(np.linalg.norm(drawn - center, axis=1).max()), LEAST_REACH)
+    others = drawn[:0]
+    if len(rest):
+        others = _drawn(leaf_points, leaf_areas, rest, CANDIDATES * (count - on_part), rng)
+        odds = 1.0 / (1.0 + np.square((others - center) / reach).sum(axis=1).astype(float)) ** 2
+        others = others[rng.choice(len(others), count - on_part, replace=False, p=odds / odds.sum())]
+    return MarkedCloud(np.concatenate([drawn, others]), on_part, center, reach)
 
 
 def _drawn(points: F32, areas: F64, leaves: NDArray[np.int64], count: int, rng: np.random.Generator) -> F32:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -14,7 +14,7 @@ from torch import Tensor
 from kinmo.candidates import KIND_CODES, Candidates
 from kinmo.config import AxisConfig
 from kinmo.joint import Joint, JointKind
-from kinmo.learning.axis_selection.clouds import SCREW_TURN, MarkedCloud, marked_cloud
+from kinmo.learning.axis_selection.clouds import SCREW_SLIDES, SCREW_TURN, SLIDES, TURNS, MarkedCloud, marked_cloud
 from kinmo.learning.axis_selection.negatives import negative_candidates
 from kinmo.prepared import PreparedShape
 
@@ -28,10 +28,9 @@ UNLIMITED = {
 }
 """The range taken for joints without one: radians, or diagonals."""
 
-LEAST_MOVE = {JointKind.REVOLUTE: math.radians(10.0), JointKind.PRISMATIC: 0.02, JointKind.SCREW: 0.0}
-"""Shorter displacements are avoided: nothing could be told from them."""
+JUDGED = {JointKind.REVOLUTE: TURNS, JointKind.PRISMATIC: SLIDES, JointKind.SCREW: SCREW_SLIDES}
+"""Candidates are judged by these displacements, whatever a joint's range: so they are what is learnt."""
 
-DRAWS = 4
 VALIDATION_ROUNDS = 2
 PROBED_POINTS = 600
 
@@ -112,27 +111,25 @@ class PairData:
 
     def _clouds(self, sample: JointSample, rng: np.random.Generator) -> tuple[F32, F32, F32]:
         shape, joint = sample.shape, sample.joint
-        cloud = marked_cloud(shape.leaf_points, shape.leaf_areas, sample.moving, self.config.encoder.points, rng)
+        points, focus = self.config.encoder.points, self.config.focus
+        cloud = marked_cloud(shape.leaf_points, shape.leaf_areas, sample.moving, points, rng, focus=focus)
         if joint.kind is not JointKind.SCREW and rng.random() < self.config.articulated:
             start = _displaced(cloud, joint.kind, joint.direction, joint.pivot, float(rng.uniform(*_range(joint))))
-            cloud = MarkedCloud(start, cloud.moving)
-        travel = _travel(joint, rng)
+            cloud = replace(cloud, points=start)
+        travel = float(rng.choice(JUDGED[joint.kind]))
         wrong, negatives = int(rng.integers(len(sample.negatives))), sample.negatives
         right_cloud = _displaced(cloud, joint.kind, joint.direction, joint.pivot, travel)
         wrong_cloud = _displaced(cloud, joint.kind, negatives.directions[wrong], negatives.pivots[wrong], travel)
-        return (
-            with_mark(cloud.points, cloud.moving),
-            with_mark(right_cloud, cloud.moving),
-            with_mark(wrong_cloud, cloud.moving),
-        )
+        turn = random_turn(rng) if self.config.turned else np.eye(4, dtype=np.float32)
+        return cloud.shown() @ turn, cloud.shown(right_cloud) @ turn, cloud.shown(wrong_cloud) @ turn
 
 
-def with_mark(points: F32, moving: int) -> F32:
-    """Clouds [..., n, 3] with a fourth channel: 1 for the first `moving` points, 0 for the others."""
-    marked = np.zeros((*points.shape[:-1], 4), np.float32)
-    marked[..., :3] = points
-    marked[..., :moving, 3] = 1.0
-    return marked
+def random_turn(rng: np.random.Generator) -> F32:
+    """One of the 48 matrices [4, 4] that take the axes to axes, mirrors among them, and leave the fourth channel as it is."""
+    turn = np.zeros((4, 4), np.float32)
+    turn[range(3), rng.permutation(3)] = rng.choice([-1.0, 1.0], 3)
+    turn[3, 3] = 1.0
+    return turn
 
 
 def _displaced(cloud: MarkedCloud, kind: JointKind, direction: F64, pivot: F64, value: float) -> F32:
@@ -147,14 +144,6 @@ def _displaced(cloud: MarkedCloud, kind: JointKind, direction: F64, pivot: F64, 
 
 
 def _range(joint: Joint) -> tuple[float, float]:
-    if joint.lower is None or joint.upper is None or joint.upper - joint.lower < LEAST_MOVE[joint.kind]:
+    if joint.lower is None or joint.upper is None:
         return UNLIMITED[joint.kind]
     return joint.lower, joint.upper
-
-
-def _travel(joint: Joint, rng: np.random.Generator) -> float:
-    drawn = rng.uniform(*_range(joint), DRAWS)
-    if joint.kind is JointKind.REVOLUTE:
-        drawn = np.clip(drawn, -math.pi, math.pi)
-    long_enough = np.abs(drawn) >= LEAST_MOVE[joint.kind]
-    return float(drawn[np.argmax(long_enough)] if long_enough.any() else drawn[np.argmax(np.abs(drawn))])

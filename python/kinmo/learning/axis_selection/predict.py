@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from kinmo.candidates import Candidates
 from kinmo.config import AxisConfig, from_table
 from kinmo.learning.axis_selection.clouds import displacements, marked_cloud, of_one_kind
-from kinmo.learning.axis_selection.data import with_mark
 from kinmo.learning.axis_selection.network import AxisSelectionNetwork
 from kinmo.learning.axis_selection.train import KIND
 from kinmo.learning.weights import load_weights, pick_device
@@ -49,12 +48,13 @@ class AxisSelector:
         if not len(candidates):
             return scores
         rng = np.random.default_rng(zlib.crc32(f"{shape.geometry_hash} {sorted(moving)}".encode()))
-        cloud = marked_cloud(shape.leaf_points, shape.leaf_areas, moving, self.config.encoder.points, rng)
-        original = self._features(with_mark(cloud.points, cloud.moving)[None])
+        points, focus = self.config.encoder.points, self.config.focus
+        cloud = marked_cloud(shape.leaf_points, shape.leaf_areas, moving, points, rng, focus=focus)
+        original = self._features(cloud.shown()[None])
         for group in of_one_kind(candidates):
             angles, shifts = displacements(candidates.kinds[group])
             moved = cloud.moved(candidates.kinds[group], candidates.directions[group], candidates.pivots[group], angles, shifts)
-            features = self._features(with_mark(moved.reshape(-1, *moved.shape[2:]), cloud.moving))
+            features = self._features(cloud.shown(moved.reshape(-1, *moved.shape[2:])))
             logits = self.network.compare(original.expand(len(features), -1), features)
             scores[group] = torch.sigmoid(logits).double().view(len(group), -1).mean(1).cpu().numpy()
         return scores

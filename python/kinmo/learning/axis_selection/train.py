@@ -13,7 +13,7 @@ from kinmo.errors import InputError
 from kinmo.learning.axis_selection.data import PairBatch, PairData, joint_samples
 from kinmo.learning.axis_selection.network import AxisSelectionNetwork
 from kinmo.learning.training import FitResult, Learner, Progress, fit
-from kinmo.learning.weights import save_weights
+from kinmo.learning.weights import load_weights, save_weights
 from kinmo.prepared import PreparedShape
 
 KIND = "axis_selection"
@@ -29,10 +29,12 @@ def train_axis_selection(
     device: str = "auto",
     fingerprint: str = "",
     on_progress: Callable[[Progress], None] | None = None,
+    initial: Path | None = None,
 ) -> FitResult:
     """Train on annotated shapes; leaves `weights.safetensors` and `.json` of the best epoch on `validation` in `run_dir`.
 
-    Resumes what was cut off (`training.fit`). Raises InputError if either set has no joint to learn from.
+    `initial` are weights of an earlier training with the same sizes to start from. Resumes what was cut off (`training.fit`).
+    Raises InputError if either set has no joint to learn from, or `initial` does not fit.
     """
     samples = [joint_samples(shapes, config) for shapes in (training, validation)]
     for name, found in zip(("training", "validation"), samples, strict=True):
@@ -41,6 +43,8 @@ def train_axis_selection(
     torch.manual_seed(seed)
     learner = AxisLearner(config)
     data = PairData(samples[0], samples[1], config)
+    if initial is not None:
+        load_weights(initial, KIND).fill(learner.network)
     result = fit(learner, data, run_dir, seed=seed, device=device, fingerprint=fingerprint, on_progress=on_progress)
     facts = {"seed": seed, "joints": len(samples[0]), "epochs": len(result.history), "error": result.best_error}
     save_weights(run_dir / "weights.safetensors", learner.network, KIND, to_table(config), facts)

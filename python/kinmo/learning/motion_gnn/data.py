@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -12,7 +13,7 @@ from torch import Tensor
 
 from kinmo.config import GnnConfig
 from kinmo.learning.graph import GraphBatch, ShapeGraph, batch_graphs
-from kinmo.learning.motion_gnn.relations import box_sides, box_states, canonical, relative_poses
+from kinmo.learning.motion_gnn.relations import box_sides, box_states, canonical, object_axes, relative_poses
 from kinmo.learning.names import HIDDEN, bags
 from kinmo.prepared import Boxes, PreparedShape
 
@@ -22,15 +23,17 @@ NEAR = 0.02
 """Distances are shown to the network as exp(-distance / NEAR)."""
 
 
-def shape_graph(shape: PreparedShape, config: GnnConfig, rotation: F64 | None = None) -> ShapeGraph:
+def shape_graph(shape: PreparedShape, config: GnnConfig, change: F64 | None = None) -> ShapeGraph:
     """The tensors of one shape, with all points of its leaves and only the edges that `config.edges` wants (`used_edges`).
 
-    Under `rotation` [3, 3], about `up`, everything is as if the shape had been prepared so turned, but the points.
+    Under `change` [3, 3], a linear map that is nearly diagonal along the object's axes (`variants`), boxes and labels are as if
+    the shape had been prepared so; points are left to the caller, and distances stay. A true direction has one sense, towards
+    the object's right, up or front: the file's tells only which way the range runs.
     """
-    rotation = np.eye(3) if rotation is None else rotation
+    change = np.eye(3) if change is None else change
     used = used_edges(shape, config)
     edges = shape.edges[used]
-    boxes = canonical(_turned(shape.symmetric_boxes, rotation), shape.up)
+    boxes = canonical(_changed(shape.symmetric_boxes, change), shape.up)
     distances = shape.edge_distances[used]
     relation = np.stack([np.exp(-distances / NEAR), distances <= config.contact], axis=1)
     name_ids, name_counts = bags(shape.part_names, config.name_buckets)
@@ -50,8 +53,8 @@ def shape_graph(shape: PreparedShape, config: GnnConfig, rotation: F64 | None = 
         sides=_whole(box_sides(boxes, edges)),
         pose=_real(np.concatenate([relative_poses(boxes, edges), relation], axis=1)),
         types=_whole(np.full(count, -1) if labels is None else labels.types[used]),
-        directions=_real(np.zeros((count, 3)) if labels is None else labels.directions[used] @ rotation.T),
-        pivots=_real(np.zeros((count, 3)) if labels is None else labels.pivots[used] @ rotation.T),
+        directions=_real(np.zeros((count, 3)) if labels is None else _one_sense(labels.directions[used] @ change.T, shape.up)),
+        pivots=_real(np.zeros((count, 3)) if labels is None else labels.pivots[used] @ change.T),
     )
 
 
@@ -63,9 +66,9 @@ def used_edges(shape: PreparedShape, config: GnnConfig) -> NDArray[np.int64]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Pose:
+class _Variant:
     graph: ShapeGraph
-    rotation: Tensor | None
+    change: Tensor | None
 
 
 class GraphData:
@@ -73,14 +76,14 @@ class GraphData:
 
     def __init__(self, training: Sequence[PreparedShape], validation: Sequence[PreparedShape], config: GnnConfig) -> None:
         self.config = config
-        self.training = [_poses(shape, config) for shape in training if len(used_edges(shape, config))]
+        self.training = [_variants(shape, config) for shape in training if len(used_edges(shape, config))]
         graphs = [shape_graph(shape, config) for shape in validation if len(used_edges(shape, config))]
         self._validation = [batch_graphs(group) for group in grouped((thinned(g, config.leaf.points) for g in graphs), config)]
 
     @property
     def labels(self) -> Tensor:
         """Types [E] of all training edges."""
-        return torch.cat([poses[0].graph.types for poses in self.training])
+        return torch.cat([variants[0].graph.types for variants in self.training])
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[GraphBatch]:
         order = (self._drawn(self.training[i], rng) for i in rng.permutation(len(self.training)))
@@ -89,24 +92,34 @@ class GraphData:
     def validation_batches(self) -> Sequence[GraphBatch]:
         return self._validation
 
-    def _drawn(self, poses: Sequence[_Pose], rng: np.random.Generator) -> ShapeGraph:
-        pose = poses[int(rng.integers(len(poses)))]
-        graph = thinned(pose.graph, self.config.leaf.points, rng)
-        if pose.rotation is not None:
-            graph = replace(graph, leaf_points=graph.leaf_points @ pose.rotation.T)
+    def _drawn(self, variants: Sequence[_Variant], rng: np.random.Generator) -> ShapeGraph:
+        variant = variants[int(rng.integers(len(variants)))]
+        graph = thinned(variant.graph, self.config.leaf.points, rng)
+        if variant.change is not None:
+            graph = replace(graph, leaf_points=_unit_clouds(graph.leaf_points @ variant.change.T))
         if rng.random() < self.config.hide_names:
             graph = without_names(graph)
         return graph
 
 
-def _poses(shape: PreparedShape, config: GnnConfig) -> list[_Pose]:
-    first = _Pose(shape_graph(shape, config), None)
-    poses = [first]
-    for turn in range(config.turns):
-        rotation = rotation_about(shape.up, 2 * np.pi * (turn + 0.5) / config.turns)
-        graph = replace(shape_graph(shape, config, rotation), leaf_points=first.graph.leaf_points)
-        poses.append(_Pose(graph, _real(rotation)))
-    return poses
+def _variants(shape: PreparedShape, config: GnnConfig) -> list[_Variant]:
+    first = _Variant(shape_graph(shape, config), None)
+    rng = np.random.default_rng(zlib.crc32(shape.id.encode()))
+    found = [first]
+    for _ in range(config.variants):
+        change = random_change(shape.up, config.stretch, rng)
+        graph = replace(shape_graph(shape, config, change), leaf_points=first.graph.leaf_points)
+        found.append(_Variant(graph, _real(change)))
+    return found
+
+
+def random_change(up: F64, stretch: float, rng: np.random.Generator) -> F64:
+    """A map [3, 3] that mirrors left to right every other time, and stretches each of the object's axes by e ** +-`stretch`."""
+    axes = object_axes(up)
+    factors = np.exp(rng.uniform(-stretch, stretch, 3))
+    factors[0] *= rng.choice([-1.0, 1.0])
+    change: F64 = axes.T @ np.diag(factors) @ axes
+    return change
 
 
 def grouped(graphs: Iterable[ShapeGraph], config: GnnConfig) -> Iterator[list[ShapeGraph]]:
@@ -139,15 +152,19 @@ def without_names(graph: ShapeGraph) -> ShapeGraph:
     return replace(graph, name_ids=torch.full_like(counts, HIDDEN), name_counts=counts)
 
 
-def rotation_about(axis: F64, angle: float) -> F64:
-    """The matrix [3, 3] that turns column vectors by `angle` about the unit vector `axis`."""
-    cross = np.cross(np.eye(3), axis)
-    rotation: F64 = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
-    return rotation
+def _changed(boxes: Boxes, change: F64) -> Boxes:
+    axes = boxes.axes @ change.T
+    lengths = np.linalg.norm(axes, axis=2)
+    return Boxes(boxes.centers @ change.T, axes / lengths[..., None], boxes.half_extents * lengths)
 
 
-def _turned(boxes: Boxes, rotation: F64) -> Boxes:
-    return Boxes(boxes.centers @ rotation.T, boxes.axes @ rotation.T, boxes.half_extents)
+def _one_sense(directions: F64, up: F64) -> F64:
+    """Unit vectors [E, 3] along `directions` (zero stays zero), the largest of their parts right, up and front positive."""
+    parts = directions @ object_axes(up).T
+    largest = np.take_along_axis(parts, np.argmax(np.abs(parts), axis=1)[:, None], axis=1)
+    lengths = np.linalg.norm(directions, axis=1, keepdims=True)
+    unit: F64 = directions / np.where(lengths > 0, lengths, 1.0) * np.where(largest < 0, -1.0, 1.0)
+    return unit
 
 
 def _unit_clouds(points: Tensor) -> Tensor:

@@ -16,6 +16,9 @@ from kinmo.learning.motion_gnn.relations import POSE_FEATURES, SIDES, STATES
 EDGE_CHANNELS = POSE_FEATURES + 2
 """Relative pose, distance and contact."""
 
+LEAST_REACH = 0.2
+"""Of a box's longest half extent."""
+
 
 class EdgeOutput(NamedTuple):
     """Of E edges: `logits` [E, types], `directions` [E, 3] within (-1, 1), `pivots` [E, 3] in the normalised frame."""
@@ -44,11 +47,14 @@ class TripleConvolution(nn.Module):
 
 
 class MotionGnn(nn.Module):
-    """A motion type of `types`, a direction and a pivot for every edge of a batch of hierarchies."""
+    """A motion type of `types`, a direction and a pivot for every edge of a batch of hierarchies.
+
+    Pivots are told in the moving part's box (`from_box`).
+    """
 
     def __init__(self, config: GnnConfig, types: int) -> None:
         super().__init__()
-        self.types, self.from_part = types, config.inputs == "kinmo"
+        self.types = types
         pose = EDGE_CHANNELS if config.inputs == "kinmo" else 0
         self.encoder = HierarchyEncoder(config, len(STATES), len(SIDES), pose)
         self.names = NameEmbedding(config.name_buckets, config.name_features)
@@ -72,6 +78,15 @@ class MotionGnn(nn.Module):
         for convolution in self.rounds:
             nodes, edges = convolution(nodes, edges, graph.edges)
         logits, pivots, directions = self.head(edges).split([self.types, 3, 3], 1)
-        if self.from_part:
-            pivots = pivots + graph.boxes[graph.edges[:, 0], :3]
-        return EdgeOutput(logits, torch.tanh(directions), pivots)
+        return EdgeOutput(logits, torch.tanh(directions), from_box(pivots, graph.boxes[graph.edges[:, 0]]))
+
+
+def from_box(places: Tensor, boxes: Tensor) -> Tensor:
+    """Points [E, 3] of the normalised frame from `places` [E, 3] in the half extents of `boxes` [E, 15].
+
+    The edges and the middle of a box are -1, 0 and 1 there, whatever its size and place. Thin extents count as a fifth of the
+    longest, so that a point off a plate can be said.
+    """
+    centers, half_extents, axes = boxes[:, :3], boxes[:, 3:6] / 2, boxes[:, 6:].view(-1, 3, 3)
+    reach = torch.maximum(half_extents, LEAST_REACH * half_extents.amax(1, keepdim=True))
+    return centers + torch.einsum("ei,eij->ej", places * reach, axes)

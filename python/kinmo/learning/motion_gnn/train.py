@@ -15,7 +15,7 @@ from kinmo.learning.motion_gnn.data import GraphData
 from kinmo.learning.motion_gnn.loss import COARSE_OF_FINE, class_weights, edge_losses
 from kinmo.learning.motion_gnn.network import EdgeOutput, MotionGnn
 from kinmo.learning.training import MONITOR, FitResult, Learner, Progress, fit
-from kinmo.learning.weights import save_weights
+from kinmo.learning.weights import load_weights, save_weights
 from kinmo.prepared import PreparedShape
 
 KIND = "motion_gnn"
@@ -34,15 +34,19 @@ def train_motion_gnn(
     device: str = "auto",
     fingerprint: str = "",
     on_progress: Callable[[Progress], None] | None = None,
+    initial: Path | None = None,
 ) -> FitResult:
     """Train on annotated shapes; leaves `weights.safetensors` and `.json` of the best epoch on `validation` in `run_dir`.
 
-    `fine` learns the ten motion types, `coarse` the five without orientation and place. Resumes what was cut off
-    (`training.fit`).
+    `fine` learns the ten motion types, `coarse` the five without orientation and place. `initial` are weights of an earlier
+    training with the same sizes to start from. Resumes what was cut off (`training.fit`). Raises InputError if `initial` does
+    not fit.
     """
     data = GraphData(training, validation, config)
     torch.manual_seed(seed)
     learner = GnnLearner(config, CLASSES[types], data.labels)
+    if initial is not None:
+        load_weights(initial, KIND).fill(learner.network)
     result = fit(learner, data, run_dir, seed=seed, device=device, fingerprint=fingerprint + types, on_progress=on_progress)
     facts = {"types": types, "seed": seed, "shapes": len(training), "epochs": len(result.history), "error": result.best_error}
     save_weights(run_dir / "weights.safetensors", learner.network, KIND, to_table(config), facts)
