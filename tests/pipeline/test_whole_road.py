@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
@@ -12,7 +13,8 @@ from whole_road import METHODS, Listener, Road, tiny_config
 
 from kinmo.errors import InputError
 from kinmo.formats import discover, read_found, read_partnet_mobility
-from kinmo.pipeline.evaluate import SETTINGS, Evaluate
+from kinmo.pipeline.evaluate import Evaluate
+from kinmo.pipeline.evaluation_files import SETTINGS
 from kinmo.pipeline.examples import read_examples
 from kinmo.pipeline.journal import runs
 from kinmo.pipeline.predict import Predict
@@ -138,6 +140,32 @@ def test_predict_never_takes_the_place_of_what_it_did_not_write(road: Road, tmp_
     outcome = Predict(tmp_path / shape.name, tmp_path, road.workspace, METHODS[0], device="cpu").run(Listener())
     assert outcome.failed == 1 and "--out" in outcome.data["left_out"][0]
     assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "stages"),
+    [
+        ("models/ranking/weights.safetensors", "cut", ("eval", "pseudo-label")),
+        ("models/ranking/weights.json", "[]", ("eval", "pseudo-label")),
+        ("models/gnn_fine/metrics.json", "[1]", ("train", "report")),
+        ("models/config.json", "{", ("eval", "pseudo-label")),
+        ("prepared/index.jsonl", "{}", ("train", "eval", "pseudo-label", "report")),
+        ("pseudo/acceptance.json", "{}", ("report",)),
+        ("eval/all/examples.jsonl", "{}", ("report",)),
+        ("eval/all/parts_given/angle.json", "[", ("report",)),
+    ],
+)
+def test_a_garbled_file_is_named_and_nothing_is_lost(
+    file: str, text: str, stages: tuple[str, ...], road: Road, tmp_path: Path
+) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+    (tmp_path / "workspace" / file).write_text(text, encoding="utf-8")
+    before = contents(tmp_path)
+    for name in stages:
+        stage = replace(road.stages[name], workspace=Workspace(tmp_path / "workspace"))  # type: ignore[type-var]
+        with pytest.raises(InputError, match=Path(file).stem):
+            stage.run(Listener())
+        assert contents(tmp_path) == before, name
 
 
 def test_categories_are_matched_whatever_their_spelling(road: Road) -> None:

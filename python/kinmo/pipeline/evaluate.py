@@ -18,26 +18,22 @@ from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_t
 from kinmo.evaluation.trees_baseline import TreesBaseline, fit_trees
 from kinmo.formats import Found, Layout, read_found
 from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo.pipeline.evaluation_files import EXAMPLES, PRINTED, SETTINGS
 from kinmo.pipeline.examples import write_examples
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.judge import Judgement, judge
+from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.predictors import leaf_meshes
 from kinmo.pipeline.rows import CONTACT_EDGES, Row, chosen_rows
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pipeline.train import trained_config
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
-SETTINGS = ("parts_given", "hierarchy_given")
-EXAMPLES = "examples.jsonl"
-"""Answers to true joints, for the report's pictures."""
 SUMMARIES = "summaries"
 """Folder of a file a setting: every figure of every row with its interval, over joints, over categories, and by category."""
 LABELLERS = {"kinmo": RANKING_WEIGHTS, "OBB_fine": WEIGHTS}
 """Rows that make pseudo labels, and the ways of scoring that are held against the truth."""
-PRINTED = ("overview_micro", "angle", "distance")
-"""The tables that go to the terminal; all of them are written."""
 TREES_SHAPES = 1000
 """The baseline of boosted trees is trained on no more."""
 SECONDS_PER_SHAPE = 2.0

@@ -1,4 +1,4 @@
-"""The networks of a workspace: what each is called, where it lies, and how it is trained."""
+"""The networks of a workspace: what each is called, and how it is trained."""
 
 from __future__ import annotations
 
@@ -14,14 +14,6 @@ from kinmo.learning.joint_ranking.train import train_joint_ranking
 from kinmo.learning.motion_gnn.train import train_motion_gnn
 from kinmo.learning.training import FitResult, Progress
 from kinmo.prepared import PreparedShape
-from kinmo.workspace import Workspace
-
-WEIGHTS = "weights.safetensors"
-"""Written into a model's folder when its training is done."""
-HEADER = "weights.json"
-"""What the weights are for, written right after them."""
-METRICS = "metrics.json"
-"""One entry an epoch, from the first epoch on."""
 
 
 class Trainer(Protocol):
@@ -63,21 +55,3 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "contact-edges": ("gnn_contact",),
 }
 """What `kinmo train` calls them; `all` is what the two methods need, the rest is for ablations."""
-
-
-def group_of(model: str) -> str:
-    """What to train for a model: the first group that has it."""
-    return next(group for group, models in GROUPS.items() if model in models)
-
-
-def model_folder(workspace: Workspace, model: str, category: str | None = None) -> Path:
-    """Where a model lies; models of a single category have a folder each."""
-    return workspace.models / model / category if category else workspace.models / model
-
-
-def weights_for(workspace: Workspace, model: str, category: str) -> Path | None:
-    """The trained weights for a shape of `category`: those of the category alone, else those of all, else None."""
-    for folder in (model_folder(workspace, model, category), model_folder(workspace, model)):
-        if (folder / WEIGHTS).exists():
-            return folder / WEIGHTS
-    return None

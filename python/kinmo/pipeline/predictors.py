@@ -23,8 +23,7 @@ from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
 from kinmo.mobility import Mobility
 from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree
 from kinmo.normalisation import Normalisation
-from kinmo.pipeline.models import HEADER, group_of, weights_for
-from kinmo.pipeline.train import trained_config
+from kinmo.pipeline.model_files import HEADER, WEIGHTS, trained_config, weights_for
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of
@@ -91,8 +90,11 @@ class PaperPredictor:
         return weights_digest(self.workspace, self._models)
 
     def check(self) -> None:
-        """Raise InputError if one of the networks was never trained."""
-        check_trained(self.workspace, self._models)
+        """Raise InputError if one of the networks was never trained, or cannot be read."""
+        for path in _all_weights(self.workspace, self._models[0]):
+            _load_gnn(*path, self.device, self.hide_names)
+        for path in _all_weights(self.workspace, "axis"):
+            _load_selector(*path, self.device)
 
     @property
     def is_fine(self) -> bool:
@@ -144,8 +146,11 @@ class KinmoPredictor:
         return weights_digest(self.workspace, KINMO_MODELS)
 
     def check(self) -> None:
-        """Raise InputError if one of the networks was never trained."""
-        check_trained(self.workspace, KINMO_MODELS)
+        """Raise InputError if one of the networks was never trained, or cannot be read."""
+        for path in _all_weights(self.workspace, KINMO_MODELS[0]):
+            _load_gnn(*path, self.device, self.hide_names)
+        for path in _all_weights(self.workspace, KINMO_MODELS[1]):
+            _load_ranking(*path, self.device, self.hide_names)
 
     @property
     def is_fine(self) -> bool:
@@ -245,6 +250,14 @@ def _weights(workspace: Workspace, model: str, category: str) -> tuple[Path, int
     return path, path.stat().st_mtime_ns
 
 
+def _all_weights(workspace: Workspace, model: str) -> list[tuple[Path, int]]:
+    """All weights of a model, those of single categories too, and when they were written (ns)."""
+    found = sorted((workspace.models / model).rglob(WEIGHTS))
+    if not found:
+        raise InputError(workspace.models / model, "not trained yet: run kinmo train all first")
+    return [(path, path.stat().st_mtime_ns) for path in found]
+
+
 def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:
     """A hash of all weights of some models, with those of single categories; empty if one of the models has none."""
     found: dict[str, str] = {}
@@ -255,13 +268,6 @@ def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:
         for path in headers:
             found[str(path.relative_to(workspace.models))] = json.loads(path.read_text(encoding="utf-8"))["sha256"]
     return digest(found)
-
-
-def check_trained(workspace: Workspace, models: Sequence[str]) -> None:
-    """Raise InputError if one of some models was never trained."""
-    for model in models:
-        if not weights_digest(workspace, (model,)):
-            raise InputError(workspace.models / model, f"not trained yet: run kinmo train {group_of(model)} first")
 
 
 def leaf_meshes(shape: Shape, prepared: PreparedShape) -> _core.Meshes:

@@ -11,20 +11,19 @@ from typing import Any
 from urllib.parse import quote
 
 from kinmo import __version__
-from kinmo.errors import InputError
+from kinmo.errors import InputError, expecting
 from kinmo.export.partnet_mobility import write_partnet_mobility
 from kinmo.formats import Found, Layout, read_found
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
+from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pipeline.train import trained_config
-from kinmo.pseudo_label import STEPS, JudgedJoint, Judgement, Tally, judge, tally, tally_types
+from kinmo.pseudo_label import ACCEPTANCE, STEPS, JudgedJoint, Judgement, Tally, judge, tally, tally_types
 from kinmo.store import IndexEntry
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers, write_text_atomically
 
 STAGE = "pseudo-label"
-ACCEPTANCE = "acceptance.json"
 DECISIONS = "decisions"
 """A file a shape, accepted or not, written when all else of the shape is: what was decided, and from what."""
 SECONDS_PER_SHAPE = 1.5
@@ -71,8 +70,9 @@ class PseudoLabel:
                 write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
                 outputs = [str(self._report.relative_to(self.workspace.path))]
                 self.workspace.write_record(STAGE, StageRecord(inputs, tuple(outputs)))
-        data = json.loads(self._report.read_text(encoding="utf-8"))
-        return Outcome(self.workspace.pseudo, data, data["text"])
+        with expecting("the report of kinmo pseudo-label", self._report):
+            data = json.loads(self._report.read_text(encoding="utf-8"))
+            return Outcome(self.workspace.pseudo, data, data["text"])
 
     @property
     def _threshold(self) -> float:

@@ -17,8 +17,8 @@ from kinmo.evaluation.trees_baseline import TreesBaseline
 from kinmo.joint import JointKind
 from kinmo.mobility_tree import MobilityTree
 from kinmo.part_geometry import part_geometries
+from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.predictors import KinmoPredictor, PaperPredictor, Predictor, TypeSet, network_alone
-from kinmo.pipeline.train import trained_config
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 from kinmo.refinement import Refiner

@@ -8,19 +8,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kinmo.config import Config, from_table, load_config, to_table
-from kinmo.errors import InputError
+from kinmo.config import Config, load_config, to_table
+from kinmo.errors import InputError, expecting
 from kinmo.learning.training import Progress, remove_checkpoints
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.models import GROUPS, HEADER, METRICS, TRAINERS, WEIGHTS, model_folder
+from kinmo.pipeline.model_files import CONFIG, HEADER, METRICS, WEIGHTS, model_folder
+from kinmo.pipeline.models import GROUPS, TRAINERS
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
-CONFIG = "config.json"
-"""In `workspace.models`: the configuration of the last training, which prediction follows."""
 SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.04, "ranking": 0.02, "gnn_contact": 0.004}
 """Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
 
@@ -131,26 +130,9 @@ class Train:
 
 
 def _result(folder: Path) -> dict[str, Any]:
-    history = json.loads((folder / METRICS).read_text(encoding="utf-8"))
-    facts = json.loads((folder / HEADER).read_text(encoding="utf-8"))
-    errors = [row["validation/error"] for row in history]
-    best = min(range(len(errors)), key=errors.__getitem__)
-    return {
-        "weights": str(folder / WEIGHTS),
-        "sha256": facts["sha256"],
-        "epochs": len(errors),
-        "best": best,
-        "error": errors[best],
-    }
-
-
-def trained_config(workspace: Workspace) -> Config:
-    """The configuration that the workspace's networks were trained with; `small` if none was trained."""
-    path = workspace.models / CONFIG
-    if not path.exists():
-        return load_config("small")
-    try:
-        table = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise InputError(path, f"expected JSON ({error})") from error
-    return from_table(Config, table, path)
+    with expecting("one entry an epoch", folder / METRICS):
+        errors = [row["validation/error"] for row in json.loads((folder / METRICS).read_text(encoding="utf-8"))]
+        best = min(range(len(errors)), key=errors.__getitem__)
+    with expecting("what weights are for", folder / HEADER):
+        digest = json.loads((folder / HEADER).read_text(encoding="utf-8"))["sha256"]
+    return {"weights": str(folder / WEIGHTS), "sha256": digest, "epochs": len(errors), "best": best, "error": errors[best]}
