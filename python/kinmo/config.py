@@ -157,15 +157,31 @@ class AxisConfig:
 
 
 @dataclass(frozen=True)
+class ContinuedConfig:
+    """How ranking networks trained on many shapes, say procedural ones, go on with a few others, say real ones.
+
+    Of the weights that they started from, `initial_share` stays in the result: networks half-way keep what they knew of the
+    many shapes, and are better on few and many than those at either end.
+    """
+
+    training: TrainingConfig = TrainingConfig(
+        epochs=14, learning_rate=7e-4, weight_decay=1e-2, decay_epochs=0, average=0.99, keep="last"
+    )
+    batch_views: Count = 8
+    initial_share: Share = 0.5
+
+
+@dataclass(frozen=True)
 class RankingConfig:
     """The ranking networks of the `kinmo` method.
 
     `members` networks are trained side by side, and the mean of their probabilities decides. `hide_names` is the share of
     shapes whose names are hidden in training, `hide_unit_names` that of parts besides. A shape gives two views, its bodies and
-    its nodes; `batch_views` make a batch.
+    its nodes; `batch_views` make a batch. `continued` is for training that starts from trained weights.
     """
 
     training: TrainingConfig
+    continued: ContinuedConfig = field(default_factory=ContinuedConfig)
     members: Count = 3
     width: Count = 128
     word_features: Count = 32
