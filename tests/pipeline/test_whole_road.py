@@ -148,7 +148,7 @@ def test_predict_never_takes_the_place_of_what_it_did_not_write(road: Road, tmp_
         ("models/ranking/weights.safetensors", "cut", ("eval", "pseudo-label")),
         ("models/ranking/weights.json", "[]", ("eval", "pseudo-label")),
         ("models/gnn_fine/metrics.json", "[1]", ("train", "report")),
-        ("models/config.json", "{", ("eval", "pseudo-label")),
+        ("models/config.json", "{", ("eval",)),
         ("prepared/index.jsonl", "{}", ("train", "eval", "pseudo-label", "report")),
         ("pseudo/acceptance.json", "{}", ("report",)),
         ("eval/all/examples.jsonl", "{}", ("report",)),

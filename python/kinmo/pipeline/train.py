@@ -70,8 +70,8 @@ class Train:
         dataset = open_dataset(self.workspace, self.category)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
-            write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
             results = [self._train(task, dataset, config, observer) for task in self._tasks(dataset, config)]
+            write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
         lines = [
             f"{name}: {result['epochs']} epochs, best {result['best']}, error {result['error']:.4f}" for name, result in results
         ]
@@ -101,6 +101,7 @@ class Train:
             observer.note(f"{task.name}: trained already")
             remove_checkpoints(folder)
             return task.name, _result(folder)
+        training, validation = dataset.load(task.training), dataset.load(task.validation)
         self.workspace.forget(task.stage)
         section, trainer = TRAINERS[task.model]
 
@@ -112,8 +113,8 @@ class Train:
 
         with timed(self.workspace, task.stage) as watch:
             result = trainer(
-                dataset.load(task.training),
-                dataset.load(task.validation),
+                training,
+                validation,
                 getattr(config, section),
                 folder,
                 seed=self.seed,
