@@ -8,8 +8,9 @@ measured, and the script says so.
 
 Rows: `given` (bodies given), `hidden` (names are hidden too), `turned` (objects turned about up, and freely with up told),
 `transfer` (procedural shapes alone), `categories` (whole categories left out, a fifth at a time), `hierarchy` (the segmentation
-alone is given), `families` (procedural shapes of the half of the families that was not trained on). Rows that leave categories
-out train anew each time, one network instead of several.
+alone is given), `families` (procedural shapes of the half of the families that was not trained on), `trees` (boosted trees on
+the same evidence, trained on the real objects of the other folds; also with the kinds given). Rows that leave categories out
+train anew each time, one network instead of several.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from kinmo.config import Config, load_config
 from kinmo.evaluation.hierarchy_given import hierarchy_given
 from kinmo.evaluation.parts_given import parts_given
 from kinmo.evaluation.records import ShapeScore
+from kinmo.evaluation.trees_baseline import fit_trees
 from kinmo.formats import Found, read_found
 from kinmo.formats import Layout as Files
 from kinmo.learning.joint_ranking.predict import JointRanking
@@ -50,7 +52,7 @@ from real_figures import Figures, figures_of, print_figures
 from turned_objects import turned_shapes
 
 ROOT = Path(__file__).parents[1]
-ROWS = ("given", "hidden", "turned", "transfer", "categories", "hierarchy", "families")
+ROWS = ("given", "hidden", "turned", "transfer", "categories", "hierarchy", "families", "trees")
 PRETRAINING: dict[str, Any] = {"epochs": 10}
 """Of the schedule on procedural shapes, which are many."""
 GOALS = {"type": 0.96, "axis": -2.5, "axis macro": -4.0, "ok": 0.90}
@@ -185,6 +187,12 @@ def scores(bench: Bench, row: str, seeds: int) -> dict[str, list[ShapeScore]]:
         elif row == "families":
             fold = bench.unseen_half()
             add("procedural families never seen", bench.never_saw(fold, seed), fold[3])
+        elif row == "trees":
+            for _, training, validation, tested in bench.by_fold():
+                trees = fit_trees([*training, *validation], seed=seed)
+                for shape in tested:
+                    for name, told in (("trees", False), ("trees, kinds given", True)):
+                        found.setdefault(name, []).append(parts_given(shape, trees.answers(shape, kinds_given=told)))
         else:
             for fold in bench.by_fold():
                 weights, tested = bench.fine_tuned(fold, seed), fold[3]

@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from whole_road import METHODS, Listener, Road
+from whole_road import METHODS, Listener, Road, tiny_config
 
 from kinmo.errors import InputError
 from kinmo.formats import discover, read_found, read_partnet_mobility
@@ -19,6 +19,7 @@ from kinmo.pipeline.examples import read_examples
 from kinmo.pipeline.journal import runs
 from kinmo.pipeline.predict import Predict
 from kinmo.pipeline.pseudo_label import PseudoLabel
+from kinmo.pipeline.rows import CONTACT_EDGES, chosen_rows
 from kinmo.pipeline.stage import Stage
 from kinmo.pipeline.train import Train
 from kinmo.workspace import Workspace
@@ -147,7 +148,7 @@ def test_predict_never_takes_the_place_of_what_it_did_not_write(road: Road, tmp_
         ("models/ranking/weights.safetensors", "cut", ("eval", "pseudo-label")),
         ("models/ranking/weights.json", "[]", ("eval", "pseudo-label")),
         ("models/gnn_fine/metrics.json", "[1]", ("train", "report")),
-        ("models/config.json", "{", ("eval", "pseudo-label")),
+        ("models/config.json", "{", ("eval",)),
         ("prepared/index.jsonl", "{}", ("train", "eval", "pseudo-label", "report")),
         ("pseudo/acceptance.json", "{}", ("report",)),
         ("eval/all/examples.jsonl", "{}", ("report",)),
@@ -197,3 +198,54 @@ def test_pictures_are_drawn_from_the_sources(road: Road) -> None:
     pictured = [row for example in examples for row in ("kinmo", "OBB_fine") if row in example.answers]
     assert html.count('<svg class="object"') == len(pictured) > 0
     assert all(read_found(found) for found in list(discover(road.shapes / "partnet_mobility"))[:1])
+
+
+def test_a_run_for_one_category_leaves_the_report_of_the_others(road: Road, tmp_path: Path) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    stale = workspace.pseudo / "no such shape"
+    stale.mkdir()
+    before = PseudoLabel(workspace, METHODS[0], threshold=0.3, device="cpu")
+    outcome = PseudoLabel(workspace, METHODS[0], "laptop", threshold=1.0, device="cpu").run(Listener())
+    categories = {row[0]: row for row in outcome.data["tables"][0]["rows"]}
+    assert set(categories) > {"Laptop", "all"}
+    assert int(categories["Laptop"][2]) == 0
+    assert len(outcome.data["ways"]) == 2
+    assert not stale.exists()
+    assert before.run(Listener()).data["tables"] == road.outcomes["pseudo-label"].data["tables"]
+
+
+def test_tables_say_how_far_predicted_motions_run_into_the_rest(road: Road) -> None:
+    for setting in SETTINGS:
+        table = road.outcomes["eval"].data[setting]["overview_micro"]
+        place = table["columns"].index("penetration")
+        shares = [row[place] for row in table["rows"] if row[place] is not None]
+        assert shares and all(0.0 <= share <= 1.0 for share in shares)
+
+
+def test_edges_are_scored_where_a_method_classes_them(road: Road) -> None:
+    table = road.outcomes["eval"].data["parts_given"]["overview_micro"]
+    place = table["columns"].index("edges")
+    edges = {row[0]: row[place] for row in table["rows"]}
+    assert edges["kinmo"] is None
+    assert all(0.0 <= edges[name] <= 1.0 for name in ("GNN_coarse", "GNN_fine", "OBB_fine"))
+
+
+def test_every_figure_has_its_interval_in_the_summaries(road: Road) -> None:
+    for setting in SETTINGS:
+        found = json.loads((road.outcomes["eval"].path / "summaries" / f"{setting}.json").read_text(encoding="utf-8"))
+        for summary in found.values():
+            figures = [figure for figure in summary["micro"].values() if figure is not None]
+            assert figures and all(figure["low"] <= figure["high"] for figure in figures)
+
+
+def test_rows_of_contact_edges_need_a_network_that_was_trained_so(road: Road, tmp_path: Path) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+
+    def rows() -> list[str]:
+        return [row.name for row in chosen_rows(workspace, ("paper",), "cpu", ablations=True)]
+
+    assert CONTACT_EDGES not in rows()
+    Train("contact-edges", workspace, str(tiny_config(tmp_path)), device="cpu").run(Listener())
+    assert CONTACT_EDGES in rows()

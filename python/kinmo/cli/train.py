@@ -17,6 +17,7 @@ class What(str, Enum):
     GNN = "gnn"
     AXIS = "axis"
     ALL = "all"
+    CONTACT_EDGES = "contact-edges"
 
 
 def train(
@@ -30,8 +31,9 @@ def train(
     """Train the networks on the labelled shapes.
 
     gnn predicts how neighbouring parts move against each other (with ten motion types, and with five). axis trains what chooses
-    among candidate axes: the paper's axis selection and kinmo's own ranking. The best epoch is chosen on validation shapes;
-    test shapes are never looked at. Training that was stopped goes on from its last epoch.
+    among candidate axes: the paper's axis selection and kinmo's own ranking. contact-edges, no part of all, is the gnn on
+    edges between touching parts alone, for a row of kinmo eval --ablations. The best epoch is chosen on validation shapes; test
+    shapes are never looked at. Training that was stopped goes on from its last epoch.
 
     For example:
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
+from kinmo.config import GnnConfig
 from kinmo.learning.axis_selection.train import train_axis_selection
 from kinmo.learning.joint_ranking.train import train_joint_ranking
 from kinmo.learning.motion_gnn.train import train_motion_gnn
@@ -31,13 +33,25 @@ class Trainer(Protocol):
     ) -> FitResult: ...
 
 
+def _train_on_contact_edges(
+    training: list[PreparedShape], validation: list[PreparedShape], config: GnnConfig, run_dir: Path, **options: Any
+) -> FitResult:
+    return train_motion_gnn(training, validation, replace(config, edges="contact"), run_dir, types="fine", **options)
+
+
 TRAINERS: dict[str, tuple[str, Trainer]] = {
     "gnn_fine": ("gnn", partial(train_motion_gnn, types="fine")),
     "gnn_coarse": ("gnn", partial(train_motion_gnn, types="coarse")),
     "axis": ("axis", train_axis_selection),
     "ranking": ("ranking", train_joint_ranking),
+    "gnn_contact": ("gnn", _train_on_contact_edges),
 }
 """The section of the configuration and the trainer of every model, in the order of training."""
 
-GROUPS: dict[str, tuple[str, ...]] = {"gnn": ("gnn_fine", "gnn_coarse"), "axis": ("axis", "ranking"), "all": tuple(TRAINERS)}
-"""What `kinmo train` calls them."""
+GROUPS: dict[str, tuple[str, ...]] = {
+    "all": ("gnn_fine", "gnn_coarse", "axis", "ranking"),
+    "gnn": ("gnn_fine", "gnn_coarse"),
+    "axis": ("axis", "ranking"),
+    "contact-edges": ("gnn_contact",),
+}
+"""What `kinmo train` calls them; `all` is what the two methods need, the rest is for ablations."""

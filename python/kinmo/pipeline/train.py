@@ -20,7 +20,7 @@ from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
-SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.04, "ranking": 0.02}
+SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.04, "ranking": 0.02, "gnn_contact": 0.004}
 """Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
 
 
@@ -70,8 +70,8 @@ class Train:
         dataset = open_dataset(self.workspace, self.category)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
-            write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
             results = [self._train(task, dataset, config, observer) for task in self._tasks(dataset, config)]
+            write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
         lines = [
             f"{name}: {result['epochs']} epochs, best {result['best']}, error {result['error']:.4f}" for name, result in results
         ]
@@ -101,6 +101,7 @@ class Train:
             observer.note(f"{task.name}: trained already")
             remove_checkpoints(folder)
             return task.name, _result(folder)
+        training, validation = dataset.load(task.training), dataset.load(task.validation)
         self.workspace.forget(task.stage)
         section, trainer = TRAINERS[task.model]
 
@@ -112,8 +113,8 @@ class Train:
 
         with timed(self.workspace, task.stage) as watch:
             result = trainer(
-                dataset.load(task.training),
-                dataset.load(task.validation),
+                training,
+                validation,
                 getattr(config, section),
                 folder,
                 seed=self.seed,
