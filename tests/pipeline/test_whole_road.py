@@ -249,3 +249,21 @@ def test_rows_of_contact_edges_need_a_network_that_was_trained_so(road: Road, tm
     assert CONTACT_EDGES not in rows()
     Train("contact-edges", workspace, str(tiny_config(tmp_path)), device="cpu").run(Listener())
     assert CONTACT_EDGES in rows()
+
+
+def test_ranking_goes_on_from_another_workspace(road: Road, tmp_path: Path) -> None:
+    workspace = Workspace(tmp_path / "workspace")
+    shutil.copytree(road.workspace.prepared, workspace.prepared)
+    stage = Train("axis", workspace, str(tiny_config(tmp_path)), device="cpu", start=road.workspace)
+    assert any("for 1 epochs" in step for step in stage.plan().steps if "axis" in step)
+    assert any("for 14 epochs" in step for step in stage.plan().steps if "ranking" in step)
+    stage.run(Listener())
+    start = json.loads((road.workspace.models / "ranking" / "weights.json").read_text(encoding="utf-8"))
+    header = json.loads((workspace.models / "ranking" / "weights.json").read_text(encoding="utf-8"))
+    assert header["facts"]["started_from"] == start["sha256"]
+    assert not stage.plan().steps
+
+
+def test_a_workspace_without_ranking_networks_is_nothing_to_go_on_from(road: Road, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="weights to go on from"):
+        Train("axis", road.workspace, "small", start=Workspace(tmp_path)).plan()

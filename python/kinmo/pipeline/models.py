@@ -48,6 +48,9 @@ TRAINERS: dict[str, tuple[str, Trainer]] = {
 }
 """The section of the configuration and the trainer of every model, in the order of training."""
 
+CONTINUED: dict[str, Callable[[Path], Trainer]] = {"ranking": lambda start: partial(train_joint_ranking, initial=start)}
+"""Trainers that go on from trained weights, of the models that can."""
+
 GROUPS: dict[str, tuple[str, ...]] = {
     "all": ("gnn_fine", "gnn_coarse", "axis", "ranking"),
     "gnn": ("gnn_fine", "gnn_coarse"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from kinmo.learning.training import Progress, remove_checkpoints
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.model_files import CONFIG, HEADER, METRICS, WEIGHTS, model_folder
-from kinmo.pipeline.models import GROUPS, TRAINERS
+from kinmo.pipeline.models import CONTINUED, GROUPS, TRAINERS
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
@@ -33,6 +34,7 @@ class Task:
     training: tuple[IndexEntry, ...]
     validation: tuple[IndexEntry, ...]
     inputs: dict[str, Any]
+    start: Path | None = None
 
     @property
     def name(self) -> str:
@@ -45,7 +47,10 @@ class Task:
 
 @dataclass(frozen=True)
 class Train:
-    """Train the networks of `group` (`models.GROUPS`), on all categories or on one."""
+    """Train the networks of `group` (`models.GROUPS`), on all categories or on one.
+
+    Those that can (`models.CONTINUED`) go on from the trained ones of the workspace `start` where it is given.
+    """
 
     group: str
     workspace: Workspace
@@ -53,13 +58,15 @@ class Train:
     category: str | None = None
     seed: int = 0
     device: str = "auto"
+    start: Workspace | None = None
 
     def plan(self) -> Plan:
         config = load_config(self.config)
         steps, seconds = [], 0.0
         for task in self._tasks(open_dataset(self.workspace, self.category), config):
             if not self.workspace.is_current(task.stage, task.inputs):
-                epochs = getattr(config, TRAINERS[task.model][0]).training.epochs
+                section = getattr(config, TRAINERS[task.model][0])
+                epochs = (section.training if task.start is None else section.continued.training).epochs
                 shapes = len(task.training)
                 steps.append(f"train {task.name} on {shapes} shapes for {epochs} epochs, choose by {len(task.validation)}")
                 seconds += shapes * epochs * seconds_per_unit(self.workspace, task.stage, SECONDS_PER_SHAPE[task.model])
@@ -79,6 +86,7 @@ class Train:
 
     def _tasks(self, dataset: Dataset, config: Config) -> Iterator[Task]:
         for model in GROUPS[self.group]:
+            start = self._start_of(model)
             section = getattr(config, TRAINERS[model][0])
             categories = dataset.categories() if getattr(section, "per_category", False) else (None,)
             for category in categories:
@@ -93,7 +101,20 @@ class Train:
                     raise InputError(self.workspace.prepared, problem)
                 data = {"training": dataset.fingerprint(training), "validation": dataset.fingerprint(validation)}
                 inputs = {"model": model, "config": to_table(section), "seed": self.seed, "data": data}
-                yield Task(model, category, training, validation, inputs)
+                if start is not None:
+                    inputs["start"] = sha256(start.read_bytes()).hexdigest()
+                yield Task(model, category, training, validation, inputs, start)
+
+    def _start_of(self, model: str) -> Path | None:
+        """The weights that a model is to go on from. Raises InputError if they were never trained."""
+        if self.start is None or model not in CONTINUED:
+            return None
+        weights = model_folder(self.start, model) / WEIGHTS
+        if not weights.exists():
+            raise InputError(
+                weights, "expected the weights to go on from: run kinmo train all in that workspace first", "--from"
+            )
+        return weights
 
     def _train(self, task: Task, dataset: Dataset, config: Config, observer: Observer) -> tuple[str, dict[str, Any]]:
         folder = model_folder(self.workspace, task.model, task.category)
@@ -104,6 +125,8 @@ class Train:
         training, validation = dataset.load(task.training), dataset.load(task.validation)
         self.workspace.forget(task.stage)
         section, trainer = TRAINERS[task.model]
+        if task.start is not None:
+            trainer = CONTINUED[task.model](task.start)
 
         def on_progress(progress: Progress) -> None:
             shown = " ".join(
