@@ -28,6 +28,7 @@ def figures_of(scores: Sequence[ShapeScore]) -> Figures:
         "joints": float(len(records)),
         "type": _mean(records, _kind_ok),
         "axis": _mean(found, _degrees),
+        "axis within 5": _mean(records, lambda r: r.axis_error is not None and r.axis_error <= math.radians(5.0)),
         "axis macro": _macro(found, _degrees, objects),
         "R within 10": _mean(hinges, lambda r: r.axis_error is not None and r.axis_error <= math.radians(10.0)),
         "line macro": _macro([r for r in hinges if r.line_at_part is not None], lambda r: r.line_at_part or 0.0, objects),

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from importlib.resources import files
 from pathlib import Path
 
@@ -55,3 +56,24 @@ def test_a_missing_section_is_named(tmp_path: Path) -> None:
 def test_an_absent_file_is_answered_with_the_known_names() -> None:
     with pytest.raises(InputError, match="expected a TOML file or one of paper, small"):
         load_config("huge")
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "field"),
+    [
+        ("epochs", "0", "gnn.training.epochs"),
+        ("learning_rate", "nan", "gnn.training.learning_rate"),
+        ("learning_rate", "inf", "gnn.training.learning_rate"),
+        ("widths", "[]", "gnn.leaf.widths"),
+        ("widths", "[32, -64]", r"gnn.leaf.widths\[1\]"),
+        ("head_dropout", "1.5", "axis.head_dropout"),
+        ("weights", "[]", "refinement.weights"),
+        ("members", "0", "ranking.members"),
+    ],
+)
+def test_values_out_of_bounds_are_refused_by_name(key: str, value: str, field: str, tmp_path: Path) -> None:
+    text, count = re.subn(rf"^{key} = .*$", f"{key} = {value}", SMALL, count=1, flags=re.MULTILINE)
+    assert count == 1
+    (tmp_path / "c.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=f"{field}: expected"):
+        load_config(tmp_path / "c.toml")

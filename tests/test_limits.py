@@ -8,7 +8,7 @@ import pytest
 from kinmo import _core
 from kinmo.candidates import KIND_CODES, Candidates
 from kinmo.joint import JointKind
-from kinmo.limits import MOST_TURN, free_travel
+from kinmo.limits import MOST_TURN, SLIDE, free_travel
 from small_shapes import box_mesh, box_surface
 
 
@@ -43,14 +43,21 @@ def test_a_door_that_nothing_stops_opens_to_a_right_angle() -> None:
     assert travel.range(0) == pytest.approx((-MOST_TURN, MOST_TURN))
 
 
-def test_a_slider_goes_no_farther_than_it_is_long_and_not_through_a_wall() -> None:
-    travel = free_travel(meshes(DOOR, WALL), [0], [1], one(JointKind.PRISMATIC, (1, 0, 0), (0, 0, 0)), DOOR_POINTS)
-    assert travel.range(0) == pytest.approx((-0.6, 0.6), abs=0.02)
-    blocked = ((0.45, 0.0, 0.03), (0.05, 0.4, 0.01))
-    travel = free_travel(meshes(DOOR, blocked), [0], [1], one(JointKind.PRISMATIC, (1, 0, 0), (0, 0, 0)), DOOR_POINTS)
-    lower, upper = travel.range(0)
-    assert lower == pytest.approx(-0.6, abs=0.02)
-    assert upper == pytest.approx(0.1, abs=0.03)
+def test_a_drawer_comes_out_on_the_side_that_is_free() -> None:
+    drawer, body = ((0.0, 0.0, 0.1), (0.2, 0.1, 0.2)), ((0.0, 0.0, -0.2), (0.3, 0.4, 0.1))
+    points = box_surface(np.array(drawer[0]), np.array(drawer[1]), 400, np.random.default_rng(0))[0]
+    for sign in (1, -1):
+        slide = one(JointKind.PRISMATIC, (0, 0, sign), (0, 0, 0))
+        lower, upper = free_travel(meshes(drawer, body), [0], [1], slide, points).range(0)
+        assert (lower, upper) == pytest.approx((min(0, sign * SLIDE * 0.4), max(0, sign * SLIDE * 0.4)), rel=0.02)
+
+
+def test_a_button_is_pressed_into_what_it_is_on() -> None:
+    button, panel = ((0.0, 0.0, 0.02), (0.02, 0.02, 0.01)), ((0.0, 0.0, -0.09), (0.3, 0.4, 0.1))
+    points = box_surface(np.array(button[0]), np.array(button[1]), 400, np.random.default_rng(0))[0]
+    slide = one(JointKind.PRISMATIC, (0, 0, 1), (0, 0, 0))
+    lower, upper = free_travel(meshes(button, panel), [0], [1], slide, points).range(0)
+    assert (lower, upper) == pytest.approx((-SLIDE * 0.02, 0.0), rel=0.02)
 
 
 def test_a_part_shut_in_on_all_sides_is_not_free() -> None:

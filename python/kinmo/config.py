@@ -7,13 +7,14 @@ key.
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, asdict, dataclass, field, fields, is_dataclass
 from importlib.resources import files
 from pathlib import Path
 from types import UnionType
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from kinmo.errors import InputError
 
@@ -26,6 +27,27 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
+class Within:
+    """Bounds of a number, or of the length of a list."""
+
+    low: float
+    high: float = math.inf
+
+    def __str__(self) -> str:
+        if self.high < sys.float_info.max:
+            return f"of {self.low:g} to {self.high:g}"
+        return "above 0" if self.low == sys.float_info.min else f"of at least {self.low:g}"
+
+
+Count = Annotated[int, Within(1)]
+Number = Annotated[int, Within(0)]
+Positive = Annotated[float, Within(sys.float_info.min, sys.float_info.max)]
+Amount = Annotated[float, Within(0.0, sys.float_info.max)]
+Share = Annotated[float, Within(0.0, 1.0)]
+Counts = Annotated[tuple[Count, ...], Within(1)]
+
+
+@dataclass(frozen=True)
 class TrainingConfig:
     """Adam; `decay` multiplies the learning rate every `decay_epochs` epochs (0: the rate falls to zero along a cosine).
 
@@ -33,16 +55,16 @@ class TrainingConfig:
     `keep`: the epoch that did best on validation, or the last one, where the shapes to choose by are too few to tell.
     """
 
-    epochs: int
-    learning_rate: float
-    weight_decay: float = 1e-4
-    decay: float = 0.7
-    decay_epochs: int = 20
-    gradient_clip: float = 1.0
-    average: float = 0.0
+    epochs: Count
+    learning_rate: Positive
+    weight_decay: Amount = 1e-4
+    decay: Positive = 0.7
+    decay_epochs: Number = 20
+    gradient_clip: Amount = 1.0
+    average: Share = 0.0
     keep: Literal["best", "last"] = "best"
     precision: Literal["32-true", "bf16-mixed", "16-mixed"] = "32-true"
-    devices: int = 1
+    devices: Count = 1
 
 
 @dataclass(frozen=True)
@@ -56,14 +78,14 @@ class PointEncoderConfig:
     """
 
     kind: Literal["pointnet", "dgcnn"]
-    points: int
-    widths: tuple[int, ...]
-    features: int = 0
-    neighbours: int = 20
-    embedding: int = 0
-    head: tuple[int, ...] = ()
+    points: Count
+    widths: Counts
+    features: Number = 0
+    neighbours: Count = 20
+    embedding: Number = 0
+    head: tuple[Count, ...] = ()
     norm: Literal["batch", "group", "none"] = "batch"
-    dropout: float = 0.0
+    dropout: Share = 0.0
     static: bool = False
     factored: bool = False
 
@@ -84,26 +106,26 @@ class GnnConfig:
     training: TrainingConfig
     inputs: Literal["paper", "kinmo"] = "kinmo"
     edges: Literal["siblings", "contact"] = "siblings"
-    contact: float = 0.01
+    contact: Amount = 0.01
     inner_boxes: bool = True
-    box_features: int = 100
-    node_features: int = 256
-    child_rounds: int = 2
-    relation_features: int = 128
-    name_features: int = 128
-    name_buckets: int = 2048
-    hide_names: float = 0.25
-    graph_hidden: int = 512
-    graph_features: int = 128
-    graph_rounds: int = 5
-    head_features: int = 128
+    box_features: Count = 100
+    node_features: Count = 256
+    child_rounds: Number = 2
+    relation_features: Count = 128
+    name_features: Count = 128
+    name_buckets: Count = 2048
+    hide_names: Share = 0.25
+    graph_hidden: Count = 512
+    graph_features: Count = 128
+    graph_rounds: Count = 5
+    head_features: Count = 128
     direction_loss: Literal["mean", "frobenius", "undirected"] = "mean"
-    class_weights: tuple[float, ...] = ()
-    class_balance: float = 0.0
-    variants: int = 0
-    stretch: float = 0.0
-    batch_shapes: int = 2
-    batch_edges: int = 20000
+    class_weights: tuple[Amount, ...] = ()
+    class_balance: Amount = 0.0
+    variants: Number = 0
+    stretch: Amount = 0.0
+    batch_shapes: Count = 2
+    batch_edges: Count = 20000
     per_category: bool = False
 
 
@@ -121,17 +143,32 @@ class AxisConfig:
 
     encoder: PointEncoderConfig
     training: TrainingConfig
-    head: tuple[int, ...] = (256, 128)
-    head_dropout: float = 0.5
-    articulated: float = 0.5
+    head: tuple[Count, ...] = (256, 128)
+    head_dropout: Share = 0.5
+    articulated: Share = 0.5
     negatives: Literal["edges", "lines"] = "lines"
     focus: bool = False
     turned: bool = False
-    near_angle: float = 5.0
-    near_distance: float = 0.05
-    same_motion: float = 0.015
-    batch_joints: int = 8
-    batches_per_epoch: int = 0
+    near_angle: Amount = 5.0
+    near_distance: Amount = 0.05
+    same_motion: Amount = 0.015
+    batch_joints: Count = 8
+    batches_per_epoch: Number = 0
+
+
+@dataclass(frozen=True)
+class ContinuedConfig:
+    """How ranking networks trained on many shapes, say procedural ones, go on with a few others, say real ones.
+
+    Of the weights that they started from, `initial_share` stays in the result: networks half-way keep what they knew of the
+    many shapes, and are better on few and many than those at either end.
+    """
+
+    training: TrainingConfig = TrainingConfig(
+        epochs=14, learning_rate=7e-4, weight_decay=1e-2, decay_epochs=0, average=0.99, keep="last"
+    )
+    batch_views: Count = 8
+    initial_share: Share = 0.5
 
 
 @dataclass(frozen=True)
@@ -140,17 +177,18 @@ class RankingConfig:
 
     `members` networks are trained side by side, and the mean of their probabilities decides. `hide_names` is the share of
     shapes whose names are hidden in training, `hide_unit_names` that of parts besides. A shape gives two views, its bodies and
-    its nodes; `batch_views` make a batch.
+    its nodes; `batch_views` make a batch. `continued` is for training that starts from trained weights.
     """
 
     training: TrainingConfig
-    members: int = 3
-    width: int = 128
-    word_features: int = 32
-    dropout: float = 0.1
-    hide_names: float = 0.3
-    hide_unit_names: float = 0.1
-    batch_views: int = 16
+    continued: ContinuedConfig = field(default_factory=ContinuedConfig)
+    members: Count = 3
+    width: Count = 128
+    word_features: Count = 32
+    dropout: Share = 0.1
+    hide_names: Share = 0.3
+    hide_unit_names: Share = 0.1
+    batch_views: Count = 16
 
 
 @dataclass(frozen=True)
@@ -162,9 +200,9 @@ class RefinementConfig:
     `symmetry`); `contact_pivots` says which axes have a second pivot in the interaction region (`candidates`).
     """
 
-    weights: tuple[float, ...] = (0.5, 0.3, 0.2, 0.0)
+    weights: Annotated[tuple[Amount, ...], Within(3, 4)] = (0.5, 0.3, 0.2, 0.0)
     position: Literal["line", "printed"] = "line"
-    threshold: float = 0.6
+    threshold: Share = 0.6
     extra: tuple[Literal["boxes", "contact", "symmetry"], ...] = ()
     contact_pivots: Literal["central", "revolute", "none"] = "central"
 
@@ -222,7 +260,7 @@ def from_table(kind: type[T], table: Mapping[str, Any], where: Path | str, prefi
     Raises InputError for unknown keys, missing keys, and values of the wrong type.
     """
     assert is_dataclass(kind)
-    hints = get_type_hints(kind)
+    hints = get_type_hints(kind, include_extras=True)
     known = {f.name: f for f in fields(kind)}
     for key in table:
         if key not in known:
@@ -238,6 +276,14 @@ def from_table(kind: type[T], table: Mapping[str, Any], where: Path | str, prefi
 
 def _convert(kind: Any, value: Any, where: Path | str, key: str) -> Any:
     origin = get_origin(kind)
+    if origin is Annotated:
+        kind, within = get_args(kind)
+        converted = _convert(kind, value, where, key)
+        size = len(converted) if isinstance(converted, tuple) else converted
+        if not within.low <= size <= within.high:
+            what = "a list with a length" if isinstance(converted, tuple) else "a number"
+            raise InputError(where, f"expected {what} {within}, got {value!r}", key)
+        return converted
     if is_dataclass(kind) and isinstance(kind, type):
         if not isinstance(value, Mapping):
             raise InputError(where, "expected a table", key)

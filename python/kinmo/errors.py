@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -17,3 +19,14 @@ class InputError(ValueError):
         self.problem = problem
         place = self.where if field is None else f"{self.where}: {field}"
         super().__init__(" ".join(f"{place}: {problem}".split()))
+
+
+@contextmanager
+def expecting(what: str, where: Path | str) -> Iterator[None]:
+    """Turns what goes wrong with data of another form than `what`, read from `where`, into an InputError."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError) as error:
+        raise InputError(where, f"expected {what} ({type(error).__name__}: {error})") from error

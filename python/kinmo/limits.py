@@ -1,4 +1,9 @@
-"""How far a part can go along a joint before it runs into the rest."""
+"""How far a part can go along a joint before it runs into the rest, and how far it is taken to go.
+
+A sweep says how far a part is free. That alone makes poor limits of sliders: thin walls stop nothing, parts overlap at rest,
+and a button is pressed into what it touches. So sliders go a fixed share of their length, chosen on procedural shapes, and the
+sweep says to which side.
+"""
 
 from __future__ import annotations
 
@@ -21,15 +26,22 @@ WANTED_TURN = math.pi / 3
 WANTED_SLIDE = 0.5
 """What a joint must reach in one sense to be as good as free: an angle, or a share of the part's length along the axis."""
 
+PRESSED_SIZE = 0.15
+"""A slider with a smaller diagonal (of the object's) is pressed in, like a button; a larger one is drawn out, like a drawer."""
+SLIDE = 0.65
+"""How far either goes, as a share of its length along the axis."""
+EVEN = 0.01
+"""Of the reach: free lengths that differ by less do not tell which side is freer, so that away from the middle is taken."""
+
 CENTRAL = 0.1
 """An axis nearer to the part's middle than this share of its diagonal may turn for ever, as a wheel or a knob does."""
 
 
 @dataclass(frozen=True, eq=False)
 class Travel:
-    """Of C candidates: how far the part is free to go backwards and forwards, `lower` <= 0 <= `upper` [C], radians or lengths.
+    """Of C candidates: how far the part is taken to go backwards and forwards, `lower` <= 0 <= `upper` [C], radians or lengths.
 
-    `unlimited` [C]: it may turn for ever. `freedom` [C] in [0, 1]: how much of what a joint must reach it does.
+    `unlimited` [C]: it may turn for ever. `freedom` [C] in [0, 1]: how much of what a joint must reach is free.
     """
 
     lower: F64
@@ -49,7 +61,7 @@ def free_travel(
 ) -> Travel:
     """Sweep the leaves `moving` (indices of meshes, the part's descendants among them) along each candidate.
 
-    `points` [n, 3] lie on the part: a slider goes no farther than the part is long along its axis. Everything is in one frame.
+    `points` [n, 3] lie on the part. Everything is in the normalised frame.
     """
     slides = candidates.kinds != KIND_CODES[JointKind.REVOLUTE]
     lengths = np.ptp(points @ candidates.directions.T, axis=0)
@@ -63,9 +75,14 @@ def free_travel(
         )
     wanted = np.where(slides, WANTED_SLIDE * reach, WANTED_TURN)
     freedom = np.clip(np.maximum(upper, -lower) / wanted, 0.0, 1.0)
-    middle = 0.5 * (points.min(axis=0) + points.max(axis=0)) - candidates.pivots
-    off_axis = np.linalg.norm(np.cross(middle, candidates.directions), axis=1)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    off_axis = np.linalg.norm(np.cross(middle - candidates.pivots, candidates.directions), axis=1)
     central = off_axis < CENTRAL * np.linalg.norm(np.ptp(points, axis=0))
     round_about = ~slides & central & (upper >= 0.999 * math.pi) & (lower <= -0.999 * math.pi)
-    most = np.where(slides, reach, MOST_TURN)
-    return Travel(np.maximum(lower, -most), np.minimum(upper, most), round_about, freedom)
+    forwards = np.where(np.abs(lower + upper) > EVEN * reach, lower + upper > 0, candidates.directions @ middle >= 0)
+    if np.linalg.norm(np.ptp(points, axis=0)) < PRESSED_SIZE:
+        forwards = ~forwards
+    slide = SLIDE * reach
+    lower = np.where(slides, np.where(forwards, 0.0, -slide), np.maximum(lower, -MOST_TURN))
+    upper = np.where(slides, np.where(forwards, slide, 0.0), np.minimum(upper, MOST_TURN))
+    return Travel(lower, upper, round_about, freedom)

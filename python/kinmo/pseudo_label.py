@@ -10,6 +10,8 @@ from kinmo.prediction import Prediction
 
 STEPS = tuple(round(0.1 * step, 1) for step in range(10))
 """The thresholds of the acceptance report."""
+ACCEPTANCE = "acceptance.json"
+"""Name of that report, in the folder of the labels."""
 
 
 @dataclass(frozen=True)

@@ -174,7 +174,7 @@ def attached_to(
 
 
 def with_limits(answer: JointEstimate, shape: PreparedShape, meshes: _core.Meshes, moving: Sequence[int]) -> JointEstimate:
-    """The answer with the range that the part is free to travel, its direction turned to the freer side.
+    """The answer with the range that the part goes, its direction turned to the farther side, and the term `sweep`.
 
     `moving` are the positions of all leaves that move along.
     """
@@ -184,11 +184,12 @@ def with_limits(answer: JointEstimate, shape: PreparedShape, meshes: _core.Meshe
     obstacles = sorted(set(range(len(shape.leaves))) - set(moving))
     alone = Candidates(np.array([KIND_CODES[joint.kind]], np.uint8), joint.direction[None], joint.pivot[None], (answer.source,))
     points = shape.leaf_points[list(moving)].reshape(-1, 3).astype(np.float64)
-    lower, upper = free_travel(meshes, moving, obstacles, alone, points).range(0)
+    travel = free_travel(meshes, moving, obstacles, alone, points)
+    lower, upper = travel.range(0)
     limited = replace(joint, lower=lower, upper=upper)
     if lower is not None and upper is not None and -lower > upper:
         limited = limited.reversed()
-    return replace(answer, joint=limited)
+    return replace(answer, joint=limited, terms={**answer.terms, "sweep": float(travel.freedom[0])})
 
 
 def tree_of(

@@ -91,6 +91,7 @@ class Refiner:
             limits = (None, None) if travel is None else travel.range(place)
             joint = _oriented(chosen, place, limits, estimate.direction)
             terms = {name: float(values[index]) for name, values in scores.terms.items()}
+            terms |= {} if travel is None else {"sweep": float(travel.freedom[place])}
             answers.append(JointEstimate(joint, motion, float(scores.total[index]), terms, chosen.sources[place]))
         return tuple(answers)
 

@@ -7,17 +7,24 @@ import numpy as np
 import pytest
 
 from articulated import shape_of_boxes
-from kinmo.evaluation.penetration import penetrations
+from kinmo import _core
+from kinmo.evaluation.penetration import PenetrationMeter
 from kinmo.joint import Joint, JointKind
 from kinmo.mobility import Body
 
 FRONT = np.array([0.0, 0, 1])
 
 
+def swept(shape):
+    meshes = list(shape.meshes())
+    core = _core.Meshes([mesh.vertices for mesh in meshes], [mesh.faces for mesh in meshes])
+    return PenetrationMeter(core, shape.leaves).of(shape.mobility)
+
+
 def penetration(joint, boxes=(((0, 0, 0), (1, 1, 0.5)), ((0, 0, 0.5), (1, 1, 0.6)))):
     """Of a panel in front of a block, which the joint moves."""
     shape = shape_of_boxes(boxes, (Body(0, "body", (1,)), Body(1, "panel", (2,), 0, joint)))
-    return penetrations(shape.meshes(), shape.leaves, shape.mobility).get(1)
+    return swept(shape).get(1)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -50,4 +57,4 @@ def test_a_part_takes_its_descendants_along():
     knob = Joint(JointKind.REVOLUTE, FRONT, np.array([0.5, 0.5, 0]), 0.0, math.pi)
     bodies = (Body(0, "body", (1,)), Body(1, "drawer", (2,), 0, slide), Body(2, "knob", (3,), 1, knob))
     shape = shape_of_boxes(boxes, bodies)
-    assert penetrations(shape.meshes(), shape.leaves, shape.mobility)[1] == 0.0
+    assert swept(shape)[1] == 0.0

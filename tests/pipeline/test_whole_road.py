@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from whole_road import METHODS, Listener, Road
+from whole_road import METHODS, Listener, Road, tiny_config
 
 from kinmo.errors import InputError
 from kinmo.formats import discover, read_found, read_partnet_mobility
-from kinmo.pipeline.evaluate import SETTINGS, Evaluate
+from kinmo.pipeline.evaluate import Evaluate
+from kinmo.pipeline.evaluation_files import SETTINGS
 from kinmo.pipeline.examples import read_examples
 from kinmo.pipeline.journal import runs
 from kinmo.pipeline.predict import Predict
 from kinmo.pipeline.pseudo_label import PseudoLabel
+from kinmo.pipeline.rows import CONTACT_EDGES, chosen_rows
 from kinmo.pipeline.stage import Stage
 from kinmo.pipeline.train import Train
 from kinmo.workspace import Workspace
@@ -139,6 +142,32 @@ def test_predict_never_takes_the_place_of_what_it_did_not_write(road: Road, tmp_
     assert contents(tmp_path) == before
 
 
+@pytest.mark.parametrize(
+    ("file", "text", "stages"),
+    [
+        ("models/ranking/weights.safetensors", "cut", ("eval", "pseudo-label")),
+        ("models/ranking/weights.json", "[]", ("eval", "pseudo-label")),
+        ("models/gnn_fine/metrics.json", "[1]", ("train", "report")),
+        ("models/config.json", "{", ("eval",)),
+        ("prepared/index.jsonl", "{}", ("train", "eval", "pseudo-label", "report")),
+        ("pseudo/acceptance.json", "{}", ("report",)),
+        ("eval/all/examples.jsonl", "{}", ("report",)),
+        ("eval/all/parts_given/angle.json", "[", ("report",)),
+    ],
+)
+def test_a_garbled_file_is_named_and_nothing_is_lost(
+    file: str, text: str, stages: tuple[str, ...], road: Road, tmp_path: Path
+) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+    (tmp_path / "workspace" / file).write_text(text, encoding="utf-8")
+    before = contents(tmp_path)
+    for name in stages:
+        stage = replace(road.stages[name], workspace=Workspace(tmp_path / "workspace"))  # type: ignore[type-var]
+        with pytest.raises(InputError, match=Path(file).stem):
+            stage.run(Listener())
+        assert contents(tmp_path) == before, name
+
+
 def test_categories_are_matched_whatever_their_spelling(road: Road) -> None:
     plans = [Evaluate(road.workspace, METHODS, name, device="cpu").plan().steps for name in ("Laptop", "LAPTOP")]
     assert plans[0] == plans[1] != ()
@@ -169,3 +198,72 @@ def test_pictures_are_drawn_from_the_sources(road: Road) -> None:
     pictured = [row for example in examples for row in ("kinmo", "OBB_fine") if row in example.answers]
     assert html.count('<svg class="object"') == len(pictured) > 0
     assert all(read_found(found) for found in list(discover(road.shapes / "partnet_mobility"))[:1])
+
+
+def test_a_run_for_one_category_leaves_the_report_of_the_others(road: Road, tmp_path: Path) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    stale = workspace.pseudo / "no such shape"
+    stale.mkdir()
+    before = PseudoLabel(workspace, METHODS[0], threshold=0.3, device="cpu")
+    outcome = PseudoLabel(workspace, METHODS[0], "laptop", threshold=1.0, device="cpu").run(Listener())
+    categories = {row[0]: row for row in outcome.data["tables"][0]["rows"]}
+    assert set(categories) > {"Laptop", "all"}
+    assert int(categories["Laptop"][2]) == 0
+    assert len(outcome.data["ways"]) == 2
+    assert not stale.exists()
+    assert before.run(Listener()).data["tables"] == road.outcomes["pseudo-label"].data["tables"]
+
+
+def test_tables_say_how_far_predicted_motions_run_into_the_rest(road: Road) -> None:
+    for setting in SETTINGS:
+        table = road.outcomes["eval"].data[setting]["overview_micro"]
+        place = table["columns"].index("penetration")
+        shares = [row[place] for row in table["rows"] if row[place] is not None]
+        assert shares and all(0.0 <= share <= 1.0 for share in shares)
+
+
+def test_edges_are_scored_where_a_method_classes_them(road: Road) -> None:
+    table = road.outcomes["eval"].data["parts_given"]["overview_micro"]
+    place = table["columns"].index("edges")
+    edges = {row[0]: row[place] for row in table["rows"]}
+    assert edges["kinmo"] is None
+    assert all(0.0 <= edges[name] <= 1.0 for name in ("GNN_coarse", "GNN_fine", "OBB_fine"))
+
+
+def test_every_figure_has_its_interval_in_the_summaries(road: Road) -> None:
+    for setting in SETTINGS:
+        found = json.loads((road.outcomes["eval"].path / "summaries" / f"{setting}.json").read_text(encoding="utf-8"))
+        for summary in found.values():
+            figures = [figure for figure in summary["micro"].values() if figure is not None]
+            assert figures and all(figure["low"] <= figure["high"] for figure in figures)
+
+
+def test_rows_of_contact_edges_need_a_network_that_was_trained_so(road: Road, tmp_path: Path) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+
+    def rows() -> list[str]:
+        return [row.name for row in chosen_rows(workspace, ("paper",), "cpu", ablations=True)]
+
+    assert CONTACT_EDGES not in rows()
+    Train("contact-edges", workspace, str(tiny_config(tmp_path)), device="cpu").run(Listener())
+    assert CONTACT_EDGES in rows()
+
+
+def test_ranking_goes_on_from_another_workspace(road: Road, tmp_path: Path) -> None:
+    workspace = Workspace(tmp_path / "workspace")
+    shutil.copytree(road.workspace.prepared, workspace.prepared)
+    stage = Train("axis", workspace, str(tiny_config(tmp_path)), device="cpu", start=road.workspace)
+    assert any("for 1 epochs" in step for step in stage.plan().steps if "axis" in step)
+    assert any("for 14 epochs" in step for step in stage.plan().steps if "ranking" in step)
+    stage.run(Listener())
+    start = json.loads((road.workspace.models / "ranking" / "weights.json").read_text(encoding="utf-8"))
+    header = json.loads((workspace.models / "ranking" / "weights.json").read_text(encoding="utf-8"))
+    assert header["facts"]["started_from"] == start["sha256"]
+    assert not stage.plan().steps
+
+
+def test_a_workspace_without_ranking_networks_is_nothing_to_go_on_from(road: Road, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="weights to go on from"):
+        Train("axis", road.workspace, "small", start=Workspace(tmp_path)).plan()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +33,8 @@ def ceiling(truth: PreparedShape, candidates: Mapping[int, tuple[F64, F64]]) -> 
     """The best candidate of every movable body of `truth`, its true kind known.
 
     `candidates` holds directions [K, 3] (unit) and pivots [K, 3] by body, in the normalised frame. Best is the one whose
-    worse error, axis over 5 degrees or line at the part over 0.05 diagonals, is smallest. A body without candidates gets no
-    answer.
+    worse error, axis over 5 degrees or line at the part over 0.05 diagonals, is smallest. It has no range. A body without
+    candidates gets no answer.
     """
     mobility, boxes = annotation(truth)
     best = {}
@@ -44,7 +43,7 @@ def ceiling(truth: PreparedShape, candidates: Mapping[int, tuple[F64, F64]]) -> 
         directions, pivots = candidates.get(index, (np.zeros((0, 3)), np.zeros((0, 3))))
         if true is None or not len(directions):
             continue
-        joints = [replace(true, direction=d, pivot=p) for d, p in zip(directions, pivots, strict=True)]
+        joints = [Joint(true.kind, d, p) for d, p in zip(directions, pivots, strict=True)]
         joint = min(joints, key=lambda found: _error(true, found, boxes[index].center))
         best[index] = JointEstimate(joint, truth.body_types[index], 1.0, source="ceiling")
     return best

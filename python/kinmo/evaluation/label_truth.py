@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.evaluation.records import JointRecord, ShapeScore
+from kinmo.evaluation.records import FalseAlarm, JointRecord, ShapeScore
 from kinmo.evaluation.summary import axis_degrees
 from kinmo.evaluation.tables import Caption, Column, Table
 
@@ -25,7 +25,16 @@ WEIGHTS: dict[str, dict[str, float]] = {
     "consistency alone": {"direction": 0.3, "position": 0.2},
     "full and sweep": {"feasibility": 0.5, "direction": 0.3, "position": 0.2, "sweep": 0.5},
 }
-"""The scores that are compared: weighted means of the terms (paper, section 3.3), and with the free travel as one more."""
+"""The paper's score (section 3.3) and others: weighted means of its terms, and with the free travel as one more."""
+
+RANKING_WEIGHTS: dict[str, dict[str, float]] = {
+    "full": {"score": 1.0},
+    "that it moves, alone": {"moves": 1.0},
+    "kind alone": {"kind": 1.0},
+    "axis alone": {"axis": 1.0},
+    "full and sweep": {"score": 1.0, "sweep": 0.5},
+}
+"""The same for the `kinmo` method, whose score is a probability of its own; the term `score` stands for it."""
 
 
 def weighted_score(terms: Mapping[str, float], weights: Mapping[str, float]) -> float | None:
@@ -63,17 +72,18 @@ def curves(
 
 
 def _point(scores: Sequence[ShapeScore], weights: Mapping[str, float], threshold: float) -> Point:
-    def passes(terms: Mapping[str, float]) -> bool:
-        value = weighted_score(terms, weights)
+    def passes(answer: JointRecord | FalseAlarm) -> bool:
+        own = {} if answer.score is None else {"score": answer.score}
+        value = weighted_score({**answer.terms, **own}, weights)
         return value is not None and value > threshold
 
     records = [record for score in scores for record in score.records]
     answered = [record for record in records if not record.is_missed]
     alarms = [alarm for score in scores for alarm in score.false_alarms]
-    accepted = [record for record in answered if passes(record.terms)]
-    refused = [record for record in answered if not passes(record.terms)]
+    accepted = [record for record in answered if passes(record)]
+    refused = [record for record in answered if not passes(record)]
     right = sum(record.is_ok for record in accepted)
-    count = len(accepted) + sum(passes(alarm.terms) for alarm in alarms)
+    count = len(accepted) + sum(passes(alarm) for alarm in alarms)
     return Point(
         threshold=threshold,
         accepted=count,

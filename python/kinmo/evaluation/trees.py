@@ -13,18 +13,19 @@ from kinmo.evaluation.frame_rows import choices
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
-ITERATIONS = 300
-LEARNING_RATE = 0.06
-LEAVES = 31
+ITERATIONS = 150
+LEARNING_RATE = 0.1
+KIND_LEAVES, RANK_LEAVES = 8, 31
+"""Of a tree. There are hundreds of bodies to class, and dozens of times as many candidates to rank."""
 
 
-def _classifier(seed: int, iterations: int) -> Any:
+def _classifier(seed: int, iterations: int, leaves: int) -> Any:
     try:
         from sklearn.ensemble import HistGradientBoostingClassifier
     except ImportError as error:
         raise ImportError("the trees row needs scikit-learn: pip install 'kinmo[trees]'") from error
     return HistGradientBoostingClassifier(
-        max_iter=iterations, learning_rate=LEARNING_RATE, max_leaf_nodes=LEAVES, early_stopping=False, random_state=seed
+        max_iter=iterations, learning_rate=LEARNING_RATE, max_leaf_nodes=leaves, early_stopping=False, random_state=seed
     )
 
 
@@ -50,7 +51,9 @@ def fit_rank(features: F64, groups: I64, right: NDArray[np.bool_], *, seed: int 
     candidates it has.
     """
     _, inverse, counts = np.unique(groups, return_inverse=True, return_counts=True)
-    return Ranker(_classifier(seed, iterations).fit(features, right.astype(int), sample_weight=1.0 / counts[inverse]))
+    return Ranker(
+        _classifier(seed, iterations, RANK_LEAVES).fit(features, right.astype(int), sample_weight=1.0 / counts[inverse])
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +71,7 @@ class KindClassifier:
 
 def fit_kinds(features: F64, kinds: I64, *, seed: int = 0, iterations: int = ITERATIONS) -> KindClassifier:
     """Learn the class [N] of N bodies (such as CoarseType) from `features` [N, F]."""
-    return KindClassifier(_classifier(seed, iterations).fit(features, kinds))
+    return KindClassifier(_classifier(seed, iterations, KIND_LEAVES).fit(features, kinds))
 
 
 def _column(model: Any, features: F64, label: int) -> F64:

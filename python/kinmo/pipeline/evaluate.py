@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,30 +10,32 @@ from typing import Any
 
 from kinmo.config import to_table
 from kinmo.errors import InputError
-from kinmo.evaluation.label_truth import curves, label_truth_table
+from kinmo.evaluation.label_truth import RANKING_WEIGHTS, WEIGHTS, curves, label_truth_table
 from kinmo.evaluation.records import ShapeScore
+from kinmo.evaluation.summary import summarise
 from kinmo.evaluation.table1 import caption_for, table1
 from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_table
+from kinmo.evaluation.trees_baseline import TreesBaseline, fit_trees
 from kinmo.formats import Found, Layout, read_found
 from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo.pipeline.evaluation_files import EXAMPLES, PRINTED, SETTINGS
 from kinmo.pipeline.examples import write_examples
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.judge import Judgement, judge
+from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.predictors import leaf_meshes
-from kinmo.pipeline.rows import Row, chosen_rows
+from kinmo.pipeline.rows import CONTACT_EDGES, Row, chosen_rows
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pipeline.train import trained_config
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
-from kinmo.workspace import StageRecord, Workspace, remove_leftovers
+from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
-SETTINGS = ("parts_given", "hierarchy_given")
-EXAMPLES = "examples.jsonl"
-"""Answers to true joints, for the report's pictures."""
-LABELLERS = ("kinmo", "OBB_fine")
-"""Rows that make pseudo labels, and whose scores are held against the truth."""
-PRINTED = ("overview_micro", "angle", "distance")
-"""The tables that go to the terminal; all of them are written."""
+SUMMARIES = "summaries"
+"""Folder of a file a setting: every figure of every row with its interval, over joints, over categories, and by category."""
+LABELLERS = {"kinmo": RANKING_WEIGHTS, "OBB_fine": WEIGHTS}
+"""Rows that make pseudo labels, and the ways of scoring that are held against the truth."""
+TREES_SHAPES = 1000
+"""The baseline of boosted trees is trained on no more."""
 SECONDS_PER_SHAPE = 2.0
 
 
@@ -41,7 +44,7 @@ class Evaluate:
     """Score the trained networks on the test shapes, all or those of one category.
 
     `methods` says whose rows are wanted; `ablations` adds the rows of other candidates, terms and edges, `hidden_names` those
-    with all part names hidden.
+    with all part names hidden. The rows that frame the table are always there; of them `trees` needs scikit-learn.
     """
 
     workspace: Workspace
@@ -72,7 +75,7 @@ class Evaluate:
                 remove_leftovers(self._folder)
                 with timed(self.workspace, self._stage) as watch:
                     judgements = self._judge(dataset, rows, observer)
-                    written = self._write(judgements)
+                    written = self._write(judgements, self._left_out(rows, observer))
                     watch.amount, watch.what = len(judgements), f"{len(rows)} rows on {len(judgements)} test shapes"
                 outputs = tuple(str(path.relative_to(self.workspace.path)) for path in written)
                 self.workspace.write_record(self._stage, StageRecord(inputs, outputs))
@@ -98,26 +101,46 @@ class Evaluate:
 
     def _judge(self, dataset: Dataset, rows: Sequence[Row], observer: Observer) -> list[Judgement]:
         config = trained_config(self.workspace).refinement
-        entries = _test_shapes(dataset)
+        entries, trees = _test_shapes(dataset), self._trees(observer)
         judgements = []
         for done, entry in enumerate(entries, start=1):
             truth = dataset.store.load(entry)
             shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
-            judgements.append(judge(truth, leaf_meshes(shape, truth), entry.layout, rows, config))
+            judgements.append(judge(truth, leaf_meshes(shape, truth), entry.layout, rows, config, trees))
             for failure in judgements[-1].failures:
                 observer.note(f"failed: {failure}")
             observer.progress("evaluating shapes", done, len(entries), entry.id)
         return judgements
 
-    def _write(self, judgements: Sequence[Judgement]) -> list[Path]:
+    def _trees(self, observer: Observer) -> TreesBaseline | None:
+        """The baseline of boosted trees, trained on what the networks were trained on."""
+        dataset = open_dataset(self.workspace)
+        entries = evenly(dataset.labelled[Split.TRAIN], TREES_SHAPES)
+        try:
+            return fit_trees(map(dataset.store.load, entries), seed=self.seed)
+        except ImportError as error:
+            observer.note(str(error))
+            return None
+
+    def _left_out(self, rows: Sequence[Row], observer: Observer) -> str:
+        """What was asked for and is not in the tables."""
+        if not (self.ablations and "paper" in self.methods) or any(row.name == CONTACT_EDGES for row in rows):
+            return ""
+        observer.note("no rows of contact edges: their network is trained by kinmo train contact-edges")
+        return "No rows of contact edges: their network was not trained."
+
+    def _write(self, judgements: Sequence[Judgement], left_out: str) -> list[Path]:
         written = []
         failures = sum(len(judgement.failures) for judgement in judgements)
-        note = f"{failures} predictions failed and count as missed." if failures else ""
-        data = f"{self.category or 'all categories'}, {self.workspace.path.absolute().name}"
+        note = " ".join(filter(None, [f"{failures} predictions failed and count as missed." if failures else "", left_out]))
+        data = f"{self.category or 'all categories'} of workspace {self.workspace.path.absolute().name}"
         for setting in SETTINGS:
             caption = Caption(f"Table 1, {_words(setting)}", data, 0, 0, "test split by hashed id", (self.seed,), note)
             for name, table in _tables(judgements, setting, caption).items():
                 written += write_table(table, self._folder / setting, name)
+            found = {name: summarise(scores).to_json() for name, scores in _scores(judgements, setting).items()}
+            written.append(self._folder / SUMMARIES / f"{setting}.json")
+            write_text_atomically(written[-1], json.dumps(found, indent=1, ensure_ascii=False) + "\n")
         examples = (example for judgement in judgements for example in judgement.examples)
         write_examples(self._folder / EXAMPLES, examples)
         return [*written, self._folder / EXAMPLES]
@@ -132,6 +155,11 @@ class Evaluate:
         return Outcome(self._folder, data, text)
 
 
+def evenly(entries: Sequence[IndexEntry], most: int) -> Sequence[IndexEntry]:
+    """At most so many of some entries, spread over all of them."""
+    return entries[:: max(1, -(-len(entries) // most))]
+
+
 def _test_shapes(dataset: Dataset) -> tuple[IndexEntry, ...]:
     entries = tuple(entry for entry in dataset.labelled[Split.TEST] if entry.joint_count)
     if not entries:
@@ -141,18 +169,24 @@ def _test_shapes(dataset: Dataset) -> tuple[IndexEntry, ...]:
 
 def _tables(judgements: Sequence[Judgement], setting: str, caption: Caption) -> Mapping[str, Table]:
     """All tables of one setting. Those by category have no columns for ablations, whose names hold a comma."""
+    scores = _scores(judgements, setting)
+    tables = {name: table for name, table in table1(scores, caption).items() if name.startswith("overview")}
+    headline = {name: found for name, found in scores.items() if "," not in name}
+    tables |= {name: table for name, table in table1(headline, caption).items() if not name.startswith("overview")}
+    for name, ways in LABELLERS.items():
+        if name in scores:
+            title = replace(caption_for(scores[name], caption), title=f"Truth of the labels of {name}, {_words(setting)}")
+            tables[f"label_truth_{name}"] = label_truth_table(curves(scores[name], weights=ways), title)
+    return tables
+
+
+def _scores(judgements: Sequence[Judgement], setting: str) -> dict[str, list[ShapeScore]]:
+    """The scores of all shapes in one setting, by row."""
     scores: dict[str, list[ShapeScore]] = {}
     for judgement in judgements:
         for name, score in getattr(judgement, setting).items():
             scores.setdefault(name, []).append(score)
-    tables = {name: table for name, table in table1(scores, caption).items() if name.startswith("overview")}
-    headline = {name: found for name, found in scores.items() if "," not in name}
-    tables |= {name: table for name, table in table1(headline, caption).items() if not name.startswith("overview")}
-    for name in LABELLERS:
-        if name in scores:
-            title = replace(caption_for(scores[name], caption), title=f"Truth of the labels of {name}, {_words(setting)}")
-            tables[f"label_truth_{name}"] = label_truth_table(curves(scores[name]), title)
-    return tables
+    return scores
 
 
 def _words(setting: str) -> str:

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.config import RefinementConfig
 from kinmo.evaluation.hierarchy_given import hierarchy_given
 from kinmo.evaluation.parts_given import parts_given
-from kinmo.evaluation.records import ShapeScore, annotation, failed_shape
+from kinmo.evaluation.penetration import PenetrationMeter
+from kinmo.evaluation.records import ShapeScore, annotation, failed_shape, with_edges
+from kinmo.evaluation.trees_baseline import TreesBaseline
+from kinmo.normalisation import Normalisation
 from kinmo.pipeline.examples import Example, answer_of
 from kinmo.pipeline.predictors import Predictor, normalised
 from kinmo.pipeline.rows import Row, frame_answers
@@ -30,28 +36,57 @@ class Judgement:
     failures: list[str] = field(default_factory=list)
 
 
-def judge(truth: PreparedShape, meshes: _core.Meshes, layout: str, rows: Sequence[Row], config: RefinementConfig) -> Judgement:
+def judge(
+    truth: PreparedShape,
+    meshes: _core.Meshes,
+    layout: str,
+    rows: Sequence[Row],
+    config: RefinementConfig,
+    trees: TreesBaseline | None = None,
+) -> Judgement:
     """Score every row on the annotated shape `truth`; a row that fails on it has all its joints missed.
 
-    `meshes` are those of the leaves in the normalised frame; `config` says what the paper's candidates are.
+    `meshes` are those of the leaves in the normalised frame; `config` says what the paper's candidates are; `trees` are the
+    baseline, if there is one.
     """
     result = Judgement()
     answers: dict[str, dict[int, JointEstimate]] = {}
-    for name, found in frame_answers(truth, meshes, config):
+    for name, found in frame_answers(truth, meshes, config, trees):
         result.parts_given[name] = parts_given(truth, found)
     given, predicted = _Shared(truth, meshes, "predict_given"), _Shared(truth, meshes, "predict")
+    meter, frame = PenetrationMeter(meshes, truth.leaves), Normalisation(truth.center, truth.diagonal)
     for row in rows:
+        edges = row.predictor.edge_types(truth)
         try:
             prediction = row.of(given(row.predictor))
             answers[row.name] = normalised({body: found[0] for body, found in enumerate(prediction.estimates)}, truth)
-            result.parts_given[row.name] = parts_given(truth, answers[row.name])
-            result.hierarchy_given[row.name] = hierarchy_given(truth, row.of(predicted(row.predictor)))
+            score = parts_given(
+                truth,
+                answers[row.name],
+                parents=_parents(prediction) if row.predictor.finds_parents else None,
+                penetrations=meter.of(frame.mobility(prediction.mobility)),
+            )
+            result.parts_given[row.name] = _of_types(row, score, truth, edges)
+            prediction = row.of(predicted(row.predictor))
+            score = hierarchy_given(truth, prediction, penetrations=meter.of(frame.mobility(prediction.mobility)))
+            result.hierarchy_given[row.name] = _of_types(row, score, truth, edges)
         except ValueError as error:
             result.failures.append(f"{row.name} on {truth.id}: {error}")
+            failed = failed_shape(truth, str(error), is_fine=row.predictor.is_fine)
             for scores in (result.parts_given, result.hierarchy_given):
-                scores.setdefault(row.name, failed_shape(truth, str(error)))
+                scores.setdefault(row.name, failed)
     result.examples = _examples(truth, layout, result.parts_given, answers)
     return result
+
+
+def _parents(prediction: Prediction) -> dict[int, int | None]:
+    return {index: body.parent for index, body in enumerate(prediction.mobility.bodies)}
+
+
+def _of_types(row: Row, score: ShapeScore, truth: PreparedShape, edges: NDArray[np.int64] | None) -> ShapeScore:
+    """The score with the number of types that the row's method tells apart, and with its `edges` where it has any."""
+    score = replace(score, is_fine=row.predictor.is_fine)
+    return score if edges is None else with_edges(score, truth, edges)
 
 
 class _Shared:

@@ -9,6 +9,9 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from kinmo import _core
 from kinmo.config import RefinementConfig, to_table
 from kinmo.errors import InputError
@@ -20,8 +23,7 @@ from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
 from kinmo.mobility import Mobility
 from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree
 from kinmo.normalisation import Normalisation
-from kinmo.pipeline.models import HEADER, weights_for
-from kinmo.pipeline.train import trained_config
+from kinmo.pipeline.model_files import HEADER, WEIGHTS, trained_config, weights_for
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of
@@ -46,6 +48,14 @@ class Predictor(Protocol):
         """A hash of all networks that have a say."""
 
     @property
+    def is_fine(self) -> bool:
+        """Whether it tells ten types apart, or five."""
+
+    @property
+    def finds_parents(self) -> bool:
+        """Whether, *parts given*, it says itself what every body is attached to, rather than being told."""
+
+    @property
     def config(self) -> Mapping[str, Any]:
         """What else the answers depend on, as plain data."""
 
@@ -55,13 +65,16 @@ class Predictor(Protocol):
     def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         """*Parts given*: the joints of the bodies of the shape's annotation."""
 
+    def edge_types(self, shape: PreparedShape) -> NDArray[np.int64] | None:
+        """The type [E] of every edge; None if the method does not go by them."""
+
 
 @dataclass(frozen=True)
 class PaperPredictor:
     """The paper's method: motion GNN of fine or coarse `types`, mobility tree, candidates, axis selection.
 
     Networks are read from `workspace` when they are first needed, those of a shape's own category where there are any.
-    `contact_edges` keeps from the GNN all edges of parts that do not touch.
+    With `contact_edges` the motion GNN is the one that was trained on the edges between touching parts alone.
     """
 
     workspace: Workspace
@@ -74,17 +87,26 @@ class PaperPredictor:
 
     @cached_property
     def weights(self) -> str:
-        return weights_digest(self.workspace, (f"gnn_{self.types}", "axis"))
+        return weights_digest(self.workspace, self._models)
 
     def check(self) -> None:
-        """Raise InputError if one of the networks was never trained."""
-        for model in (f"gnn_{self.types}", "axis"):
-            if not weights_digest(self.workspace, (model,)):
-                raise InputError(self.workspace.models / model, "not trained yet: run kinmo train all first")
+        """Raise InputError if one of the networks was never trained, or cannot be read."""
+        for path in _all_weights(self.workspace, self._models[0]):
+            _load_gnn(*path, self.device, self.hide_names)
+        for path in _all_weights(self.workspace, "axis"):
+            _load_selector(*path, self.device)
+
+    @property
+    def is_fine(self) -> bool:
+        return self.types == "fine"
+
+    @property
+    def finds_parents(self) -> bool:
+        return False
 
     @property
     def config(self) -> Mapping[str, Any]:
-        return {"types": self.types, "refinement": to_table(self.refinement)}
+        return {"types": self.types, "refinement": to_table(self.refinement), "hide_names": self.hide_names}
 
     def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         return self._refined(shape, meshes, predicted_tree(shape, self._gnn(shape).predict_edges(shape)))
@@ -92,15 +114,19 @@ class PaperPredictor:
     def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         return self._refined(shape, meshes, given_tree(shape, self._gnn(shape).predict_edges(shape)))
 
+    def edge_types(self, shape: PreparedShape) -> NDArray[np.int64]:
+        return self._gnn(shape).predict_edges(shape).types
+
     def _refined(self, shape: PreparedShape, meshes: _core.Meshes, tree: MobilityTree) -> Prediction:
         selector = _load_selector(*_weights(self.workspace, "axis", shape.category), self.device)
         return Refiner(shape, self.refinement, selector, meshes).refine(tree, self.method)
 
+    @property
+    def _models(self) -> tuple[str, str]:
+        return "gnn_contact" if self.contact_edges else f"gnn_{self.types}", "axis"
+
     def _gnn(self, shape: PreparedShape) -> MotionGnnPredictor:
-        gnn = _load_gnn(*_weights(self.workspace, f"gnn_{self.types}", shape.category), self.device, self.hide_names)
-        if not self.contact_edges:
-            return gnn
-        return MotionGnnPredictor(gnn.network, replace(gnn.config, edges="contact"), gnn.device, gnn.sha256, gnn.hide_names)
+        return _load_gnn(*_weights(self.workspace, self._models[0], shape.category), self.device, self.hide_names)
 
 
 @dataclass(frozen=True)
@@ -120,10 +146,19 @@ class KinmoPredictor:
         return weights_digest(self.workspace, KINMO_MODELS)
 
     def check(self) -> None:
-        """Raise InputError if one of the networks was never trained."""
-        for model in KINMO_MODELS:
-            if not weights_digest(self.workspace, (model,)):
-                raise InputError(self.workspace.models / model, "not trained yet: run kinmo train all first")
+        """Raise InputError if one of the networks was never trained, or cannot be read."""
+        for path in _all_weights(self.workspace, KINMO_MODELS[0]):
+            _load_gnn(*path, self.device, self.hide_names)
+        for path in _all_weights(self.workspace, KINMO_MODELS[1]):
+            _load_ranking(*path, self.device, self.hide_names)
+
+    @property
+    def is_fine(self) -> bool:
+        return True
+
+    @property
+    def finds_parents(self) -> bool:
+        return True
 
     @property
     def config(self) -> Mapping[str, Any]:
@@ -142,6 +177,9 @@ class KinmoPredictor:
         names = [body.name for body in shape.mobility.bodies]
         answers = ranked_bodies(shape, meshes, shape.body_leaves, self._ranking(shape))
         return self._assembled(shape, meshes, self._edges(shape), shape.body_leaves, names, answers)
+
+    def edge_types(self, shape: PreparedShape) -> None:
+        return None
 
     def _assembled(
         self,
@@ -210,6 +248,14 @@ def _weights(workspace: Workspace, model: str, category: str) -> tuple[Path, int
     if path is None:
         raise InputError(workspace.models / model, f"not trained for {category}: run kinmo train first")
     return path, path.stat().st_mtime_ns
+
+
+def _all_weights(workspace: Workspace, model: str) -> list[tuple[Path, int]]:
+    """All weights of a model, those of single categories too, and when they were written (ns)."""
+    found = sorted((workspace.models / model).rglob(WEIGHTS))
+    if not found:
+        raise InputError(workspace.models / model, "not trained yet: run kinmo train all first")
+    return [(path, path.stat().st_mtime_ns) for path in found]
 
 
 def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:

@@ -4,27 +4,26 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from kinmo import __version__
-from kinmo.errors import InputError
+from kinmo.errors import InputError, expecting
 from kinmo.export.partnet_mobility import write_partnet_mobility
 from kinmo.formats import Found, Layout, read_found
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
+from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pipeline.train import trained_config
-from kinmo.pseudo_label import STEPS, JudgedJoint, Judgement, Tally, judge, tally, tally_types
+from kinmo.pseudo_label import ACCEPTANCE, STEPS, JudgedJoint, Judgement, Tally, judge, tally, tally_types
 from kinmo.store import IndexEntry
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers, write_text_atomically
 
 STAGE = "pseudo-label"
-ACCEPTANCE = "acceptance.json"
 DECISIONS = "decisions"
 """A file a shape, accepted or not, written when all else of the shape is: what was decided, and from what."""
 SECONDS_PER_SHAPE = 1.5
@@ -32,7 +31,11 @@ SECONDS_PER_SHAPE = 1.5
 
 @dataclass(frozen=True)
 class PseudoLabel:
-    """Label the unlabelled shapes, all or those of one category; `threshold` None is that of the configuration."""
+    """Label the unlabelled shapes, all or those of one category; `threshold` None is that of the configuration.
+
+    The acceptance report is of everything that is labelled, also by earlier runs for other categories. Labels of shapes that
+    are no longer there, or have become labelled ones, are removed.
+    """
 
     workspace: Workspace
     method: str
@@ -60,13 +63,16 @@ class PseudoLabel:
             else:
                 self.workspace.forget(STAGE)
                 remove_leftovers(self.workspace.pseudo)
-                judgements = self._label(dataset, predictor, observer)
-                report = acceptance(judgements, len(dataset.copies), self._threshold, self.method)
+                whole = open_dataset(self.workspace)
+                self._remove_stale(whole)
+                self._label(dataset, predictor, observer)
+                report = acceptance(list(self._decided(whole)), len(whole.copies))
                 write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
                 outputs = [str(self._report.relative_to(self.workspace.path))]
                 self.workspace.write_record(STAGE, StageRecord(inputs, tuple(outputs)))
-        data = json.loads(self._report.read_text(encoding="utf-8"))
-        return Outcome(self.workspace.pseudo, data, data["text"])
+        with expecting("the report of kinmo pseudo-label", self._report):
+            data = json.loads(self._report.read_text(encoding="utf-8"))
+            return Outcome(self.workspace.pseudo, data, data["text"])
 
     @property
     def _threshold(self) -> float:
@@ -83,20 +89,32 @@ class PseudoLabel:
         way = {"method": predictor.method, "weights": predictor.weights, "config": dict(predictor.config)}
         return {**way, "threshold": self._threshold, "kinmo": __version__}
 
-    def _label(self, dataset: Dataset, predictor: Predictor, observer: Observer) -> list[Judgement]:
-        judgements = []
+    def _remove_stale(self, whole: Dataset) -> None:
+        """Remove folders and decisions that belong to none of the unlabelled shapes that there are."""
+        names = {_name(entry) for entry in whole.unlabelled}
+        for folder in self.workspace.pseudo.glob("*"):
+            if folder.is_dir() and folder.name not in names | {DECISIONS}:
+                shutil.rmtree(folder)
+        for decision in (self.workspace.pseudo / DECISIONS).glob("*.json"):
+            if decision.name.removesuffix(".json") not in names:
+                decision.unlink()
+
+    def _decided(self, whole: Dataset) -> Iterator[Decision]:
+        """Every decision that was made, whatever run made it."""
+        found = (read_decision(self._decision(entry)) for entry in whole.unlabelled)
+        return (decision for decision in found if decision is not None)
+
+    def _label(self, dataset: Dataset, predictor: Predictor, observer: Observer) -> None:
         with timed(self.workspace, STAGE) as watch:
             for done, entry in enumerate(dataset.unlabelled, start=1):
                 made_from = digest([dataset.fingerprint([entry]), self._way(predictor)])
-                known = read_decision(self._decision(entry), made_from)
-                if known is None:
-                    known = self._decide(dataset, entry, predictor)
-                    write_decision(self._decision(entry), known, made_from)
+                known = read_decision(self._decision(entry))
+                if known is None or known.made_from != made_from:
+                    judgement = self._decide(dataset, entry, predictor)
+                    write_decision(self._decision(entry), Decision(judgement, made_from, self.method, self._threshold))
                     watch.amount += 1
-                judgements.append(known)
                 observer.progress("labelling shapes", done, len(dataset.unlabelled), entry.id)
             watch.what = f"{watch.amount} shapes by {self.method}"
-        return judgements
 
     def _decide(self, dataset: Dataset, entry: IndexEntry, predictor: Predictor) -> Judgement:
         """Predict one shape, and write it if it is accepted; whatever was written of it before goes."""
@@ -126,25 +144,36 @@ def _name(entry: IndexEntry) -> str:
     return name if entry.layout == Layout.PARTNET.value else f"{name}-{entry.layout}"
 
 
-def write_decision(path: Path, judgement: Judgement, made_from: str) -> None:
+@dataclass(frozen=True)
+class Decision:
+    """What was decided of a shape, by which method and threshold; `made_from` is a hash of all that it depends on."""
+
+    judgement: Judgement
+    made_from: str
+    method: str
+    threshold: float
+
+
+def write_decision(path: Path, decision: Decision) -> None:
     """Write what was decided of a shape."""
-    write_text_atomically(path, json.dumps({"made_from": made_from, "judgement": asdict(judgement)}, ensure_ascii=False) + "\n")
+    write_text_atomically(path, json.dumps(asdict(decision), ensure_ascii=False) + "\n")
 
 
-def read_decision(path: Path, made_from: str) -> Judgement | None:
-    """What was decided of a shape from just the same; None otherwise."""
+def read_decision(path: Path) -> Decision | None:
+    """What was decided of a shape; None if nothing was."""
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-        if data["made_from"] != made_from:
-            return None
         judgement = data["judgement"]
-        return Judgement(**{**judgement, "joints": tuple(JudgedJoint(**joint) for joint in judgement["joints"])})
+        joints = tuple(JudgedJoint(**joint) for joint in judgement["joints"])
+        return Decision(**{**data, "judgement": Judgement(**{**judgement, "joints": joints})})
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
 
-def acceptance(judgements: Sequence[Judgement], copies: int, threshold: float, method: str) -> dict[str, Any]:
+def acceptance(decisions: Sequence[Decision], copies: int) -> dict[str, Any]:
     """The acceptance report as plain data: `text`, `tables` (as `kinmo.report.page.Table` takes them) and every refusal."""
+    judgements = [decision.judgement for decision in decisions]
+    ways = sorted({f"all joints above {decision.threshold:g}, by {decision.method}" for decision in decisions})
     whole = tally(judgements)
     categories = sorted({judgement.category for judgement in judgements})
     by_category = {name: tally(j for j in judgements if j.category == name) for name in categories} | {"all": whole}
@@ -153,13 +182,12 @@ def acceptance(judgements: Sequence[Judgement], copies: int, threshold: float, m
         if not judgement.is_accepted:
             reasons.setdefault(judgement.refusal, []).append(judgement.shape_id)
     text = (
-        f"{whole.accepted} of {whole.shapes} shapes were accepted (all joints above {threshold:g}, by {method}), with "
+        f"{whole.accepted} of {whole.shapes} shapes were accepted ({'; or '.join(ways) or 'there are none'}), with "
         f"{whole.accepted_joints} of {whole.joints} joints; {copies} copies of labelled shapes were left alone."
     )
     return {
         "text": text,
-        "threshold": threshold,
-        "method": method,
+        "ways": ways,
         "copies": copies,
         "tables": [
             _counts("Pseudo labels by category", "category", by_category),

@@ -9,16 +9,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kinmo.errors import InputError
+from kinmo.errors import InputError, expecting
 from kinmo.evaluation.tables import Table as MeasuredTable
 from kinmo.evaluation.tables import read_table
-from kinmo.pipeline.evaluate import EXAMPLES, PRINTED, SETTINGS
+from kinmo.pipeline.evaluation_files import EXAMPLES, PRINTED, SETTINGS
 from kinmo.pipeline.examples import Example, chosen, read_examples
 from kinmo.pipeline.journal import runs
-from kinmo.pipeline.models import METRICS
+from kinmo.pipeline.model_files import METRICS
 from kinmo.pipeline.pictures import draw
 from kinmo.pipeline.prepare import REPORT
 from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.pseudo_label import ACCEPTANCE
 from kinmo.report.curves import line_chart
 from kinmo.report.page import Page, Picture, Section, Table, render
 from kinmo.splits import split_of
@@ -28,6 +29,10 @@ from kinmo.workspace import Workspace, write_text_atomically
 PICTURES = 12
 """Of hits, and as many of failures, a method."""
 SECONDS_PER_PICTURE = 1.0
+KEY = (
+    "The moving part is blue. Types: R turns, P slides, PR does both; H or V for a horizontal or vertical axis; C or S for one "
+    "near the part's centre or side. Then the angle to the true axis and, in diagonals, the distance from its line."
+)
 
 
 @dataclass(frozen=True)
@@ -75,7 +80,10 @@ class Report:
         note = ""
         found = _json(self.workspace.prepared / REPORT)
         if found is not None:
-            note = ", ".join(f"{len(found[key])} {key.replace('_', ' ')}" for key in ("taken", "repaired", "left_out")) + "."
+            with expecting("the report of kinmo prepare", self.workspace.prepared / REPORT):
+                note = (
+                    ", ".join(f"{len(found[key])} {key.replace('_', ' ')}" for key in ("taken", "repaired", "left_out")) + "."
+                )
         return Section("Data", tables=[Table("Prepared shapes by category and use", ("category", *uses), rows, note)])
 
     def _tables(self) -> Iterator[Section]:
@@ -100,20 +108,17 @@ class Report:
         charts: list[str] = []
         for path in sorted(self.workspace.models.rglob(METRICS)):
             name = " ".join(path.parent.relative_to(self.workspace.models).parts)
-            history = _json(path) or []
-            loss = {kind: _series(history, f"{kind}/loss") for kind in ("training", "validation")}
-            names = [
-                key for key in (history[-1] if history else {}) if key.startswith("validation/") and not key.endswith("loss")
-            ]
-            errors = {key.split("/")[1].replace("_", " "): _series(history, key) for key in names}
-            charts += [line_chart(f"{name}: loss", loss, "epoch"), line_chart(f"{name}: validation", errors, "epoch")]
+            with expecting("one entry an epoch", path):
+                charts += _training_charts(name, _json(path) or [])
         charts = [chart for chart in charts if chart]
         return Section("Training", charts=charts) if charts else None
 
     def _pseudo_labels(self) -> Iterator[Section]:
-        report = _json(self.workspace.pseudo / "acceptance.json")
+        report = _json(self.workspace.pseudo / ACCEPTANCE)
         if report is not None:
-            yield Section("Pseudo labels", report["text"], [Table(**table) for table in report["tables"]])
+            with expecting("the report of kinmo pseudo-label", self.workspace.pseudo / ACCEPTANCE):
+                section = Section("Pseudo labels", report["text"], [Table(**table) for table in report["tables"]])
+            yield section
 
     def _pictures(self, store: PreparedStore, observer: Observer) -> Iterator[Section]:
         examples = read_examples(self.workspace.evaluation / "all" / EXAMPLES)
@@ -141,6 +146,14 @@ class Report:
             observer.progress(f"drawing {what}", done + 1, len(examples), example.shape_id)
 
 
+def _training_charts(name: str, history: Sequence[Mapping[str, float]]) -> list[str]:
+    """The losses of a network over the epochs, and by what it was judged on validation."""
+    loss = {kind: _series(history, f"{kind}/loss") for kind in ("training", "validation")}
+    names = [key for key in (history[-1] if history else {}) if key.startswith("validation/") and not key.endswith("loss")]
+    errors = {key.split("/")[1].replace("_", " "): _series(history, key) for key in names}
+    return [line_chart(f"{name}: loss", loss, "epoch"), line_chart(f"{name}: validation", errors, "epoch")]
+
+
 def _shown(table: MeasuredTable) -> Table:
     return Table(str(table.caption), [column.title for column in table.columns], table.cells()[1:])
 
@@ -161,7 +174,8 @@ def _truth_charts(name: str, table: MeasuredTable) -> Iterator[str]:
 
 def _explained(right: bool, shown: int, answered: Sequence[Example], row: str) -> str:
     count = sum(example.answers[row].is_ok is right for example in answered)
-    return f"{count} of {len(answered)} true joints of the test shapes, parts given; {shown} are shown, by category in turn."
+    total = f"{count} of {len(answered)} true joints of the test shapes, parts given"
+    return f"{total}; {shown} are shown, by category in turn. {KEY}"
 
 
 def _series(history: Sequence[Mapping[str, float]], key: str) -> list[tuple[float, float]]:

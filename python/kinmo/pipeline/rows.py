@@ -13,11 +13,12 @@ from kinmo.config import RefinementConfig
 from kinmo.evaluation.frame_rows import ceiling, without_learning
 from kinmo.evaluation.label_truth import WEIGHTS, weighted_score
 from kinmo.evaluation.records import annotation
+from kinmo.evaluation.trees_baseline import TreesBaseline
 from kinmo.joint import JointKind
 from kinmo.mobility_tree import MobilityTree
 from kinmo.part_geometry import part_geometries
+from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.predictors import KinmoPredictor, PaperPredictor, Predictor, TypeSet, network_alone
-from kinmo.pipeline.train import trained_config
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 from kinmo.refinement import Refiner
@@ -26,6 +27,8 @@ from kinmo.workspace import Workspace
 TYPE_SETS: tuple[TypeSet, ...] = ("coarse", "fine")
 SWEPT = (0.5, 0.3, 0.2, 0.5)
 """Weights with the swept collision as a fourth term."""
+
+CONTACT_EDGES = "OBB_fine, contact edges"
 
 
 @dataclass(frozen=True)
@@ -49,11 +52,12 @@ def paper_rows(predictors: Mapping[TypeSet, PaperPredictor]) -> list[Row]:
 def weight_rows(fine: PaperPredictor) -> list[Row]:
     """OBB_fine with other weights of the same terms."""
     others = {name: weights for name, weights in WEIGHTS.items() if name in ("feasibility alone", "consistency alone")}
+    others["equal weights"] = {"feasibility": 1.0, "direction": 1.0, "position": 1.0}
     return [Row(f"OBB_fine, {name}", fine, Reweighted(weights)) for name, weights in others.items()]
 
 
 def ablation_rows(fine: PaperPredictor) -> list[Row]:
-    """OBB_fine with candidates beyond the paper's, with the swept term, and with edges between touching parts only."""
+    """OBB_fine with candidates beyond the paper's, and with the swept term."""
     config = fine.refinement
 
     def changed(**values: object) -> PaperPredictor:
@@ -66,9 +70,15 @@ def ablation_rows(fine: PaperPredictor) -> list[Row]:
         Row("OBB_fine, all candidates", changed(extra=("boxes", "contact", "symmetry"))),
         Row("OBB_fine, swept term", changed(weights=SWEPT)),
         Row("OBB_fine, contact pivots of all hinges", changed(contact_pivots="revolute")),
-        Row("GNN_fine, contact edges", replace(fine, contact_edges=True), network_alone),
-        Row("OBB_fine, contact edges", replace(fine, contact_edges=True)),
     ]
+
+
+def contact_edge_rows(fine: PaperPredictor) -> list[Row]:
+    """The fine rows with edges between touching parts only, by a network trained so; none if it is not trained."""
+    contact = replace(fine, contact_edges=True)
+    if not contact.weights:
+        return []
+    return [Row("GNN_fine, contact edges", contact, network_alone), Row(CONTACT_EDGES, contact)]
 
 
 def hidden_name_rows(predictors: Mapping[TypeSet, PaperPredictor]) -> list[Row]:
@@ -100,13 +110,15 @@ def _by_score(estimate: JointEstimate) -> float:
 
 
 def frame_answers(
-    truth: PreparedShape, meshes: _core.Meshes, config: RefinementConfig
+    truth: PreparedShape, meshes: _core.Meshes, config: RefinementConfig, trees: TreesBaseline | None
 ) -> Iterator[tuple[str, dict[int, JointEstimate]]]:
-    """The rows that frame the table, *parts given*: the best that candidates allow, and a rule without learning."""
+    """The rows that frame the table, *parts given*: the best that candidates allow, a rule without learning, and trees."""
     yield "ceiling, paper's candidates", ceiling(truth, true_type_candidates(truth, meshes, config))
     every = replace(config, extra=("boxes", "contact", "symmetry"), contact_pivots="revolute")
     yield "ceiling, all candidates", ceiling(truth, true_type_candidates(truth, meshes, every))
     yield "no learning", without_learning(truth)
+    if trees is not None:
+        yield "trees", trees.answers(truth)
 
 
 def true_type_candidates(
@@ -136,6 +148,6 @@ def chosen_rows(
         for predictor in predictors.values():
             predictor.check()
         rows += paper_rows(predictors) + weight_rows(predictors["fine"])
-        rows += ablation_rows(predictors["fine"]) if ablations else []
+        rows += ablation_rows(predictors["fine"]) + contact_edge_rows(predictors["fine"]) if ablations else []
         rows += hidden_name_rows(predictors) if hidden_names else []
     return rows

@@ -5,23 +5,23 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from kinmo.config import Config, from_table, load_config, to_table
-from kinmo.errors import InputError
+from kinmo.config import Config, load_config, to_table
+from kinmo.errors import InputError, expecting
 from kinmo.learning.training import Progress, remove_checkpoints
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.models import GROUPS, HEADER, METRICS, TRAINERS, WEIGHTS, model_folder
+from kinmo.pipeline.model_files import CONFIG, HEADER, METRICS, WEIGHTS, model_folder
+from kinmo.pipeline.models import CONTINUED, GROUPS, TRAINERS
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
-CONFIG = "config.json"
-"""In `workspace.models`: the configuration of the last training, which prediction follows."""
-SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.04, "ranking": 0.02}
+SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.04, "ranking": 0.02, "gnn_contact": 0.004}
 """Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
 
 
@@ -34,6 +34,7 @@ class Task:
     training: tuple[IndexEntry, ...]
     validation: tuple[IndexEntry, ...]
     inputs: dict[str, Any]
+    start: Path | None = None
 
     @property
     def name(self) -> str:
@@ -46,7 +47,10 @@ class Task:
 
 @dataclass(frozen=True)
 class Train:
-    """Train the networks of `group` (`models.GROUPS`), on all categories or on one."""
+    """Train the networks of `group` (`models.GROUPS`), on all categories or on one.
+
+    Those that can (`models.CONTINUED`) go on from the trained ones of the workspace `start` where it is given.
+    """
 
     group: str
     workspace: Workspace
@@ -54,13 +58,15 @@ class Train:
     category: str | None = None
     seed: int = 0
     device: str = "auto"
+    start: Workspace | None = None
 
     def plan(self) -> Plan:
         config = load_config(self.config)
         steps, seconds = [], 0.0
         for task in self._tasks(open_dataset(self.workspace, self.category), config):
             if not self.workspace.is_current(task.stage, task.inputs):
-                epochs = getattr(config, TRAINERS[task.model][0]).training.epochs
+                section = getattr(config, TRAINERS[task.model][0])
+                epochs = (section.training if task.start is None else section.continued.training).epochs
                 shapes = len(task.training)
                 steps.append(f"train {task.name} on {shapes} shapes for {epochs} epochs, choose by {len(task.validation)}")
                 seconds += shapes * epochs * seconds_per_unit(self.workspace, task.stage, SECONDS_PER_SHAPE[task.model])
@@ -71,8 +77,8 @@ class Train:
         dataset = open_dataset(self.workspace, self.category)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
-            write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
             results = [self._train(task, dataset, config, observer) for task in self._tasks(dataset, config)]
+            write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
         lines = [
             f"{name}: {result['epochs']} epochs, best {result['best']}, error {result['error']:.4f}" for name, result in results
         ]
@@ -80,6 +86,7 @@ class Train:
 
     def _tasks(self, dataset: Dataset, config: Config) -> Iterator[Task]:
         for model in GROUPS[self.group]:
+            start = self._start_of(model)
             section = getattr(config, TRAINERS[model][0])
             categories = dataset.categories() if getattr(section, "per_category", False) else (None,)
             for category in categories:
@@ -94,7 +101,20 @@ class Train:
                     raise InputError(self.workspace.prepared, problem)
                 data = {"training": dataset.fingerprint(training), "validation": dataset.fingerprint(validation)}
                 inputs = {"model": model, "config": to_table(section), "seed": self.seed, "data": data}
-                yield Task(model, category, training, validation, inputs)
+                if start is not None:
+                    inputs["start"] = sha256(start.read_bytes()).hexdigest()
+                yield Task(model, category, training, validation, inputs, start)
+
+    def _start_of(self, model: str) -> Path | None:
+        """The weights that a model is to go on from. Raises InputError if they were never trained."""
+        if self.start is None or model not in CONTINUED:
+            return None
+        weights = model_folder(self.start, model) / WEIGHTS
+        if not weights.exists():
+            raise InputError(
+                weights, "expected the weights to go on from: run kinmo train all in that workspace first", "--from"
+            )
+        return weights
 
     def _train(self, task: Task, dataset: Dataset, config: Config, observer: Observer) -> tuple[str, dict[str, Any]]:
         folder = model_folder(self.workspace, task.model, task.category)
@@ -102,8 +122,11 @@ class Train:
             observer.note(f"{task.name}: trained already")
             remove_checkpoints(folder)
             return task.name, _result(folder)
+        training, validation = dataset.load(task.training), dataset.load(task.validation)
         self.workspace.forget(task.stage)
         section, trainer = TRAINERS[task.model]
+        if task.start is not None:
+            trainer = CONTINUED[task.model](task.start)
 
         def on_progress(progress: Progress) -> None:
             shown = " ".join(
@@ -113,8 +136,8 @@ class Train:
 
         with timed(self.workspace, task.stage) as watch:
             result = trainer(
-                dataset.load(task.training),
-                dataset.load(task.validation),
+                training,
+                validation,
                 getattr(config, section),
                 folder,
                 seed=self.seed,
@@ -131,26 +154,9 @@ class Train:
 
 
 def _result(folder: Path) -> dict[str, Any]:
-    history = json.loads((folder / METRICS).read_text(encoding="utf-8"))
-    facts = json.loads((folder / HEADER).read_text(encoding="utf-8"))
-    errors = [row["validation/error"] for row in history]
-    best = min(range(len(errors)), key=errors.__getitem__)
-    return {
-        "weights": str(folder / WEIGHTS),
-        "sha256": facts["sha256"],
-        "epochs": len(errors),
-        "best": best,
-        "error": errors[best],
-    }
-
-
-def trained_config(workspace: Workspace) -> Config:
-    """The configuration that the workspace's networks were trained with; `small` if none was trained."""
-    path = workspace.models / CONFIG
-    if not path.exists():
-        return load_config("small")
-    try:
-        table = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise InputError(path, f"expected JSON ({error})") from error
-    return from_table(Config, table, path)
+    with expecting("one entry an epoch", folder / METRICS):
+        errors = [row["validation/error"] for row in json.loads((folder / METRICS).read_text(encoding="utf-8"))]
+        best = min(range(len(errors)), key=errors.__getitem__)
+    with expecting("what weights are for", folder / HEADER):
+        digest = json.loads((folder / HEADER).read_text(encoding="utf-8"))["sha256"]
+    return {"weights": str(folder / WEIGHTS), "sha256": digest, "epochs": len(errors), "best": best, "error": errors[best]}

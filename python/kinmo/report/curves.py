@@ -68,9 +68,8 @@ def _key(names: Sequence[str]) -> list[tuple[float, int]]:
 
 def _ticks(low: float, high: float, about: int = 4) -> list[float]:
     """Round numbers, evenly spaced, that cover `low`..`high`; at least two."""
-    least = 1e-6 * max(abs(low), abs(high), 1e-6)
-    if high - low < least:
-        low, high = low - least, high + least
+    if high - low < 1e-6 * max(abs(low), abs(high)) or high == low:
+        high = low + (0.5 * abs(low) or 1.0)
     raw = (high - low) / about
     unit = 10.0 ** math.floor(math.log10(raw))
     step = next(unit * factor for factor in (1.0, 2.0, 2.5, 5.0, 10.0) if unit * factor >= raw * 0.999)

@@ -21,6 +21,11 @@ class Table:
     rows: Sequence[Sequence[str]]
     note: str = ""
 
+    def is_text(self, column: int) -> bool:
+        """Whether no cell of a column begins with a number; a dash is nothing at all."""
+        cells = [row[column].lstrip(" -–+<>=") for row in self.rows]
+        return any(cells) and not any(cell[:1].isdigit() for cell in cells)
+
 
 @dataclass(frozen=True)
 class Picture:

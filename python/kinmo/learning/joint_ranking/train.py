@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from kinmo.learning.joint_ranking.data import View, collate
 from kinmo.learning.joint_ranking.network import JointRanker, RankingBatch, ranking_loss, right_probability
 from kinmo.learning.joint_ranking.views import body_view, node_view
 from kinmo.learning.training import FitResult, Learner, Progress, fit
-from kinmo.learning.weights import load_weights, save_weights
+from kinmo.learning.weights import Weights, load_weights, save_weights
 from kinmo.prepared import PreparedShape
 
 KIND = "joint_ranking"
@@ -50,29 +51,44 @@ def train_joint_ranking(
 ) -> FitResult:
     """Train on annotated shapes; leaves `weights.safetensors` and `.json` of the best epoch on `validation` in `run_dir`.
 
-    `initial` are weights of an earlier training with the same sizes to start from. Resumes what was cut off (`training.fit`).
-    Raises InputError if either set has no joint to learn from, or `initial` does not fit.
+    `initial` are weights of an earlier training with the same sizes: then it starts from those and goes by `config.continued`.
+    Resumes what was cut off (`training.fit`). Raises InputError if either set has no joint to learn from, or `initial` does not
+    fit.
     """
     views = [shape_views(shapes) for shapes in (training, validation)]
     for name, found in zip(("training", "validation"), views, strict=True):
         if not any(target is not None for view in found for target in view.targets):
             raise InputError(f"{name} shapes", "expected at least one annotated joint")
     torch.manual_seed(seed)
+    start = None if initial is None else load_weights(initial, KIND)
+    if start is not None:
+        config = replace(config, training=config.continued.training, batch_views=config.continued.batch_views)
+        fingerprint += start.sha256
     data = RankingData(views[0], views[1], config)
     learner = RankingLearner(config, data)
-    if initial is not None:
-        load_weights(initial, KIND).fill(learner.networks)
+    if start is not None:
+        start.fill(learner.networks)
     result = fit(learner, data, run_dir, seed=seed, device=device, fingerprint=fingerprint, on_progress=on_progress)
-    facts = {
+    if start is not None:
+        _blend(learner.networks, start, config.continued.initial_share)
+    facts: dict[str, Any] = {
         "seed": seed,
         "shapes": len(training),
         "epochs": len(result.history),
         "error": result.best_error,
         "hypothesis_features": data.widths[0],
         "unit_features": data.widths[1],
+        "started_from": None if start is None else start.sha256,
     }
     save_weights(run_dir / "weights.safetensors", learner.networks, KIND, to_table(config), facts)
     return result
+
+
+def _blend(networks: nn.ModuleList, start: Weights, share: float) -> None:
+    """Move the networks' weights back by `share` of the way to those they started from."""
+    with torch.no_grad():
+        for name, values in networks.state_dict().items():
+            values.lerp_(start.tensors[name].to(values), share)
 
 
 def shape_views(shapes: Sequence[PreparedShape]) -> list[View]:

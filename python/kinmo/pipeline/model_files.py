@@ -1,0 +1,44 @@
+"""Where the networks of a workspace lie. Nothing here needs torch."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from kinmo.config import Config, from_table, load_config
+from kinmo.errors import InputError
+from kinmo.workspace import Workspace
+
+WEIGHTS = "weights.safetensors"
+"""Written into a model's folder when its training is done."""
+HEADER = "weights.json"
+"""What the weights are for, written right after them."""
+METRICS = "metrics.json"
+"""One entry an epoch, from the first epoch on."""
+CONFIG = "config.json"
+"""In `workspace.models`: the configuration of the last training, which prediction follows."""
+
+
+def model_folder(workspace: Workspace, model: str, category: str | None = None) -> Path:
+    """Where a model lies; models of a single category have a folder each."""
+    return workspace.models / model / category if category else workspace.models / model
+
+
+def weights_for(workspace: Workspace, model: str, category: str) -> Path | None:
+    """The trained weights for a shape of `category`: those of the category alone, else those of all, else None."""
+    for folder in (model_folder(workspace, model, category), model_folder(workspace, model)):
+        if (folder / WEIGHTS).exists():
+            return folder / WEIGHTS
+    return None
+
+
+def trained_config(workspace: Workspace) -> Config:
+    """The configuration that the workspace's networks were trained with; `small` if none was trained."""
+    path = workspace.models / CONFIG
+    if not path.exists():
+        return load_config("small")
+    try:
+        table = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise InputError(path, f"expected JSON ({error})") from error
+    return from_table(Config, table, path)

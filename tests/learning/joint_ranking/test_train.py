@@ -1,0 +1,59 @@
+"""Training the ranking networks, anew and from trained weights."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+
+from kinmo.config import ContinuedConfig, RankingConfig, TrainingConfig
+from kinmo.errors import InputError
+from kinmo.learning.joint_ranking.predict import JointRanking
+from kinmo.learning.joint_ranking.train import train_joint_ranking
+from kinmo.prepare import prepare_shape
+from kinmo.prepared import PreparedShape
+from small_shapes import cabinet_shape
+
+SCHEDULE = TrainingConfig(epochs=2, learning_rate=1e-3, decay_epochs=0, keep="last")
+CONFIG = RankingConfig(SCHEDULE, ContinuedConfig(SCHEDULE, batch_views=2), members=2, width=16, word_features=4)
+
+
+@pytest.fixture(scope="module")
+def shapes() -> list[PreparedShape]:
+    return [prepare_shape(cabinet_shape(seed)[0]) for seed in range(4)]
+
+
+@pytest.fixture(scope="module")
+def started(shapes: list[PreparedShape], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("started")
+    train_joint_ranking(shapes[:3], shapes[3:], CONFIG, folder, device="cpu")
+    return folder / "weights.safetensors"
+
+
+def parameters(weights: Path) -> torch.Tensor:
+    return torch.cat([p.flatten() for p in JointRanking.load(weights, "cpu").networks.parameters()])
+
+
+def continued(shapes: list[PreparedShape], start: Path, folder: Path, share: float) -> torch.Tensor:
+    config = replace(CONFIG, continued=replace(CONFIG.continued, initial_share=share))
+    train_joint_ranking(shapes[:2], shapes[2:], config, folder, device="cpu", initial=start)
+    return parameters(folder / "weights.safetensors")
+
+
+def test_training_that_goes_on_ends_on_the_way_from_where_it_started(shapes, started: Path, tmp_path: Path) -> None:
+    start = parameters(started)
+    kept, half, gone = (continued(shapes, started, tmp_path / str(share), share) for share in (1.0, 0.5, 0.0))
+    torch.testing.assert_close(kept, start)
+    torch.testing.assert_close(half, (start + gone) / 2)
+    assert not torch.allclose(gone, start, atol=1e-4)
+
+
+def test_weights_of_other_sizes_cannot_be_started_from(shapes, started: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"weights\.safetensors"):
+        train_joint_ranking(shapes[:2], shapes[2:], replace(CONFIG, width=24), tmp_path, device="cpu", initial=started)
+
+
+def test_shapes_without_joints_are_nothing_to_learn_from(shapes, tmp_path: Path) -> None:
+    bare = [replace(shape, mobility=None) for shape in shapes]
+    with pytest.raises(InputError, match="validation shapes"):
+        train_joint_ranking(shapes[:2], bare, CONFIG, tmp_path, device="cpu")
