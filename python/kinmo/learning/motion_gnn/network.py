@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
+from torch.nn.functional import normalize
 
 from kinmo.config import GnnConfig
 from kinmo.learning.graph import GraphBatch
@@ -21,7 +22,7 @@ LEAST_REACH = 0.2
 
 
 class EdgeOutput(NamedTuple):
-    """Of E edges: `logits` [E, types], `directions` [E, 3] within (-1, 1), `pivots` [E, 3] in the normalised frame."""
+    """Of E edges: `logits` [E, types], unit `directions` [E, 3], `pivots` [E, 3] in the normalised frame."""
 
     logits: Tensor
     directions: Tensor
@@ -78,7 +79,7 @@ class MotionGnn(nn.Module):
         for convolution in self.rounds:
             nodes, edges = convolution(nodes, edges, graph.edges)
         logits, pivots, directions = self.head(edges).split([self.types, 3, 3], 1)
-        return EdgeOutput(logits, torch.tanh(directions), from_box(pivots, graph.boxes[graph.edges[:, 0]]))
+        return EdgeOutput(logits, normalize(directions, dim=1), from_box(pivots, graph.boxes[graph.edges[:, 0]]))
 
 
 def from_box(places: Tensor, boxes: Tensor) -> Tensor:
