@@ -13,6 +13,7 @@ import pytest
 SCRIPT = """
 import json, os, signal, threading, time
 import numpy as np
+from scipy.spatial.transform import Rotation
 from kinmo import _core
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # whoever started the tests may have had it ignored
@@ -22,7 +23,10 @@ tangle = _core.Meshes([rng.uniform(size=(300, 3)) for _ in range(2)], [faces[:10
 often = [[0, 1]] * 300_000
 many = np.broadcast_to(np.array([0, 1], np.uint32), (300_000, 2))
 joints = np.zeros(100_000, np.uint8), np.eye(3)[np.arange(100_000) % 3], np.zeros((100_000, 3))
-box = [np.tile(array, (500_000, *[1] * array.ndim)) for array in (np.zeros(3), np.eye(3), np.ones(3))]
+turn = Rotation.from_rotvec([0.3, 0.5, 0.7]).as_matrix()
+box, turned = (
+    [np.tile(array, (500_000, *[1] * array.ndim)) for array in (np.zeros(3), axes, np.ones(3))] for axes in (np.eye(3), turn)
+)
 calls = {
     "Meshes": lambda: _core.Meshes([np.broadcast_to(np.zeros(3), (1_000_000, 3))] * 3000, [faces] * 3000),
     "sample_surface": lambda: _core.sample_surface(_core.Meshes([np.eye(3)] * 900, [faces[:1]] * 900), 5_000, blue_noise=True),
@@ -32,7 +36,7 @@ calls = {
     "part_distances": lambda: _core.part_distances(_core.Meshes([np.eye(3)] * 20_000, [faces[:1]] * 20_000), max_distance=0.0),
     "interaction_regions": lambda: _core.interaction_regions(rng.normal(size=(2, 500, 3)), many),
     "sweep": lambda: _core.sweep(tangle, [0], [1], *joints, np.full(100_000, -1.0), np.ones(100_000)),
-    "box_iou": lambda: _core.box_iou(*box, *box),
+    "box_iou": lambda: _core.box_iou(*box, *turned),
     "closest_points": lambda: _core.closest_points(tangle, [0, 1], rng.uniform(size=(3_000_000, 3))),
 }
 
