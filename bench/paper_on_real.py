@@ -33,11 +33,10 @@ from kinmo.part_geometry import part_geometries
 from kinmo.pipeline.rows import TYPE_SETS, true_type_candidates
 from kinmo.prepared import PreparedShape
 from kinmo.refinement import Refiner, said_alone
-from kinmo.splits import Split, split_of
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.generate import Layout, generate
 from real_figures import Figures, figures_of, print_figures
-from real_objects import Bench, Fold, prepared
+from real_objects import Bench, Fold, parted_by_split, prepared
 
 ROOT = Path(__file__).parents[1]
 Model = Literal["gnn_coarse", "gnn_fine", "axis"]
@@ -59,8 +58,7 @@ class Networks:
 
     def pretrained(self, model: Model, shapes: Sequence[PreparedShape]) -> Path:
         """Weights trained on procedural shapes."""
-        kept = [shape for shape in shapes if split_of(shape.id) is Split.VALIDATION]
-        rest = [shape for shape in shapes if split_of(shape.id) is not Split.VALIDATION]
+        rest, kept = parted_by_split(shapes)
         return self._trained(model, "procedural", rest, kept, lambda old: replace(old, epochs=PRETRAINING[model]))
 
     def fine_tuned(self, model: Model, fold: Fold, initial: Path) -> Path:

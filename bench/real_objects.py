@@ -74,7 +74,7 @@ class Bench:
 
     def pretrained(self, seed: int) -> Path:
         """Ranking weights trained on the procedural shapes of all categories."""
-        return self._ranking(f"procedural-{seed}", *_parted_by_split(self.procedural), seed)
+        return self._ranking(f"procedural-{seed}", *parted_by_split(self.procedural), seed)
 
     def fine_tuned(self, fold: Fold, seed: int) -> Path:
         """Ranking weights that went on with the real objects of a fold."""
@@ -86,7 +86,7 @@ class Bench:
         name, training, validation, tested = fold
         unseen = {shape.category for shape in tested}
         procedural = [shape for shape in self.procedural if shape.category not in unseen]
-        initial = self._ranking(f"procedural-{name}-{seed}", *_parted_by_split(procedural), seed, members=1)
+        initial = self._ranking(f"procedural-{name}-{seed}", *parted_by_split(procedural), seed, members=1)
         if not training:
             return initial
         return self._ranking(f"{name}-{seed}", training, validation, seed, initial, members=1)
@@ -114,7 +114,7 @@ class Bench:
         """A motion GNN trained on some procedural shapes: it says which moving siblings are one body."""
         folder = self.cache / "models" / "gnn-procedural"
         if not (folder / "weights.safetensors").exists():
-            rest, kept = (shapes[::GNN_STRIDE] for shapes in _parted_by_split(self.procedural))
+            rest, kept = (shapes[::GNN_STRIDE] for shapes in parted_by_split(self.procedural))
             config = replace(self.config.gnn, training=replace(self.config.gnn.training, **GNN_TRAINING))
             print(f"training {folder.name} on {len(rest)} shapes", flush=True)
             train_motion_gnn(rest, kept, config, folder, types="fine", seed=0, device="cpu")
@@ -144,7 +144,7 @@ def _parted(shapes: Sequence[PreparedShape], fold: int, folds: int) -> tuple[lis
     return [shape for shape in shapes if shape.id not in kept], [shape for shape in shapes if shape.id in kept]
 
 
-def _parted_by_split(shapes: Sequence[PreparedShape]) -> tuple[list[PreparedShape], list[PreparedShape]]:
+def parted_by_split(shapes: Sequence[PreparedShape]) -> tuple[list[PreparedShape], list[PreparedShape]]:
     """Procedural shapes to train on, and those to choose the epoch by."""
     kept = [shape for shape in shapes if split_of(shape.id) is Split.VALIDATION]
     return [shape for shape in shapes if split_of(shape.id) is not Split.VALIDATION], kept

@@ -161,7 +161,7 @@ class ContinuedConfig:
     """How ranking networks trained on many shapes, say procedural ones, go on with a few others, say real ones.
 
     Of the weights that they started from, `initial_share` stays in the result: networks half-way keep what they knew of the
-    many shapes, and are better on few and many than those at either end.
+    many shapes, and did better on validation shapes of the few than those at either end.
     """
 
     training: TrainingConfig = TrainingConfig(
