@@ -15,7 +15,7 @@ export PYO3_PYTHON := $(abspath $(BIN)/python)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-rust test-python lint lint-rust lint-python wheel clean
+.PHONY: help setup demo test test-rust test-python fuzz lint lint-rust lint-python wheel clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|' 2>/dev/null \
@@ -45,13 +45,17 @@ demo: $(SETUP_STAMP) ## the whole road on procedural shapes: synth, prepare, tra
 	$(KINMO) eval --workspace $(DEMO)/workspace
 	$(KINMO) report --workspace $(DEMO)/workspace
 
-test: test-rust test-python ## run all tests
+test: test-rust test-python ## run all tests, the same examples of every property each time
 
 test-rust:
-	cargo test --quiet --locked -p kinmo-geometry
+	PROPTEST_RNG_SEED=1 PROPTEST_DISABLE_FAILURE_PERSISTENCE=1 cargo test --quiet --locked -p kinmo-geometry
 
 test-python: $(SETUP_STAMP)
 	$(BIN)/python -m pytest
+
+fuzz: $(SETUP_STAMP) ## look for counterexamples: new examples of every property, many of the Rust ones
+	PROPTEST_CASES=5000 cargo test --release --quiet --locked -p kinmo-geometry
+	HYPOTHESIS_PROFILE=fuzz $(BIN)/python -m pytest
 
 lint: lint-rust lint-python ## formats, types, clippy, docs; warnings are errors
 
