@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from kinmo.learning.axis_selection.predict import AxisSelector
 from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.learning.joint_ranking.predict import JointRanking
 from kinmo.learning.joint_ranking.views import maximal_nodes
+from kinmo.learning.motion_gnn.network import TypeSet
 from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
 from kinmo.mobility import Mobility
 from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree
@@ -31,7 +32,6 @@ from kinmo.refinement import Refiner, in_file_frame
 from kinmo.shape import Shape
 from kinmo.workspace import Workspace, digest
 
-TypeSet = Literal["fine", "coarse"]
 KINMO_MODELS = ("gnn_fine", "ranking")
 NETWORKS_KEPT = 8
 """In memory, of each kind."""

@@ -15,10 +15,11 @@ from kinmo.evaluation.label_truth import WEIGHTS, weighted_score
 from kinmo.evaluation.records import annotation
 from kinmo.evaluation.trees_baseline import TreesBaseline
 from kinmo.joint import JointKind
+from kinmo.learning.motion_gnn.network import TypeSet
 from kinmo.mobility_tree import MobilityTree
 from kinmo.part_geometry import part_geometries
 from kinmo.pipeline.model_files import trained_config
-from kinmo.pipeline.predictors import KinmoPredictor, PaperPredictor, Predictor, TypeSet, network_alone
+from kinmo.pipeline.predictors import KinmoPredictor, PaperPredictor, Predictor, network_alone
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 from kinmo.refinement import Refiner

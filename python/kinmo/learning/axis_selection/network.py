@@ -8,6 +8,8 @@ from torch import Tensor, nn
 from kinmo.config import AxisConfig
 from kinmo.learning.layers import channel_norm, point_encoder
 
+KIND = "axis_selection"
+"""The name of its weights (`learning.weights`)."""
 CHANNELS = 4
 """x, y, z, and 1 on the moving part, 0 elsewhere."""
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from kinmo.candidates import Candidates
 from kinmo.config import AxisConfig, from_table
 from kinmo.learning.axis_selection.clouds import displacements, marked_cloud, of_one_kind
-from kinmo.learning.axis_selection.network import AxisSelectionNetwork
-from kinmo.learning.axis_selection.train import KIND
+from kinmo.learning.axis_selection.network import KIND, AxisSelectionNetwork
 from kinmo.learning.weights import load_weights, pick_device
 from kinmo.prepared import PreparedShape
 

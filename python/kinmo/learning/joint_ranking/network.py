@@ -7,11 +7,16 @@ and one drawer the next. Names enter as hashed words: unknown ones share buckets
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import torch
 from torch import Tensor, nn
 
+from kinmo.config import RankingConfig
+
+KIND = "joint_ranking"
+"""The name of its weights (`learning.weights`)."""
 WORD_BUCKETS = 1024
 
 
@@ -107,6 +112,22 @@ class JointRanker(nn.Module):
 
         scores = self.score(torch.cat([joint, token[batch.unit_of]], dim=1))[:, 0]
         return segment_log_softmax(scores, self.rest(token)[:, 0], batch.unit_of)
+
+
+def rankers(config: RankingConfig, hypothesis_features: int, unit_features: int) -> nn.ModuleList:
+    """`config.members` networks of the same build."""
+    return nn.ModuleList(
+        JointRanker(hypothesis_features, unit_features, config.width, config.word_features, config.dropout)
+        for _ in range(config.members)
+    )
+
+
+def averaged(networks: nn.ModuleList, batch: RankingBatch) -> tuple[Tensor, Tensor]:
+    """Logarithms of the members' mean probabilities of hypotheses [H] and of rest [U]."""
+    said = [network(batch) for network in networks]
+    shift = math.log(len(said))
+    hypotheses, rest = (torch.logsumexp(torch.stack(values), dim=0) - shift for values in zip(*said, strict=True))
+    return hypotheses, rest
 
 
 def right_probability(log_hypotheses: Tensor, log_rest: Tensor, batch: RankingBatch) -> Tensor:

@@ -12,7 +12,7 @@ from torch import nn
 from kinmo.config import RankingConfig, from_table
 from kinmo.errors import InputError
 from kinmo.learning.joint_ranking.data import View, collate
-from kinmo.learning.joint_ranking.train import KIND, averaged, rankers
+from kinmo.learning.joint_ranking.network import KIND, averaged, rankers
 from kinmo.learning.weights import load_weights, pick_device
 
 F64 = NDArray[np.float64]

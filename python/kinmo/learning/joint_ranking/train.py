@@ -16,25 +16,24 @@ from kinmo.config import RankingConfig, to_table
 from kinmo.errors import InputError
 from kinmo.evidence import Evidence
 from kinmo.learning.joint_ranking.data import View, collate
-from kinmo.learning.joint_ranking.network import JointRanker, RankingBatch, ranking_loss, right_probability
+from kinmo.learning.joint_ranking.network import (
+    KIND,
+    JointRanker,
+    RankingBatch,
+    averaged,
+    rankers,
+    ranking_loss,
+    right_probability,
+)
 from kinmo.learning.joint_ranking.views import body_view, node_view
 from kinmo.learning.training import FitResult, Learner, Progress, fit
 from kinmo.learning.weights import Weights, load_weights, save_weights
 from kinmo.prepared import PreparedShape
 
-KIND = "joint_ranking"
 WARM_UP = 0.1
 """Share of the steps in which the learning rate rises."""
 STANDARDIZED_VIEWS = 512
 VALIDATION_VIEWS = 64
-
-
-def rankers(config: RankingConfig, hypothesis_features: int, unit_features: int) -> nn.ModuleList:
-    """`config.members` networks of the same build."""
-    return nn.ModuleList(
-        JointRanker(hypothesis_features, unit_features, config.width, config.word_features, config.dropout)
-        for _ in range(config.members)
-    )
 
 
 def train_joint_ranking(
@@ -166,11 +165,3 @@ class RankingLearner(Learner):
 
 def _loss(said: tuple[torch.Tensor, torch.Tensor], batch: RankingBatch) -> torch.Tensor:
     return ranking_loss(said[0], said[1], batch)
-
-
-def averaged(networks: nn.ModuleList, batch: RankingBatch) -> tuple[torch.Tensor, torch.Tensor]:
-    """Logarithms of the members' mean probabilities of hypotheses [H] and of rest [U]."""
-    said = [network(batch) for network in networks]
-    shift = math.log(len(said))
-    hypotheses, rest = (torch.logsumexp(torch.stack(values), dim=0) - shift for values in zip(*said, strict=True))
-    return hypotheses, rest

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import torch
 from torch import Tensor, nn
 from torch.nn.functional import normalize
 
 from kinmo.config import GnnConfig
+from kinmo.joint import CoarseType, MotionType
 from kinmo.learning.graph import GraphBatch
 from kinmo.learning.hierarchy_encoder import HierarchyEncoder, NameEmbedding, RelationEmbedding
 from kinmo.learning.layers import mlp, scatter_mean
 from kinmo.learning.motion_gnn.relations import POSE_FEATURES, SIDES, STATES
+
+KIND = "motion_gnn"
+"""The name of its weights (`learning.weights`)."""
+TypeSet = Literal["fine", "coarse"]
+CLASSES: dict[TypeSet, int] = {"fine": len(MotionType), "coarse": len(CoarseType)}
 
 EDGE_CHANNELS = POSE_FEATURES + 2
 """Relative pose, distance and contact."""

@@ -13,8 +13,7 @@ from kinmo.joint import CoarseType, MotionType
 from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.learning.graph import batch_graphs
 from kinmo.learning.motion_gnn.data import grouped, shape_graph, thinned, used_edges, without_names
-from kinmo.learning.motion_gnn.network import EdgeOutput, MotionGnn
-from kinmo.learning.motion_gnn.train import CLASSES, KIND
+from kinmo.learning.motion_gnn.network import CLASSES, KIND, EdgeOutput, MotionGnn, TypeSet
 from kinmo.learning.weights import load_weights, pick_device
 from kinmo.prepared import PreparedShape
 
@@ -32,7 +31,7 @@ class MotionGnnPredictor:
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
         config = from_table(GnnConfig, loaded.config, weights.with_suffix(".json"), "config.")
-        types = "coarse" if loaded.facts.get("types") == "coarse" else "fine"
+        types: TypeSet = "coarse" if loaded.facts.get("types") == "coarse" else "fine"
         network = MotionGnn(config, CLASSES[types])
         loaded.fill(network)
         return cls(network, config, device, loaded.sha256, hide_names)

@@ -4,23 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import torch
 
 from kinmo.config import GnnConfig, to_table
-from kinmo.joint import CoarseType, MotionType
+from kinmo.joint import MotionType
 from kinmo.learning.graph import GraphBatch
 from kinmo.learning.motion_gnn.data import GraphData
 from kinmo.learning.motion_gnn.loss import COARSE_OF_FINE, class_weights, edge_losses
-from kinmo.learning.motion_gnn.network import EdgeOutput, MotionGnn
+from kinmo.learning.motion_gnn.network import CLASSES, KIND, EdgeOutput, MotionGnn, TypeSet
 from kinmo.learning.training import MONITOR, FitResult, Learner, Progress, fit
 from kinmo.learning.weights import load_weights, save_weights
 from kinmo.prepared import PreparedShape
-
-KIND = "motion_gnn"
-TypeSet = Literal["fine", "coarse"]
-CLASSES: dict[str, int] = {"fine": len(MotionType), "coarse": len(CoarseType)}
 
 
 def train_motion_gnn(

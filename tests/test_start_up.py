@@ -1,0 +1,35 @@
+"""What a command must not wait for."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+
+def loaded_by(script: str) -> set[str]:
+    """The slow libraries that a fresh Python has loaded once `script` is through."""
+    watched = "print(*sorted({'torch', 'lightning', 'sklearn', 'pybullet'} & sys.modules.keys()))"
+    process = subprocess.run(
+        [sys.executable, "-c", f"import atexit, sys\natexit.register(lambda: {watched})\n{script}"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return set(process.stdout.splitlines()[-1].split())
+
+
+@pytest.mark.parametrize("arguments", ["--help", "predict --help"])
+def test_help_needs_no_slow_library(arguments: str) -> None:
+    assert not loaded_by(f"sys.argv[1:] = {arguments.split()}\nfrom kinmo.cli import main\nmain()")
+
+
+def test_only_training_loads_lightning() -> None:
+    asking = "import kinmo.pipeline.evaluate, kinmo.pipeline.predict, kinmo.pipeline.pseudo_label"
+    assert loaded_by(asking) == {"torch"}
+    assert loaded_by("import kinmo.pipeline.train") == {"torch", "lightning"}
+
+
+def test_the_report_needs_no_network() -> None:
+    assert not loaded_by("import kinmo.pipeline.report")
