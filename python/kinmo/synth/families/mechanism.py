@@ -37,8 +37,8 @@ def build(draw: Draw) -> SynthObject:
     largest = draw.between(0.8, 2.5) if left == 1 else 1.0
     for index in draw.generator.permutation(len(SIDES)):
         if left > 0:
-            side = _Side(*(np.array(direction) for direction in SIDES[index]), size)
-            left -= side.furnish(draw, root, links, left, largest)
+            normal, up = SIDES[index]
+            left -= _Side(normal, up, size).furnish(draw, root, links, left, largest)
     return SynthObject("Mechanism", root, links)
 
 
