@@ -19,11 +19,10 @@ from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pseudo_label import ACCEPTANCE, STEPS, JudgedJoint, Judgement, Tally, judge, tally, tally_types
+from kinmo.pseudo_label import ACCEPTANCE, LABELLING, STEPS, JudgedJoint, Judgement, Tally, judge, tally, tally_types
 from kinmo.store import IndexEntry
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers, write_text_atomically
 
-STAGE = "pseudo-label"
 DECISIONS = "decisions"
 """A file a shape, accepted or not, written when all else of the shape is: what was decided, and from what."""
 SECONDS_PER_SHAPE = 1.5
@@ -47,10 +46,10 @@ class PseudoLabel:
         dataset = open_dataset(self.workspace, self.category)
         predictor = load_predictor(self.workspace, self.method, self.device)
         count = len(dataset.unlabelled)
-        if self.workspace.is_current(STAGE, self._inputs(dataset, predictor)):
+        if self.workspace.is_current(LABELLING, self._inputs(dataset, predictor)):
             return Plan((), 0.0)
         copies = f", {len(dataset.copies)} copies of labelled shapes left alone" if dataset.copies else ""
-        each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_SHAPE)
+        each = seconds_per_unit(self.workspace, LABELLING, SECONDS_PER_SHAPE)
         return Plan((f"label {count} shapes by {self.method}{copies}",), count * each)
 
     def run(self, observer: Observer) -> Outcome:
@@ -58,10 +57,10 @@ class PseudoLabel:
         predictor = load_predictor(self.workspace, self.method, self.device)
         with self.workspace.locked():
             inputs = self._inputs(dataset, predictor)
-            if self.workspace.is_current(STAGE, inputs):
+            if self.workspace.is_current(LABELLING, inputs):
                 observer.note("labelled already")
             else:
-                self.workspace.forget(STAGE)
+                self.workspace.forget(LABELLING)
                 remove_leftovers(self.workspace.pseudo)
                 whole = open_dataset(self.workspace)
                 self._remove_stale(whole)
@@ -69,7 +68,7 @@ class PseudoLabel:
                 report = acceptance(list(self._decided(whole)), len(whole.copies))
                 write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
                 outputs = [str(self._report.relative_to(self.workspace.path))]
-                self.workspace.write_record(STAGE, StageRecord(inputs, tuple(outputs)))
+                self.workspace.write_record(LABELLING, StageRecord(inputs, tuple(outputs)))
         with expecting("the report of kinmo pseudo-label", self._report):
             data = json.loads(self._report.read_text(encoding="utf-8"))
             return Outcome(self.workspace.pseudo, data, data["text"])
@@ -105,7 +104,7 @@ class PseudoLabel:
         return (decision for decision in found if decision is not None)
 
     def _label(self, dataset: Dataset, predictor: Predictor, observer: Observer) -> None:
-        with timed(self.workspace, STAGE) as watch:
+        with timed(self.workspace, LABELLING) as watch:
             for done, entry in enumerate(dataset.unlabelled, start=1):
                 made_from = digest([dataset.fingerprint([entry]), self._way(predictor)])
                 known = read_decision(self._decision(entry))
