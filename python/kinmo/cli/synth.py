@@ -38,7 +38,7 @@ def synth(
     For example:
 
         kinmo synth partnet/
-        kinmo synth partnet/ --count 50 --family refrigerator --family door
+        kinmo synth partnet/ --count 50 --family refrigerator --family door_set
     """
     from kinmo.pipeline.synth import Synth
 
