@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
 
 
@@ -19,6 +20,13 @@ class InputError(ValueError):
         self.problem = problem
         place = self.where if field is None else f"{self.where}: {field}"
         super().__init__(" ".join(f"{place}: {problem}".split()))
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """What to put after a name that is not among the `known` ones: the nearest of them as a question, if one is near."""
+    spelled = {each.lower(): each for each in known}
+    near = get_close_matches(name.lower(), spelled, n=1)
+    return f" (did you mean {spelled[near[0]]}?)" if near else ""
 
 
 @contextmanager
