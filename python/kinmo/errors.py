@@ -21,6 +21,9 @@ class InputError(ValueError):
         place = self.where if field is None else f"{self.where}: {field}"
         super().__init__(" ".join(f"{place}: {problem}".split()))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str | None]]:
+        return type(self), (self.where, self.problem, self.field)  # it comes out of worker processes
+
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """What to put after a name that is not among the `known` ones: the nearest of them as a question, if one is near."""

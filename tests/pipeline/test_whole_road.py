@@ -5,11 +5,10 @@ from __future__ import annotations
 import json
 import shutil
 from dataclasses import replace
-from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from whole_road import METHODS, Listener, Road, tiny_config
+from whole_road import METHODS, Listener, Road, contents, tiny_config
 
 from kinmo.errors import InputError
 from kinmo.formats import discover, read_found, read_partnet_mobility
@@ -26,12 +25,6 @@ from kinmo.workspace import Workspace
 
 WANTED_ROWS = ("kinmo", "GNN_coarse", "OBB_coarse", "GNN_fine", "OBB_fine")
 STAGES = ("synth", "prepare", "train", "pseudo-label", "eval")
-
-
-def contents(folder: Path) -> dict[str, str]:
-    """Digests of all files but the journal."""
-    found = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name not in (".lock", "journal.jsonl"))
-    return {str(path.relative_to(folder)): sha256(path.read_bytes()).hexdigest() for path in found}
 
 
 def test_every_stage_says_where_its_result_is(road: Road) -> None:

@@ -13,10 +13,8 @@ from kinmo.evaluation.records import ShapeScore
 from kinmo.evaluation.summary import summarise
 from kinmo.evaluation.table1 import caption_for, table1
 from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_table
-from kinmo.evaluation.trees_baseline import TreesBaseline, fit_trees
 from kinmo.export.folders import whole_folder
-from kinmo.formats import Found, Layout, read_found
-from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluation_files import (
     EXAMPLES,
     PRINTED,
@@ -30,20 +28,18 @@ from kinmo.pipeline.evaluation_files import (
 )
 from kinmo.pipeline.examples import write_examples
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.judge import Judgement, judge
+from kinmo.pipeline.judge import Judgement
+from kinmo.pipeline.judgements import Judge, judgements
 from kinmo.pipeline.model_files import trained_config
-from kinmo.pipeline.predictors import leaf_meshes
 from kinmo.pipeline.rows import CONTACT_EDGES, Row, chosen_rows
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.splits import Split
-from kinmo.store import IndexEntry
+from kinmo.pipeline.trees_answers import trees_answers
 from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
 LABELLERS = {"kinmo": RANKING_WEIGHTS, "OBB_fine": WEIGHTS}
 """Rows that make pseudo labels, and the ways of scoring that are held against the truth."""
-TREES_SHAPES = 1000
-"""The baseline of boosted trees is trained on no more."""
 SECONDS_PER_SHAPE = 2.0
+"""On one core, until the journal knows better."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +57,7 @@ class Evaluate:
     hidden_names: bool = False
     seed: int = 0
     device: str = "auto"
+    workers: int = 1
 
     def plan(self) -> Plan:
         choice, rows = self._choice(), self._rows()
@@ -68,7 +65,8 @@ class Evaluate:
             return Plan((), 0.0)
         count = len(test_shapes(open_dataset(self.workspace, choice.category)))
         step = f"score {len(rows)} rows on {count} test shapes, parts given and hierarchy given"
-        return Plan((step,), count * seconds_per_unit(self.workspace, stage_of(choice.name), SECONDS_PER_SHAPE))
+        each = seconds_per_unit(self.workspace, stage_of(choice.name), SECONDS_PER_SHAPE / self.workers)
+        return Plan((step,), count * each)
 
     def run(self, observer: Observer) -> Outcome:
         choice, rows = self._choice(), self._rows()
@@ -81,10 +79,10 @@ class Evaluate:
                 self.workspace.forget(stage)
                 remove_leftovers(self.workspace.evaluation)
                 with timed(self.workspace, stage) as watch:
-                    judgements = self._judge(open_dataset(self.workspace, choice.category), rows, observer)
+                    judged = self._judge(choice, rows, observer)
                     with whole_folder(folder) as draft:
-                        self._write(draft, judgements, choice, self._left_out(rows, observer))
-                    watch.amount, watch.what = len(judgements), f"{len(rows)} rows on {len(judgements)} test shapes"
+                        self._write(draft, judged, choice, self._left_out(rows, observer))
+                    watch.amount, watch.what = len(judged), f"{len(rows)} rows on {len(judged)} test shapes"
                 written = sorted(path for path in folder.rglob("*") if path.is_file())
                 outputs = tuple(str(path.relative_to(self.workspace.path)) for path in written)
                 self.workspace.write_record(stage, StageRecord(inputs, outputs))
@@ -97,28 +95,11 @@ class Evaluate:
     def _rows(self) -> list[Row]:
         return chosen_rows(self.workspace, self.methods, self.device, self.ablations, self.hidden_names)
 
-    def _judge(self, dataset: Dataset, rows: Sequence[Row], observer: Observer) -> list[Judgement]:
-        config = trained_config(self.workspace).refinement
-        entries, trees = test_shapes(dataset), self._trees(observer)
-        judgements = []
-        for done, entry in enumerate(entries, start=1):
-            truth = dataset.store.load(entry)
-            shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
-            judgements.append(judge(truth, leaf_meshes(shape, truth), entry.layout, rows, config, trees))
-            for failure in judgements[-1].failures:
-                observer.note(f"failed: {failure}")
-            observer.progress("evaluating shapes", done, len(entries), entry.id)
-        return judgements
-
-    def _trees(self, observer: Observer) -> TreesBaseline | None:
-        """The baseline of boosted trees, trained on what the networks were trained on."""
-        dataset = open_dataset(self.workspace)
-        entries = evenly(dataset.labelled[Split.TRAIN], TREES_SHAPES)
-        try:
-            return fit_trees(map(dataset.store.load, entries), seed=self.seed)
-        except ImportError as error:
-            observer.note(str(error))
-            return None
+    def _judge(self, choice: Choice, rows: Sequence[Row], observer: Observer) -> list[Judgement]:
+        dataset = open_dataset(self.workspace, choice.category)
+        judging = Judge(dataset.store.folder, tuple(rows), trained_config(self.workspace).refinement)
+        trees = trees_answers(self.workspace, self.seed, observer)
+        return judgements(self.workspace, dataset, test_shapes(dataset), judging, trees, self.workers, self.device, observer)
 
     def _left_out(self, rows: Sequence[Row], observer: Observer) -> str:
         """What was asked for and is not in the tables."""
@@ -127,19 +108,19 @@ class Evaluate:
         observer.note("no rows of contact edges: their network is trained by kinmo train contact-edges")
         return "No rows of contact edges: their network was not trained."
 
-    def _write(self, folder: Path, judgements: Sequence[Judgement], choice: Choice, left_out: str) -> None:
-        failures = sum(len(judgement.failures) for judgement in judgements)
+    def _write(self, folder: Path, judged: Sequence[Judgement], choice: Choice, left_out: str) -> None:
+        failures = sum(len(judgement.failures) for judgement in judged)
         note = " ".join(filter(None, [f"{failures} predictions failed and count as missed." if failures else "", left_out]))
         data = f"{choice.category or 'all categories'} of workspace {self.workspace.path.absolute().name}"
         for setting in SETTINGS:
             caption = Caption(f"Table 1, {_words(setting)}", data, 0, 0, "test split by hashed id", (self.seed,), note)
-            for name, table in _tables(judgements, setting, caption).items():
+            for name, table in _tables(judged, setting, caption).items():
                 write_table(table, folder / setting, name)
-            found = {name: summarise(scores).to_json() for name, scores in _scores(judgements, setting).items()}
+            found = {name: summarise(scores).to_json() for name, scores in _scores(judged, setting).items()}
             write_text_atomically(
                 folder / SUMMARIES / f"{setting}.json", json.dumps(found, indent=1, ensure_ascii=False) + "\n"
             )
-        write_examples(folder / EXAMPLES, (example for judgement in judgements for example in judgement.examples))
+        write_examples(folder / EXAMPLES, (example for judgement in judged for example in judgement.examples))
 
 
 def _outcome(folder: Path) -> Outcome:
@@ -151,14 +132,9 @@ def _outcome(folder: Path) -> Outcome:
     return Outcome(folder, data, text)
 
 
-def evenly(entries: Sequence[IndexEntry], most: int) -> Sequence[IndexEntry]:
-    """At most so many of some entries, spread over all of them."""
-    return entries[:: max(1, -(-len(entries) // most))]
-
-
-def _tables(judgements: Sequence[Judgement], setting: str, caption: Caption) -> Mapping[str, Table]:
+def _tables(judged: Sequence[Judgement], setting: str, caption: Caption) -> Mapping[str, Table]:
     """All tables of one setting. Those by category have no columns for ablations, whose names hold a comma."""
-    scores = _scores(judgements, setting)
+    scores = _scores(judged, setting)
     tables = {name: table for name, table in table1(scores, caption).items() if name.startswith("overview")}
     headline = {name: found for name, found in scores.items() if "," not in name}
     tables |= {name: table for name, table in table1(headline, caption).items() if not name.startswith("overview")}
@@ -169,10 +145,10 @@ def _tables(judgements: Sequence[Judgement], setting: str, caption: Caption) -> 
     return tables
 
 
-def _scores(judgements: Sequence[Judgement], setting: str) -> dict[str, list[ShapeScore]]:
+def _scores(judged: Sequence[Judgement], setting: str) -> dict[str, list[ShapeScore]]:
     """The scores of all shapes in one setting, by row."""
     scores: dict[str, list[ShapeScore]] = {}
-    for judgement in judgements:
+    for judgement in judged:
         for name, score in getattr(judgement, setting).items():
             scores.setdefault(name, []).append(score)
     return scores

@@ -9,6 +9,7 @@ from urllib.parse import quote
 
 from kinmo.config import to_table
 from kinmo.errors import InputError
+from kinmo.evaluation.trees import library_version
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.model_files import METHOD_MODELS, trained_config, weights_digest
 from kinmo.splits import Split
@@ -23,6 +24,10 @@ EXAMPLES = "examples.jsonl"
 """Answers to true joints, for the report's pictures."""
 SUMMARIES = "summaries"
 """Folder of a file a setting: every figure of every row with its interval, over joints, over categories, and by category."""
+TREES = "trees.json"
+"""What boosted trees answer for the test shapes, for whatever evaluation asks next."""
+JUDGEMENTS = "judgements"
+"""Folder of a file a test shape: what all rows answered for it, and how that was judged."""
 ALL = "all"
 """The folder of the evaluation of all categories; one of a single category has the category's name."""
 URDF_FILES = "urdf_files"
@@ -84,6 +89,7 @@ def made_from(workspace: Workspace, choice: Choice) -> dict[str, Any]:
         "test": dataset.fingerprint(test_shapes(dataset)),
         "training": whole.fingerprint(whole.labelled[Split.TRAIN]),
         "weights": {model: weights_digest(workspace, (model,)) for model in choice.models},
+        "trees": library_version(),
         "refinement": to_table(trained_config(workspace).refinement),
     }
 
