@@ -287,3 +287,13 @@ def test_a_workspace_without_ranking_networks_is_nothing_to_go_on_from(road: Roa
 def test_networks_that_go_on_from_nothing_say_so(road: Road) -> None:
     with pytest.raises(InputError, match="--from: gnn goes on from nothing, expected it with one of all, axis"):
         Train("gnn", road.workspace, "small", start=road.workspace).plan()
+
+
+def test_several_devices_are_refused_before_anything_is_done(road: Road, tmp_path: Path) -> None:
+    config = tmp_path / "several.toml"
+    text = tiny_config(tmp_path).read_text(encoding="utf-8")
+    config.write_text(text.replace("[axis.training]", "[axis.training]\ndevices = 2"), encoding="utf-8")
+    stage = Train("all", road.workspace, str(config))
+    for ask in (stage.plan, lambda: stage.run(Listener())):
+        with pytest.raises(InputError, match=r"several\.toml: axis\.training\.devices: .*one device"):
+            ask()
