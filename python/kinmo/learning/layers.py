@@ -54,24 +54,12 @@ def gather_points(features: Tensor, index: Tensor) -> Tensor:
 
 
 def neighbour_max(features: Tensor, index: Tensor) -> Tensor:
-    """Maxima [B, n, C] of `features` [B, n, C] over the points `index` [B, n, k], k < 256.
-
-    In training it is first found which neighbour each comes from, so that nothing of the size of all pairs goes backward.
-    """
-    if not torch.is_grad_enabled():
+    """Maxima [B, n, C] of `features` [B, n, C] over the points `index` [B, n, k]."""
+    if not (features.is_cpu and torch.is_grad_enabled()):
         return gather_points(features, index).amax(2)
-    width = features.shape[2]
-    rows = _rows(index).view(-1, index.shape[2])
-    flat = features.reshape(-1, width)
-    with torch.no_grad():
-        best = flat[rows[:, 0]]
-        winners = torch.zeros_like(best, dtype=torch.uint8)
-        for place, near in enumerate(rows.unbind(1)):
-            other = flat[near]
-            winners.masked_fill_(other > best, place)
-            torch.maximum(best, other, out=best)
-        winners = rows.gather(1, winners.long())
-    return flat.gather(0, winners).view(features.shape)
+    # a bag knows which neighbour its maximum comes from, so that nothing of the size of all pairs goes backward
+    bags = _rows(index).flatten(0, 1)
+    return nn.functional.embedding_bag(bags, features.flatten(0, 1), mode="max").view(features.shape)
 
 
 def _rows(index: Tensor) -> Tensor:
