@@ -34,7 +34,16 @@ from pathlib import Path
 
 PLACE = "{workspace}"
 IGNORED = ("journal*", ".lock")
-FINISHED = ("records/*", "prepared/*/*", "pseudo/*/*", "out/*/*", "shapes/*/*/*", "models/*/weights.*")
+FINISHED = (
+    "records/*",
+    "prepared/*/*",
+    "pseudo/*/*",
+    "eval/judgements/*/*",
+    "eval/trees.json",
+    "out/*/*",
+    "shapes/*/*/*",
+    "models/*/weights.*",
+)
 """Files that nothing may write again once they are whole; `models` only while the stage of the model is finished."""
 FAMILIES = ("laptop", "stapler")
 FORK = multiprocessing.get_context("forkserver")

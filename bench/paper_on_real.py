@@ -11,7 +11,6 @@ The claim at the end is that OBB_fine beats GNN_fine, as in the paper.
 
 from __future__ import annotations
 
-import argparse
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -33,12 +32,9 @@ from kinmo.part_geometry import part_geometries
 from kinmo.pipeline.rows import TYPE_SETS, true_type_candidates
 from kinmo.prepared import PreparedShape
 from kinmo.refinement import Refiner, said_alone
-from kinmo.synth.draw import ParameterRange
-from kinmo.synth.generate import Layout, generate
 from real_figures import Figures, figures_of, print_figures
-from real_objects import Bench, Fold, parted_by_split, prepared
+from real_shapes import Fold, gathered, parser_for, parted_by_split
 
-ROOT = Path(__file__).parents[1]
 Model = Literal["gnn_coarse", "gnn_fine", "axis"]
 MODELS: tuple[Model, ...] = ("gnn_coarse", "gnn_fine", "axis")
 PRETRAINING = {"gnn_coarse": 40, "gnn_fine": 40, "axis": 20}
@@ -120,32 +116,23 @@ def score_frame(rows: Rows, shapes: Sequence[PreparedShape], config: Config) -> 
 
 def main() -> int:
     """Train what is missing, print every row, and the claim last."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=ROOT / "data" / "partnet" / "gensim2")
-    parser.add_argument("--cache", type=Path, default=ROOT / "workspace" / "bench")
-    parser.add_argument("--count", type=int, default=16, help="procedural shapes a family")
-    parser.add_argument("--folds", type=int, default=5)
+    parser = parser_for(__doc__, count=16)
     parser.add_argument("--quick", action="store_true", help="few procedural shapes, and none of the real ones to learn from")
     args = parser.parse_args()
-    if not args.data.exists():
-        print(f"no real objects at {args.data}: docs/getting-the-data.md says where they come from")
-        return claim({})
-    torch.set_num_threads(1)
     count, folds = (6, 0) if args.quick else (args.count, args.folds)
-    cache = args.cache / f"{count}-a-family"
-    shapes, only = cache / "shapes", (Layout.PARTNET_MOBILITY,)
-    generate(shapes, count=count, layouts=only, seed=11, parameter_range=ParameterRange.BOTH, workers=2)
-    real, procedural = prepared(args.data, cache / "real"), prepared(shapes, cache / "procedural")
-    bench = Bench(cache, real, procedural, load_config("small"), folds)
-    networks = Networks(cache / "models", bench.config)
-    print(f"{len(real)} real and {len(procedural)} procedural shapes, {folds} folds, 1 seed")
-    pretrained = {model: networks.pretrained(model, procedural) for model in MODELS}
+    torch.set_num_threads(1)
+    shapes = gathered(args.data, args.cache, count, folds)
+    if shapes is None:
+        return claim({})
+    networks = Networks(shapes.cache / "models", load_config("small"))
+    print(f"{len(shapes.real)} real and {len(shapes.procedural)} procedural shapes, {folds} folds, 1 seed")
+    pretrained = {model: networks.pretrained(model, shapes.procedural) for model in MODELS}
     transferred: Rows = {}
-    score_frame(transferred, real, bench.config)
-    score_rows(transferred, real, pretrained, bench.config)
+    score_frame(transferred, shapes.real, networks.config)
+    score_rows(transferred, shapes.real, pretrained, networks.config)
     rows: Rows = {}
-    for fold in bench.by_fold():
-        score_rows(rows, fold[3], {m: networks.fine_tuned(m, fold, pretrained[m]) for m in MODELS}, bench.config)
+    for fold in shapes.by_fold():
+        score_rows(rows, fold[3], {m: networks.fine_tuned(m, fold, pretrained[m]) for m in MODELS}, networks.config)
     named = {f"{name}, procedural shapes alone" if "_" in name else name: found for name, found in transferred.items()}
     figures = {name: figures_of(found) for name, found in (named | rows).items()}
     print_figures(figures)

@@ -15,9 +15,8 @@ train anew each time, one network instead of several.
 
 from __future__ import annotations
 
-import argparse
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -39,19 +38,13 @@ from kinmo.mobility import Mobility
 from kinmo.normalisation import Normalisation
 from kinmo.pipeline.predictors import leaf_meshes
 from kinmo.prediction import Prediction
-from kinmo.prepare import prepare_folder
 from kinmo.prepared import PreparedShape
 from kinmo.ranked_mobility import moving_nodes, predicted_bodies, ranked_bodies, tree_of
 from kinmo.refinement import in_file_frame
-from kinmo.splits import Split, fold_of, is_validation_in_fold, split_of
-from kinmo.store import PreparedStore
-from kinmo.synth.draw import ParameterRange
-from kinmo.synth.generate import Layout, generate
-from kinmo.workspace import Workspace
 from real_figures import Figures, figures_of, print_figures
+from real_shapes import Fold, Shapes, gathered, parser_for, parted_by_split
 from turned_objects import turned_shapes
 
-ROOT = Path(__file__).parents[1]
 ROWS = ("given", "hidden", "turned", "transfer", "categories", "hierarchy", "families", "trees")
 PRETRAINING: dict[str, Any] = {"epochs": 10}
 """Of the schedule on procedural shapes, which are many."""
@@ -59,22 +52,18 @@ GOALS = {"type": 0.96, "axis": -2.5, "axis macro": -4.0, "ok": 0.90}
 """What the row `given` is to reach; negative: at most."""
 GNN_STRIDE, GNN_TRAINING = 4, {"epochs": 30}
 """The motion GNN learns from every fourth procedural shape, and a shorter time than its configuration says."""
-Fold = tuple[str, list[PreparedShape], list[PreparedShape], list[PreparedShape]]
 
 
 @dataclass(frozen=True)
 class Bench:
-    """The shapes, and where networks are kept."""
+    """Training of the networks, each kept beside its shapes and not trained twice."""
 
-    cache: Path
-    real: list[PreparedShape]
-    procedural: list[PreparedShape]
+    shapes: Shapes
     config: Config
-    folds: int
 
     def pretrained(self, seed: int) -> Path:
         """Ranking weights trained on the procedural shapes of all categories."""
-        return self._ranking(f"procedural-{seed}", *parted_by_split(self.procedural), seed)
+        return self._ranking(f"procedural-{seed}", *parted_by_split(self.shapes.procedural), seed)
 
     def fine_tuned(self, fold: Fold, seed: int) -> Path:
         """Ranking weights that went on with the real objects of a fold."""
@@ -85,7 +74,7 @@ class Bench:
         """The same, but neither training has a shape of the categories that the fold tests; one network."""
         name, training, validation, tested = fold
         unseen = {shape.category for shape in tested}
-        procedural = [shape for shape in self.procedural if shape.category not in unseen]
+        procedural = [shape for shape in self.shapes.procedural if shape.category not in unseen]
         initial = self._ranking(f"procedural-{name}-{seed}", *parted_by_split(procedural), seed, members=1)
         if not training:
             return initial
@@ -100,7 +89,7 @@ class Bench:
         initial: Path | None = None,
         members: int | None = None,
     ) -> Path:
-        folder = self.cache / "models" / f"ranking-{name}"
+        folder = self.shapes.cache / "models" / f"ranking-{name}"
         config = self.config.ranking
         if members is not None:
             config = replace(config, members=members)
@@ -112,42 +101,13 @@ class Bench:
 
     def gnn(self) -> MotionGnnPredictor:
         """A motion GNN trained on some procedural shapes: it says which moving siblings are one body."""
-        folder = self.cache / "models" / "gnn-procedural"
+        folder = self.shapes.cache / "models" / "gnn-procedural"
         if not (folder / "weights.safetensors").exists():
-            rest, kept = (shapes[::GNN_STRIDE] for shapes in parted_by_split(self.procedural))
+            rest, kept = (shapes[::GNN_STRIDE] for shapes in parted_by_split(self.shapes.procedural))
             config = replace(self.config.gnn, training=replace(self.config.gnn.training, **GNN_TRAINING))
             print(f"training {folder.name} on {len(rest)} shapes", flush=True)
             train_motion_gnn(rest, kept, config, folder, types="fine", seed=0, device="cpu")
         return MotionGnnPredictor.load(folder / "weights.safetensors", "cpu")
-
-    def by_fold(self) -> Iterator[Fold]:
-        for fold in range(self.folds):
-            others = [shape for shape in self.real if fold_of(shape.id, self.folds) != fold]
-            tested = [shape for shape in self.real if fold_of(shape.id, self.folds) == fold]
-            yield (f"fold{fold}", *_parted(others, fold, self.folds), tested)
-
-    def by_category(self) -> Iterator[Fold]:
-        for fold in range(self.folds):
-            others = [shape for shape in self.real if fold_of(shape.category, self.folds) != fold]
-            tested = [shape for shape in self.real if fold_of(shape.category, self.folds) == fold]
-            yield (f"categories{fold}", *_parted(others, self.folds, self.folds), tested)
-
-    def unseen_half(self) -> Fold:
-        """No real shapes to train on, and the procedural test shapes of half the families to test with."""
-        tested = [shape for shape in self.procedural if fold_of(shape.category, 2) == 0]
-        return "families", [], [], [shape for shape in tested if split_of(shape.id) is Split.TEST]
-
-
-def _parted(shapes: Sequence[PreparedShape], fold: int, folds: int) -> tuple[list[PreparedShape], list[PreparedShape]]:
-    """Shapes to train on, and those to choose the epoch by."""
-    kept = {shape.id for shape in shapes if is_validation_in_fold(shape.id, fold, folds)}
-    return [shape for shape in shapes if shape.id not in kept], [shape for shape in shapes if shape.id in kept]
-
-
-def parted_by_split(shapes: Sequence[PreparedShape]) -> tuple[list[PreparedShape], list[PreparedShape]]:
-    """Procedural shapes to train on, and those to choose the epoch by."""
-    kept = [shape for shape in shapes if split_of(shape.id) is Split.VALIDATION]
-    return [shape for shape in shapes if split_of(shape.id) is not Split.VALIDATION], kept
 
 
 def given(shape: PreparedShape, ranking: JointRanking) -> ShapeScore:
@@ -179,66 +139,50 @@ def scores(bench: Bench, row: str, seeds: int) -> dict[str, list[ShapeScore]]:
 
     for seed in range(seeds):
         if row == "transfer":
-            add("procedural shapes alone", bench.pretrained(seed), bench.real)
-            add("procedural shapes alone, names hidden", bench.pretrained(seed), bench.real, hidden=True)
+            add("procedural shapes alone", bench.pretrained(seed), bench.shapes.real)
+            add("procedural shapes alone, names hidden", bench.pretrained(seed), bench.shapes.real, hidden=True)
         elif row == "categories":
-            for fold in bench.by_category():
+            for fold in bench.shapes.by_category():
                 add("category left out", bench.never_saw(fold, seed), fold[3])
         elif row == "families":
-            fold = bench.unseen_half()
+            fold = bench.shapes.unseen_half()
             add("procedural families never seen", bench.never_saw(fold, seed), fold[3])
         elif row == "trees":
-            for _, training, validation, tested in bench.by_fold():
+            for _, training, validation, tested in bench.shapes.by_fold():
                 trees = fit_trees([*training, *validation], seed=seed)
                 for shape in tested:
                     for name, told in (("trees", False), ("trees, kinds given", True)):
                         found.setdefault(name, []).append(parts_given(shape, trees.answers(shape, kinds_given=told)))
         else:
-            for fold in bench.by_fold():
+            for fold in bench.shapes.by_fold():
                 weights, tested = bench.fine_tuned(fold, seed), fold[3]
                 if row == "given":
                     add("bodies given", weights, tested)
                 elif row == "hidden":
                     add("bodies given, names hidden", weights, tested, hidden=True)
                 elif row == "turned":
-                    add("turned about up", weights, turned_shapes(tested, bench.cache / "turned-about-up", freely=False))
-                    add("turned freely", weights, turned_shapes(tested, bench.cache / "turned-freely", freely=True))
+                    add("turned about up", weights, turned_shapes(tested, bench.shapes.cache / "turned-about-up", freely=False))
+                    add("turned freely", weights, turned_shapes(tested, bench.shapes.cache / "turned-freely", freely=True))
                 elif row == "hierarchy":
                     ranking, gnn = JointRanking.load(weights, "cpu"), bench.gnn()
                     found.setdefault("hierarchy given", []).extend(segmented(shape, ranking, gnn) for shape in tested)
     return found
 
 
-def prepared(folder: Path, cache: Path) -> list[PreparedShape]:
-    """The labelled shapes below a folder, with joints."""
-    workspace = Workspace(cache)
-    prepare_folder(folder, workspace, workers=2)
-    store = PreparedStore(workspace.prepared)
-    return [store.load(entry) for entry in store.entries if entry.joint_count]
-
-
 def main() -> int:
     """Train what is missing, print every row, and the claim last."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=ROOT / "data" / "partnet" / "gensim2")
-    parser.add_argument("--cache", type=Path, default=ROOT / "workspace" / "bench")
-    parser.add_argument("--count", type=int, default=60, help="procedural shapes a family")
+    parser = parser_for(__doc__, count=60)
     parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--folds", type=int, default=5)
     parser.add_argument("--rows", nargs="+", choices=ROWS, default=ROWS)
     parser.add_argument("--quick", action="store_true", help="few procedural shapes, one seed, bodies given alone")
     args = parser.parse_args()
-    if not args.data.exists():
-        print(f"no real objects at {args.data}: docs/getting-the-data.md says where they come from")
-        return claim(None)
-    torch.set_num_threads(2)
     count, seeds, rows = (6, 1, ("given",)) if args.quick else (args.count, args.seeds, args.rows)
-    cache = args.cache / f"{count}-a-family"
-    shapes, only = cache / "shapes", (Layout.PARTNET_MOBILITY,)
-    generate(shapes, count=count, layouts=only, seed=11, parameter_range=ParameterRange.BOTH, workers=2)
-    real, procedural = prepared(args.data, cache / "real"), prepared(shapes, cache / "procedural")
-    bench = Bench(cache, real, procedural, load_config("small"), args.folds)
-    print(f"{len(bench.real)} real and {len(bench.procedural)} procedural shapes, {args.folds} folds, {seeds} seeds")
+    torch.set_num_threads(2)
+    shapes = gathered(args.data, args.cache, count, args.folds)
+    if shapes is None:
+        return claim(None)
+    bench = Bench(shapes, load_config("small"))
+    print(f"{len(shapes.real)} real and {len(shapes.procedural)} procedural shapes, {args.folds} folds, {seeds} seeds")
     figures: dict[str, Figures] = {}
     for row in rows:
         for name, found in scores(bench, row, seeds).items():

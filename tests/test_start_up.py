@@ -5,8 +5,6 @@ from __future__ import annotations
 import subprocess
 import sys
 
-import pytest
-
 
 def loaded_by(script: str) -> set[str]:
     """The slow libraries that a fresh Python has loaded once `script` is through."""
@@ -18,11 +16,6 @@ def loaded_by(script: str) -> set[str]:
         check=True,
     )
     return set(process.stdout.splitlines()[-1].split())
-
-
-@pytest.mark.parametrize("arguments", ["--help", "predict --help"])
-def test_help_needs_no_slow_library(arguments: str) -> None:
-    assert not loaded_by(f"sys.argv[1:] = {arguments.split()}\nfrom kinmo.cli import main\nmain()")
 
 
 def test_only_training_loads_lightning() -> None:

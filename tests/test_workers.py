@@ -84,6 +84,20 @@ def test_workers_end_with_a_process_that_is_killed(tmp_path):
     assert not any(is_running(pid) for pid in pids)
 
 
+def test_nobody_but_the_owner_minds_an_interrupt_while_workers_start(tmp_path):
+    script = tmp_path / "owner.py"
+    script.write_text(
+        "import os, signal, threading, time\n"
+        "from kinmo.workers import map_unordered\n"
+        "if __name__ == '__main__':\n"
+        "    threading.Timer(0.1, os.killpg, (0, signal.SIGINT)).start()\n"
+        "    list(map_unordered(time.sleep, [0.5] * 8, 2))\n"
+    )
+    owner = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, start_new_session=True, timeout=60)
+    assert owner.returncode != 0
+    assert owner.stderr.count("Traceback") == 1 and owner.stderr.rstrip().endswith("KeyboardInterrupt")
+
+
 def is_running(pid: int) -> bool:
     """Whether a process is there and is not merely waiting to be buried."""
     try:

@@ -53,6 +53,7 @@ class TrainingConfig:
 
     `average` is the decay a step of a moving average of the weights, which then is what is chosen and kept (0: no average).
     `keep`: the epoch that did best on validation, or the last one, where the shapes to choose by are too few to tell.
+    `devices`: several are for scripts that call `learning.training.fit`, and run once a device; `kinmo train` takes one.
     """
 
     epochs: Count

@@ -20,6 +20,9 @@ class InputError(ValueError):
         place = self.where if field is None else f"{self.where}: {field}"
         super().__init__(" ".join(f"{place}: {problem}".split()))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str | None]]:
+        return type(self), (self.where, self.problem, self.field)  # it comes out of worker processes
+
 
 @contextmanager
 def expecting(what: str, where: Path | str) -> Iterator[None]:

@@ -12,6 +12,8 @@ STEPS = tuple(round(0.1 * step, 1) for step in range(10))
 """The thresholds of the acceptance report."""
 ACCEPTANCE = "acceptance.json"
 """Name of that report, in the folder of the labels."""
+LABELLING = "pseudo-label"
+"""Name of the stage that gives labels, and of its record."""
 
 
 @dataclass(frozen=True)

@@ -147,14 +147,15 @@ def _mobility_to_data(mobility: Mobility) -> dict[str, Any]:
             "name": body.name,
             "leaves": list(body.leaves),
             "parent": body.parent,
-            "joint": None if body.joint is None else _joint_to_data(body.joint),
+            "joint": None if body.joint is None else joint_to_data(body.joint),
         }
         for body in mobility.bodies
     ]
     return {"bodies": bodies, "junk": sorted(mobility.junk)}
 
 
-def _joint_to_data(joint: Joint) -> dict[str, Any]:
+def joint_to_data(joint: Joint) -> dict[str, Any]:
+    """A joint as plain data."""
     return {
         "kind": joint.kind.value,
         "direction": [float(x) for x in joint.direction],
@@ -172,14 +173,15 @@ def _mobility_from_data(data: dict[str, Any]) -> Mobility:
             body["name"],
             tuple(body["leaves"]),
             body["parent"],
-            None if body["joint"] is None else _joint_from_data(body["joint"]),
+            None if body["joint"] is None else joint_from_data(body["joint"]),
         )
         for body in data["bodies"]
     )
     return Mobility(bodies, frozenset(data["junk"]))
 
 
-def _joint_from_data(data: dict[str, Any]) -> Joint:
+def joint_from_data(data: Mapping[str, Any]) -> Joint:
+    """What `joint_to_data` took apart. Raises KeyError, TypeError or ValueError for anything else."""
     return Joint(
         JointKind(data["kind"]),
         np.array(data["direction"], np.float64),

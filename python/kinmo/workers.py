@@ -9,9 +9,11 @@ import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import connection
+from types import FrameType
 from typing import TypeVar
 
 Job = TypeVar("Job")
@@ -50,7 +52,8 @@ def map_unordered(
                 try:
                     while True:
                         for job in islice(remaining, _QUEUED_PER_WORKER * workers - len(in_flight)):
-                            in_flight[pool.submit(function, job)] = job
+                            with _interrupts_held():
+                                in_flight[pool.submit(function, job)] = job
                         if not in_flight:
                             finished = True
                             break
@@ -71,7 +74,9 @@ def _one_at_a_time(function: Callable[[Job], Answer], jobs: list[Job]) -> Iterat
             while pending:
                 job = pending.pop(0)
                 try:
-                    answer: Answer | Crashed = pool.submit(function, job).result()
+                    with _interrupts_held():
+                        future = pool.submit(function, job)
+                    answer: Answer | Crashed = future.result()
                 except BrokenProcessPool:
                     answer = Crashed()
                 yield job, answer
@@ -81,6 +86,27 @@ def _one_at_a_time(function: Callable[[Job], Answer], jobs: list[Job]) -> Iterat
 
 def _pool(workers: int) -> ProcessPoolExecutor:
     return ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=_start_worker)
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Ctrl-C waits until the block is over. Processes that start in it never see one, not even before `_start_worker`.
+
+    They inherit the mask; the handler is for interrupts that reach another thread of this process.
+    """
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    came: list[tuple[int, FrameType | None]] = []
+    handler = signal.signal(signal.SIGINT, lambda number, frame: came.append((number, frame)))
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        signal.signal(signal.SIGINT, handler)
+        if came and callable(handler):
+            handler(*came[0])
 
 
 def _start_worker() -> None:

@@ -16,6 +16,8 @@ from kinmo import __version__
 from kinmo.cli.app import app
 
 COMMANDS = sorted(get_command(app).commands)  # type: ignore[attr-defined]
+WITHOUT_WORKERS = ("train", "report")
+"""They do one thing after the other."""
 PLAIN = {"TERM": "dumb", "NO_COLOR": "1", "COLUMNS": "140"}
 
 
@@ -40,8 +42,9 @@ def test_every_command_teaches_itself_by_example(command: str) -> None:
     assert result.exit_code == 0
     assert "For example:" in result.output
     assert f"kinmo {command}" in result.output.split("For example:")[1]
-    for option in ("--workspace", "--device", "--seed", "--workers", "--dry-run", "--quiet", "--json"):
+    for option in ("--workspace", "--device", "--seed", "--dry-run", "--quiet", "--json"):
         assert option in result.output
+    assert ("--workers" in result.output) == (command not in WITHOUT_WORKERS)
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -1,6 +1,9 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -52,6 +55,15 @@ class Points:
 
     def validation_batches(self) -> list[Tensor]:
         return list(Points().training_batches(0, np.random.default_rng(99)))
+
+
+def on_two_processes(folder: Path) -> None:
+    """What Lightning runs once a process: train, and write down what came out."""
+    config = replace(CONFIG, devices=2, epochs=2)
+    module = Line(config)
+    result = fit(module, Points(), folder / "run", seed=3, device="cpu")
+    said = [result.best_epoch, result.best_error, *(p.detach().tolist() for p in module.parameters())]
+    (folder / f"{os.environ['LOCAL_RANK']}.json").write_text(json.dumps(said))
 
 
 def end_state(folder: Path, config: TrainingConfig = CONFIG, seed: int = 3) -> tuple[list[Tensor], Points]:
@@ -163,3 +175,16 @@ def test_an_interrupt_stays_an_interrupt(tmp_path: Path) -> None:
 def test_a_device_that_is_not_there_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="--device: 'quantum'"):
         fit(Line(), Points(), tmp_path, device="quantum")
+
+
+def test_processes_that_train_together_agree(tmp_path: Path) -> None:
+    here = Path(__file__)
+    script = tmp_path / "script.py"
+    script.write_text(
+        f"import sys\nfrom pathlib import Path\nsys.path.insert(0, {str(here.parent)!r})\n"
+        f"from {here.stem} import on_two_processes\nif __name__ == '__main__':\n    on_two_processes(Path({str(tmp_path)!r}))\n"
+    )
+    env = {**os.environ, "OMP_NUM_THREADS": "1"}
+    subprocess.run([sys.executable, str(script)], check=True, capture_output=True, timeout=300, env=env)
+    one, other = (json.loads((tmp_path / f"{rank}.json").read_text()) for rank in (0, 1))
+    assert one == other

@@ -5,11 +5,10 @@ from __future__ import annotations
 import json
 import shutil
 from dataclasses import replace
-from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from whole_road import METHODS, Listener, Road, tiny_config
+from whole_road import METHODS, Listener, Road, contents, tiny_config
 
 from kinmo.errors import InputError
 from kinmo.formats import discover, read_found, read_partnet_mobility
@@ -26,12 +25,6 @@ from kinmo.workspace import Workspace
 
 WANTED_ROWS = ("kinmo", "GNN_coarse", "OBB_coarse", "GNN_fine", "OBB_fine")
 STAGES = ("synth", "prepare", "train", "pseudo-label", "eval")
-
-
-def contents(folder: Path) -> dict[str, str]:
-    """Digests of all files but the journal."""
-    found = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name not in (".lock", "journal.jsonl"))
-    return {str(path.relative_to(folder)): sha256(path.read_bytes()).hexdigest() for path in found}
 
 
 def test_every_stage_says_where_its_result_is(road: Road) -> None:
@@ -267,3 +260,13 @@ def test_ranking_goes_on_from_another_workspace(road: Road, tmp_path: Path) -> N
 def test_a_workspace_without_ranking_networks_is_nothing_to_go_on_from(road: Road, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="weights to go on from"):
         Train("axis", road.workspace, "small", start=Workspace(tmp_path)).plan()
+
+
+def test_several_devices_are_refused_before_anything_is_done(road: Road, tmp_path: Path) -> None:
+    config = tmp_path / "several.toml"
+    text = tiny_config(tmp_path).read_text(encoding="utf-8")
+    config.write_text(text.replace("[axis.training]", "[axis.training]\ndevices = 2"), encoding="utf-8")
+    stage = Train("all", road.workspace, str(config))
+    for ask in (stage.plan, lambda: stage.run(Listener())):
+        with pytest.raises(InputError, match=r"several\.toml: axis\.training\.devices: .*one device"):
+            ask()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from hashlib import sha256
 from importlib.resources import files
 from pathlib import Path
 
@@ -45,3 +46,9 @@ def tiny_config(folder: Path) -> Path:
     path = folder / "tiny.toml"
     path.write_text("\n".join("epochs = 1" if line.startswith("epochs") else line for line in lines), encoding="utf-8")
     return path
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """Digests of all files but the journal."""
+    found = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name not in (".lock", "journal.jsonl"))
+    return {str(path.relative_to(folder)): sha256(path.read_bytes()).hexdigest() for path in found}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Annotated, Any
 
@@ -66,8 +66,8 @@ def program(
     """Hold the options of the program itself; its help is HELP."""
 
 
-def _register(name: str, function: Callable[..., None]) -> None:
-    command = with_common_options(function)
+def _register(name: str, function: Callable[..., None], without: Sequence[str] = ()) -> None:
+    command = with_common_options(function, without)
 
     @wraps(command)
     def guarded(**values: Any) -> None:
@@ -79,11 +79,11 @@ def _register(name: str, function: Callable[..., None]) -> None:
 
 _register("synth", synth.synth)
 _register("prepare", prepare.prepare)
-_register("train", train.train)
+_register("train", train.train, without=["workers"])
 _register("pseudo-label", pseudo_label.pseudo_label)
 _register("eval", evaluation.evaluate)
 _register("predict", predict.predict)
-_register("report", report.report)
+_register("report", report.report, without=["workers"])
 
 
 def main() -> None:

@@ -49,4 +49,5 @@ def evaluate(
     from kinmo.pipeline.evaluate import Evaluate
 
     methods = tuple(each.value for each in Method) if method is None else (method.value,)
-    execute(options, Evaluate(workspace, methods, category, ablations, hidden_names, options.seed, options.device))
+    stage = Evaluate(workspace, methods, category, ablations, hidden_names, options.seed, options.device, options.worker_count)
+    execute(options, stage)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import MISSING, dataclass, fields
 from enum import Enum
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import Annotated, Any, get_type_hints
 
 from typer import Option
 
-COMMON = "Options of every command"
+COMMON = "Options of all commands"
 
 
 class Method(str, Enum):
@@ -35,7 +35,8 @@ class CommonOptions:
     ] = "auto"
     seed: Annotated[int, Option(min=0, help="Seed of everything random.", rich_help_panel=COMMON)] = 0
     workers: Annotated[
-        int, Option(min=0, help="Processes and threads; 0 is one a CPU core.", show_default="0", rich_help_panel=COMMON)
+        int,
+        Option(min=0, help="Processes that share the shapes; 0 is one a CPU core.", show_default="0", rich_help_panel=COMMON),
     ] = 0
     dry_run: Annotated[
         bool, Option("--dry-run", help="Say what would run, and about how long, and stop.", rich_help_panel=COMMON)
@@ -51,19 +52,23 @@ class CommonOptions:
         return self.workers or len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(os.cpu_count() or 1))
 
 
-def with_common_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """`function(options: CommonOptions, ...)` as a function of its other parameters and, after them, the common options."""
+def with_common_options(function: Callable[..., Any], without: Sequence[str] = ()) -> Callable[..., Any]:
+    """`function(options: CommonOptions, ...)` as a function of its other parameters and, after them, the common options.
+
+    Those named in `without`, which mean nothing to the command, keep their defaults and cannot be given.
+    """
     own = list(inspect.signature(function).parameters.values())[1:]
     hints = get_type_hints(function, include_extras=True)
     common = get_type_hints(CommonOptions, include_extras=True)
     keyword = inspect.Parameter.KEYWORD_ONLY
     parameters = [p.replace(kind=keyword, annotation=hints[p.name]) for p in own]
-    for entry in fields(CommonOptions):
+    given = [entry for entry in fields(CommonOptions) if entry.name not in without]
+    for entry in given:
         assert entry.default is not MISSING
         parameters.append(inspect.Parameter(entry.name, keyword, default=entry.default, annotation=common[entry.name]))
 
     def call(**values: Any) -> Any:
-        options = CommonOptions(**{entry.name: values.pop(entry.name) for entry in fields(CommonOptions)})
+        options = CommonOptions(**{entry.name: values.pop(entry.name) for entry in given})
         return function(options, **values)
 
     call.__name__, call.__doc__, call.__module__ = function.__name__, function.__doc__, function.__module__

@@ -31,4 +31,5 @@ def predict(
     from kinmo.pipeline.predict import Predict
     from kinmo.workspace import Workspace
 
-    execute(options, Predict(shape, out, Workspace(options.workspace), method.value, options.seed, options.device))
+    workspace = Workspace(options.workspace)
+    execute(options, Predict(shape, out, workspace, method.value, options.seed, options.device, options.worker_count))

@@ -34,5 +34,5 @@ def pseudo_label(
     from kinmo.pipeline.pseudo_label import PseudoLabel
     from kinmo.workspace import Workspace
 
-    stage = PseudoLabel(Workspace(options.workspace), method.value, category, threshold, options.device)
-    execute(options, stage)
+    workspace = Workspace(options.workspace)
+    execute(options, PseudoLabel(workspace, method.value, category, threshold, options.device, options.worker_count))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,14 @@ ITERATIONS = 150
 LEARNING_RATE = 0.1
 KIND_LEAVES, RANK_LEAVES = 8, 31
 """Of a tree. There are hundreds of bodies to class, and dozens of times as many candidates to rank."""
+
+
+def library_version() -> str | None:
+    """The version of scikit-learn, which is not imported for this; None where it is not installed."""
+    try:
+        return version("scikit-learn")
+    except PackageNotFoundError:
+        return None
 
 
 def _classifier(seed: int, iterations: int, leaves: int) -> Any:

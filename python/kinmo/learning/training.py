@@ -199,7 +199,7 @@ class _Recorder(Callback):
         checkpoint["kinmo_identity"] = self.identity
 
     def on_train_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        metrics = {name: float(value) for name, value in trainer.callback_metrics.items()}
+        metrics = {name: float(trainer.strategy.reduce(value)) for name, value in trainer.callback_metrics.items()}
         epoch = trainer.current_epoch
         self.history = [*self.history[:epoch], {"epoch": float(epoch), **metrics}]
         error = metrics[MONITOR]

@@ -15,9 +15,13 @@ from kinmo.workspace import Workspace, digest
 
 @dataclass(frozen=True)
 class Dataset:
-    """The prepared shapes of a workspace by their use. `copies` are unlabelled copies of labelled ones, left alone."""
+    """The prepared shapes of a workspace by their use. `copies` are unlabelled copies of labelled ones, left alone.
+
+    `category` is what all of them are, as the index spells it, or None.
+    """
 
     store: PreparedStore
+    category: str | None
     labelled: Mapping[Split, tuple[IndexEntry, ...]]
     unlabelled: tuple[IndexEntry, ...]
     copies: tuple[IndexEntry, ...]
@@ -52,4 +56,5 @@ def open_dataset(workspace: Workspace, category: str | None = None) -> Dataset:
         tuple(entry for entry, leaking in zip(unlabelled, is_copy, strict=True) if leaking is wanted)
         for wanted in (False, True)
     )
-    return Dataset(store, by_split, originals, copies)
+    spelling = None if category is None else min(entry.category for entry in entries)
+    return Dataset(store, spelling, by_split, originals, copies)

@@ -8,35 +8,38 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from kinmo.config import to_table
-from kinmo.errors import InputError
 from kinmo.evaluation.label_truth import RANKING_WEIGHTS, WEIGHTS, curves, label_truth_table
 from kinmo.evaluation.records import ShapeScore
 from kinmo.evaluation.summary import summarise
 from kinmo.evaluation.table1 import caption_for, table1
 from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_table
-from kinmo.evaluation.trees_baseline import TreesBaseline, fit_trees
-from kinmo.formats import Found, Layout, read_found
-from kinmo.pipeline.dataset import Dataset, open_dataset
-from kinmo.pipeline.evaluation_files import EXAMPLES, PRINTED, SETTINGS
+from kinmo.export.folders import whole_folder
+from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.evaluation_files import (
+    EXAMPLES,
+    PRINTED,
+    SETTINGS,
+    SUMMARIES,
+    Choice,
+    folder_of,
+    made_from,
+    stage_of,
+    test_shapes,
+)
 from kinmo.pipeline.examples import write_examples
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.judge import Judgement, judge
+from kinmo.pipeline.judge import Judgement
+from kinmo.pipeline.judgements import Judge, judgements
 from kinmo.pipeline.model_files import trained_config
-from kinmo.pipeline.predictors import leaf_meshes
 from kinmo.pipeline.rows import CONTACT_EDGES, Row, chosen_rows
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.splits import Split
-from kinmo.store import IndexEntry
+from kinmo.pipeline.trees_answers import trees_answers
 from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
-SUMMARIES = "summaries"
-"""Folder of a file a setting: every figure of every row with its interval, over joints, over categories, and by category."""
 LABELLERS = {"kinmo": RANKING_WEIGHTS, "OBB_fine": WEIGHTS}
 """Rows that make pseudo labels, and the ways of scoring that are held against the truth."""
-TREES_SHAPES = 1000
-"""The baseline of boosted trees is trained on no more."""
 SECONDS_PER_SHAPE = 2.0
+"""On one core, until the journal knows better."""
 
 
 @dataclass(frozen=True)
@@ -54,73 +57,49 @@ class Evaluate:
     hidden_names: bool = False
     seed: int = 0
     device: str = "auto"
+    workers: int = 1
 
     def plan(self) -> Plan:
-        dataset = open_dataset(self.workspace, self.category)
-        entries, rows = _test_shapes(dataset), self._rows()
-        if self.workspace.is_current(self._stage, self._inputs(dataset, rows)):
+        choice, rows = self._choice(), self._rows()
+        if self.workspace.is_current(stage_of(choice.name), made_from(self.workspace, choice)):
             return Plan((), 0.0)
-        step = f"score {len(rows)} rows on {len(entries)} test shapes, parts given and hierarchy given"
-        return Plan((step,), len(entries) * seconds_per_unit(self.workspace, self._stage, SECONDS_PER_SHAPE))
+        count = len(test_shapes(open_dataset(self.workspace, choice.category)))
+        step = f"score {len(rows)} rows on {count} test shapes, parts given and hierarchy given"
+        each = seconds_per_unit(self.workspace, stage_of(choice.name), SECONDS_PER_SHAPE / self.workers)
+        return Plan((step,), count * each)
 
     def run(self, observer: Observer) -> Outcome:
-        dataset = open_dataset(self.workspace, self.category)
-        rows = self._rows()
+        choice, rows = self._choice(), self._rows()
+        stage, folder = stage_of(choice.name), folder_of(self.workspace, choice.name)
         with self.workspace.locked():
-            inputs = self._inputs(dataset, rows)
-            if self.workspace.is_current(self._stage, inputs):
+            inputs = made_from(self.workspace, choice)
+            if self.workspace.is_current(stage, inputs):
                 observer.note("evaluated already")
             else:
-                self.workspace.forget(self._stage)
-                remove_leftovers(self._folder)
-                with timed(self.workspace, self._stage) as watch:
-                    judgements = self._judge(dataset, rows, observer)
-                    written = self._write(judgements, self._left_out(rows, observer))
-                    watch.amount, watch.what = len(judgements), f"{len(rows)} rows on {len(judgements)} test shapes"
+                self.workspace.forget(stage)
+                remove_leftovers(self.workspace.evaluation)
+                with timed(self.workspace, stage) as watch:
+                    judged = self._judge(choice, rows, observer)
+                    with whole_folder(folder) as draft:
+                        self._write(draft, judged, choice, self._left_out(rows, observer))
+                    watch.amount, watch.what = len(judged), f"{len(rows)} rows on {len(judged)} test shapes"
+                written = sorted(path for path in folder.rglob("*") if path.is_file())
                 outputs = tuple(str(path.relative_to(self.workspace.path)) for path in written)
-                self.workspace.write_record(self._stage, StageRecord(inputs, outputs))
-        return self._outcome()
+                self.workspace.write_record(stage, StageRecord(inputs, outputs))
+        return _outcome(folder)
 
-    @property
-    def _stage(self) -> str:
-        return f"eval-{self._folder.name}"
-
-    @property
-    def _folder(self) -> Path:
-        return self.workspace.evaluation / (self.category.lower() if self.category else "all")
+    def _choice(self) -> Choice:
+        category = open_dataset(self.workspace, self.category).category
+        return Choice(self.methods, category, self.ablations, self.hidden_names, self.seed)
 
     def _rows(self) -> list[Row]:
         return chosen_rows(self.workspace, self.methods, self.device, self.ablations, self.hidden_names)
 
-    def _inputs(self, dataset: Dataset, rows: Sequence[Row]) -> dict[str, Any]:
-        return {
-            "data": dataset.fingerprint(_test_shapes(dataset)),
-            "rows": {row.name: [row.predictor.weights, dict(row.predictor.config)] for row in rows},
-            "refinement": to_table(trained_config(self.workspace).refinement),
-        }
-
-    def _judge(self, dataset: Dataset, rows: Sequence[Row], observer: Observer) -> list[Judgement]:
-        config = trained_config(self.workspace).refinement
-        entries, trees = _test_shapes(dataset), self._trees(observer)
-        judgements = []
-        for done, entry in enumerate(entries, start=1):
-            truth = dataset.store.load(entry)
-            shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
-            judgements.append(judge(truth, leaf_meshes(shape, truth), entry.layout, rows, config, trees))
-            for failure in judgements[-1].failures:
-                observer.note(f"failed: {failure}")
-            observer.progress("evaluating shapes", done, len(entries), entry.id)
-        return judgements
-
-    def _trees(self, observer: Observer) -> TreesBaseline | None:
-        """The baseline of boosted trees, trained on what the networks were trained on."""
-        dataset = open_dataset(self.workspace)
-        entries = evenly(dataset.labelled[Split.TRAIN], TREES_SHAPES)
-        try:
-            return fit_trees(map(dataset.store.load, entries), seed=self.seed)
-        except ImportError as error:
-            observer.note(str(error))
-            return None
+    def _judge(self, choice: Choice, rows: Sequence[Row], observer: Observer) -> list[Judgement]:
+        dataset = open_dataset(self.workspace, choice.category)
+        judging = Judge(dataset.store.folder, tuple(rows), trained_config(self.workspace).refinement)
+        trees = trees_answers(self.workspace, self.seed, observer)
+        return judgements(self.workspace, dataset, test_shapes(dataset), judging, trees, self.workers, self.device, observer)
 
     def _left_out(self, rows: Sequence[Row], observer: Observer) -> str:
         """What was asked for and is not in the tables."""
@@ -129,47 +108,33 @@ class Evaluate:
         observer.note("no rows of contact edges: their network is trained by kinmo train contact-edges")
         return "No rows of contact edges: their network was not trained."
 
-    def _write(self, judgements: Sequence[Judgement], left_out: str) -> list[Path]:
-        written = []
-        failures = sum(len(judgement.failures) for judgement in judgements)
+    def _write(self, folder: Path, judged: Sequence[Judgement], choice: Choice, left_out: str) -> None:
+        failures = sum(len(judgement.failures) for judgement in judged)
         note = " ".join(filter(None, [f"{failures} predictions failed and count as missed." if failures else "", left_out]))
-        data = f"{self.category or 'all categories'} of workspace {self.workspace.path.absolute().name}"
+        data = f"{choice.category or 'all categories'} of workspace {self.workspace.path.absolute().name}"
         for setting in SETTINGS:
             caption = Caption(f"Table 1, {_words(setting)}", data, 0, 0, "test split by hashed id", (self.seed,), note)
-            for name, table in _tables(judgements, setting, caption).items():
-                written += write_table(table, self._folder / setting, name)
-            found = {name: summarise(scores).to_json() for name, scores in _scores(judgements, setting).items()}
-            written.append(self._folder / SUMMARIES / f"{setting}.json")
-            write_text_atomically(written[-1], json.dumps(found, indent=1, ensure_ascii=False) + "\n")
-        examples = (example for judgement in judgements for example in judgement.examples)
-        write_examples(self._folder / EXAMPLES, examples)
-        return [*written, self._folder / EXAMPLES]
-
-    def _outcome(self) -> Outcome:
-        tables = {
-            setting: {path.stem: read_table(path) for path in sorted((self._folder / setting).glob("*.json"))}
-            for setting in SETTINGS
-        }
-        text = "\n".join(as_text(found[name]) for found in tables.values() for name in PRINTED)
-        data = {setting: {name: _plain(table) for name, table in found.items()} for setting, found in tables.items()}
-        return Outcome(self._folder, data, text)
+            for name, table in _tables(judged, setting, caption).items():
+                write_table(table, folder / setting, name)
+            found = {name: summarise(scores).to_json() for name, scores in _scores(judged, setting).items()}
+            write_text_atomically(
+                folder / SUMMARIES / f"{setting}.json", json.dumps(found, indent=1, ensure_ascii=False) + "\n"
+            )
+        write_examples(folder / EXAMPLES, (example for judgement in judged for example in judgement.examples))
 
 
-def evenly(entries: Sequence[IndexEntry], most: int) -> Sequence[IndexEntry]:
-    """At most so many of some entries, spread over all of them."""
-    return entries[:: max(1, -(-len(entries) // most))]
+def _outcome(folder: Path) -> Outcome:
+    tables = {
+        setting: {path.stem: read_table(path) for path in sorted((folder / setting).glob("*.json"))} for setting in SETTINGS
+    }
+    text = "\n".join(as_text(found[name]) for found in tables.values() for name in PRINTED)
+    data = {setting: {name: _plain(table) for name, table in found.items()} for setting, found in tables.items()}
+    return Outcome(folder, data, text)
 
 
-def _test_shapes(dataset: Dataset) -> tuple[IndexEntry, ...]:
-    entries = tuple(entry for entry in dataset.labelled[Split.TEST] if entry.joint_count)
-    if not entries:
-        raise InputError(dataset.store.folder, "expected at least one labelled test shape with a joint")
-    return entries
-
-
-def _tables(judgements: Sequence[Judgement], setting: str, caption: Caption) -> Mapping[str, Table]:
+def _tables(judged: Sequence[Judgement], setting: str, caption: Caption) -> Mapping[str, Table]:
     """All tables of one setting. Those by category have no columns for ablations, whose names hold a comma."""
-    scores = _scores(judgements, setting)
+    scores = _scores(judged, setting)
     tables = {name: table for name, table in table1(scores, caption).items() if name.startswith("overview")}
     headline = {name: found for name, found in scores.items() if "," not in name}
     tables |= {name: table for name, table in table1(headline, caption).items() if not name.startswith("overview")}
@@ -180,10 +145,10 @@ def _tables(judgements: Sequence[Judgement], setting: str, caption: Caption) -> 
     return tables
 
 
-def _scores(judgements: Sequence[Judgement], setting: str) -> dict[str, list[ShapeScore]]:
+def _scores(judged: Sequence[Judgement], setting: str) -> dict[str, list[ShapeScore]]:
     """The scores of all shapes in one setting, by row."""
     scores: dict[str, list[ShapeScore]] = {}
-    for judgement in judgements:
+    for judgement in judged:
         for name, score in getattr(judgement, setting).items():
             scores.setdefault(name, []).append(score)
     return scores

@@ -70,5 +70,6 @@ class EvaluateFiles:
         rows = [row(name, group) for name, group in summary["categories"].items()]
         rows += [row("mean of categories", summary["macro"]), row("all", summary["micro"])]
         parts = summary["micro"]["parts"]
-        caption = Caption("URDF files", str(self.predictions), len(report.objects), parts, f"all of {self.truth}", ())
+        split = f"{self.category or 'all'} of {self.truth}"
+        caption = Caption("URDF files", str(self.predictions), len(report.objects), parts, split, ())
         return Table(caption, tuple(columns), tuple(rows))

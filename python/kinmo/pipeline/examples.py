@@ -82,12 +82,13 @@ def read_examples(path: Path) -> list[Example]:
     if not path.exists():
         return []
     try:
-        return [_example(json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
+        return [example_from_data(json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
     except (ValueError, TypeError, KeyError) as error:
         raise InputError(path, f"expected examples of kinmo eval ({error})") from error
 
 
-def _example(data: dict[str, Any]) -> Example:
+def example_from_data(data: Mapping[str, Any]) -> Example:
+    """The example that `asdict` took apart. Raises KeyError or TypeError for anything else."""
     return Example(**{**data, "answers": {name: Answer(**answer) for name, answer in data["answers"].items()}})
 
 

@@ -14,7 +14,6 @@ from kinmo.evaluation.hierarchy_given import hierarchy_given
 from kinmo.evaluation.parts_given import parts_given
 from kinmo.evaluation.penetration import PenetrationMeter
 from kinmo.evaluation.records import ShapeScore, annotation, failed_shape, with_edges
-from kinmo.evaluation.trees_baseline import TreesBaseline
 from kinmo.normalisation import Normalisation
 from kinmo.pipeline.examples import Example, answer_of
 from kinmo.pipeline.predictors import Predictor, normalised
@@ -42,12 +41,12 @@ def judge(
     layout: str,
     rows: Sequence[Row],
     config: RefinementConfig,
-    trees: TreesBaseline | None = None,
+    trees: Mapping[int, JointEstimate] | None = None,
 ) -> Judgement:
     """Score every row on the annotated shape `truth`; a row that fails on it has all its joints missed.
 
-    `meshes` are those of the leaves in the normalised frame; `config` says what the paper's candidates are; `trees` are the
-    baseline, if there is one.
+    `meshes` are those of the leaves in the normalised frame; `config` says what the paper's candidates are; `trees` is what
+    the baseline of boosted trees answers, if there is one.
     """
     result = Judgement()
     answers: dict[str, dict[int, JointEstimate]] = {}

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 from kinmo.config import Config, from_table, load_config
-from kinmo.errors import InputError
-from kinmo.workspace import Workspace
+from kinmo.errors import InputError, expecting
+from kinmo.workspace import Workspace, digest
 
 WEIGHTS = "weights.safetensors"
 """Written into a model's folder when its training is done."""
@@ -17,6 +17,10 @@ METRICS = "metrics.json"
 """One entry an epoch, from the first epoch on."""
 CONFIG = "config.json"
 """In `workspace.models`: the configuration of the last training, which prediction follows."""
+
+
+METHOD_MODELS: dict[str, tuple[str, ...]] = {"kinmo": ("gnn_fine", "ranking"), "paper": ("gnn_fine", "axis")}
+"""The models that answer for a shape, by method."""
 
 
 def model_folder(workspace: Workspace, model: str, category: str | None = None) -> Path:
@@ -30,6 +34,19 @@ def weights_for(workspace: Workspace, model: str, category: str) -> Path | None:
         if (folder / WEIGHTS).exists():
             return folder / WEIGHTS
     return None
+
+
+def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:
+    """A hash of all weights of some models, with those of single categories; empty if one of the models has none."""
+    found: dict[str, str] = {}
+    for model in models:
+        headers = sorted((workspace.models / model).rglob(HEADER))
+        if not headers:
+            return ""
+        for path in headers:
+            with expecting("what weights are for", path):
+                found[str(path.relative_to(workspace.models))] = json.loads(path.read_text(encoding="utf-8"))["sha256"]
+    return digest(found)
 
 
 def trained_config(workspace: Workspace) -> Config:

@@ -5,21 +5,23 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from kinmo import __version__
-from kinmo.errors import InputError
+from kinmo.errors import InputError, expecting
 from kinmo.export.folders import whole_folder
 from kinmo.export.joints_json import Provenance, write_joints_json
 from kinmo.export.urdf import write_urdf
 from kinmo.formats import Found, discover, read_found
 from kinmo.formats.sources import fingerprint, shown
+from kinmo.pipeline.each_shape import each_shape
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.prepare import prepare_shape
+from kinmo.workers import Crashed
 from kinmo.workspace import Workspace, digest, locked
 
 SECONDS_PER_SHAPE = 3.0
@@ -38,29 +40,56 @@ class Predict:
     method: str
     seed: int = 0
     device: str = "auto"
+    workers: int = 1
 
     def plan(self) -> Plan:
         count = sum(1 for _ in discover(self.source))
-        return Plan((f"predict {count} shapes into {self.out}",), count * SECONDS_PER_SHAPE)
+        return Plan((f"predict {count} shapes into {self.out}",), count * SECONDS_PER_SHAPE / self.workers)
 
     def run(self, observer: Observer) -> Outcome:
-        problems: list[str] = []
-        targets = list(self._targets(lambda error: problems.append(str(error))))
-        if not targets and not problems:
+        unread: list[str] = []
+        targets = list(self._targets(lambda error: unread.append(str(error))))
+        if not targets and not unread:
             raise InputError(self.source, "expected at least one shape at or below it")
-        predictor = load_predictor(self.workspace, self.method, self.device)
-        documents = []
+        predicting = Predicting(load_predictor(self.workspace, self.method, self.device), self.seed)
         with locked(self.out):
-            for done, (found, folder) in enumerate(targets, start=1):
-                try:
-                    documents.append(self._predict(found, folder, predictor))
-                except ValueError as error:
-                    problems.append(str(error) if isinstance(error, InputError) else f"{shown(found.path)}: {error}")
-                    observer.note(f"left out: {problems[-1]}")
-                observer.progress("predicting joints", done, len(targets), found.id)
-        data = {"shapes": documents, "left_out": problems}
-        text = f"{len(documents)} shapes, {sum(d['joints'] for d in documents)} joints, {len(problems)} left out"
-        return Outcome(self.out, data, text, failed=len(problems))
+            problems = self._predict(targets, predicting, observer)
+        documents, left_out = [], unread
+        for found, folder in targets:
+            try:
+                if folder in problems:
+                    left_out.append(problems[folder])
+                else:
+                    documents.append(_document(found, folder))
+            except InputError as error:
+                left_out.append(str(error))
+        data = {"shapes": documents, "left_out": left_out}
+        text = f"{len(documents)} shapes, {sum(d['joints'] for d in documents)} joints, {len(left_out)} left out"
+        return Outcome(self.out, data, text, failed=len(left_out))
+
+    def _predict(self, targets: Sequence[tuple[Found, Path]], predicting: Predicting, observer: Observer) -> dict[Path, str]:
+        """Predict what was not predicted before from the same files in the same way; the problems there are, by folder."""
+        problems: dict[Path, str] = {}
+        jobs = []
+        for found, folder in targets:
+            try:
+                made_from = predicting.made_from(found)
+            except InputError as error:
+                problems[folder] = str(error)
+                observer.note(f"left out: {error}")
+                continue
+            if not _is_made_from(folder, made_from):
+                jobs.append(Job(found, folder, made_from))
+        done = len(targets) - len(jobs)
+        for job, problem in each_shape(predicting, jobs, self.workers, self.device):
+            if isinstance(problem, Crashed):
+                problem = f"{shown(job.found.path)}: the process that predicted it died"
+            if problem is not None:
+                problems[job.folder] = problem
+                observer.note(f"left out: {problem}")
+            done += 1
+            observer.progress("predicting joints", done, len(targets), job.found.id)
+        return problems
 
     def _targets(self, report: Callable[[InputError], None]) -> Iterator[tuple[Found, Path]]:
         """Every shape with its own folder; those that share an id are told apart by their layout and a number."""
@@ -70,22 +99,50 @@ class Predict:
             name = found.id if seen[found.id] == 1 else f"{found.id}-{found.layout.value}-{seen[found.id]}"
             yield found, self.out / name
 
-    def _predict(self, found: Found, folder: Path, predictor: Predictor) -> dict[str, Any]:
-        """Predict one shape, unless that was done before from the same files in the same way."""
-        provenance = Provenance(predictor.weights, predictor.config)
-        made_from = digest([fingerprint(found), predictor.method, predictor.weights, predictor.config, self.seed, __version__])
-        if not _is_made_from(folder, made_from):
-            _check_replaceable(folder)
-            shape = read_found(found)
+
+@dataclass(frozen=True)
+class Job:
+    """One shape to predict into `folder`; `made_from` is a hash of all that the result depends on."""
+
+    found: Found
+    folder: Path
+    made_from: str
+
+
+@dataclass(frozen=True)
+class Predicting:
+    """Predicts and writes shapes, in whatever process."""
+
+    predictor: Predictor
+    seed: int
+
+    def made_from(self, found: Found) -> str:
+        """A hash of a shape's files and of what predicts it. Raises InputError if the files cannot be looked at."""
+        how = self.predictor
+        return digest([fingerprint(found), how.method, how.weights, how.config, self.seed, __version__])
+
+    def __call__(self, job: Job) -> str | None:
+        """Write a shape's folder. Returns what is wrong with the shape, or None."""
+        try:
+            _check_replaceable(job.folder)
+            shape = read_found(job.found)
             prepared = prepare_shape(shape, seed=self.seed)
-            prediction = predictor.predict(prepared, leaf_meshes(shape, prepared))
-            with whole_folder(folder) as draft:
-                write_urdf(shape, prediction.mobility, draft, name=folder.name)
-                write_joints_json(draft / JOINTS, shape, prediction, provenance)
-                (draft / MADE_FROM).write_text(made_from, encoding="ascii")
+            prediction = self.predictor.predict(prepared, leaf_meshes(shape, prepared))
+            with whole_folder(job.folder) as draft:
+                write_urdf(shape, prediction.mobility, draft, name=job.folder.name)
+                write_joints_json(draft / JOINTS, shape, prediction, Provenance(self.predictor.weights, self.predictor.config))
+                (draft / MADE_FROM).write_text(job.made_from, encoding="ascii")
+        except ValueError as error:
+            return str(error) if isinstance(error, InputError) else f"{shown(job.found.path)}: {error}"
+        return None
+
+
+def _document(found: Found, folder: Path) -> dict[str, Any]:
+    """What there is in a shape's folder."""
+    with expecting("what kinmo predict writes", folder / JOINTS):
         document = json.loads((folder / JOINTS).read_text(encoding="utf-8"))
         joints = sum(body["joint"] is not None for body in document["bodies"])
-        return {"id": found.id, "folder": str(folder), "joints": joints, "urdf": str(folder / f"{folder.name}.urdf")}
+    return {"id": found.id, "folder": str(folder), "joints": joints, "urdf": str(folder / f"{folder.name}.urdf")}
 
 
 def _check_replaceable(folder: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -24,15 +23,14 @@ from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
 from kinmo.mobility import Mobility
 from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree
 from kinmo.normalisation import Normalisation
-from kinmo.pipeline.model_files import HEADER, WEIGHTS, trained_config, weights_for
+from kinmo.pipeline.model_files import METHOD_MODELS, WEIGHTS, trained_config, weights_digest, weights_for
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of
 from kinmo.refinement import Refiner, in_file_frame
 from kinmo.shape import Shape
-from kinmo.workspace import Workspace, digest
+from kinmo.workspace import Workspace
 
-KINMO_MODELS = ("gnn_fine", "ranking")
 NETWORKS_KEPT = 8
 """In memory, of each kind."""
 
@@ -143,13 +141,13 @@ class KinmoPredictor:
 
     @cached_property
     def weights(self) -> str:
-        return weights_digest(self.workspace, KINMO_MODELS)
+        return weights_digest(self.workspace, METHOD_MODELS["kinmo"])
 
     def check(self) -> None:
         """Raise InputError if one of the networks was never trained, or cannot be read."""
-        for path in _all_weights(self.workspace, KINMO_MODELS[0]):
+        for path in _all_weights(self.workspace, "gnn_fine"):
             _load_gnn(*path, self.device, self.hide_names)
-        for path in _all_weights(self.workspace, KINMO_MODELS[1]):
+        for path in _all_weights(self.workspace, "ranking"):
             _load_ranking(*path, self.device, self.hide_names)
 
     @property
@@ -197,11 +195,11 @@ class KinmoPredictor:
         return Prediction(shape.id, shape.category, frame.undo(Mobility(tree)), estimates, alone, self.method)
 
     def _edges(self, shape: PreparedShape) -> EdgePredictions:
-        gnn = _load_gnn(*_weights(self.workspace, KINMO_MODELS[0], shape.category), self.device, self.hide_names)
+        gnn = _load_gnn(*_weights(self.workspace, "gnn_fine", shape.category), self.device, self.hide_names)
         return gnn.predict_edges(shape)
 
     def _ranking(self, shape: PreparedShape) -> JointRanking:
-        return _load_ranking(*_weights(self.workspace, KINMO_MODELS[1], shape.category), self.device, self.hide_names)
+        return _load_ranking(*_weights(self.workspace, "ranking", shape.category), self.device, self.hide_names)
 
 
 def _kinmo(workspace: Workspace, device: str) -> Predictor:
@@ -256,18 +254,6 @@ def _all_weights(workspace: Workspace, model: str) -> list[tuple[Path, int]]:
     if not found:
         raise InputError(workspace.models / model, "not trained yet: run kinmo train all first")
     return [(path, path.stat().st_mtime_ns) for path in found]
-
-
-def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:
-    """A hash of all weights of some models, with those of single categories; empty if one of the models has none."""
-    found: dict[str, str] = {}
-    for model in models:
-        headers = sorted((workspace.models / model).rglob(HEADER))
-        if not headers:
-            return ""
-        for path in headers:
-            found[str(path.relative_to(workspace.models))] = json.loads(path.read_text(encoding="utf-8"))["sha256"]
-    return digest(found)
 
 
 def leaf_meshes(shape: Shape, prepared: PreparedShape) -> _core.Meshes:

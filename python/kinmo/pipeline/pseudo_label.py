@@ -11,19 +11,20 @@ from typing import Any
 from urllib.parse import quote
 
 from kinmo import __version__
-from kinmo.errors import InputError, expecting
+from kinmo.errors import expecting
 from kinmo.export.partnet_mobility import write_partnet_mobility
 from kinmo.formats import Found, Layout, read_found
 from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo.pipeline.each_shape import each_shape
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pseudo_label import ACCEPTANCE, STEPS, JudgedJoint, Judgement, Tally, judge, tally, tally_types
-from kinmo.store import IndexEntry
+from kinmo.pseudo_label import ACCEPTANCE, LABELLING, STEPS, JudgedJoint, Judgement, Tally, judge, tally, tally_types
+from kinmo.store import IndexEntry, read_prepared
+from kinmo.workers import Crashed
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers, write_text_atomically
 
-STAGE = "pseudo-label"
 DECISIONS = "decisions"
 """A file a shape, accepted or not, written when all else of the shape is: what was decided, and from what."""
 SECONDS_PER_SHAPE = 1.5
@@ -42,15 +43,16 @@ class PseudoLabel:
     category: str | None = None
     threshold: float | None = None
     device: str = "auto"
+    workers: int = 1
 
     def plan(self) -> Plan:
         dataset = open_dataset(self.workspace, self.category)
         predictor = load_predictor(self.workspace, self.method, self.device)
         count = len(dataset.unlabelled)
-        if self.workspace.is_current(STAGE, self._inputs(dataset, predictor)):
+        if self.workspace.is_current(LABELLING, self._inputs(dataset, predictor)):
             return Plan((), 0.0)
         copies = f", {len(dataset.copies)} copies of labelled shapes left alone" if dataset.copies else ""
-        each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_SHAPE)
+        each = seconds_per_unit(self.workspace, LABELLING, SECONDS_PER_SHAPE / self.workers)
         return Plan((f"label {count} shapes by {self.method}{copies}",), count * each)
 
     def run(self, observer: Observer) -> Outcome:
@@ -58,10 +60,10 @@ class PseudoLabel:
         predictor = load_predictor(self.workspace, self.method, self.device)
         with self.workspace.locked():
             inputs = self._inputs(dataset, predictor)
-            if self.workspace.is_current(STAGE, inputs):
+            if self.workspace.is_current(LABELLING, inputs):
                 observer.note("labelled already")
             else:
-                self.workspace.forget(STAGE)
+                self.workspace.forget(LABELLING)
                 remove_leftovers(self.workspace.pseudo)
                 whole = open_dataset(self.workspace)
                 self._remove_stale(whole)
@@ -69,7 +71,7 @@ class PseudoLabel:
                 report = acceptance(list(self._decided(whole)), len(whole.copies))
                 write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
                 outputs = [str(self._report.relative_to(self.workspace.path))]
-                self.workspace.write_record(STAGE, StageRecord(inputs, tuple(outputs)))
+                self.workspace.write_record(LABELLING, StageRecord(inputs, tuple(outputs)))
         with expecting("the report of kinmo pseudo-label", self._report):
             data = json.loads(self._report.read_text(encoding="utf-8"))
             return Outcome(self.workspace.pseudo, data, data["text"])
@@ -105,37 +107,66 @@ class PseudoLabel:
         return (decision for decision in found if decision is not None)
 
     def _label(self, dataset: Dataset, predictor: Predictor, observer: Observer) -> None:
-        with timed(self.workspace, STAGE) as watch:
-            for done, entry in enumerate(dataset.unlabelled, start=1):
-                made_from = digest([dataset.fingerprint([entry]), self._way(predictor)])
-                known = read_decision(self._decision(entry))
-                if known is None or known.made_from != made_from:
-                    judgement = self._decide(dataset, entry, predictor)
-                    write_decision(self._decision(entry), Decision(judgement, made_from, self.method, self._threshold))
-                    watch.amount += 1
-                observer.progress("labelling shapes", done, len(dataset.unlabelled), entry.id)
-            watch.what = f"{watch.amount} shapes by {self.method}"
-
-    def _decide(self, dataset: Dataset, entry: IndexEntry, predictor: Predictor) -> Judgement:
-        """Predict one shape, and write it if it is accepted; whatever was written of it before goes."""
-        folder = self.workspace.pseudo / _name(entry)
-        try:
-            shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
-            prepared = dataset.store.load(entry)
-            prediction = predictor.predict(prepared, leaf_meshes(shape, prepared))
-        except (InputError, ValueError) as error:
-            shutil.rmtree(folder, ignore_errors=True)
-            return Judgement(entry.id, entry.layout, entry.category, refusal=f"failed: {error}")
-        judgement = judge(prediction, entry.layout, self._threshold)
-        if judgement.is_accepted:
-            meta = {"pseudo_label": {"score": judgement.score, "method": prediction.method, "weights": predictor.weights}}
-            write_partnet_mobility(shape, prediction.mobility, folder, meta=meta)
-        else:
-            shutil.rmtree(folder, ignore_errors=True)
-        return judgement
+        """Decide on the shapes on which nothing has been decided from the same files in the same way."""
+        jobs = []
+        for entry in dataset.unlabelled:
+            made_from = digest([dataset.fingerprint([entry]), self._way(predictor)])
+            known = read_decision(self._decision(entry))
+            if known is None or known.made_from != made_from:
+                jobs.append(Job(entry, self.workspace.pseudo / _name(entry), made_from))
+        labelling = Labelling(dataset.store.folder, predictor, self._threshold)
+        done = len(dataset.unlabelled) - len(jobs)
+        with timed(self.workspace, LABELLING) as watch:
+            for job, judgement in each_shape(labelling, jobs, self.workers, self.device):
+                if isinstance(judgement, Crashed):
+                    judgement = labelling.refused(job, "the process that labelled it died")
+                decision = Decision(judgement, job.made_from, self.method, self._threshold)
+                write_decision(self._decision(job.entry), decision)
+                done += 1
+                observer.progress("labelling shapes", done, len(dataset.unlabelled), job.entry.id)
+            watch.amount, watch.what = len(jobs), f"{len(jobs)} shapes by {self.method}"
 
     def _decision(self, entry: IndexEntry) -> Path:
         return self.workspace.pseudo / DECISIONS / f"{_name(entry)}.json"
+
+
+@dataclass(frozen=True)
+class Job:
+    """One shape to label into `folder`; `made_from` is a hash of all that the decision depends on."""
+
+    entry: IndexEntry
+    folder: Path
+    made_from: str
+
+
+@dataclass(frozen=True)
+class Labelling:
+    """Predicts shapes and writes those that are accepted, in whatever process. `store` is the folder of the prepared shapes."""
+
+    store: Path
+    predictor: Predictor
+    threshold: float
+
+    def __call__(self, job: Job) -> Judgement:
+        entry = job.entry
+        try:
+            shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
+            prepared = read_prepared(self.store / entry.file)
+            prediction = self.predictor.predict(prepared, leaf_meshes(shape, prepared))
+        except ValueError as error:
+            return self.refused(job, str(error))
+        judgement = judge(prediction, entry.layout, self.threshold)
+        if judgement.is_accepted:
+            made_by = {"score": judgement.score, "method": prediction.method, "weights": self.predictor.weights}
+            write_partnet_mobility(shape, prediction.mobility, job.folder, meta={"pseudo_label": made_by})
+        else:
+            shutil.rmtree(job.folder, ignore_errors=True)
+        return judgement
+
+    def refused(self, job: Job, reason: str) -> Judgement:
+        """The judgement of a shape that got no prediction; whatever was written of it before goes."""
+        shutil.rmtree(job.folder, ignore_errors=True)
+        return Judgement(job.entry.id, job.entry.layout, job.entry.category, refusal=f"failed: {reason}")
 
 
 def _name(entry: IndexEntry) -> str:

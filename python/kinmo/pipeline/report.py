@@ -12,19 +12,19 @@ from typing import Any
 from kinmo.errors import InputError, expecting
 from kinmo.evaluation.tables import Table as MeasuredTable
 from kinmo.evaluation.tables import read_table
-from kinmo.pipeline.evaluation_files import EXAMPLES, PRINTED, SETTINGS
+from kinmo.pipeline.evaluation_files import ALL, EXAMPLES, PRINTED, SETTINGS, URDF_FILES, evaluations, is_current
 from kinmo.pipeline.examples import Example, chosen, read_examples
 from kinmo.pipeline.journal import runs
-from kinmo.pipeline.model_files import METRICS
+from kinmo.pipeline.model_files import METHOD_MODELS, METRICS, weights_digest
 from kinmo.pipeline.pictures import draw
 from kinmo.pipeline.prepare import REPORT
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pseudo_label import ACCEPTANCE
+from kinmo.pseudo_label import ACCEPTANCE, LABELLING
 from kinmo.report.curves import line_chart
 from kinmo.report.page import Page, Picture, Section, Table, render
 from kinmo.splits import split_of
 from kinmo.store import PreparedStore
-from kinmo.workspace import Workspace, write_text_atomically
+from kinmo.workspace import StageRecord, Workspace, write_text_atomically
 
 PICTURES = 12
 """Of hits, and as many of failures, a method."""
@@ -35,6 +35,13 @@ KEY = (
 )
 
 
+OUTDATED = (
+    "Not shown: the evaluation was stopped, or networks, shapes or settings have changed since. The same kinmo eval gives "
+    "the figures of what is there now."
+)
+RELABEL = " Networks were trained anew, or labelling was stopped, since: kinmo pseudo-label brings the labels up to date."
+
+
 @dataclass(frozen=True)
 class Report:
     """Write report/index.html about whatever the workspace holds."""
@@ -42,7 +49,7 @@ class Report:
     workspace: Workspace
 
     def plan(self) -> Plan:
-        wanted = 4 * min(PICTURES, len(read_examples(self.workspace.evaluation / "all" / EXAMPLES)))
+        wanted = 4 * min(PICTURES, len(self._examples()))
         return Plan((f"write {self._path}",), 1.0 + wanted * SECONDS_PER_PICTURE)
 
     def run(self, observer: Observer) -> Outcome:
@@ -87,22 +94,26 @@ class Report:
         return Section("Data", tables=[Table("Prepared shapes by category and use", ("category", *uses), rows, note)])
 
     def _tables(self) -> Iterator[Section]:
-        for folder in sorted(path for path in self.workspace.evaluation.glob("*") if path.is_dir()):
+        for name in evaluations(self.workspace):
+            of = "" if name == ALL else f", {name}"
+            if not is_current(self.workspace, name):
+                yield Section(f"Table 1{of}", OUTDATED)
+                continue
             for setting in SETTINGS:
-                found = {path.stem: read_table(path) for path in sorted((folder / setting).glob("*.json"))}
-                if found:
-                    title = f"Table 1, {setting.replace('_', ' ')}" + ("" if folder.name == "all" else f", {folder.name}")
-                    more = [_shown(table) for name, table in found.items() if name not in PRINTED]
-                    charts = [
-                        chart
-                        for name, table in found.items()
-                        if name.startswith("label_truth")
-                        for chart in _truth_charts(name, table)
-                    ]
-                    yield Section(title, tables=[_shown(found[name]) for name in PRINTED], charts=charts, more=more)
-            files = [read_table(path) for path in sorted(folder.glob("*.json"))]
-            if files:
-                yield Section(folder.name.replace("_", " "), tables=list(map(_shown, files)))
+                folder = self.workspace.evaluation / name / setting
+                found = {path.stem: read_table(path) for path in sorted(folder.glob("*.json"))}
+                more = [_shown(table) for table_name, table in found.items() if table_name not in PRINTED]
+                charts = [
+                    chart
+                    for table_name, table in found.items()
+                    if table_name.startswith("label_truth")
+                    for chart in _truth_charts(table_name, table)
+                ]
+                title = f"Table 1, {setting.replace('_', ' ')}{of}"
+                yield Section(title, tables=[_shown(found[printed]) for printed in PRINTED], charts=charts, more=more)
+        files = sorted((self.workspace.evaluation / URDF_FILES).glob("*.json"))
+        if files:
+            yield Section("URDF files", tables=[_shown(read_table(path)) for path in files])
 
     def _curves(self) -> Section | None:
         charts: list[str] = []
@@ -117,11 +128,18 @@ class Report:
         report = _json(self.workspace.pseudo / ACCEPTANCE)
         if report is not None:
             with expecting("the report of kinmo pseudo-label", self.workspace.pseudo / ACCEPTANCE):
-                section = Section("Pseudo labels", report["text"], [Table(**table) for table in report["tables"]])
+                record = self.workspace.record(LABELLING)
+                text = report["text"] + (RELABEL if record is None or not self._labels_with(record) else "")
+                section = Section("Pseudo labels", text, [Table(**table) for table in report["tables"]])
             yield section
 
+    def _labels_with(self, record: StageRecord) -> bool:
+        """Whether the networks that gave labels are those that the workspace has now."""
+        models = METHOD_MODELS.get(str(record.inputs.get("method")), ())
+        return bool(record.inputs.get("weights") == weights_digest(self.workspace, models))
+
     def _pictures(self, store: PreparedStore, observer: Observer) -> Iterator[Section]:
-        examples = read_examples(self.workspace.evaluation / "all" / EXAMPLES)
+        examples = self._examples()
         for row, network in (("kinmo", None), ("OBB_fine", "GNN_fine")):
             answered = [example for example in examples if row in example.answers]
             for title, wanted in ((f"{row}: right", True), (f"{row}: wrong", False)):
@@ -130,6 +148,9 @@ class Report:
                 if pictures:
                     legend = [("truth", "true axis"), ("refined", row), *([("network", network)] if network else [])]
                     yield Section(title, _explained(wanted, len(some), answered, row), pictures=pictures, legend=legend)
+
+    def _examples(self) -> list[Example]:
+        return read_examples(self.workspace.evaluation / ALL / EXAMPLES) if is_current(self.workspace, ALL) else []
 
     def _draw_all(
         self, store: PreparedStore, examples: Sequence[Example], row: str, network: str | None, what: str, observer: Observer

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,6 @@ from kinmo.config import RefinementConfig
 from kinmo.evaluation.frame_rows import ceiling, without_learning
 from kinmo.evaluation.label_truth import WEIGHTS, weighted_score
 from kinmo.evaluation.records import annotation
-from kinmo.evaluation.trees_baseline import TreesBaseline
 from kinmo.joint import JointKind
 from kinmo.learning.motion_gnn.network import TypeSet
 from kinmo.mobility_tree import MobilityTree
@@ -32,13 +31,18 @@ SWEPT = (0.5, 0.3, 0.2, 0.5)
 CONTACT_EDGES = "OBB_fine, contact edges"
 
 
+def as_predicted(prediction: Prediction) -> Prediction:
+    """The prediction itself."""
+    return prediction
+
+
 @dataclass(frozen=True)
 class Row:
     """A row: its name, who predicts, and how its answers are made from the prediction. Rows share the predictor's work."""
 
     name: str
     predictor: Predictor
-    of: Callable[[Prediction], Prediction] = field(default=lambda prediction: prediction)
+    of: Callable[[Prediction], Prediction] = as_predicted
 
 
 def paper_rows(predictors: Mapping[TypeSet, PaperPredictor]) -> list[Row]:
@@ -111,15 +115,15 @@ def _by_score(estimate: JointEstimate) -> float:
 
 
 def frame_answers(
-    truth: PreparedShape, meshes: _core.Meshes, config: RefinementConfig, trees: TreesBaseline | None
-) -> Iterator[tuple[str, dict[int, JointEstimate]]]:
-    """The rows that frame the table, *parts given*: the best that candidates allow, a rule without learning, and trees."""
+    truth: PreparedShape, meshes: _core.Meshes, config: RefinementConfig, trees: Mapping[int, JointEstimate] | None
+) -> Iterator[tuple[str, Mapping[int, JointEstimate]]]:
+    """The rows that frame the table, *parts given*: the best that candidates allow, a rule without learning, and `trees`."""
     yield "ceiling, paper's candidates", ceiling(truth, true_type_candidates(truth, meshes, config))
     every = replace(config, extra=("boxes", "contact", "symmetry"), contact_pivots="revolute")
     yield "ceiling, all candidates", ceiling(truth, true_type_candidates(truth, meshes, every))
     yield "no learning", without_learning(truth)
     if trees is not None:
-        yield "trees", trees.answers(truth)
+        yield "trees", trees
 
 
 def true_type_candidates(

@@ -61,7 +61,7 @@ class Train:
     start: Workspace | None = None
 
     def plan(self) -> Plan:
-        config = load_config(self.config)
+        config = self._config()
         steps, seconds = [], 0.0
         for task in self._tasks(open_dataset(self.workspace, self.category), config):
             if not self.workspace.is_current(task.stage, task.inputs):
@@ -73,7 +73,7 @@ class Train:
         return Plan(tuple(steps), seconds)
 
     def run(self, observer: Observer) -> Outcome:
-        config = load_config(self.config)
+        config = self._config()
         dataset = open_dataset(self.workspace, self.category)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
@@ -83,6 +83,14 @@ class Train:
             f"{name}: {result['epochs']} epochs, best {result['best']}, error {result['error']:.4f}" for name, result in results
         ]
         return Outcome(self.workspace.models, dict(results), "\n".join(lines))
+
+    def _config(self) -> Config:
+        """Raises InputError for several devices: each would run the command anew, and find the workspace locked."""
+        config = load_config(self.config)
+        for section in ("gnn", "axis", "ranking"):
+            if getattr(config, section).training.devices > 1:
+                raise InputError(self.config, "kinmo train uses one device, expected 1", f"{section}.training.devices")
+        return config
 
     def _tasks(self, dataset: Dataset, config: Config) -> Iterator[Task]:
         for model in GROUPS[self.group]:

@@ -1,0 +1,93 @@
+"""What the benches on real objects train and test on: the real objects in folds, and procedural shapes to start from."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from kinmo.prepare import prepare_folder
+from kinmo.prepared import PreparedShape
+from kinmo.splits import Split, fold_of, is_validation_in_fold, split_of
+from kinmo.store import PreparedStore
+from kinmo.synth.draw import ParameterRange
+from kinmo.synth.generate import Layout, generate
+from kinmo.workspace import Workspace
+
+ROOT = Path(__file__).parents[1]
+Fold = tuple[str, list[PreparedShape], list[PreparedShape], list[PreparedShape]]
+"""A name, and the shapes to train on, to choose the epoch by, and to test."""
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """The shapes, and the folder that keeps them and the networks that are trained on them."""
+
+    cache: Path
+    real: list[PreparedShape]
+    procedural: list[PreparedShape]
+    folds: int
+
+    def by_fold(self) -> Iterator[Fold]:
+        """Every real object is tested once."""
+        for fold in range(self.folds):
+            others = [shape for shape in self.real if fold_of(shape.id, self.folds) != fold]
+            tested = [shape for shape in self.real if fold_of(shape.id, self.folds) == fold]
+            yield (f"fold{fold}", *_parted(others, fold, self.folds), tested)
+
+    def by_category(self) -> Iterator[Fold]:
+        """Every real object is tested once, none together with others of its category to train on."""
+        for fold in range(self.folds):
+            others = [shape for shape in self.real if fold_of(shape.category, self.folds) != fold]
+            tested = [shape for shape in self.real if fold_of(shape.category, self.folds) == fold]
+            yield (f"categories{fold}", *_parted(others, self.folds, self.folds), tested)
+
+    def unseen_half(self) -> Fold:
+        """No real shapes to train on, and the procedural test shapes of half the families to test with."""
+        tested = [shape for shape in self.procedural if fold_of(shape.category, 2) == 0]
+        return "families", [], [], [shape for shape in tested if split_of(shape.id) is Split.TEST]
+
+
+def parser_for(description: str | None, count: int) -> argparse.ArgumentParser:
+    """The options of such a bench; `count` procedural shapes a family are the default."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=Path, default=ROOT / "data" / "partnet" / "gensim2")
+    parser.add_argument("--cache", type=Path, default=ROOT / "workspace" / "bench")
+    parser.add_argument("--count", type=int, default=count, help="procedural shapes a family")
+    parser.add_argument("--folds", type=int, default=5)
+    return parser
+
+
+def gathered(data: Path, cache: Path, count: int, folds: int) -> Shapes | None:
+    """The real objects below `data`, and `count` procedural shapes a family, kept in `cache`.
+
+    None, which is said, where there are no real ones.
+    """
+    if not data.exists():
+        print(f"no real objects at {data}: docs/getting-the-data.md says where they come from")
+        return None
+    cache = cache / f"{count}-a-family"
+    shapes, only = cache / "shapes", (Layout.PARTNET_MOBILITY,)
+    generate(shapes, count=count, layouts=only, seed=11, parameter_range=ParameterRange.BOTH, workers=2)
+    return Shapes(cache, prepared(data, cache / "real"), prepared(shapes, cache / "procedural"), folds)
+
+
+def prepared(folder: Path, cache: Path) -> list[PreparedShape]:
+    """The labelled shapes below a folder, with joints."""
+    workspace = Workspace(cache)
+    prepare_folder(folder, workspace, workers=2)
+    store = PreparedStore(workspace.prepared)
+    return [store.load(entry) for entry in store.entries if entry.joint_count]
+
+
+def parted_by_split(shapes: Sequence[PreparedShape]) -> tuple[list[PreparedShape], list[PreparedShape]]:
+    """Procedural shapes to train on, and those to choose the epoch by."""
+    kept = [shape for shape in shapes if split_of(shape.id) is Split.VALIDATION]
+    return [shape for shape in shapes if split_of(shape.id) is not Split.VALIDATION], kept
+
+
+def _parted(shapes: Sequence[PreparedShape], fold: int, folds: int) -> tuple[list[PreparedShape], list[PreparedShape]]:
+    """Shapes to train on, and those to choose the epoch by."""
+    kept = {shape.id for shape in shapes if is_validation_in_fold(shape.id, fold, folds)}
+    return [shape for shape in shapes if shape.id not in kept], [shape for shape in shapes if shape.id in kept]
