@@ -16,7 +16,7 @@ from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from kinmo.errors import InputError
+from kinmo.errors import InputError, did_you_mean
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -233,8 +233,8 @@ def load_config(name: str | Path) -> Config:
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        known = ", ".join(builtin_configs())
-        raise InputError(path, f"expected a TOML file or one of {known} ({error.strerror})") from error
+        near, known = did_you_mean(str(name), builtin_configs()), ", ".join(builtin_configs())
+        raise InputError(path, f"expected a TOML file or one of {known} ({error.strerror}){near}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(path, f"expected TOML ({error})") from error
     return from_table(Config, table, path)
@@ -266,7 +266,7 @@ def from_table(kind: type[T], table: Mapping[str, Any], where: Path | str, prefi
     known = {f.name: f for f in fields(kind)}
     for key in table:
         if key not in known:
-            raise InputError(where, f"unknown key; expected one of {', '.join(known)}", prefix + key)
+            raise InputError(where, f"unknown key{did_you_mean(key, known)}; expected one of {', '.join(known)}", prefix + key)
     values = {}
     for name, entry in known.items():
         if name in table:
