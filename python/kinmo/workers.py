@@ -91,7 +91,7 @@ def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
             yield pool
         except BaseException:
             stop.close()
-            pool.shutdown(wait=False, cancel_futures=True)
+            pool.shutdown(cancel_futures=True)
             raise
 
 
