@@ -19,7 +19,7 @@ DECIMALS = {Unit.SHARE: 3, Unit.DEGREES: 2, Unit.DIAGONALS: 3, Unit.LENGTH: 3}
 PAPER_MEASURE = {"axis": "angle", "raw_line": "distance"}
 """The figures that the paper prints: its distances are in the files' lengths."""
 
-OVERVIEW = ("ok", "coarse_type", "fine_type", "missed", "axis", "axis_ok", "placed_ok", "hinge_within_10")
+OVERVIEW = ("ok", "coarse_type", "fine_type", "missed", "axis", "typed_axis", "axis_ok", "placed_ok", "hinge_within_10")
 DISTANCES = ("line", "line_at_part", "pivot", "range_iou", "penetration")
 GROUPING = ("precision", "recall", "f1", "parent", "edge_type")
 
@@ -103,6 +103,7 @@ def table1(methods: Rows, caption: Caption) -> dict[str, Table]:
     """
     tables = {
         "angle": by_category(methods, "axis", _titled(caption, "axis error in degrees")),
+        "angle_type_given": by_category(methods, "typed_axis", _titled(caption, "axis error in degrees, the true type given")),
         "distance": by_category(methods, "raw_line", _titled(caption, "distance of the axis lines in the files' lengths")),
         "distance_over_diagonal": by_category(
             methods, "line", _titled(caption, "distance of the axis lines over the diagonal")
