@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
-from kinmo.config import RefinementConfig, to_table
+from kinmo.config import RefinementConfig
 from kinmo.errors import InputError
 from kinmo.evaluation.records import annotation
 from kinmo.learning.axis_selection.predict import AxisSelector
@@ -30,6 +30,7 @@ from kinmo.prepared import PreparedShape
 from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of
 from kinmo.refinement import Refiner, in_file_frame
 from kinmo.shape import Shape
+from kinmo.typed_tables import to_table
 from kinmo.workspace import Workspace
 
 NETWORKS_KEPT = 8
