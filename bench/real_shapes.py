@@ -12,21 +12,27 @@ from kinmo.prepared import PreparedShape
 from kinmo.splits import Split, fold_of, is_validation_in_fold, split_of
 from kinmo.store import PreparedStore
 from kinmo.synth.draw import ParameterRange
+from kinmo.synth.families import family_names
 from kinmo.synth.generate import Layout, generate
 from kinmo.workspace import Workspace
 
 ROOT = Path(__file__).parents[1]
+MECHANISM = "mechanism"
 Fold = tuple[str, list[PreparedShape], list[PreparedShape], list[PreparedShape]]
 """A name, and the shapes to train on, to choose the epoch by, and to test."""
 
 
 @dataclass(frozen=True)
 class Shapes:
-    """The shapes, and the folder that keeps them and the networks that are trained on them."""
+    """The shapes, and the folder that keeps them and the networks that are trained on them.
+
+    `mechanisms` are of no category: they join the training where what is tested is of categories that were never seen.
+    """
 
     cache: Path
     real: list[PreparedShape]
     procedural: list[PreparedShape]
+    mechanisms: list[PreparedShape]
     folds: int
 
     def by_fold(self) -> Iterator[Fold]:
@@ -59,8 +65,8 @@ def parser_for(description: str | None, count: int) -> argparse.ArgumentParser:
     return parser
 
 
-def gathered(data: Path, cache: Path, count: int, folds: int) -> Shapes | None:
-    """The real objects below `data`, and `count` procedural shapes a family, kept in `cache`.
+def gathered(data: Path, cache: Path, count: int, folds: int, mechanisms: int = 0) -> Shapes | None:
+    """The real objects below `data`, `count` procedural shapes a family and `mechanisms` of no category, all kept in `cache`.
 
     None, which is said, where there are no real ones.
     """
@@ -68,9 +74,19 @@ def gathered(data: Path, cache: Path, count: int, folds: int) -> Shapes | None:
         print(f"no real objects at {data}: docs/getting-the-data.md says where they come from")
         return None
     cache = cache / f"{count}-a-family"
-    shapes, only = cache / "shapes", (Layout.PARTNET_MOBILITY,)
-    generate(shapes, count=count, layouts=only, seed=11, parameter_range=ParameterRange.BOTH, workers=2)
-    return Shapes(cache, prepared(data, cache / "real"), prepared(shapes, cache / "procedural"), folds)
+    categories = [name for name in family_names() if name != MECHANISM]
+    procedural = procedural_shapes(cache / "shapes", cache / "procedural", categories, count)
+    of_no_category = procedural_shapes(cache / "mechanism-shapes", cache / "mechanisms", [MECHANISM], mechanisms)
+    return Shapes(cache, prepared(data, cache / "real"), procedural, of_no_category, folds)
+
+
+def procedural_shapes(shapes: Path, cache: Path, families: Sequence[str], count: int) -> list[PreparedShape]:
+    """`count` shapes of each family, of both parameter ranges, written to `shapes` and prepared in `cache`."""
+    if count == 0:
+        return []
+    only, both = (Layout.PARTNET_MOBILITY,), ParameterRange.BOTH
+    generate(shapes, count=count, families=families, layouts=only, seed=11, parameter_range=both, workers=2)
+    return prepared(shapes, cache)
 
 
 def prepared(folder: Path, cache: Path) -> list[PreparedShape]:

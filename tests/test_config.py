@@ -29,6 +29,7 @@ def test_the_papers_weights_and_threshold_are_the_papers() -> None:
     ("before", "after", "message"),
     [
         ("[gnn]", "[gnn]\ncolour = 1", "gnn.colour: unknown key"),
+        ("[gnn]", "[gnn]\nchild_round = 1", r"gnn.child_round: unknown key \(did you mean child_rounds\?\)"),
         ("epochs = 56", 'epochs = "many"', "gnn.training.epochs: expected int, got 'many'"),
         ("epochs = 56", "epochs = true", "gnn.training.epochs: expected int, got True"),
         ('inputs = "paper"', 'inputs = "mine"', "gnn.inputs: expected one of paper, kinmo, got 'mine'"),

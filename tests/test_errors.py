@@ -1,10 +1,13 @@
+"""Messages about a user's mistakes."""
+
 from __future__ import annotations
 
 import pickle
 
 import pytest
 
-from kinmo.errors import InputError, expecting
+from kinmo.errors import InputError, did_you_mean, expecting
+from kinmo.synth.families import family_names
 
 
 @pytest.mark.parametrize("field", [None, "joints[2].axis"])
@@ -17,3 +20,12 @@ def test_an_error_comes_out_of_a_worker_process_as_it_was(field):
 def test_what_goes_wrong_with_data_names_the_file():
     with pytest.raises(InputError, match=r"^a\.json: expected numbers"), expecting("numbers", "a.json"):
         {}["absent"]
+
+
+@pytest.mark.parametrize("name, meant", [("refridgerator", "refrigerator"), ("Door", "door_set"), ("LAPTOP", "laptop")])
+def test_a_misspelt_name_brings_up_the_nearest(name: str, meant: str) -> None:
+    assert did_you_mean(name, family_names()) == f" (did you mean {meant}?)"
+
+
+def test_a_name_like_none_brings_up_none() -> None:
+    assert did_you_mean("xyzzy", family_names()) == "" == did_you_mean("laptop", ())

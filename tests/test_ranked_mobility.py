@@ -28,6 +28,20 @@ def all_fixed(shape: PreparedShape) -> EdgePredictions:
     return EdgePredictions(types, np.tile([0.0, 1.0, 0.0], (len(types), 1)), np.zeros((len(types), 3)))
 
 
+def none_fixed(shape: PreparedShape) -> EdgePredictions:
+    """A GNN that holds nothing to be fixed to anything."""
+    told = all_fixed(shape)
+    return replace(told, type_probabilities=np.roll(told.type_probabilities, 1, axis=1))
+
+
+def with_box(shape: PreparedShape, node: int, center: list[float], half_extents: list[float]) -> PreparedShape:
+    """The shape with another box, along the frame's axes, of one node."""
+    boxes = shape.minimum_boxes
+    centers, axes, sizes = boxes.centers.copy(), boxes.axes.copy(), boxes.half_extents.copy()
+    centers[node], axes[node], sizes[node] = center, np.eye(3), half_extents
+    return replace(shape, minimum_boxes=replace(boxes, centers=centers, axes=axes, half_extents=sizes))
+
+
 def moving_pair(shape: PreparedShape) -> tuple[int, int]:
     """Two leaves below one moving node."""
     node = next(n for n, name in enumerate(shape.part_names) if name in ("door", "drawer"))
@@ -86,6 +100,19 @@ def test_siblings_that_are_alike_are_two_such_as_the_keys_of_a_keypad() -> None:
     sizes[first] = 1.05 * sizes[second][[2, 0, 1]]
     alike = replace(shape, minimum_boxes=replace(shape.minimum_boxes, half_extents=sizes))
     assert len(predicted_bodies(alike, {first: SLIDE, second: SLIDE}, all_fixed(alike))) == 3
+
+
+def test_a_shaft_is_one_body_with_what_turns_about_its_line_whatever_the_gnn_says() -> None:
+    shape = touching(cabinet(3), 0.0)
+    first, second = moving_pair(shape)
+    turning = {first: HINGE, second: HINGE}
+    on_the_line = (HINGE.pivot + [0.0, 0.4, 0.0]).tolist()
+    shaft = with_box(shape, first, on_the_line, [0.01, 0.3, 0.01])
+    assert len(predicted_bodies(shaft, turning, none_fixed(shaft))) == 2
+    hand_on_a_pin = with_box(shape, first, on_the_line, [0.3, 0.01, 0.01])
+    assert len(predicted_bodies(hand_on_a_pin, turning, none_fixed(hand_on_a_pin))) == 3
+    beside_the_line = with_box(shape, first, [0.4, 0.4, 0.1], [0.01, 0.3, 0.01])
+    assert len(predicted_bodies(beside_the_line, turning, none_fixed(beside_the_line))) == 3
 
 
 def test_what_moves_inside_a_moving_node_is_a_body_of_its_own() -> None:

@@ -122,6 +122,17 @@ def test_a_stage_is_current_only_with_the_same_inputs_and_all_outputs(tmp_path):
     assert not workspace.is_current("gnn", inputs)
 
 
+@pytest.mark.parametrize("damaged", [b"", b"weig", b"weighty"])
+def test_a_stage_with_a_damaged_output_is_to_be_done_again(tmp_path, damaged):
+    workspace = Workspace(tmp_path)
+    write_bytes_atomically(workspace.models / "gnn.safetensors", b"weights")
+    workspace.write_record("gnn", StageRecord({}, ("models/gnn.safetensors",)))
+    (workspace.models / "gnn.safetensors").write_bytes(damaged)
+    assert not workspace.is_current("gnn", {})
+    (workspace.models / "gnn.safetensors").write_bytes(b"weights")
+    assert workspace.is_current("gnn", {})
+
+
 def test_a_record_of_another_version_or_garbled_counts_for_nothing(tmp_path):
     workspace = Workspace(tmp_path)
     workspace.write_record("gnn", StageRecord({}, (), kinmo="0.0.0"))

@@ -13,7 +13,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Literal
 
-from kinmo.errors import InputError
+from kinmo.errors import InputError, did_you_mean
 from kinmo.typed_tables import Within, from_table
 
 if sys.version_info >= (3, 11):
@@ -214,8 +214,8 @@ def load_config(name: str | Path) -> Config:
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        known = ", ".join(builtin_configs())
-        raise InputError(path, f"expected a TOML file or one of {known} ({error.strerror})") from error
+        near, known = did_you_mean(str(name), builtin_configs()), ", ".join(builtin_configs())
+        raise InputError(path, f"expected a TOML file or one of {known} ({error.strerror}){near}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(path, f"expected TOML ({error})") from error
     return from_table(Config, table, path)

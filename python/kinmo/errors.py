@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
 
 
@@ -22,6 +23,13 @@ class InputError(ValueError):
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str | None]]:
         return type(self), (self.where, self.problem, self.field)  # it comes out of worker processes
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """What to put after a name that is not among the `known` ones: the nearest of them as a question, if one is near."""
+    spelled = {each.lower(): each for each in known}
+    near = get_close_matches(name.lower(), spelled, n=1)
+    return f" (did you mean {spelled[near[0]]}?)" if near else ""
 
 
 @contextmanager

@@ -38,6 +38,8 @@ EVIDENCE_KINDS = {kind: code for code, kind in KINDS.items()}
 CONTACT_SCALE = 0.01
 FIXED = 0.5
 """Moving siblings are one body if the GNN's mean probability of FIXED between them is above this."""
+OFF_LINE, ALONG_LINE = 0.02, 0.9
+"""How far (diagonals) a shaft's middle may be from the line it turns about, and the least cosine between that and its own."""
 
 
 def ranked_bodies(
@@ -117,9 +119,11 @@ def predicted_bodies(shape: PreparedShape, moving: Mapping[int, Joint], edges: E
     """Positions of the leaves of every body; body 0 is what everything rests on (it may be empty).
 
     Moving siblings are one body if the GNN holds them to be fixed to each other, they touch, and they have the same joint, but
-    are not alike: the front and the box of a drawer are, two drawers or the keys of a keypad are not.
+    are not alike: the front and the box of a drawer are, two drawers or the keys of a keypad are not. A shaft needs no word of
+    the GNN's: it is one body with what it touches and shares its line with, as a laptop's screen with its hinge.
     """
     fixed, sizes = edges.type_set.FIXED.value, shape.minimum_boxes.half_extents
+    shafts = {node for node, joint in moving.items() if is_shaft(shape, node, joint)}
     odds: dict[tuple[int, int], list[float]] = {}
     for (part, other), probability, distance in zip(
         shape.edges.tolist(), edges.type_probabilities[:, fixed], shape.edge_distances, strict=True
@@ -127,7 +131,8 @@ def predicted_bodies(shape: PreparedShape, moving: Mapping[int, Joint], edges: E
         if part not in moving or other not in moving or distance > TOUCHING or are_alike(sizes[part], sizes[other]):
             continue
         if same_joint(moving[part], moving[other]):
-            odds.setdefault((min(part, other), max(part, other)), []).append(float(probability))
+            sure = part in shafts or other in shafts
+            odds.setdefault((min(part, other), max(part, other)), []).append(1.0 if sure else float(probability))
     group = {node: node for node in moving}
     for pair, values in odds.items():
         if np.mean(values) > FIXED:
@@ -140,6 +145,16 @@ def predicted_bodies(shape: PreparedShape, moving: Mapping[int, Joint], edges: E
     for position, leaf in enumerate(shape.leaves):
         leaves[owner[leaf]].append(position)
     return [tuple(below) for leader, below in leaves.items() if below or leader == 0]
+
+
+def is_shaft(shape: PreparedShape, node: int, joint: Joint) -> bool:
+    """Whether a part turns about its own length: its box lies along the line of its joint, the middle on it."""
+    boxes = shape.minimum_boxes
+    offset = boxes.centers[node] - joint.pivot
+    across = np.linalg.norm(offset - (offset @ joint.direction) * joint.direction)
+    longest = int(np.argmax(boxes.half_extents[node]))
+    along = abs(float(boxes.axes[node, longest] @ joint.direction))
+    return joint.kind is JointKind.REVOLUTE and bool(across <= OFF_LINE) and along >= ALONG_LINE
 
 
 def network_estimates(shape: PreparedShape, bodies: Sequence[tuple[int, ...]], edges: EdgePredictions) -> list[JointEstimate]:

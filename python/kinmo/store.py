@@ -105,10 +105,12 @@ def read_header(path: Path) -> dict[str, Any]:
             header = json.loads(file.read(length))
         end = max((entry["data_offsets"][1] for name, entry in header.items() if name != "__metadata__"), default=0)
         data: dict[str, Any] = json.loads(header["__metadata__"][_HEADER_KEY])
-        if data["format"] != FORMAT or path.stat().st_size != 8 + length + end:
-            raise ValueError("not whole, or of another format")
+        if data["format"] != FORMAT:
+            raise ValueError(f"of format {data['format']}, expected {FORMAT}")
+        if path.stat().st_size != 8 + length + end:
+            raise ValueError("not whole")
     except (OSError, ValueError, KeyError, TypeError, AttributeError, struct.error) as error:
-        raise InputError(path, f"not a prepared shape ({error})") from None
+        raise InputError(path, f"not a prepared shape ({error}): run kinmo prepare again") from None
     return data
 
 
@@ -120,7 +122,7 @@ def read_prepared(path: Path) -> PreparedShape:
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
         return _from_parts(header, tensors)
     except (SafetensorError, OSError, KeyError, TypeError, ValueError) as error:
-        raise InputError(path, f"not a prepared shape ({error})") from None
+        raise InputError(path, f"not a prepared shape ({error}): run kinmo prepare again") from None
 
 
 def _from_parts(header: dict[str, Any], tensors: dict[str, NDArray[Any]]) -> PreparedShape:
@@ -231,4 +233,4 @@ def _read_index(path: Path) -> Iterator[IndexEntry]:
     except FileNotFoundError:
         raise InputError(path, "missing: run kinmo prepare first") from None
     except (OSError, ValueError, TypeError, KeyError) as error:
-        raise InputError(path, f"not an index of prepared shapes ({error})") from None
+        raise InputError(path, f"not an index of prepared shapes ({error}): run kinmo prepare again") from None

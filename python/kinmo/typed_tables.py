@@ -10,7 +10,7 @@ from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from kinmo.errors import InputError
+from kinmo.errors import InputError, did_you_mean
 
 T = TypeVar("T")
 
@@ -49,7 +49,7 @@ def from_table(kind: type[T], table: Mapping[str, Any], where: Path | str, prefi
     known = {f.name: f for f in fields(kind)}
     for key in table:
         if key not in known:
-            raise InputError(where, f"unknown key; expected one of {', '.join(known)}", prefix + key)
+            raise InputError(where, f"unknown key{did_you_mean(key, known)}; expected one of {', '.join(known)}", prefix + key)
     values = {}
     for name, entry in known.items():
         if name in table:

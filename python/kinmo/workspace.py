@@ -1,7 +1,8 @@
 """The folder in which the stages of kinmo keep what they make.
 
 A file in it is either whole or absent: everything is written beside its place and renamed. A stage writes its record last;
-a record says from what the stage made its files, so that the same stage with the same inputs has nothing left to do.
+a record says from what the stage made its files, and what was in them, so that the same stage with the same inputs has nothing
+left to do, unless a file has gone or was damaged since.
 """
 
 from __future__ import annotations
@@ -130,15 +131,22 @@ class Workspace:
 
     def record(self, stage: str) -> StageRecord | None:
         """What `stage` wrote last; None if it never finished, or its record cannot be read."""
+        found = self._read_record(stage)
+        return None if found is None else found[0]
+
+    def _read_record(self, stage: str) -> tuple[StageRecord, dict[str, str | None]] | None:
+        """The record of `stage`, and the hashes of its outputs."""
         try:
             data = json.loads((self._records / f"{stage}.json").read_text(encoding="utf-8"))
-            return StageRecord(data["inputs"], tuple(data["outputs"]), data["kinmo"])
+            hashes = dict(data["outputs"])
+            return StageRecord(data["inputs"], tuple(hashes), data["kinmo"]), hashes
         except (OSError, ValueError, KeyError, TypeError):
             return None
 
     def write_record(self, stage: str, record: StageRecord) -> None:
         """Says that `stage` is finished. To be called when all its outputs are in place."""
-        data = {"inputs": _plain(record.inputs), "outputs": list(record.outputs), "kinmo": record.kinmo}
+        outputs = {output: _hash(self.path / output) for output in record.outputs}
+        data = {"inputs": _plain(record.inputs), "outputs": outputs, "kinmo": record.kinmo}
         write_text_atomically(self._records / f"{stage}.json", json.dumps(data, indent=1, sort_keys=True) + "\n")
 
     def forget(self, stage: str) -> None:
@@ -146,11 +154,11 @@ class Workspace:
         (self._records / f"{stage}.json").unlink(missing_ok=True)
 
     def is_current(self, stage: str, inputs: Mapping[str, Any]) -> bool:
-        """Whether `stage` was finished by this version of kinmo from just these inputs, and its outputs are still there."""
-        record = self.record(stage)
-        if record is None or record.kinmo != __version__ or record.inputs != _plain(inputs):
+        """Whether `stage` was finished by this version of kinmo from just these inputs, and its outputs are still the same."""
+        found = self._read_record(stage)
+        if found is None or found[0].kinmo != __version__ or found[0].inputs != _plain(inputs):
             return False
-        return all((self.path / output).exists() for output in record.outputs)
+        return all(before is not None and _hash(self.path / output) == before for output, before in found[1].items())
 
 
 def _plain(value: Mapping[str, Any]) -> Any:
@@ -163,6 +171,12 @@ def _contents(path: Path) -> bytes | None:
         return path.read_bytes()
     except OSError:
         return None
+
+
+def _hash(path: Path) -> str | None:
+    """A hash of a file's contents; None if it cannot be read."""
+    contents = _contents(path)
+    return None if contents is None else blake2b(contents, digest_size=16).hexdigest()
 
 
 def _lock(handle: int) -> bool:

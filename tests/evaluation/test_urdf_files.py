@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
+from whole_road import Listener
 
 from articulated import shape_of_boxes
 from kinmo.errors import InputError
@@ -20,6 +21,8 @@ from kinmo.export.partnet_mobility import write_partnet_mobility
 from kinmo.export.urdf import write_urdf
 from kinmo.joint import Joint, JointKind
 from kinmo.mobility import Body, Mobility
+from kinmo.pipeline.evaluate_files import EvaluateFiles
+from kinmo.workspace import Workspace
 
 UP = np.array([0.0, 1, 0])
 BOXES = [
@@ -192,6 +195,23 @@ def test_wrong_folders_and_ids_are_refused(tmp_path):
         score_files(predictions, predictions)
     with pytest.raises(InputError, match="'99'"):
         score_files(predictions, truth, ids=["99"])
+    (tmp_path / "file").write_text("")
+    (tmp_path / "others").mkdir()
+    (tmp_path / "others" / "99.urdf").write_text("<robot/>")
+    for name in ("absent", "file", "others"):
+        with pytest.raises(InputError, match=rf"{name}: expected URDFs called after shapes below .*truth, say 1\.urdf"):
+            score_files(tmp_path / name, truth)
+
+
+def test_a_category_that_no_truth_has_is_answered_with_those_there_are(tmp_path):
+    truth, predictions = folders(tmp_path)
+    (truth / "1" / "result.json").write_text("[")
+    listener = Listener()
+    stage = EvaluateFiles(predictions, truth, Workspace(tmp_path / "w"), "cabinets")
+    with pytest.raises(InputError, match=r"no shape of cabinets \(did you mean Cabinet\?\); there are Cabinet"):
+        stage.run(listener)
+    assert replace(stage, category="cabinet").run(listener).data["micro"]["objects"] == 3
+    assert any("result.json" in note for note in listener.notes)
 
 
 def test_urdfs_are_found_by_name_then_depth_then_path(tmp_path):

@@ -150,12 +150,10 @@ def test_predict_never_takes_the_place_of_what_it_did_not_write(road: Road, tmp_
     [
         ("models/ranking/weights.safetensors", "cut", ("eval", "pseudo-label")),
         ("models/ranking/weights.json", "[]", ("eval", "pseudo-label")),
-        ("models/gnn_fine/metrics.json", "[1]", ("train", "report")),
+        ("models/gnn_fine/metrics.json", "[1]", ("report",)),
         ("models/config.json", "{", ("eval",)),
         ("prepared/index.jsonl", "{}", ("train", "eval", "pseudo-label", "report")),
         ("pseudo/acceptance.json", "{}", ("report",)),
-        ("eval/all/examples.jsonl", "{}", ("report",)),
-        ("eval/all/parts_given/angle.json", "[", ("report",)),
     ],
 )
 def test_a_garbled_file_is_named_and_nothing_is_lost(
@@ -169,6 +167,26 @@ def test_a_garbled_file_is_named_and_nothing_is_lost(
         with pytest.raises(InputError, match=Path(file).stem):
             stage.run(Listener())
         assert contents(tmp_path) == before, name
+
+
+@pytest.mark.parametrize(
+    ("file", "stage"),
+    [
+        ("models/gnn_fine/metrics.json", "train"),
+        ("models/ranking/weights.safetensors", "train"),
+        ("models/axis/weights.json", "train"),
+        ("pseudo/acceptance.json", "pseudo-label"),
+        ("eval/all/examples.jsonl", "eval"),
+        ("eval/all/parts_given/angle.json", "eval"),
+    ],
+)
+def test_what_was_damaged_is_made_again(file: str, stage: str, road: Road, tmp_path: Path) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+    again = replace(road.stages[stage], workspace=Workspace(tmp_path / "workspace"))  # type: ignore[type-var]
+    assert again.plan().steps == ()
+    damaged = tmp_path / "workspace" / file
+    damaged.write_bytes(damaged.read_bytes()[:-3])
+    assert len(again.plan().steps) == 1
 
 
 def test_categories_are_matched_whatever_their_spelling(road: Road) -> None:
@@ -268,8 +286,17 @@ def test_ranking_goes_on_from_another_workspace(road: Road, tmp_path: Path) -> N
 
 
 def test_a_workspace_without_ranking_networks_is_nothing_to_go_on_from(road: Road, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="weights to go on from"):
-        Train("axis", road.workspace, "small", start=Workspace(tmp_path)).plan()
+    listener, record = Listener(), road.workspace.record("train-axis")
+    stage = Train("all", road.workspace, "small", start=Workspace(tmp_path))
+    for call in (stage.plan, lambda: stage.run(listener)):
+        with pytest.raises(InputError, match="weights to go on from"):
+            call()
+    assert listener.steps == [] and road.workspace.record("train-axis") == record  # not after hours of other networks
+
+
+def test_networks_that_go_on_from_nothing_say_so(road: Road) -> None:
+    with pytest.raises(InputError, match="--from: gnn goes on from nothing, expected it with one of all, axis"):
+        Train("gnn", road.workspace, "small", start=road.workspace).plan()
 
 
 def test_several_devices_are_refused_before_anything_is_done(road: Road, tmp_path: Path) -> None:

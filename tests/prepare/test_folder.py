@@ -15,7 +15,7 @@ import pytest
 from datasets import write_dsg_net, write_json, write_partnet, write_partnet_mobility
 from kinmo.errors import InputError
 from kinmo.prepare import prepare_folder
-from kinmo.store import INDEX, PreparedStore
+from kinmo.store import PreparedStore
 from kinmo.workspace import Workspace
 
 SHAPES = 6
@@ -147,12 +147,14 @@ def test_progress_counts_to_the_number_of_shapes(dataset, tmp_path):
     assert seen == [(number, SHAPES + 3) for number in range(1, SHAPES + 4)]
 
 
-def test_an_empty_folder_gives_an_empty_index_and_a_missing_one_an_error(tmp_path):
+def test_a_folder_without_shapes_is_an_error_and_leaves_the_index_alone(dataset, tmp_path):
     (tmp_path / "empty").mkdir()
-    prepare(tmp_path / "empty", tmp_path / "w")
-    assert (tmp_path / "w" / "prepared" / INDEX).read_text() == ""
-    with pytest.raises(InputError, match="nothing"):
-        prepare(tmp_path / "nothing", tmp_path / "w")
+    prepare(dataset, tmp_path / "w")
+    before = (tmp_path / "w" / "prepared" / "index.jsonl").read_bytes()
+    for folder in ("empty", "missing"):
+        with pytest.raises(InputError, match=folder):
+            prepare(tmp_path / folder, tmp_path / "w")
+    assert (tmp_path / "w" / "prepared" / "index.jsonl").read_bytes() == before
 
 
 def test_a_run_that_is_killed_and_repeated_ends_like_one_that_was_not(dataset, tmp_path):

@@ -77,3 +77,9 @@ def test_a_browser_shows_it_without_errors_and_without_scrolling_sideways(tmp_pa
     sizes = re.search(r"<title>(\d+)/(\d+)</title>", done.stdout)
     assert sizes is not None
     assert int(sizes[1]) <= int(sizes[2])
+
+
+def test_columns_of_words_and_of_numbers_are_told_apart() -> None:
+    rows = [("a", "240 shapes below x", "0.02..0.35", "–"), ("b", "8 rows", "–", "–")]
+    table = Table("", ("name", "what", "interval", "nothing"), rows)
+    assert [table.is_text(column) for column in range(4)] == [True, True, False, False]

@@ -13,7 +13,7 @@ from kinmo.joint import JointKind
 from kinmo.synth import generate as generating
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.families import family_names
-from kinmo.synth.generate import Layout, Order, build, generate, orders, write
+from kinmo.synth.generate import MOST_SHAPES, Layout, Order, build, generate, orders, write
 from kinmo.synth.model import JointName
 
 SOME = ("safe", "microwave", "bottle", "window")
@@ -62,9 +62,10 @@ def test_ids_are_unique() -> None:
     assert len(ids) == len(set(ids))
 
 
-def test_a_count_below_one_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("count", [0, -1, MOST_SHAPES + 1, 10**15])
+def test_a_count_out_of_range_is_refused(tmp_path: Path, count: int) -> None:
     with pytest.raises(InputError, match="count"):
-        generate(tmp_path, count=0)
+        generate(tmp_path, count=count)
 
 
 def test_unlabelled_layouts_take_their_own_range() -> None:

@@ -24,11 +24,11 @@ command skips what is done already and goes on where it was stopped.
 
 Start with:
 
-    kinmo synth partnet/                  procedural shapes, if you have no data yet
-    kinmo prepare partnet/                check and convert every shape below a folder
-    kinmo train all                       train the networks
-    kinmo eval                            the paper's Table 1
-    kinmo predict my_shapes/ -o out/      joints and URDFs for your own shapes
+    kinmo synth partnet/               procedural shapes, if you have none
+    kinmo prepare partnet/             check and convert every shape
+    kinmo train all                    train the networks
+    kinmo eval                         the paper's Table 1
+    kinmo predict my_shapes/ -o out/   joints and URDFs for your own
 """
 
 

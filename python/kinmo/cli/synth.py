@@ -11,6 +11,9 @@ from typer import Argument, Option
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions
 
+MOST_SHAPES = 100_000
+"""`kinmo.synth.generate.MOST_SHAPES`, without importing it."""
+
 
 class LayoutName(str, Enum):
     """The layouts of `kinmo.synth`, without importing it."""
@@ -23,7 +26,7 @@ class LayoutName(str, Enum):
 def synth(
     options: CommonOptions,
     folder: Annotated[Path, Argument(help="Folder to write the shapes into.", show_default=False)],
-    count: Annotated[int, Option("--count", "-n", min=1, help="Labelled shapes a family.")] = 12,
+    count: Annotated[int, Option("--count", "-n", min=1, max=MOST_SHAPES, help="Labelled shapes a family.")] = 12,
     family: Annotated[list[str] | None, Option(help="Only this family; may be repeated.", show_default=False)] = None,
     layout: Annotated[
         list[LayoutName] | None,
@@ -38,7 +41,7 @@ def synth(
     For example:
 
         kinmo synth partnet/
-        kinmo synth partnet/ --count 50 --family refrigerator --family door
+        kinmo synth partnet/ --count 50 --family refrigerator --family door_set
     """
     from kinmo.pipeline.synth import Synth
 

@@ -51,7 +51,12 @@ def discover(
         yield Found(root, Layout.DSG_NET, shape_id(root))
         return
     if not root.is_dir():
-        raise InputError(root, "expected a folder of shapes" if root.exists() else "missing, expected a folder of shapes")
+        what = (
+            "is a file, expected a folder of shapes: unpack archives first"
+            if root.exists()
+            else "missing, expected a folder of shapes"
+        )
+        raise InputError(root, what)
     skipped = {os.path.realpath(path) for path in skip}
     home = os.path.realpath(root)
     pending = [(root, 0)]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from kinmo.categories import same_category
-from kinmo.errors import InputError
+from kinmo.errors import InputError, did_you_mean
 from kinmo.prepared import PreparedShape
 from kinmo.splits import Split, leaks, split_of
 from kinmo.store import IndexEntry, PreparedStore, read_header
@@ -46,8 +46,11 @@ def open_dataset(workspace: Workspace, category: str | None = None) -> Dataset:
     store = PreparedStore(workspace.prepared)
     entries = [entry for entry in store.entries if category is None or same_category(entry.category, category)]
     if not entries:
-        known = ", ".join(sorted({entry.category for entry in store.entries})) or "none: run kinmo prepare first"
-        raise InputError(workspace.prepared, f"no prepared shape of {category or 'any category'}; there are {known}")
+        known = sorted({entry.category for entry in store.entries})
+        if not known:
+            raise InputError(workspace.prepared, "no prepared shapes: run kinmo prepare first")
+        near = did_you_mean(category or "", known)
+        raise InputError(workspace.prepared, f"no prepared shape of {category}{near}; there are {', '.join(known)}")
     labelled = [entry for entry in entries if entry.is_labelled]
     by_split = {split: tuple(entry for entry in labelled if split_of(entry.id) is split) for split in Split}
     unlabelled = [entry for entry in entries if not entry.is_labelled]

@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from kinmo.categories import same_category
+from kinmo.errors import InputError, did_you_mean
 from kinmo.evaluation.tables import Caption, Cell, Column, Table, as_text, write_table
 from kinmo.evaluation.urdf_files import FilesReport, score_files, summarise
 from kinmo.evaluation.urdf_files.figures import FIGURES
 from kinmo.evaluation.urdf_files.files import write_json
 from kinmo.formats import Layout, discover, read_found
+from kinmo.pipeline.evaluation_files import URDF_FILES
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.workspace import Workspace
 
@@ -39,7 +41,7 @@ class EvaluateFiles:
         report = score_files(
             self.predictions,
             self.truth,
-            ids=self._ids(),
+            ids=self._ids(observer),
             workers=self.workers,
             progress=lambda done, total: observer.progress("scoring URDFs", done, total),
         )
@@ -47,17 +49,29 @@ class EvaluateFiles:
             observer.note(f"left out: {reason}")
         summary = summarise(report)
         table = self._table(report, summary)
-        folder = self.workspace.evaluation / "urdf_files"
-        write_table(table, folder, "by_category")
-        write_json(self.workspace.evaluation / "urdf_files.json", summary)
+        folder = self.workspace.evaluation / URDF_FILES
+        with self.workspace.locked():
+            write_table(table, folder, "by_category")
+            write_json(folder.with_suffix(".json"), summary)
         return Outcome(folder / "by_category.txt", summary, as_text(table))
 
-    def _ids(self) -> list[str] | None:
-        """The shapes of the category, None for all."""
+    def _ids(self, observer: Observer) -> list[str] | None:
+        """The shapes of the category, None for all. Raises InputError if there is none."""
         if self.category is None:
             return None
-        mobile = (found for found in discover(self.truth) if found.layout is Layout.PARTNET_MOBILITY)
-        return [found.id for found in mobile if same_category(read_found(found).category, self.category)]
+        categories: dict[str, str] = {}
+        for found in discover(self.truth):
+            if found.layout is Layout.PARTNET_MOBILITY:
+                try:
+                    categories[found.id] = read_found(found).category
+                except InputError as error:
+                    observer.note(f"left out: {error}")
+        ids = [name for name, category in categories.items() if same_category(category, self.category)]
+        if not ids:
+            known = sorted(set(categories.values()))
+            near = did_you_mean(self.category, known)
+            raise InputError(self.truth, f"no shape of {self.category}{near}; there are {', '.join(known) or 'none'}")
+        return ids
 
     def _table(self, report: FilesReport, summary: dict[str, Any]) -> Table:
         columns = [Column("category"), *(Column(name.replace("_", " "), 0) for name in COUNTS)]

@@ -8,7 +8,7 @@ from typing import Any
 
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.synth.draw import ParameterRange
-from kinmo.synth.generate import Layout, Order, generate, orders
+from kinmo.synth.generate import Layout, generate, orders
 from kinmo.workspace import locked
 
 SECONDS_PER_SHAPE = 0.05
@@ -30,13 +30,13 @@ class Synth:
     workers: int = 1
 
     def plan(self) -> Plan:
-        missing = len(self._orders()) - self._there()
+        total, there = self._counts()
+        missing = total - there
         steps = (f"write {missing} procedural shapes below {self.folder}",) if missing else ()
         return Plan(steps, missing * SECONDS_PER_SHAPE / self.workers)
 
     def run(self, observer: Observer) -> Outcome:
-        total = len(self._orders())
-        done = self._there()
+        total, done = self._counts()
 
         def on_written(path: Path) -> None:
             nonlocal done
@@ -57,8 +57,10 @@ class Synth:
             "parameter_range": self.parameter_range,
         }
 
-    def _orders(self) -> list[Order]:
-        return list(orders(**self._wish()))
-
-    def _there(self) -> int:
-        return sum((self.folder / order.layout.value / order.shape_id).exists() for order in self._orders())
+    def _counts(self) -> tuple[int, int]:
+        """How many shapes are wanted, and how many of them are there."""
+        total = there = 0
+        for order in orders(**self._wish()):
+            total += 1
+            there += (self.folder / order.layout.value / order.shape_id).exists()
+        return total, there

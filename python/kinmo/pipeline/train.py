@@ -78,7 +78,8 @@ class Train:
         dataset = open_dataset(self.workspace, self.category)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
-            results = [self._train(task, dataset, config, observer) for task in self._tasks(dataset, config)]
+            tasks = list(self._tasks(dataset, config))  # whatever cannot be trained is said before anything is
+            results = [self._train(task, dataset, config, observer) for task in tasks]
             write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
         lines = [
             f"{name}: {result['epochs']} epochs, best {result['best']}, error {result['error']:.4f}" for name, result in results
@@ -94,6 +95,9 @@ class Train:
         return config
 
     def _tasks(self, dataset: Dataset, config: Config) -> Iterator[Task]:
+        if self.start is not None and not CONTINUED.keys() & set(GROUPS[self.group]):
+            able = ", ".join(name for name, models in GROUPS.items() if CONTINUED.keys() & set(models))
+            raise InputError("--from", f"{self.group} goes on from nothing, expected it with one of {able}")
         for model in GROUPS[self.group]:
             start = self._start_of(model)
             section = getattr(config, TRAINERS[model][0])

@@ -81,13 +81,18 @@ def prepare_folder(
 
     Shapes that were prepared before from the same files, with the same seed, number of points and version of kinmo, are not
     prepared again. Index and files do not depend on `workers`, nor on how often a run was cut off. Of copies of one shape
-    the first by path is taken. Raises InputError if `root` is no folder or another process works in the workspace.
+    the first by path is taken. Raises InputError if `root` is no folder, nothing in it is a shape, or another process works in
+    the workspace; then the index stays as it was.
     """
     root = Path(root)
     with workspace.locked():
         store = workspace.prepared
         remove_leftovers(store)
-        total = sum(1 for _ in discover(root, skip=(workspace.path,)))
+        problems: list[InputError] = []
+        total = sum(1 for _ in discover(root, skip=(workspace.path,), report=problems.append))
+        if not total:
+            seen = f"; {problems[0]}" if problems else ""
+            raise InputError(root, f"expected at least one shape at or below it (docs/formats.md says what is one){seen}")
         run = _Run(store)
         jobs = (
             Job(found, store / file_name(found.layout.value, found.id), points, seed) for found in run.choose(root, workspace)

@@ -22,9 +22,8 @@ class Table:
     note: str = ""
 
     def is_text(self, column: int) -> bool:
-        """Whether no cell of a column begins with a number; a dash is nothing at all."""
-        cells = [row[column].lstrip(" -–+<>=") for row in self.rows]
-        return any(cells) and not any(cell[:1].isdigit() for cell in cells)
+        """Whether a cell of a column has a letter: numbers, intervals and times have none."""
+        return any(letter.isalpha() for row in self.rows for letter in row[column])
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,9 @@ from kinmo.synth.model import SynthObject
 from kinmo.synth.writers import dsg_net, partnet, partnet_mobility
 from kinmo.workers import Crashed, map_unordered
 
+MOST_SHAPES = 100_000
+"""Of a family and layout: ids have five digits."""
+
 
 class Layout(str, Enum):
     """The layouts that can be written; each goes to a subfolder of this name."""
@@ -85,8 +88,11 @@ def orders(
 ) -> Iterator[Order]:
     """`count` shapes a family and layout; a third of that, at least one, in DSG-Net's layout.
 
-    Without a `parameter_range`, labelled and unlabelled layouts take the range that is meant for them.
+    Without a `parameter_range`, labelled and unlabelled layouts take the range that is meant for them. Raises InputError for an
+    unknown family or a count out of range.
     """
+    if not 1 <= count <= MOST_SHAPES:
+        raise InputError("count", f"expected 1 to {MOST_SHAPES}, got {count}")
     chosen = family_names() if families is None else tuple(families)
     for name in chosen:
         family(name)
@@ -113,10 +119,8 @@ def generate(
     """Write shapes below `out`/<layout>/ and return how many were written; those that are there already are left as they are.
 
     Every shape is whole or absent, and the same whatever `workers` is. `on_written` hears of each new one.
-    Raises InputError for an unknown family or a count below one.
+    Raises InputError for an unknown family or a count out of range.
     """
-    if count < 1:
-        raise InputError("count", f"expected at least 1, got {count}")
     todo = orders(count, families=families, layouts=layouts, seed=seed, parameter_range=parameter_range)
     jobs = (order for order in todo if not _target(order, out).exists())
     written = 0

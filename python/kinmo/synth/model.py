@@ -95,6 +95,16 @@ class Motion:
         rotation, offset = matrix[:3, :3], matrix[:3, 3]
         return replace(self, origin=rotation @ self.origin + offset, direction=rotation @ self.direction)
 
+    def scaled(self, factors: float | Point) -> Motion:
+        """The joint of a part that is scaled about the origin, by one factor or one an axis.
+
+        Where the factors differ the part goes on moving as it did only if its joint lies along one of the axes.
+        """
+        factors = np.broadcast_to(np.asarray(factors, float), 3)
+        unit = self.direction / np.linalg.norm(self.direction)
+        length = 1.0 if self.is_hinge else float(np.linalg.norm(factors * unit))
+        return replace(self, origin=factors * self.origin, a=length * self.a, b=length * self.b, rest=length * self.rest)
+
 
 def hinge(origin: Point, direction: Point, a: float, b: float, *, rest: float = 0.0) -> Motion:
     """A revolute joint with limits in degrees."""
@@ -197,9 +207,5 @@ class SynthObject:
             leaf.pieces = [move(scale(piece, factor), shift) for piece in leaf.pieces]
         for link in self.links:
             if link.motion is not None:
-                link.motion = _scaled(link.motion, factor, shift)
-
-
-def _scaled(motion: Motion, factor: float, shift: Vector) -> Motion:
-    length = 1.0 if motion.is_hinge else factor
-    return replace(motion, origin=factor * motion.origin + shift, a=length * motion.a, b=length * motion.b)
+                scaled = link.motion.scaled(factor)
+                link.motion = replace(scaled, origin=scaled.origin + shift)

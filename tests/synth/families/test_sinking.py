@@ -8,7 +8,7 @@ from built import box_of, built, movable, pieces_of, sinking
 
 from kinmo.synth.families import family_names
 
-RETRACTING = {"button", "lens", "interface", "blade", "head", "press"}
+RETRACTING = {"button", "key", "lens", "interface", "blade", "head", "press"}
 """Keys that press into their housing, plugs and blades that retract into bodies built solid, lenses that go into each other."""
 
 LEANING = {"box", "suitcase", "toilet"}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -18,6 +17,8 @@ from kinmo.evaluation.urdf_files.figures import FIGURES, MEDIANS
 from kinmo.evaluation.urdf_files.matching import LEAST_IOU
 from kinmo.evaluation.urdf_files.scoring import FAILED, MISSING, SCORED, ObjectScore, score_urdf
 from kinmo.formats import read_partnet_mobility
+from kinmo.workers import Crashed, map_unordered
+from kinmo.workspace import write_text_atomically
 
 FIRST_CHOICES = ("model.urdf", "mobility.urdf")
 
@@ -47,7 +48,7 @@ def score_files(
     """Score the URDFs below `predictions` for every annotated shape below `truth`, or those with the given `ids`.
 
     Shapes are the folders that hold a mobility_v2.json, known by their names. An object without a URDF is missing. `progress`
-    is told how many of how many objects are done.
+    is told how many of how many objects are done. Raises InputError if there are no such shapes, or no URDF of any of them.
     """
     folders = {file.parent.name: file.parent for file in sorted(truth.rglob("mobility_v2.json"))}
     if not folders:
@@ -56,33 +57,29 @@ def score_files(
     unknown = [name for name in wanted if name not in folders]
     if unknown:
         raise InputError(truth, f"expected a shape {unknown[0]!r}, found none", "ids")
+    if not any(find_urdf(predictions, name) for name in wanted):
+        raise InputError(predictions, f"expected URDFs called after shapes below {truth}, say {wanted[0]}.urdf, found none")
     score = partial(_score_one, predictions=predictions, least_iou=least_iou)
-    results: list[ObjectScore | InputError] = []
-    for result in _mapped(score, [folders[name] for name in wanted], workers):
-        results.append(result)
+    scores: dict[str, ObjectScore] = {}
+    unreadable: dict[str, str] = {}
+    for done, (folder, found) in enumerate(map_unordered(score, (folders[name] for name in wanted), workers), start=1):
+        if isinstance(found, ObjectScore):
+            scores[folder.name] = found
+        else:
+            unreadable[folder.name] = f"{folder}: the process that scored it died" if isinstance(found, Crashed) else found
         if progress is not None:
-            progress(len(results), len(wanted))
-    scored = tuple(result for result in results if isinstance(result, ObjectScore))
-    unreadable = {name: str(result) for name, result in zip(wanted, results, strict=True) if isinstance(result, InputError)}
-    return FilesReport(scored, unreadable, least_iou)
+            progress(done, len(wanted))
+    ordered = tuple(scores[name] for name in wanted if name in scores)
+    return FilesReport(ordered, dict(sorted(unreadable.items())), least_iou)
 
 
-def _mapped(
-    score: Callable[[Path], ObjectScore | InputError], folders: Sequence[Path], workers: int
-) -> Iterable[ObjectScore | InputError]:
-    if workers <= 1:
-        yield from map(score, folders)
-        return
-    with ProcessPoolExecutor(workers) as pool:
-        yield from pool.map(score, folders)
-
-
-def _score_one(folder: Path, predictions: Path, least_iou: float) -> ObjectScore | InputError:
+def _score_one(folder: Path, predictions: Path, least_iou: float) -> ObjectScore | str:
+    """The score of one object, or what is wrong with its truth."""
     try:
         truth = read_partnet_mobility(folder)
         return score_urdf(truth, find_urdf(predictions, folder.name), predictions, least_iou)
     except InputError as error:
-        return error
+        return str(error)
 
 
 def find_urdf(predictions: Path, name: str) -> Path | None:
@@ -137,4 +134,4 @@ def _named(estimates: Sequence[Estimate | None]) -> dict[str, Any]:
 
 def write_json(path: Path, summary: dict[str, Any]) -> None:
     """Write a summary as JSON."""
-    path.write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
+    write_text_atomically(path, json.dumps(summary, indent=1) + "\n")

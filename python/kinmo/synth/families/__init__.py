@@ -11,7 +11,7 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 
-from kinmo.errors import InputError
+from kinmo.errors import InputError, did_you_mean
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import SynthObject
 
@@ -27,6 +27,7 @@ def family_names() -> tuple[str, ...]:
 def family(name: str) -> Build:
     """The builder of a family; InputError for an unknown name."""
     if name not in family_names():
-        raise InputError("families", f"unknown family {name!r}, expected some of {', '.join(family_names())}")
+        near = did_you_mean(name, family_names())
+        raise InputError("families", f"unknown family {name!r}{near}, expected some of {', '.join(family_names())}")
     build: Build = import_module(f"{__name__}.{name}").build
     return build

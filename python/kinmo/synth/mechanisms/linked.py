@@ -1,0 +1,153 @@
+"""Mechanisms of several parts: casters, arms of several links, crossed bars, jaws, and stands that turn and tip."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.draw import Draw
+from kinmo.synth.mechanisms.model import Builder, Mechanism, Moving
+from kinmo.synth.model import hinge, slider, spinner
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, ellipsoid, move, sweep, turn
+
+
+def caster(draw: Draw) -> Mechanism:
+    """A fork that swivels about the normal of the mount, with one wheel or two in it."""
+    radius, stem = draw.between(0.12, 0.3), draw.between(0.05, 0.3)
+    trail = draw.between(0.0, 0.2)
+    height = stem + 1.2 * radius
+    wheel = cylinder(radius, draw.between(0.06, 0.2), "x", (0, trail, height), draw.pick([16, 24]))
+    cheeks = [box((0.03, 0.12, 1.3 * radius), (s * 0.13, 0.6 * trail, stem + 0.6 * radius)) for s in (-1, 1)]
+    fork = [cylinder(0.05, stem, "z", (0, 0, 0.5 * stem), 12), box((0.3, 0.14, 0.03), (0, 0.3 * trail, stem)), *cheeks]
+    turned = draw.between(0.0, 360.0)
+    swivelling = Moving(
+        draw.pick(["caster", "fork", "stem"]), [turn(piece, Z, turned) for piece in fork], spinner((0, 0, 0), Z)
+    )
+    axle = np.array([np.cos(np.radians(turned)), np.sin(np.radians(turned)), 0.0])
+    center = (-trail * axle[1], trail * axle[0], height)
+    rolling = Moving("wheel", [turn(wheel, Z, turned)], spinner(center, axle), swivelling)
+    return Mechanism([swivelling, rolling])
+
+
+def arm(draw: Draw) -> Mechanism:
+    """Bars joined end to end by pins, with a head at the end."""
+    thick = draw.between(0.03, 0.1)
+    at, tilt = np.array([0.0, 0.0, draw.between(0.03, 0.3)]), draw.between(-50.0, 50.0)
+    fixed = [box((2.5 * thick, 0.5 * thick, at[2] + 0.05), (0, -thick, 0.5 * at[2] + 0.025))]
+    moving: list[Moving] = []
+    for index in range(draw.integer(1, 3)):
+        length = draw.between(0.3, 0.7)
+        way = np.array([np.sin(np.radians(tilt)), 0.0, np.cos(np.radians(tilt))])
+        aside = Y * thick * (index % 2)
+        end = at + length * way
+        bar = sweep(np.array([at + aside, end + aside]), 0.4 * thick, draw.pick([4, 8]))
+        pin = cylinder(0.4 * thick, 2.2 * thick, "y", at, 12)
+        swing = draw.between(20.0, 90.0)
+        on = moving[-1] if moving else None
+        pieces = [bar, pin] if draw.chance(0.7) else [bar]
+        moving.append(Moving(draw.pick(["arm", "lever", "rod", "leg"]), pieces, hinge(at, Y * draw.sign(), -swing, swing), on))
+        at, tilt = end, tilt + draw.sign() * draw.between(20.0, 110.0)
+    if draw.chance(0.6):
+        axis = draw.pick([Y, way]) if draw.chance(0.5) else Y
+        head = [move(turn(piece, Y, tilt), at) for piece in _head(draw)]
+        moving.append(Moving(draw.pick(["head", "shade", "holder"]), head, hinge(at, axis, -60.0, 60.0), moving[-1]))
+    return Mechanism(moving, fixed)
+
+
+def crossed(draw: Draw) -> Mechanism:
+    """Two bars, plates or frames that cross and turn about a pin where they do."""
+    thick, long, wide = draw.between(0.02, 0.08), draw.between(0.6, 1.1), draw.between(0.04, 0.15)
+    angle, share = draw.between(15.0, 60.0), draw.between(0.35, 0.65)
+    height = share * long * np.cos(np.radians(angle))
+    bars: list[Mesh] = []
+    for side in (-1.0, 1.0):
+        bar = box((wide, thick, long), (0, 0.55 * side * thick, (0.5 - share) * long))
+        bars.append(move(turn(bar, Y, side * angle), (0, 0, height)))
+    pin = cylinder(0.35 * wide, 3 * thick, "y", (0, 0, height), 12)
+    motion = hinge((0, 0, height), Y * draw.sign(), -draw.between(5.0, 60.0), draw.between(5.0, 1.8 * angle))
+    return Mechanism([Moving(draw.pick(["leg", "bar", "blade", "frame"]), [bars[0]], motion)], [bars[1], pin])
+
+
+def halves(draw: Draw) -> Mechanism:
+    """Two halves, one on the other and hinged to it along one side: a book, tongs, a clamshell."""
+    wide, long = draw.between(0.15, 0.9), draw.between(0.4, 1.0)
+    thick, second = draw.between(0.03, 0.25), draw.between(0.6, 1.2)
+    gap = draw.pick([0.0, draw.between(0.0, 0.08)])
+    lower = box((wide, long, thick), (0, 0, 0.5 * thick))
+    upper = box((wide * draw.between(0.7, 1.0), long, second * thick), (0, 0, (1 + 0.5 * second) * thick + gap))
+    place = (0, -0.5 * long + draw.between(0.0, 0.1), thick + draw.between(0.0, 1.0) * gap)
+    fixed = [lower]
+    if draw.chance(0.6):
+        pin = cylinder(0.25 * thick + 0.5 * gap, draw.between(0.3, 1.1) * wide, "x", place, 12)
+        ears = [box((0.04, 0.1, 1.5 * thick + gap), (s * 0.5 * wide, place[1], 0.75 * thick)) for s in (-1, 1)]
+        fixed += draw.pick([[pin], ears, [pin, *ears]])
+    opening = draw.between(10.0, 150.0)
+    rest = draw.pick([0.0, draw.between(0.1, 1.0) * opening])
+    return Mechanism(
+        [Moving(draw.pick(["body", "lid", "frame", "leg"]), [upper], hinge(place, X, 0.0, opening, rest=rest))], fixed
+    )
+
+
+def ridden(draw: Draw) -> Mechanism:
+    """A large body that turns, tips or comes off the small foot that it stands on."""
+    foot, rise = draw.between(0.1, 0.4), draw.between(0.04, 0.3)
+    fixed = [cylinder(foot, 0.04, "z", (0, 0, 0.02), 24), cylinder(0.3 * foot, rise, "z", (0, 0, 0.5 * rise), 16)]
+    size = np.array([draw.between(0.4, 1.0), draw.between(0.1, 0.8), draw.between(0.2, 1.0)])
+    body = box(size, (0, 0, rise + 0.5 * size[2])) if draw.chance(0.6) else cylinder(
+        0.5 * size[1], size[2], "z", (0, 0, rise + 0.5 * size[2]), 24, top_radius=draw.between(0.6, 1.2) * 0.5 * size[1]
+    )  # fmt: skip
+    motion = {
+        "turn": spinner((0, 0, 0), Z),
+        "tip": hinge((0, 0, rise), X, -draw.between(5.0, 30.0), draw.between(5.0, 30.0)),
+        "lift": slider(Z, 0.0, draw.between(0.1, 0.5)),
+    }[draw.pick(["turn", "tip", "lift"])]
+    return Mechanism([Moving(draw.pick(["body", "head", "container", "screen"]), [body], motion)], fixed)
+
+
+def jaws(draw: Draw) -> Mechanism:
+    """Two fingers that open about one pin, or about a pin each."""
+    thick, long = draw.between(0.03, 0.08), draw.between(0.4, 0.9)
+    apart = draw.pick([0.0, draw.between(0.05, 0.2)])
+    height = draw.between(0.05, 0.2)
+    moving = []
+    for side in (-1.0, 1.0):
+        finger = box((1.5 * thick, 0.9 * thick, long), (0, 0.5 * side * thick, 0.4 * long))
+        finger = turn(finger, Y, side * draw.between(3.0, 25.0))
+        place = (0.5 * side * apart, 0, height)
+        motion = hinge(place, Y * side, -draw.between(3.0, 10.0), draw.between(10.0, 60.0))
+        moving.append(Moving(draw.pick(["jaw", "leg", "finger"]), [move(finger, place)], motion))
+    pins = [cylinder(0.4 * thick, 3 * thick, "y", (0.5 * s * apart, 0, height), 12) for s in (-1, 1)]
+    fixed = [box((apart + 0.12, 0.4 * thick, height + 0.05), (0, -1.3 * thick, 0.5 * height)), *(pins if apart else pins[:1])]
+    return Mechanism(moving, fixed)
+
+
+def gimbal(draw: Draw) -> Mechanism:
+    """A fork that turns on the mount, with a head that tips in it."""
+    half, high = draw.between(0.15, 0.4), draw.between(0.25, 0.7)
+    foot = cylinder(draw.between(0.1, 0.3), 0.06, "z", (0, 0, 0.03), 20)
+    cheeks = [box((0.04, 0.12, high), (s * half, 0, 0.06 + 0.5 * high)) for s in (-1, 1)]
+    fork = [foot, box((2 * half, 0.12, 0.04), (0, 0, 0.08)), *cheeks]
+    turning = Moving(draw.pick(["fork", "frame", "stand"]), fork, spinner((0, 0, 0), Z))
+    center = (0.0, 0.0, high)
+    size = (1.7 * half, draw.between(0.15, 0.5), draw.between(0.15, 0.8) * high)
+    head = box(size, center) if draw.chance(0.6) else cylinder(0.4 * high, size[1], "y", center, 20)
+    axle = cylinder(0.03, 2 * half, "x", center, 10)
+    swing = draw.between(20.0, 80.0)
+    tipping = Moving(draw.pick(["head", "screen", "motor"]), [head, axle], hinge(center, X, -swing, swing), turning)
+    if draw.chance(0.6):
+        return Mechanism([turning, tipping])
+    return Mechanism([Moving(tipping.name, tipping.pieces, tipping.motion)], fork)
+
+
+def _head(draw: Draw) -> list[Mesh]:
+    kind = draw.pick(["shade", "plate", "ball", "block"])
+    if kind == "shade":
+        return [cylinder(0.06, draw.between(0.15, 0.3), "z", (0, 0, 0.1), 20, top_radius=draw.between(0.1, 0.22))]
+    if kind == "plate":
+        return [box((draw.between(0.2, 0.5), draw.between(0.15, 0.4), 0.03), (0, 0, 0.03))]
+    if kind == "ball":
+        return [ellipsoid((0.1, 0.1, 0.14), (0, 0, 0.1), 16, 8)]
+    return [box((draw.between(0.1, 0.3), 0.12, draw.between(0.15, 0.4)), (0, 0, 0.1))]
+
+
+LINKED: tuple[Builder, ...] = (caster, arm, arm, crossed, halves, halves, ridden, jaws, gimbal)

@@ -1,0 +1,78 @@
+"""Mechanisms: what they are made of lies where their joints are, and moves as they say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kinmo.synth.draw import Draw
+from kinmo.synth.mechanisms import FITTED, MECHANISMS, Builder, Moving
+from kinmo.synth.model import hinge, slider
+from kinmo.synth.primitives import X, Y, Z, box, scale, transform
+
+BUILDERS = sorted(set(MECHANISMS), key=lambda builder: builder.__name__)
+SEEDS = 25
+
+
+def points_of(part: Moving) -> np.ndarray:
+    return np.concatenate([piece.vertices for piece in part.pieces])
+
+
+@pytest.mark.parametrize("builder", BUILDERS, ids=lambda builder: builder.__name__)
+def test_a_mechanism_stands_on_its_mount(builder: Builder) -> None:
+    """Of all pieces, some reach the plane z = 0, and none is farther away than the cell is wide, but for what sticks out."""
+    for seed in range(SEEDS):
+        mechanism = builder(Draw(np.random.default_rng(seed)))
+        pieces = [*mechanism.fixed, *(piece for part in mechanism.moving for piece in part.pieces)]
+        points = np.concatenate([piece.vertices for piece in pieces])
+        assert np.isfinite(points).all()
+        assert points[:, 2].min() < 0.1
+        assert np.median(points[:, 2]) > -0.05
+        assert np.abs(points[:, :2]).max() < 2.5
+
+
+@pytest.mark.parametrize("builder", BUILDERS, ids=lambda builder: builder.__name__)
+def test_a_joint_passes_its_part(builder: Builder) -> None:
+    for seed in range(SEEDS):
+        for part in builder(Draw(np.random.default_rng(seed))).moving:
+            motion = part.motion
+            assert np.isclose(np.linalg.norm(motion.direction), 1.0)
+            assert motion.no_limit or motion.a < motion.b
+            if motion.has_place:
+                offsets = points_of(part) - motion.origin
+                across = np.linalg.norm(offsets - np.outer(offsets @ motion.direction, motion.direction), axis=1)
+                assert across.min() < 0.5 * np.linalg.norm(np.ptp(points_of(part), axis=0)), builder.__name__
+
+
+@pytest.mark.parametrize("builder", BUILDERS, ids=lambda builder: builder.__name__)
+def test_what_carries_a_part_comes_before_it(builder: Builder) -> None:
+    for seed in range(SEEDS):
+        seen: list[Moving] = []
+        for part in builder(Draw(np.random.default_rng(seed))).moving:
+            assert part.on is None or part.on in seen
+            seen.append(part)
+
+
+@given(st.sampled_from(sorted(set(FITTED), key=lambda builder: builder.__name__)), st.integers(0, 1000))
+def test_fitted_mechanisms_move_along_axes_of_their_cell(builder: Builder, seed: int) -> None:
+    for part in builder(Draw(np.random.default_rng(seed))).moving:
+        assert np.isclose(np.abs(part.motion.direction).max(), 1.0)
+
+
+@given(st.sampled_from([X, Y, Z]), st.lists(st.floats(0.2, 3.0), min_size=3, max_size=3), st.floats(-1.0, 1.0))
+def test_a_stretched_slider_goes_as_far_as_the_stretched_part(axis: np.ndarray, factors: list[float], share: float) -> None:
+    motion, part = slider(axis, -1.0, 1.0), box((0.3, 0.2, 0.1), (0.1, 0.2, 0.3))
+    moved_then_stretched = scale(transform(part, motion.at(share)), factors)
+    stretched = motion.scaled(factors)
+    stretched_then_moved = transform(scale(part, factors), stretched.at(share * stretched.b))
+    assert np.allclose(moved_then_stretched.vertices, stretched_then_moved.vertices)
+
+
+@given(st.floats(0.2, 3.0), st.floats(-180.0, 180.0))
+def test_a_scaled_hinge_turns_as_before_about_the_scaled_line(factor: float, degrees: float) -> None:
+    motion, part = hinge((0.3, -0.2, 0.1), (0.6, 0.0, 0.8), -180.0, 180.0), box((0.3, 0.2, 0.1))
+    moved_then_scaled = scale(transform(part, motion.at(degrees)), factor)
+    scaled_then_moved = transform(scale(part, factor), motion.scaled(factor).at(degrees))
+    assert np.allclose(moved_then_scaled.vertices, scaled_then_moved.vertices)
