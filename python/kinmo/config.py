@@ -120,8 +120,8 @@ class AxisConfig:
     `near_angle` degrees and `near_distance` diagonals of the truth is none, nor is one that moves the part to within
     `same_motion` diagonals of where the truth does. `negatives`: `edges` of the movable part's box as printed, or those and the
     centre lines too. `focus`: clouds are denser near the part, and seen from its middle in units of its size; `turned`: in
-    training they are turned and mirrored at random so that axes stay axes. A batch holds `batch_joints` joints, a positive and
-    a negative pair each.
+    training they are turned and mirrored at random so that axes stay axes. A joint is drawn with odds of (how many joints have
+    its name) ** -`name_balance`. A batch holds `batch_joints` joints, a positive and a negative pair each.
     """
 
     encoder: PointEncoderConfig
@@ -135,6 +135,7 @@ class AxisConfig:
     near_angle: Amount = 5.0
     near_distance: Amount = 0.05
     same_motion: Amount = 0.015
+    name_balance: Share = 1.0
     batch_joints: Count = 8
     batches_per_epoch: Number = 0
 

@@ -22,7 +22,7 @@ from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
 from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
-SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.04, "ranking": 0.02, "gnn_contact": 0.004}
+SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.02, "ranking": 0.02, "gnn_contact": 0.004}
 """Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
 
 
