@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 import torch
 
-from kinmo.learning.layers import EdgeConv, gather_points, nearest_neighbours, scatter_max, scatter_mean
+from kinmo.learning.layers import EdgeConv, gather_points, nearest_neighbours, neighbour_max, scatter_max, scatter_mean
 
 
 def test_neighbours_are_those_of_the_distance_matrix() -> None:
@@ -22,6 +22,20 @@ def test_gathered_points_are_the_indexed_ones() -> None:
     index = torch.randint(5, (2, 5, 4))
     expected = torch.stack([features[b][index[b]] for b in range(2)])
     assert torch.equal(gather_points(features, index), expected)
+
+
+def test_maxima_over_neighbours_have_the_gradients_of_a_maximum() -> None:
+    features = torch.randn(2, 20, 5, requires_grad=True)
+    index = nearest_neighbours(torch.randn(2, 20, 3), 6)
+    weights = torch.randn(2, 20, 5)
+    expected = gather_points(features, index).amax(2)
+    (slopes,) = torch.autograd.grad((expected * weights).sum(), features)
+    found = neighbour_max(features, index)
+    (found_slopes,) = torch.autograd.grad((found * weights).sum(), features)
+    assert torch.equal(found, expected)
+    torch.testing.assert_close(found_slopes, slopes)
+    with torch.no_grad():
+        assert torch.equal(neighbour_max(features, index), expected)
 
 
 @pytest.mark.parametrize("norm", ["none", "batch", "group"])

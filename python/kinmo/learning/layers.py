@@ -49,9 +49,23 @@ def nearest_neighbours(points: Tensor, count: int) -> Tensor:
 
 def gather_points(features: Tensor, index: Tensor) -> Tensor:
     """Features [B, n, k, C] of the points `index` [B, n, k] of `features` [B, n, C]."""
-    batch, count, width = features.shape
-    offset = torch.arange(batch, device=index.device).view(-1, 1, 1) * count
-    return features.reshape(batch * count, width).index_select(0, (index + offset).flatten()).view(*index.shape, width)
+    width = features.shape[2]
+    return features.reshape(-1, width).index_select(0, _rows(index).flatten()).view(*index.shape, width)
+
+
+def neighbour_max(features: Tensor, index: Tensor) -> Tensor:
+    """Maxima [B, n, C] of `features` [B, n, C] over the points `index` [B, n, k]."""
+    if not (features.is_cpu and torch.is_grad_enabled()):
+        return gather_points(features, index).amax(2)
+    # a bag knows which neighbour its maximum comes from, so that nothing of the size of all pairs goes backward
+    bags = _rows(index).flatten(0, 1)
+    return nn.functional.embedding_bag(bags, features.flatten(0, 1), mode="max").view(features.shape)
+
+
+def _rows(index: Tensor) -> Tensor:
+    """Indices [B, n, k] of points of each cloud as indices into the points of all clouds."""
+    batch, count = index.shape[:2]
+    return index + torch.arange(batch, device=index.device).view(-1, 1, 1) * count
 
 
 def channel_norm(kind: str, width: int) -> nn.Module:
@@ -90,7 +104,7 @@ class EdgeConv(nn.Module):
         """`features` [B, n, C], `index` [B, n, k] -> [B, n, C']."""
         near, center = self.neighbour(features), self.center(features)
         if self.factored:
-            pooled = gather_points(near, index).amax(2) + center
+            pooled = neighbour_max(near, index) + center
             return nn.functional.leaky_relu(self.norm(pooled), DGCNN_SLOPE)
         pairs = gather_points(near, index) + (center - near).unsqueeze(2)
         return nn.functional.leaky_relu(self.norm(pairs), DGCNN_SLOPE).amax(2)

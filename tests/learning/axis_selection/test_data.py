@@ -147,6 +147,14 @@ def test_batches_depend_on_the_generator_alone_and_mark_what_moves() -> None:
     assert not torch.allclose(batch.feasible[~still], batch.infeasible[~still])
 
 
+@pytest.mark.parametrize(("balance", "expected"), [(0.0, [1, 1, 1, 1, 1]), (0.5, [2, 1, 1, 1, 1]), (1.0, [4, 1, 1, 1, 1])])
+def test_joints_of_rare_names_are_drawn_as_often_as_asked(balance: float, expected: list[float]) -> None:
+    sample = joint_samples([cabinet(1)], CONFIG)[0]
+    samples = [replace(sample, name=name) for name in ("lid", "door", "door", "door", "door")]
+    weights = PairData(samples, samples, replace(CONFIG, name_balance=balance)).weights
+    np.testing.assert_allclose(weights, np.array(expected) / sum(expected))
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_a_turn_takes_axes_to_axes_and_leaves_the_mark(seed: int) -> None:
     turn = random_turn(np.random.default_rng(seed))

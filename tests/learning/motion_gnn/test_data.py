@@ -1,14 +1,15 @@
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import torch
 
 from kinmo.config import load_config
 from kinmo.learning.graph import ShapeGraph
-from kinmo.learning.motion_gnn.data import GraphData, shape_graph
+from kinmo.learning.motion_gnn.data import GraphData, changed_graph, shape_graph
 from kinmo.learning.names import HIDDEN
+from kinmo.prepared import Boxes
 from small_shapes import cabinet
 
 CONFIG = load_config("small").gnn
@@ -16,7 +17,8 @@ CONFIG = load_config("small").gnn
 
 def test_a_mirrored_graph_is_that_of_the_mirrored_boxes() -> None:
     shape = cabinet(4)
-    plain, mirrored = shape_graph(shape, CONFIG), shape_graph(shape, CONFIG, np.diag([-1.0, 1.0, 1.0]))
+    plain = shape_graph(shape, CONFIG)
+    mirrored = changed_graph(plain, shape, CONFIG, np.diag([-1.0, 1.0, 1.0]))
     for name in ("states", "types"):
         assert torch.equal(getattr(plain, name), getattr(mirrored, name))
     flip = torch.tensor([-1.0, 1.0, 1.0])
@@ -29,9 +31,25 @@ def test_a_mirrored_graph_is_that_of_the_mirrored_boxes() -> None:
     assert torch.equal(other_side[plain.sides][distinct], mirrored.sides[distinct])
 
 
+def test_a_changed_graph_is_that_of_a_shape_whose_boxes_and_labels_are_changed() -> None:
+    shape, change = cabinet(4), np.diag([-1.2, 0.8, 1.4])
+    boxes, labels = shape.symmetric_boxes, shape.edge_labels
+    assert np.allclose(np.abs(boxes.axes).max(axis=2), 1)  # so that they are boxes after it, too
+    lengths = np.linalg.norm(boxes.axes @ change, axis=2)
+    prepared = replace(
+        shape,
+        symmetric_boxes=Boxes(boxes.centers @ change, boxes.axes @ change / lengths[..., None], boxes.half_extents * lengths),
+        edge_labels=replace(labels, directions=labels.directions @ change, pivots=labels.pivots @ change),
+    )
+    changed, expected = changed_graph(shape_graph(shape, CONFIG), shape, CONFIG, change), shape_graph(prepared, CONFIG)
+    for field in fields(ShapeGraph):
+        torch.testing.assert_close(getattr(changed, field.name), getattr(expected, field.name))
+
+
 def test_stretching_keeps_pivots_where_they_are_in_their_boxes() -> None:
     shape = cabinet(4)
-    plain, stretched = shape_graph(shape, CONFIG), shape_graph(shape, CONFIG, np.diag([1.2, 0.9, 1.1]))
+    plain = shape_graph(shape, CONFIG)
+    stretched = changed_graph(plain, shape, CONFIG, np.diag([1.2, 0.9, 1.1]))
     turns = (plain.types >= 2) & (plain.types < 8)
 
     def places(graph: ShapeGraph) -> torch.Tensor:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -86,12 +87,12 @@ def joint_samples(shapes: Sequence[PreparedShape], config: AxisConfig) -> list[J
 
 
 class PairData:
-    """Joints drawn so that every name is as frequent, a positive and a negative pair each."""
+    """Joints drawn so that frequent names do not prevail (`AxisConfig.name_balance`), a positive and a negative pair each."""
 
     def __init__(self, training: Sequence[JointSample], validation: Sequence[JointSample], config: AxisConfig) -> None:
         self.training, self.config = training, config
-        names = [sample.name for sample in training]
-        weights = np.array([1.0 / names.count(name) for name in names])
+        counts = Counter(sample.name for sample in training)
+        weights = np.array([float(counts[sample.name]) ** -config.name_balance for sample in training])
         self.weights = weights / weights.sum()
         self._validation = list(self._batches([*validation] * VALIDATION_ROUNDS, np.random.default_rng(0)))
 

@@ -23,39 +23,53 @@ NEAR = 0.02
 """Distances are shown to the network as exp(-distance / NEAR)."""
 
 
-def shape_graph(shape: PreparedShape, config: GnnConfig, change: F64 | None = None) -> ShapeGraph:
+def shape_graph(shape: PreparedShape, config: GnnConfig) -> ShapeGraph:
     """The tensors of one shape, with all points of its leaves and only the edges that `config.edges` wants (`used_edges`).
 
-    Under `change` [3, 3], a linear map that is nearly diagonal along the object's axes (`variants`), boxes and labels are as if
-    the shape had been prepared so; points are left to the caller, and distances stay. A true direction has one sense, towards
-    the object's right, up or front: the file's tells only which way the range runs.
+    A true direction has one sense, towards the object's right, up or front: the file's tells only which way the range runs.
     """
-    change = np.eye(3) if change is None else change
     used = used_edges(shape, config)
     edges = shape.edges[used]
-    boxes = canonical(_changed(shape.symmetric_boxes, change), shape.up)
-    distances = shape.edge_distances[used]
-    relation = np.stack([np.exp(-distances / NEAR), distances <= config.contact], axis=1)
     name_ids, name_counts = bags(shape.part_names, config.name_buckets)
-    labels, count = shape.edge_labels, len(edges)
-    described = np.concatenate([boxes.centers, 2 * boxes.half_extents, boxes.axes.reshape(-1, 9)], axis=1)
+    count = len(edges)
     return ShapeGraph(
         leaf_points=_unit_clouds(torch.from_numpy(np.array(shape.leaf_points, np.float32))),
         leaves=_whole(shape.leaves),
         parents=_whole(shape.parents),
         depths=_whole(_depths(shape.parents)),
-        boxes=_real(described),
         name_ids=_whole(name_ids),
         name_counts=_whole(name_counts),
         up=_real(shape.up),
         edges=_whole(edges).reshape(-1, 2),
-        states=_whole(box_states(boxes, edges)),
-        sides=_whole(box_sides(boxes, edges)),
-        pose=_real(np.concatenate([relative_poses(boxes, edges), relation], axis=1)),
-        types=_whole(np.full(count, -1) if labels is None else labels.types[used]),
-        directions=_real(np.zeros((count, 3)) if labels is None else _one_sense(labels.directions[used] @ change.T, shape.up)),
-        pivots=_real(np.zeros((count, 3)) if labels is None else labels.pivots[used] @ change.T),
+        states=_whole(box_states(shape.symmetric_boxes, edges)),
+        types=_whole(np.full(count, -1) if shape.edge_labels is None else shape.edge_labels.types[used]),
+        **_measures(shape, config, used, np.eye(3)),
     )
+
+
+def changed_graph(graph: ShapeGraph, shape: PreparedShape, config: GnnConfig, change: F64) -> ShapeGraph:
+    """`graph`, that of `shape`, as if the shape had been prepared under `change` [3, 3], a linear map.
+
+    The map should be nearly diagonal along the object's axes. Points are left to the caller. States stay, since linear maps
+    leave shares of volumes as they are, and so do distances.
+    """
+    return replace(graph, **_measures(shape, config, used_edges(shape, config), change))
+
+
+def _measures(shape: PreparedShape, config: GnnConfig, used: NDArray[np.int64], change: F64) -> dict[str, Tensor]:
+    """What of a graph a linear map changes."""
+    edges, labels = shape.edges[used], shape.edge_labels
+    boxes = canonical(_changed(shape.symmetric_boxes, change), shape.up)
+    distances = shape.edge_distances[used]
+    relation = np.stack([np.exp(-distances / NEAR), distances <= config.contact], axis=1)
+    still = np.zeros((len(edges), 3))
+    return {
+        "boxes": _real(np.concatenate([boxes.centers, 2 * boxes.half_extents, boxes.axes.reshape(-1, 9)], axis=1)),
+        "sides": _whole(box_sides(boxes, edges)),
+        "pose": _real(np.concatenate([relative_poses(boxes, edges), relation], axis=1)),
+        "directions": _real(still if labels is None else _one_sense(labels.directions[used] @ change.T, shape.up)),
+        "pivots": _real(still if labels is None else labels.pivots[used] @ change.T),
+    }
 
 
 def used_edges(shape: PreparedShape, config: GnnConfig) -> NDArray[np.int64]:
@@ -108,8 +122,7 @@ def _variants(shape: PreparedShape, config: GnnConfig) -> list[_Variant]:
     found = [first]
     for _ in range(config.variants):
         change = random_change(shape.up, config.stretch, rng)
-        graph = replace(shape_graph(shape, config, change), leaf_points=first.graph.leaf_points)
-        found.append(_Variant(graph, _real(change)))
+        found.append(_Variant(changed_graph(first.graph, shape, config, change), _real(change)))
     return found
 
 
