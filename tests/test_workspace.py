@@ -166,7 +166,7 @@ def test_records_are_the_same_bytes_whenever_they_are_written(tmp_path):
 def test_a_full_disk_names_the_file_and_leaves_what_was_there(tmp_path):
     write_bytes_atomically(tmp_path / "file", b"before")
     with (
-        pytest.raises(OSError, match="No space left on device: .*file") as raised,
+        pytest.raises(OSError, match=r"No space left on device: .*file") as raised,
         write_atomically(tmp_path / "file") as place,
     ):
         place.write_bytes(b"half of")
