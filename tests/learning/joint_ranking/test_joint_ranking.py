@@ -119,6 +119,22 @@ def test_the_surest_axis_is_answered_and_runners_up_differ_from_it() -> None:
     assert agree.sum() == len(joints)
 
 
+def test_doubtful_hinges_along_one_direction_outweigh_a_single_one_that_lies_across() -> None:
+    rows = EVIDENCE.rows(1)
+    turning = EVIDENCE.kinds[rows] == REVOLUTE
+    upright = turning & (np.abs(EVIDENCE.directions[rows] @ UP) > 0.999)
+    edges = np.flatnonzero(upright)[[0, -1]]
+    across = int(np.flatnonzero(turning & (np.abs(EVIDENCE.directions[rows] @ UP) < 0.1))[0])
+    assert not agreement(EVIDENCE.kinds[rows], EVIDENCE.directions[rows], EVIDENCE.pivots[rows])[edges[0], edges[1]]
+    probabilities = np.zeros(rows.stop - rows.start)
+    probabilities[edges], probabilities[across] = (0.3, 0.25), 0.35
+    box = Box(EVIDENCE.centers[1], np.eye(3), np.array([0.23, 0.2, 0.01]))
+    first = rank_answers(EVIDENCE, 1, probabilities, 0.1, box, UP)[0]
+    assert first.joint is not None
+    np.testing.assert_allclose(first.joint.pivot, EVIDENCE.pivots[rows][edges[0]])
+    assert first.score == pytest.approx(0.3)
+
+
 def test_a_part_that_rather_rests_gets_no_joint_first() -> None:
     found = answers(1, 0, 0.2, 0.7)
     assert found[0].joint is None

@@ -18,17 +18,24 @@ AGREE_LINE = 0.05
 """Answers within 5 degrees and 0.05 diagonals of each other count as the same (the strict measure of a joint)."""
 MOVES = 0.5
 ALTERNATIVES = 5
+DIGITS = 9
+"""Of a sum of probabilities: the order of its terms must not decide."""
 KINDS = {REVOLUTE: JointKind.REVOLUTE, PRISMATIC: JointKind.PRISMATIC, SCREW: JointKind.SCREW}
+
+
+def parallel(directions: F64) -> NDArray[np.bool_]:
+    """Which hypotheses [h, h] have the same direction by the strict measure."""
+    same: NDArray[np.bool_] = np.abs(directions @ directions.T) >= AGREE_DIRECTION
+    return same
 
 
 def agreement(kinds: NDArray[np.int64], directions: F64, pivots: F64) -> NDArray[np.bool_]:
     """Which hypotheses [h, h] are the same answer by the strict measure. Pivots are the points nearest the part's centre."""
     kind = kinds[:, None] == kinds[None]
-    parallel = np.abs(directions @ directions.T) >= AGREE_DIRECTION
     offset = pivots[:, None] - pivots[None]
     offset -= np.einsum("abi,ai->ab", offset, directions)[..., None] * directions[:, None]
     close = (np.linalg.norm(offset, axis=-1) <= AGREE_LINE) | (kinds == PRISMATIC)[:, None]
-    agree: NDArray[np.bool_] = kind & parallel & close
+    agree: NDArray[np.bool_] = kind & parallel(directions) & close
     return agree
 
 
@@ -49,6 +56,10 @@ def rank_answers(
     `probabilities` [h] of the unit's hypotheses and `rest`, that of not moving, sum to one. The score of a hypothesis is the
     probability of all that agree with it, so it is the chance that the answer is right by the strict measure. A part that
     rather rests gets that as its first answer, its best joint as the second.
+
+    The kind is decided first: it gathers more evidence than any single axis of it. Answers of a kind are ordered by their
+    score and the probability of their direction together: several doubtful hinges at upright edges speak against a single
+    surer one that lies across.
     """
     rows = evidence.rows(unit)
     kinds, directions, pivots = evidence.kinds[rows], evidence.directions[rows], evidence.pivots[rows]
@@ -56,8 +67,8 @@ def rank_answers(
     support = agree @ probabilities
     kind_mass = np.array([probabilities[kinds == kind].sum() for kind in sorted(KINDS)])
     best_kind = int(np.argmax(kind_mass))
-    # The kind is decided first: it gathers more evidence than any single axis of it.
-    order = np.lexsort((-probabilities, -support, kinds != best_kind))
+    favour = np.round(support + parallel(directions) @ probabilities, DIGITS)
+    order = np.lexsort((-probabilities, -favour, kinds != best_kind))
     answers: list[JointEstimate] = []
     covered = np.zeros(len(kinds), bool)
     for index in order:
