@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from kinmo.config import Config, builtin_configs, from_table, load_config, to_table
+from kinmo.config import Config, builtin_configs, load_config
 from kinmo.errors import InputError
+from kinmo.typed_tables import from_table, to_table
 
 SMALL = (files("kinmo") / "configs" / "small.toml").read_text(encoding="utf-8")
 

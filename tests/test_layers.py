@@ -29,6 +29,7 @@ LAYERS = (
         "normalisation",
         "prediction",
         "config",
+        "typed_tables",
         "workers",
     ),
     ("formats",),

@@ -9,7 +9,7 @@ import pytest
 from kinmo.joint import CoarseType, MotionType
 from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.mobility import has_cycle
-from kinmo.mobility_tree import given_tree, predicted_tree
+from kinmo.mobility_tree import given_tree, predicted_tree, retyped
 from kinmo.prepared import PreparedShape
 from kinmo.shape import Part, Shape
 from small_shapes import box_mesh, cabinet, prepare_boxes
@@ -98,6 +98,17 @@ def test_a_given_body_without_an_edge_has_no_estimate() -> None:
     shape = cabinet(0)
     nothing = EdgePredictions(np.zeros((0, 10)), np.zeros((0, 3)), np.zeros((0, 3)))
     assert set(given_tree(replace(shape, edges=shape.edges[:0]), nothing).estimates) == {None}
+
+
+def test_bodies_with_a_wrong_type_are_told_the_right_one() -> None:
+    shape = cabinet(3)
+    tree = given_tree(shape, told(shape))
+    types = {body: estimate.type for body, estimate in enumerate(tree.estimates) if estimate is not None}
+    assert types and set(retyped(tree, types).estimates) == {None}
+    body, other = next(iter(types)), MotionType.PR_V
+    (corrected,) = (found for found in retyped(tree, {**types, body: other}).estimates if found is not None)
+    assert corrected.type is other
+    assert corrected.direction is tree.estimates[body].direction and corrected.pivot is tree.estimates[body].pivot
 
 
 def test_parts_fixed_to_each_other_that_move_against_the_same_are_one_with_the_larger_ones_parameters() -> None:

@@ -3,12 +3,17 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from articulated import shape_of_boxes
 from kinmo.joint import Joint, JointKind, MotionType
 from kinmo.learning.edge_predictions import EdgePredictions
+from kinmo.learning.joint_ranking.data import View
 from kinmo.learning.joint_ranking.decide import same_joint
+from kinmo.mobility import Body
+from kinmo.prepare import prepare_shape
 from kinmo.prepared import PreparedShape
-from kinmo.ranked_mobility import predicted_bodies
+from kinmo.ranked_mobility import predicted_bodies, ranked_bodies
 from small_shapes import cabinet
 
 SLIDE = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3))
@@ -46,6 +51,25 @@ def moving_pair(shape: PreparedShape) -> tuple[int, int]:
 
 def touching(shape: PreparedShape, distance: float) -> PreparedShape:
     return replace(shape, edge_distances=np.full(len(shape.edges), distance))
+
+
+class Undecided:
+    """A ranking that knows nothing, and rather says that nothing moves."""
+
+    def probabilities(self, view: View) -> tuple[list[np.ndarray], np.ndarray]:
+        counts = [view.evidence.rows(unit).stop - view.evidence.rows(unit).start for unit in view.units]
+        return [np.full(count, 0.2 / count) for count in counts], np.full(len(counts), 0.8)
+
+
+@pytest.mark.parametrize("kind", list(JointKind))
+def test_a_body_whose_kind_is_told_moves_so(kind: JointKind) -> None:
+    box, lid = ((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1))
+    bodies = (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE))
+    shape = prepare_shape(shape_of_boxes([box, lid], bodies), points=64)
+    asked = ranked_bodies(shape, None, shape.body_leaves, Undecided())
+    told = ranked_bodies(shape, None, shape.body_leaves, Undecided(), kinds=[None, kind])
+    assert asked[1][0].joint is None and told[1][0].joint.kind is kind
+    assert told[0][0].joint is None and told[0][0].score == asked[0][0].score
 
 
 def test_every_leaf_belongs_to_exactly_one_body() -> None:

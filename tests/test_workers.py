@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,27 @@ def test_a_worker_uses_one_thread():
 def test_what_a_job_raises_reaches_the_caller():
     with pytest.raises(ValueError, match="no"):
         list(map_unordered(fail, range(3), 2))
+
+
+def wait_for_release(job: tuple[Path, int]) -> None:
+    folder, number = job
+    (folder / f"{number}.started").touch()
+    while number and not (folder / "released").exists():
+        time.sleep(0.01)
+
+
+def test_jobs_that_wait_in_the_queue_are_dropped_when_the_work_is_stopped(tmp_path, monkeypatch):
+    shutdown = ProcessPoolExecutor.shutdown
+
+    def release(*arguments, **options):
+        (tmp_path / "released").touch()
+        shutdown(*arguments, **options)
+
+    monkeypatch.setattr(ProcessPoolExecutor, "shutdown", release)
+    answers = map_unordered(wait_for_release, ((tmp_path, number) for number in range(20)), 2)
+    next(answers)
+    answers.close()
+    assert len(list(tmp_path.glob("*.started"))) <= 3  # the one that was answered, and those that the two workers were at
 
 
 def test_workers_end_with_a_process_that_is_killed(tmp_path):

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import errno
+import os
 import signal
 import subprocess
 import sys
@@ -159,3 +161,15 @@ def test_records_are_the_same_bytes_whenever_they_are_written(tmp_path):
     files = [(tmp_path / name / "records" / "gnn.json").read_bytes() for name in ("a", "b")]
     assert files[0] == files[1]
     assert [entry.name for entry in (tmp_path / "a").iterdir()] == ["records"]
+
+
+def test_a_full_disk_names_the_file_and_leaves_what_was_there(tmp_path):
+    write_bytes_atomically(tmp_path / "file", b"before")
+    with (
+        pytest.raises(OSError, match=r"No space left on device: .*file") as raised,
+        write_atomically(tmp_path / "file") as place,
+    ):
+        place.write_bytes(b"half of")
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    assert raised.value.filename == str(tmp_path / "file")
+    assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"before"]

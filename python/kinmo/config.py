@@ -2,42 +2,24 @@
 
 A configuration is a tree of frozen dataclasses. `paper` holds the sizes of the paper and its release, `small` those that train
 on two CPU cores; a user's own file has the same keys. Unknown keys and wrong types end in an InputError that names file and
-key.
+key (`kinmo.typed_tables`).
 """
 
 from __future__ import annotations
 
-import math
 import sys
-from collections.abc import Mapping
-from dataclasses import MISSING, asdict, dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from types import UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Literal
 
 from kinmo.errors import InputError, did_you_mean
+from kinmo.typed_tables import Within, from_table
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
-
-T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class Within:
-    """Bounds of a number, or of the length of a list."""
-
-    low: float
-    high: float = math.inf
-
-    def __str__(self) -> str:
-        if self.high < sys.float_info.max:
-            return f"of {self.low:g} to {self.high:g}"
-        return "above 0" if self.low == sys.float_info.min else f"of at least {self.low:g}"
-
 
 Count = Annotated[int, Within(1)]
 Number = Annotated[int, Within(0)]
@@ -243,66 +225,3 @@ def load_config(name: str | Path) -> Config:
 def builtin_configs() -> tuple[str, ...]:
     """Names of the configurations that come with kinmo."""
     return tuple(sorted(Path(str(f)).stem for f in (files("kinmo") / "configs").iterdir() if f.name.endswith(".toml")))
-
-
-def to_table(config: Any) -> dict[str, Any]:
-    """A configuration as nested dictionaries, tuples as lists: what `from_table` reads and JSON can hold."""
-
-    def plain(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {key: plain(item) for key, item in value.items()}
-        return [plain(item) for item in value] if isinstance(value, tuple) else value
-
-    return {key: plain(value) for key, value in asdict(config).items()}
-
-
-def from_table(kind: type[T], table: Mapping[str, Any], where: Path | str, prefix: str = "") -> T:
-    """Build the dataclass `kind` from a table of TOML or JSON; `where` and `prefix` are for messages.
-
-    Raises InputError for unknown keys, missing keys, and values of the wrong type.
-    """
-    assert is_dataclass(kind)
-    hints = get_type_hints(kind, include_extras=True)
-    known = {f.name: f for f in fields(kind)}
-    for key in table:
-        if key not in known:
-            raise InputError(where, f"unknown key{did_you_mean(key, known)}; expected one of {', '.join(known)}", prefix + key)
-    values = {}
-    for name, entry in known.items():
-        if name in table:
-            values[name] = _convert(hints[name], table[name], where, prefix + name)
-        elif entry.default is MISSING and entry.default_factory is MISSING:
-            raise InputError(where, "missing", prefix + name)
-    return kind(**values)
-
-
-def _convert(kind: Any, value: Any, where: Path | str, key: str) -> Any:
-    origin = get_origin(kind)
-    if origin is Annotated:
-        kind, within = get_args(kind)
-        converted = _convert(kind, value, where, key)
-        size = len(converted) if isinstance(converted, tuple) else converted
-        if not within.low <= size <= within.high:
-            what = "a list with a length" if isinstance(converted, tuple) else "a number"
-            raise InputError(where, f"expected {what} {within}, got {value!r}", key)
-        return converted
-    if is_dataclass(kind) and isinstance(kind, type):
-        if not isinstance(value, Mapping):
-            raise InputError(where, "expected a table", key)
-        return from_table(kind, value, where, key + ".")
-    if origin is Literal:
-        if not isinstance(value, str) or value not in get_args(kind):
-            raise InputError(where, f"expected one of {', '.join(get_args(kind))}, got {value!r}", key)
-        return value
-    if origin is tuple:
-        if not isinstance(value, (list, tuple)):
-            raise InputError(where, f"expected a list, got {value!r}", key)
-        return tuple(_convert(get_args(kind)[0], item, where, f"{key}[{i}]") for i, item in enumerate(value))
-    if origin in (Union, UnionType):
-        (kind,) = (option for option in get_args(kind) if option is not type(None))
-        return None if value is None else _convert(kind, value, where, key)
-    if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
-    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-        raise InputError(where, f"expected {kind.__name__}, got {value!r}", key)
-    return value

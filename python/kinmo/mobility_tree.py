@@ -6,6 +6,7 @@ reference become one, with the parameters of the larger; where references would 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -67,6 +68,22 @@ def given_tree(shape: PreparedShape, predictions: EdgePredictions) -> MobilityTr
     bodies = enumerate(shape.mobility.bodies)
     tree = tuple(Body(body.id, body.name, body.leaves, parents.get(index)) for index, body in bodies)
     return MobilityTree(tree, tuple(estimates.get(index) for index in range(len(tree))))
+
+
+def retyped(tree: MobilityTree, types: Mapping[int, MotionType]) -> MobilityTree:
+    """The bodies of `tree` that the network gives another type than `types` does, by body, with that type; nothing is said of
+    the others.
+    """
+    estimates: list[NetworkEstimate | None] = [None] * len(tree.bodies)
+    for body, estimate in enumerate(tree.estimates):
+        if estimate is None or body not in types:
+            continue
+        wanted = types[body] if estimate.type_set is MotionType else types[body].coarse
+        if estimate.type is not wanted:
+            told = np.zeros(len(estimate.type_set))
+            told[wanted] = 1.0
+            estimates[body] = replace(estimate, probabilities=told)
+    return replace(tree, estimates=tuple(estimates))
 
 
 def _owners(shape: PreparedShape) -> list[int]:

@@ -7,7 +7,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -53,7 +53,7 @@ def map_unordered(
                     while True:
                         for job in islice(remaining, _QUEUED_PER_WORKER * workers - len(in_flight)):
                             with _interrupts_held():
-                                in_flight[pool.submit(function, job)] = job
+                                in_flight[pool.submit(_unless_stopped, function, job)] = job
                         if not in_flight:
                             finished = True
                             break
@@ -62,9 +62,6 @@ def map_unordered(
                             yield in_flight.pop(future), answer
                 except BrokenProcessPool:
                     suspects = list(in_flight.values())
-                except BaseException:
-                    pool.shutdown(wait=False, cancel_futures=True)
-                    raise
 
 
 def _one_at_a_time(function: Callable[[Job], Answer], jobs: list[Job]) -> Iterator[tuple[Job, Answer | Crashed]]:
@@ -75,7 +72,7 @@ def _one_at_a_time(function: Callable[[Job], Answer], jobs: list[Job]) -> Iterat
                 job = pending.pop(0)
                 try:
                     with _interrupts_held():
-                        future = pool.submit(function, job)
+                        future = pool.submit(_unless_stopped, function, job)
                     answer: Answer | Crashed = future.result()
                 except BrokenProcessPool:
                     answer = Crashed()
@@ -84,8 +81,28 @@ def _one_at_a_time(function: Callable[[Job], Answer], jobs: list[Job]) -> Iterat
                     break
 
 
-def _pool(workers: int) -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=_start_worker)
+@contextmanager
+def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
+    """A pool that waits, when an exception ends its use, for the jobs at work, but not for those that stand in its queue."""
+    context = multiprocessing.get_context("spawn")
+    stopped, stop = context.Pipe(duplex=False)
+    with stopped, stop, ProcessPoolExecutor(workers, context, initializer=_start_worker, initargs=(stopped,)) as pool:
+        try:
+            yield pool
+        except BaseException:
+            stop.close()
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+_stopped: connection.Connection | None = None
+"""Of a worker: has something to read, the end, once its pool is stopped."""
+
+
+def _unless_stopped(function: Callable[[Job], Answer], job: Job) -> Answer:
+    if _stopped is not None and _stopped.poll():
+        raise CancelledError
+    return function(job)
 
 
 @contextmanager
@@ -109,8 +126,10 @@ def _interrupts_held() -> Iterator[None]:
             handler(*came[0])
 
 
-def _start_worker() -> None:
+def _start_worker(stopped: connection.Connection) -> None:
     """One thread a worker; Ctrl-C is left to the owner, with which the worker ends."""
+    global _stopped
+    _stopped = stopped
     os.environ |= dict.fromkeys(("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     owner = multiprocessing.parent_process()

@@ -47,6 +47,9 @@ def write_atomically(path: Path) -> Iterator[Path]:
             path.rename(replaced)
         temporary.replace(path)
         _sync_folder(path.parent)
+    except OSError as error:
+        error.filename = error.filename or str(path)  # writing to a full disk names no file
+        raise
     finally:
         _remove(temporary)
         _remove(replaced)

@@ -106,6 +106,22 @@ def test_ok_ends_at_a_twentieth_of_the_diagonal_for_hinges(offset, fine):
     assert record.is_ok is fine
 
 
+def test_told_answers_count_where_the_type_was_wrong_or_missing():
+    truth = prepared_from(cabinet())
+    tilted = estimate_of(truth, 1, direction=Rotation.from_euler("x", 7, degrees=True).apply(UP))
+    told = {1: tilted, 2: estimate_of(truth, 2)}
+    slides = JointEstimate(replace(HINGE, kind=JointKind.PRISMATIC, direction=np.array([1.0, 0, 0])), MotionType.P_H, 0.5)
+    for answers, expected in (
+        ({1: estimate_of(truth, 1), 2: estimate_of(truth, 2)}, (0.0, 0.0)),
+        ({1: slides, 2: estimate_of(truth, 2)}, (7.0, 0.0)),
+        ({1: JointEstimate(None, CoarseType.FIXED, 0.5)}, (7.0, 0.0)),
+    ):
+        found = [record.typed_axis_error for record in parts_given(truth, answers, told=told).records]
+        np.testing.assert_allclose(np.degrees(found), expected, atol=1e-5)
+    alone = parts_given(truth, true_estimates(truth)).records
+    assert {record.typed_axis_error for record in alone} == {None}
+
+
 def test_a_slider_needs_no_line():
     truth = prepared_from(cabinet())
     record = joint_record(truth, 2, estimate_of(truth, 2, pivot=np.full(3, 9.0)))

@@ -12,7 +12,7 @@ from kinmo.evaluation.aggregate import macro, micro, ratios
 from kinmo.evaluation.paper_tables import METHODS, mean, paper_tables, table1_figures, table1_means
 from kinmo.evaluation.records import FalseAlarm, JointRecord, ShapeScore
 from kinmo.evaluation.summary import FIGURES, summarise, without_controls
-from kinmo.evaluation.table1 import by_category, overview, table1
+from kinmo.evaluation.table1 import Scores, by_category, overview, table1
 from kinmo.evaluation.tables import WRITERS, Caption, Column, Table, as_latex, as_markdown, as_text, write_table
 from kinmo.joint import CoarseType, MotionType
 
@@ -151,7 +151,7 @@ def test_the_papers_scan_tables_recompute_to_their_means_except_where_it_mixes_u
 
 
 def test_table_1_shows_the_papers_figures_and_marks_them():
-    table = by_category({"OBB_fine": doors(8, "door_set", axis=1.0)}, "axis", CAPTION)
+    table = by_category({"OBB_fine": Scores(doors(8, "door_set", axis=1.0))}, "axis", CAPTION)
     titles = [column.title for column in table.columns]
     assert titles[-4:] == [f"{name} (authors' data)" for name in METHODS]
     rows = {row[0]: row for row in table.rows}
@@ -163,7 +163,7 @@ def test_table_1_shows_the_papers_figures_and_marks_them():
 
 
 def test_no_table_of_ours_averages_the_papers_dashes():
-    table = by_category({"OBB_fine": doors(8)}, "raw_line", CAPTION)
+    table = by_category({"OBB_fine": Scores(doors(8))}, "raw_line", CAPTION)
     rows = {row[0]: row for row in table.rows}
     assert rows["Window"][-4:] == (None,) * 4
     assert rows["mean of the paper's categories"][-1] == pytest.approx(0.1319, abs=5e-5)
@@ -171,14 +171,14 @@ def test_no_table_of_ours_averages_the_papers_dashes():
 
 def test_table_1_comes_with_and_without_controls():
     scores = {"kinmo": [*doors(8), *(shape(f"t{i}", "Toaster", record(f"t{i}", "Toaster", name="knob")) for i in range(8))]}
-    tables = table1(scores, CAPTION)
+    tables = table1({name: Scores(shapes) for name, shapes in scores.items()}, CAPTION)
     assert tables["overview_micro"].rows[0][1:3] == (16, 16)
     assert tables["overview_micro_without_controls"].rows[0][1:3] == (8, 8)
     assert "Without buttons" in str(tables["overview_micro_without_controls"].caption)
 
 
 def test_an_overview_prints_what_it_is_of():
-    text = as_text(overview({"rule": doors(3), "kinmo": doors(3, axis=9.0)}, CAPTION))
+    text = as_text(overview({"rule": Scores(doors(3)), "kinmo": Scores(doors(3, axis=9.0))}, CAPTION))
     assert "procedural; 3 shapes, 3 joints; test; seeds 0, 1." in text
     assert text.index("rule") < text.index("kinmo")
 

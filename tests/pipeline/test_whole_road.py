@@ -63,6 +63,16 @@ def test_tables_hold_both_methods_in_both_settings(road: Road) -> None:
     }
 
 
+def test_axes_are_also_judged_with_the_true_type_given(road: Road) -> None:
+    table = road.outcomes["eval"].data["parts_given"]["overview_micro"]
+    place = table["columns"].index("axis, type given (deg)")
+    assert all(0.0 <= row[place] <= 90.0 for row in table["rows"] if row[0] in WANTED_ROWS)
+    summary = json.loads((road.outcomes["eval"].path / "summaries" / "parts_given.json").read_text(encoding="utf-8"))
+    for row in WANTED_ROWS:
+        figures = summary[row]["micro"]
+        assert figures["typed_axis"]["count"] >= figures["axis"]["count"]
+
+
 def test_every_true_joint_of_the_test_shapes_has_an_example(road: Road) -> None:
     examples = read_examples(road.outcomes["eval"].path / "examples.jsonl")
     table = road.outcomes["eval"].data["parts_given"]["overview_micro"]

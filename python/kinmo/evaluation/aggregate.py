@@ -106,13 +106,24 @@ def _mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _estimates(values: NDArray[np.float64], samples: NDArray[np.float64], counts: NDArray[np.int64]) -> list[Estimate | None]:
+    """`values` [F] with the intervals of `samples` [draws, F], of which those that are NaN do not count."""
+    low, high = _quantiles(samples)
+    low, high = (np.where(np.isnan(bound), values, bound) for bound in (low, high))
+    return [
+        None if np.isnan(values[row]) else Estimate(float(values[row]), float(low[row]), float(high[row]), int(counts[row]))
+        for row in range(len(values))
+    ]
+
+
+def _quantiles(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Both ends of the interval [2, F]; NaN where no sample has a value."""
     tail = 50.0 * (1.0 - COVERAGE)
-    found: list[Estimate | None] = []
-    for value, drawn, count in zip(values, samples.T, counts, strict=True):
-        known = drawn[~np.isnan(drawn)]
-        if np.isnan(value):
-            found.append(None)
-        else:
-            low, high = np.percentile(known, [tail, 100.0 - tail]) if len(known) else (value, value)
-            found.append(Estimate(float(value), float(low), float(high), int(count)))
+    ends = [tail, 100.0 - tail]
+    found = np.full((2, samples.shape[1]), np.nan)
+    missing = np.isnan(samples)
+    whole = ~missing.any(axis=0)
+    if len(samples):
+        found[:, whole] = np.percentile(samples[:, whole], ends, axis=0)
+    for column in np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0)):
+        found[:, column] = np.percentile(samples[~missing[:, column], column], ends)
     return found

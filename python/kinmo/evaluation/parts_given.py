@@ -17,12 +17,13 @@ def parts_given(
     *,
     parents: Mapping[int, int | None] | None = None,
     penetrations: Mapping[int, float] | None = None,
+    told: Mapping[int, JointEstimate] | None = None,
 ) -> ShapeScore:
     """Score the answers to the bodies of `truth`, by index of the body, joints in the normalised frame.
 
     A movable body without an answer, or with one that does not move, is missed; a body of the truth that does not move but is
     said to is a false alarm. `parents` and `penetrations`, where known, are by body
-    too.
+    too; so is `told`, the answers when the true types are told, to those bodies at least that otherwise got a wrong type.
     """
     mobility, _ = annotation(truth)
     records = []
@@ -32,6 +33,9 @@ def parts_given(
             record = replace(record, parent_ok=parents.get(index) == body.parent)
         if penetrations is not None and index in penetrations:
             record = replace(record, penetration=penetrations[index])
+        if told is not None:
+            typed = record if record.type_ok else joint_record(truth, index, told.get(index))
+            record = replace(record, typed_axis_error=typed.axis_error)
         records.append(record)
     still = {index for index, body in enumerate(mobility.bodies) if not body.is_movable}
     alarms = tuple(

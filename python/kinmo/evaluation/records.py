@@ -43,6 +43,8 @@ class JointRecord:
     """Of the object, in the lengths of its file."""
     predicted_type: MotionType | CoarseType | None = None
     axis_error: float | None = None
+    typed_axis_error: float | None = None
+    """Of the answer when the true type is told."""
     line_distance: float | None = None
     """Smallest distance of the two lines."""
     line_at_part: float | None = None
@@ -80,6 +82,11 @@ class JointRecord:
     @property
     def coarse_ok(self) -> bool:
         return self.predicted_coarse is self.true_type.coarse
+
+    @property
+    def type_ok(self) -> bool:
+        """Right among the types that the method tells apart."""
+        return self.fine_ok if isinstance(self.predicted_type, MotionType) else self.coarse_ok
 
     @property
     def fine_ok(self) -> bool:

@@ -53,7 +53,11 @@ def _f1(score: ShapeScore) -> tuple[float, float]:
 
 def axis_degrees(record: JointRecord) -> float | None:
     """The axis error in degrees."""
-    return None if record.axis_error is None else math.degrees(record.axis_error)
+    return _degrees(record.axis_error)
+
+
+def _degrees(angle: float | None) -> float | None:
+    return None if angle is None else math.degrees(angle)
 
 
 def _hinge_within_ten_degrees(record: JointRecord) -> float | None:
@@ -76,6 +80,7 @@ FIGURES: tuple[Figure[ShapeScore], ...] = (
     Figure("fine_type", "type (10)", Unit.SHARE, _fine_types),
     _share("missed", "missed", lambda record: record.is_missed),
     _mean("axis", "axis (deg)", Unit.DEGREES, axis_degrees),
+    _mean("typed_axis", "axis, type given (deg)", Unit.DEGREES, lambda record: _degrees(record.typed_axis_error)),
     _share("axis_ok", "axis <= 5 deg", lambda record: record.axis_ok),
     _share("placed_ok", "axis and line", lambda record: record.placed_ok),
     _mean("hinge_within_10", "R: axis <= 10 deg", Unit.SHARE, _hinge_within_ten_degrees),

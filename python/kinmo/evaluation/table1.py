@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 from kinmo.categories import canonical_category
 from kinmo.evaluation.aggregate import Estimate, Unit
@@ -12,14 +13,31 @@ from kinmo.evaluation.records import ShapeScore
 from kinmo.evaluation.summary import FIGURE, LEAST_OBJECTS, Estimates, Summary, summarise, without_controls
 from kinmo.evaluation.tables import Caption, Cell, Column, Table
 
-Rows = Mapping[str, Sequence[ShapeScore]]
+
+@dataclass(frozen=True, eq=False)
+class Scores:
+    """The scores of one method, which are summarised once for all tables."""
+
+    shapes: Sequence[ShapeScore]
+
+    @cached_property
+    def summary(self) -> Summary:
+        return summarise(self.shapes)
+
+    @cached_property
+    def without_controls(self) -> Scores:
+        """Those of all but buttons, knobs and switches."""
+        return Scores(without_controls(self.shapes))
+
+
+Rows = Mapping[str, Scores]
 """The scores of every method (row of a table) by its name."""
 
 DECIMALS = {Unit.SHARE: 3, Unit.DEGREES: 2, Unit.DIAGONALS: 3, Unit.LENGTH: 3}
 PAPER_MEASURE = {"axis": "angle", "raw_line": "distance"}
 """The figures that the paper prints: its distances are in the files' lengths."""
 
-OVERVIEW = ("ok", "coarse_type", "fine_type", "missed", "axis", "axis_ok", "placed_ok", "hinge_within_10")
+OVERVIEW = ("ok", "coarse_type", "fine_type", "missed", "axis", "typed_axis", "axis_ok", "placed_ok", "hinge_within_10")
 DISTANCES = ("line", "line_at_part", "pivot", "range_iou", "penetration")
 GROUPING = ("precision", "recall", "f1", "parent", "edge_type")
 
@@ -35,7 +53,7 @@ def by_category(methods: Rows, figure: str, caption: Caption) -> Table:
 
     A category that only the paper has keeps its row: what was not run is to be seen. The counts of the caption are filled in.
     """
-    summaries = {name: summarise(scores) for name, scores in methods.items()}
+    summaries = {name: scores.summary for name, scores in methods.items()}
     paper = table1_figures(PAPER_MEASURE[figure]) if figure in PAPER_MEASURE else {}
     decimals = DECIMALS[FIGURE[figure].unit]
     columns = [Column("category"), Column("objects", 0), Column("joints", 0), *(Column(name, decimals) for name in summaries)]
@@ -50,8 +68,7 @@ def by_category(methods: Rows, figure: str, caption: Caption) -> Table:
         rows.append((category, *counts, *figures, *(paper.get(category, (None,) * len(METHODS)) if paper else ())))
     means = table1_means(PAPER_MEASURE[figure]) if paper else ()
     rows += _mean_rows(summaries, figure, means)
-    shown = max(methods.values(), key=len, default=())
-    return Table(caption_for(shown, caption), tuple(columns), tuple(rows))
+    return Table(caption_for(_most(methods), caption), tuple(columns), tuple(rows))
 
 
 def _mean_rows(summaries: Mapping[str, Summary], figure: str, paper: tuple[float | None, ...]) -> list[tuple[Cell, ...]]:
@@ -79,20 +96,19 @@ def overview(
     Means are over joints, or over categories with at least `macro_over` objects. Without `controls` buttons, knobs and
     switches are left out. The first figure comes with its 95 % interval.
     """
-    kept = {name: list(scores) if controls else without_controls(scores) for name, scores in methods.items()}
+    kept = methods if controls else {name: scores.without_controls for name, scores in methods.items()}
     titles = [Column(FIGURE[key].title, DECIMALS[FIGURE[key].unit]) for key in figures]
     columns = (Column("method"), Column("objects", 0), Column("joints", 0), titles[0], Column("95 %"), *titles[1:])
     rows: list[tuple[Cell, ...]] = []
     for name, scores in kept.items():
-        summary = summarise(scores)
+        summary = scores.summary
         estimates = summary.micro if macro_over is None else summary.macro[macro_over]
         values = [_value(estimates, key) for key in figures]
         interval = _interval(estimates[figures[0]], DECIMALS[FIGURE[figures[0]].unit])
         rows.append((name, summary.objects, summary.joints, values[0], interval, *values[1:]))
-    shown = max(kept.values(), key=len, default=[])
     over = "over joints" if macro_over is None else f"over categories with >= {macro_over} objects"
     note = " ".join(filter(None, [caption.note, f"Means {over}.", "" if controls else "Without buttons, knobs and switches."]))
-    return Table(replace(caption_for(shown, caption), note=note), columns, tuple(rows))
+    return Table(replace(caption_for(_most(kept), caption), note=note), columns, tuple(rows))
 
 
 def table1(methods: Rows, caption: Caption) -> dict[str, Table]:
@@ -103,6 +119,7 @@ def table1(methods: Rows, caption: Caption) -> dict[str, Table]:
     """
     tables = {
         "angle": by_category(methods, "axis", _titled(caption, "axis error in degrees")),
+        "angle_type_given": by_category(methods, "typed_axis", _titled(caption, "axis error in degrees, the true type given")),
         "distance": by_category(methods, "raw_line", _titled(caption, "distance of the axis lines in the files' lengths")),
         "distance_over_diagonal": by_category(
             methods, "line", _titled(caption, "distance of the axis lines over the diagonal")
@@ -114,6 +131,11 @@ def table1(methods: Rows, caption: Caption) -> dict[str, Table]:
             title = _titled(caption, "all rows")
             tables[f"overview_{kind}{suffix}"] = overview(methods, title, figures=figures, controls=controls, macro_over=least)
     return tables
+
+
+def _most(methods: Rows) -> Sequence[ShapeScore]:
+    """The scores of the method that has most."""
+    return max((scores.shapes for scores in methods.values()), key=len, default=())
 
 
 def _titled(caption: Caption, what: str) -> Caption:

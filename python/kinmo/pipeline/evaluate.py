@@ -10,8 +10,7 @@ from typing import Any
 
 from kinmo.evaluation.label_truth import RANKING_WEIGHTS, WEIGHTS, curves, label_truth_table
 from kinmo.evaluation.records import ShapeScore
-from kinmo.evaluation.summary import summarise
-from kinmo.evaluation.table1 import caption_for, table1
+from kinmo.evaluation.table1 import Rows, Scores, caption_for, table1
 from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_table
 from kinmo.export.folders import whole_folder
 from kinmo.pipeline.dataset import open_dataset
@@ -114,9 +113,10 @@ class Evaluate:
         data = f"{choice.category or 'all categories'} of workspace {self.workspace.path.absolute().name}"
         for setting in SETTINGS:
             caption = Caption(f"Table 1, {_words(setting)}", data, 0, 0, "test split by hashed id", (self.seed,), note)
-            for name, table in _tables(judged, setting, caption).items():
+            scores = _scores(judged, setting)
+            for name, table in _tables(scores, setting, caption).items():
                 write_table(table, folder / setting, name)
-            found = {name: summarise(scores).to_json() for name, scores in _scores(judged, setting).items()}
+            found = {name: row.summary.to_json() for name, row in scores.items()}
             write_text_atomically(
                 folder / SUMMARIES / f"{setting}.json", json.dumps(found, indent=1, ensure_ascii=False) + "\n"
             )
@@ -132,26 +132,27 @@ def _outcome(folder: Path) -> Outcome:
     return Outcome(folder, data, text)
 
 
-def _tables(judged: Sequence[Judgement], setting: str, caption: Caption) -> Mapping[str, Table]:
+def _tables(scores: Rows, setting: str, caption: Caption) -> Mapping[str, Table]:
     """All tables of one setting. Those by category have no columns for ablations, whose names hold a comma."""
-    scores = _scores(judged, setting)
     tables = {name: table for name, table in table1(scores, caption).items() if name.startswith("overview")}
     headline = {name: found for name, found in scores.items() if "," not in name}
     tables |= {name: table for name, table in table1(headline, caption).items() if not name.startswith("overview")}
     for name, ways in LABELLERS.items():
         if name in scores:
-            title = replace(caption_for(scores[name], caption), title=f"Truth of the labels of {name}, {_words(setting)}")
-            tables[f"label_truth_{name}"] = label_truth_table(curves(scores[name], weights=ways), title)
+            title = replace(
+                caption_for(scores[name].shapes, caption), title=f"Truth of the labels of {name}, {_words(setting)}"
+            )
+            tables[f"label_truth_{name}"] = label_truth_table(curves(scores[name].shapes, weights=ways), title)
     return tables
 
 
-def _scores(judged: Sequence[Judgement], setting: str) -> dict[str, list[ShapeScore]]:
+def _scores(judged: Sequence[Judgement], setting: str) -> Rows:
     """The scores of all shapes in one setting, by row."""
     scores: dict[str, list[ShapeScore]] = {}
     for judgement in judged:
         for name, score in getattr(judgement, setting).items():
             scores.setdefault(name, []).append(score)
-    return scores
+    return {name: Scores(shapes) for name, shapes in scores.items()}
 
 
 def _words(setting: str) -> str:

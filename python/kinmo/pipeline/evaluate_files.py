@@ -38,6 +38,10 @@ class EvaluateFiles:
         return Plan((step,), count * SECONDS_PER_SHAPE / self.workers)
 
     def run(self, observer: Observer) -> Outcome:
+        with self.workspace.locked():
+            return self._run(observer)
+
+    def _run(self, observer: Observer) -> Outcome:
         report = score_files(
             self.predictions,
             self.truth,
@@ -50,9 +54,8 @@ class EvaluateFiles:
         summary = summarise(report)
         table = self._table(report, summary)
         folder = self.workspace.evaluation / URDF_FILES
-        with self.workspace.locked():
-            write_table(table, folder, "by_category")
-            write_json(folder.with_suffix(".json"), summary)
+        write_table(table, folder, "by_category")
+        write_json(folder.with_suffix(".json"), summary)
         return Outcome(folder / "by_category.txt", summary, as_text(table))
 
     def _ids(self, observer: Observer) -> list[str] | None:

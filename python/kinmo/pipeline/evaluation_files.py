@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from kinmo.config import to_table
 from kinmo.errors import InputError
 from kinmo.evaluation.trees import library_version
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.model_files import METHOD_MODELS, trained_config, weights_digest
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
+from kinmo.typed_tables import to_table
 from kinmo.workspace import Workspace
 
 SETTINGS = ("parts_given", "hierarchy_given")

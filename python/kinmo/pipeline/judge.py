@@ -52,18 +52,19 @@ def judge(
     answers: dict[str, dict[int, JointEstimate]] = {}
     for name, found in frame_answers(truth, meshes, config, trees):
         result.parts_given[name] = parts_given(truth, found)
-    given, predicted = _Shared(truth, meshes, "predict_given"), _Shared(truth, meshes, "predict")
+    given, typed, predicted = (_Shared(truth, meshes, method) for method in ("predict_given", "predict_typed", "predict"))
     meter, frame = PenetrationMeter(meshes, truth.leaves), Normalisation(truth.center, truth.diagonal)
     for row in rows:
         edges = row.predictor.edge_types(truth)
         try:
             prediction = row.of(given(row.predictor))
-            answers[row.name] = normalised({body: found[0] for body, found in enumerate(prediction.estimates)}, truth)
+            answers[row.name] = _best(prediction, truth)
             score = parts_given(
                 truth,
                 answers[row.name],
                 parents=_parents(prediction) if row.predictor.finds_parents else None,
                 penetrations=meter.of(frame.mobility(prediction.mobility)),
+                told=_best(row.of(typed(row.predictor)), truth),
             )
             result.parts_given[row.name] = _of_types(row, score, truth, edges)
             prediction = row.of(predicted(row.predictor))
@@ -76,6 +77,11 @@ def judge(
                 scores.setdefault(row.name, failed)
     result.examples = _examples(truth, layout, result.parts_given, answers)
     return result
+
+
+def _best(prediction: Prediction, truth: PreparedShape) -> dict[int, JointEstimate]:
+    """The first answer for every body, in the normalised frame."""
+    return normalised({body: found[0] for body, found in enumerate(prediction.estimates)}, truth)
 
 
 def _parents(prediction: Prediction) -> dict[int, int | None]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from kinmo import __version__
-from kinmo.config import RefinementConfig, to_table
+from kinmo.config import RefinementConfig
 from kinmo.errors import InputError
 from kinmo.evaluation.score_data import score_from_data, score_to_data
 from kinmo.formats import Found, Layout, read_found
@@ -23,6 +23,7 @@ from kinmo.pipeline.rows import Row
 from kinmo.pipeline.stage import Observer
 from kinmo.pipeline.trees_answers import Answers, answer_to_data
 from kinmo.store import IndexEntry, read_prepared
+from kinmo.typed_tables import to_table
 from kinmo.workers import Crashed
 from kinmo.workspace import Workspace, digest, write_text_atomically
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from kinmo.config import Config, from_table, load_config
+from kinmo.config import Config, load_config
 from kinmo.errors import InputError, expecting
+from kinmo.typed_tables import from_table
 from kinmo.workspace import Workspace, digest
 
 WEIGHTS = "weights.safetensors"

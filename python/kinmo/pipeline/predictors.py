@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
-from kinmo.config import RefinementConfig, to_table
+from kinmo.config import RefinementConfig
 from kinmo.errors import InputError
+from kinmo.evaluation.records import annotation
 from kinmo.learning.axis_selection.predict import AxisSelector
 from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.learning.joint_ranking.predict import JointRanking
@@ -21,7 +22,7 @@ from kinmo.learning.joint_ranking.views import maximal_nodes
 from kinmo.learning.motion_gnn.network import TypeSet
 from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
 from kinmo.mobility import Mobility
-from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree
+from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree, retyped
 from kinmo.normalisation import Normalisation
 from kinmo.pipeline.model_files import METHOD_MODELS, WEIGHTS, trained_config, weights_digest, weights_for
 from kinmo.prediction import JointEstimate, Prediction
@@ -29,6 +30,7 @@ from kinmo.prepared import PreparedShape
 from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of
 from kinmo.refinement import Refiner, in_file_frame
 from kinmo.shape import Shape
+from kinmo.typed_tables import to_table
 from kinmo.workspace import Workspace
 
 NETWORKS_KEPT = 8
@@ -62,6 +64,9 @@ class Predictor(Protocol):
 
     def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         """*Parts given*: the joints of the bodies of the shape's annotation."""
+
+    def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        """*Parts given*, with the true types: at least of the bodies to which `predict_given` gives other ones."""
 
     def edge_types(self, shape: PreparedShape) -> NDArray[np.int64] | None:
         """The type [E] of every edge; None if the method does not go by them."""
@@ -111,6 +116,10 @@ class PaperPredictor:
 
     def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         return self._refined(shape, meshes, given_tree(shape, self._gnn(shape).predict_edges(shape)))
+
+    def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        tree = given_tree(shape, self._gnn(shape).predict_edges(shape))
+        return self._refined(shape, meshes, retyped(tree, shape.body_types))
 
     def edge_types(self, shape: PreparedShape) -> NDArray[np.int64]:
         return self._gnn(shape).predict_edges(shape).types
@@ -175,6 +184,15 @@ class KinmoPredictor:
         names = [body.name for body in shape.mobility.bodies]
         answers = ranked_bodies(shape, meshes, shape.body_leaves, self._ranking(shape))
         return self._assembled(shape, meshes, self._edges(shape), shape.body_leaves, names, answers)
+
+    def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        mobility, _ = annotation(shape)
+        kinds = [None if body.joint is None else body.joint.kind for body in mobility.bodies]
+        answers = ranked_bodies(shape, meshes, shape.body_leaves, self._ranking(shape), kinds=kinds)
+        bodies = tuple(replace(body, joint=found[0].joint) for body, found in zip(mobility.bodies, answers, strict=True))
+        frame = Normalisation(shape.center, shape.diagonal)
+        estimates = tuple(tuple(in_file_frame(answer, frame) for answer in found) for found in answers)
+        return Prediction(shape.id, shape.category, frame.undo(Mobility(bodies)), estimates, (), self.method)
 
     def edge_types(self, shape: PreparedShape) -> None:
         return None
@@ -270,13 +288,3 @@ def normalised(estimates: Mapping[int, JointEstimate], shape: PreparedShape) -> 
         body: replace(found, joint=None if found.joint is None else frame.joint(found.joint))
         for body, found in estimates.items()
     }
-
-
-def network_alone(prediction: Prediction) -> Prediction:
-    """What the network said before refinement, as a prediction of its own."""
-    bodies = tuple(
-        replace(body, joint=said.joint)
-        for body, said in zip(prediction.mobility.bodies, prediction.network_estimates, strict=True)
-    )
-    mobility = replace(prediction.mobility, bodies=bodies)
-    return replace(prediction, mobility=mobility, estimates=tuple((said,) for said in prediction.network_estimates))

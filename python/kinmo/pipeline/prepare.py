@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kinmo.formats import discover
+from kinmo.formats.sources import shown
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.prepare import PrepareReport, prepare_folder
@@ -46,7 +47,7 @@ class Prepare:
                 seed=self.seed,
                 on_progress=lambda done, total, name: observer.progress("preparing shapes", done, total, name),
             )
-            watch.amount, watch.what = report.made, f"{report.made} shapes below {self.root}"
+            watch.amount, watch.what = report.made, f"{report.made} shapes below {shown(self.root)}"
         data = report.as_data()
         write_text_atomically(self.workspace.prepared / REPORT, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
         usable = len(report.taken) + len(report.repaired)

@@ -18,7 +18,7 @@ from kinmo.learning.motion_gnn.network import TypeSet
 from kinmo.mobility_tree import MobilityTree
 from kinmo.part_geometry import part_geometries
 from kinmo.pipeline.model_files import trained_config
-from kinmo.pipeline.predictors import KinmoPredictor, PaperPredictor, Predictor, network_alone
+from kinmo.pipeline.predictors import KinmoPredictor, PaperPredictor, Predictor
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 from kinmo.refinement import Refiner
@@ -34,6 +34,16 @@ CONTACT_EDGES = "OBB_fine, contact edges"
 def as_predicted(prediction: Prediction) -> Prediction:
     """The prediction itself."""
     return prediction
+
+
+def network_alone(prediction: Prediction) -> Prediction:
+    """What the network said before refinement, as a prediction of its own."""
+    bodies = tuple(
+        replace(body, joint=said.joint)
+        for body, said in zip(prediction.mobility.bodies, prediction.network_estimates, strict=True)
+    )
+    mobility = replace(prediction.mobility, bodies=bodies)
+    return replace(prediction, mobility=mobility, estimates=tuple((said,) for said in prediction.network_estimates))
 
 
 @dataclass(frozen=True)

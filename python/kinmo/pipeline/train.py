@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from kinmo.config import Config, load_config, to_table
+from kinmo.config import Config, load_config
 from kinmo.errors import InputError, expecting
 from kinmo.learning.training import Progress, remove_checkpoints
 from kinmo.pipeline.dataset import Dataset, open_dataset
@@ -19,6 +19,7 @@ from kinmo.pipeline.models import CONTINUED, GROUPS, TRAINERS
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
+from kinmo.typed_tables import to_table
 from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
 SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.02, "ranking": 0.02, "gnn_contact": 0.004}

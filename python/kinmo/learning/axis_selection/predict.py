@@ -10,11 +10,12 @@ import torch
 from numpy.typing import NDArray
 
 from kinmo.candidates import Candidates
-from kinmo.config import AxisConfig, from_table
+from kinmo.config import AxisConfig
 from kinmo.learning.axis_selection.clouds import displacements, marked_cloud, of_one_kind
 from kinmo.learning.axis_selection.network import KIND, AxisSelectionNetwork
 from kinmo.learning.weights import load_weights, pick_device
 from kinmo.prepared import PreparedShape
+from kinmo.typed_tables import from_table
 
 CLOUDS_AT_ONCE = 64
 

@@ -8,13 +8,14 @@ from pathlib import Path
 import torch
 from torch.nn.functional import binary_cross_entropy_with_logits
 
-from kinmo.config import AxisConfig, to_table
+from kinmo.config import AxisConfig
 from kinmo.errors import InputError
 from kinmo.learning.axis_selection.data import PairBatch, PairData, joint_samples
 from kinmo.learning.axis_selection.network import KIND, AxisSelectionNetwork
 from kinmo.learning.training import FitResult, Learner, Progress, fit
 from kinmo.learning.weights import load_weights, save_weights
 from kinmo.prepared import PreparedShape
+from kinmo.typed_tables import to_table
 
 
 def train_axis_selection(

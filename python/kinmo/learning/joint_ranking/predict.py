@@ -9,11 +9,12 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
-from kinmo.config import RankingConfig, from_table
+from kinmo.config import RankingConfig
 from kinmo.errors import InputError
 from kinmo.learning.joint_ranking.data import View, collate
 from kinmo.learning.joint_ranking.network import KIND, averaged, rankers
 from kinmo.learning.weights import load_weights, pick_device
+from kinmo.typed_tables import from_table
 
 F64 = NDArray[np.float64]
 

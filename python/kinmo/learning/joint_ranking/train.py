@@ -12,7 +12,7 @@ import numpy as np
 import torch
 from torch import nn
 
-from kinmo.config import RankingConfig, to_table
+from kinmo.config import RankingConfig
 from kinmo.errors import InputError
 from kinmo.evidence import Evidence
 from kinmo.learning.joint_ranking.data import View, collate
@@ -29,6 +29,7 @@ from kinmo.learning.joint_ranking.views import body_view, node_view
 from kinmo.learning.training import FitResult, Learner, Progress, fit
 from kinmo.learning.weights import Weights, load_weights, save_weights
 from kinmo.prepared import PreparedShape
+from kinmo.typed_tables import to_table
 
 WARM_UP = 0.1
 """Share of the steps in which the learning rate rises."""

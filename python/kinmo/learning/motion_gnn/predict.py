@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from kinmo.config import GnnConfig, from_table
+from kinmo.config import GnnConfig
 from kinmo.joint import CoarseType, MotionType
 from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.learning.graph import batch_graphs
@@ -16,6 +16,7 @@ from kinmo.learning.motion_gnn.data import grouped, shape_graph, thinned, used_e
 from kinmo.learning.motion_gnn.network import CLASSES, KIND, EdgeOutput, MotionGnn, TypeSet
 from kinmo.learning.weights import load_weights, pick_device
 from kinmo.prepared import PreparedShape
+from kinmo.typed_tables import from_table
 
 
 class MotionGnnPredictor:

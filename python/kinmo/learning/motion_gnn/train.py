@@ -8,7 +8,7 @@ from typing import Any
 
 import torch
 
-from kinmo.config import GnnConfig, to_table
+from kinmo.config import GnnConfig
 from kinmo.joint import MotionType
 from kinmo.learning.graph import GraphBatch
 from kinmo.learning.motion_gnn.data import GraphData
@@ -17,6 +17,7 @@ from kinmo.learning.motion_gnn.network import CLASSES, KIND, EdgeOutput, MotionG
 from kinmo.learning.training import MONITOR, FitResult, Learner, Progress, fit
 from kinmo.learning.weights import load_weights, save_weights
 from kinmo.prepared import PreparedShape
+from kinmo.typed_tables import to_table
 
 
 def train_motion_gnn(
