@@ -11,6 +11,7 @@ from kinmo.errors import InputError
 from kinmo.typed_tables import from_table, to_table
 
 SMALL = (files("kinmo") / "configs" / "small.toml").read_text(encoding="utf-8")
+EPOCHS = next(line for line in SMALL.splitlines() if line.startswith("epochs"))
 
 
 @pytest.mark.parametrize("name", builtin_configs())
@@ -30,8 +31,8 @@ def test_the_papers_weights_and_threshold_are_the_papers() -> None:
     [
         ("[gnn]", "[gnn]\ncolour = 1", "gnn.colour: unknown key"),
         ("[gnn]", "[gnn]\nchild_round = 1", r"gnn.child_round: unknown key \(did you mean child_rounds\?\)"),
-        ("epochs = 60", 'epochs = "many"', "gnn.training.epochs: expected int, got 'many'"),
-        ("epochs = 60", "epochs = true", "gnn.training.epochs: expected int, got True"),
+        (EPOCHS, 'epochs = "many"', "gnn.training.epochs: expected int, got 'many'"),
+        (EPOCHS, "epochs = true", "gnn.training.epochs: expected int, got True"),
         ('inputs = "paper"', 'inputs = "mine"', "gnn.inputs: expected one of paper, kinmo, got 'mine'"),
         ("widths = [32, 64, 128]", "widths = [32, 6.5]", r"gnn.leaf.widths\[1\]: expected int, got 6.5"),
         ("widths = [32, 64, 128]", "widths = 32", "gnn.leaf.widths: expected a list, got 32"),
