@@ -48,7 +48,8 @@ def write_atomically(path: Path) -> Iterator[Path]:
         temporary.replace(path)
         _sync_folder(path.parent)
     except OSError as error:
-        error.filename = error.filename or str(path)  # writing to a full disk names no file
+        if error.errno is not None and error.filename is None:  # writing to a full disk names no file
+            error.filename = str(path)
         raise
     finally:
         _remove(temporary)
