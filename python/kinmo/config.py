@@ -35,6 +35,7 @@ class TrainingConfig:
 
     `average` is the decay a step of a moving average of the weights, which then is what is chosen and kept (0: no average).
     `keep`: the epoch that did best on validation, or the last one, where the shapes to choose by are too few to tell.
+    `threads` of the CPU (0: PyTorch's choice): small networks are faster on one, and come out the same on every machine.
     `devices`: several are for scripts that call `learning.training.fit`, and run once a device; `kinmo train` takes one.
     """
 
@@ -47,6 +48,7 @@ class TrainingConfig:
     average: Share = 0.0
     keep: Literal["best", "last"] = "best"
     precision: Literal["32-true", "bf16-mixed", "16-mixed"] = "32-true"
+    threads: Number = 0
     devices: Count = 1
 
 

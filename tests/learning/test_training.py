@@ -158,6 +158,20 @@ def test_the_last_epoch_is_kept_where_that_is_asked_for(tmp_path: Path) -> None:
     assert result.best_error == result.history[-1][MONITOR]
 
 
+def test_threads_are_taken_for_the_training_alone(tmp_path: Path) -> None:
+    seen: list[int] = []
+
+    class Counting(Line):
+        def training_step(self, batch: Tensor, index: int) -> Tensor:
+            seen.append(torch.get_num_threads())
+            return super().training_step(batch, index)
+
+    before = torch.get_num_threads()
+    fit(Counting(replace(CONFIG, epochs=1, threads=before + 1)), Points(), tmp_path, device="cpu")
+    assert set(seen) == {before + 1}
+    assert torch.get_num_threads() == before
+
+
 def test_nothing_is_printed(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     fit(Line(), Points(), tmp_path, seed=3, device="cpu")
     assert capfd.readouterr() == ("", "")

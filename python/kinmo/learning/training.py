@@ -120,7 +120,7 @@ def fit(
             default_root_dir=run_dir,
         )
         resume = _checkpoint_to_resume(run_dir, identity)
-        with _interruptible(trainer):
+        with _interruptible(trainer), _on_threads(config.threads):
             trainer.fit(module, datamodule=None, train_dataloaders=_Loader(data, seed, trainer), ckpt_path=resume,
                         val_dataloaders=_Loader(data, None, trainer), weights_only=True)  # fmt: skip
     module.load_state_dict(torch.load(run_dir / BEST, map_location=module.device, weights_only=True))
@@ -250,6 +250,17 @@ def _usable(path: Path, identity: str) -> bool:
     except Exception:  # a cut file may raise nearly anything: whatever it is, it cannot be used
         return False
     return bool(checkpoint.get("kinmo_identity") == identity)
+
+
+@contextmanager
+def _on_threads(count: int) -> Iterator[None]:
+    """So many threads of the CPU inside the block; 0 leaves them."""
+    before = torch.get_num_threads()
+    try:
+        torch.set_num_threads(count or before)
+        yield
+    finally:
+        torch.set_num_threads(before)
 
 
 @contextmanager
