@@ -20,8 +20,8 @@ from kinmo.evidence import Evidence, Scene, gather
 from kinmo.evidence.scene import TOUCHING
 from kinmo.joint import Joint, JointKind, MotionType
 from kinmo.learning.edge_predictions import EdgePredictions
-from kinmo.learning.joint_ranking.data import View
-from kinmo.learning.joint_ranking.decide import KINDS, MOVES, rank_answers, same_joint
+from kinmo.learning.joint_ranking.data import KIND_CODE, View
+from kinmo.learning.joint_ranking.decide import MOVES, rank_answers, same_joint
 from kinmo.learning.joint_ranking.predict import JointRanking
 from kinmo.learning.joint_ranking.views import maximal_nodes, node_view, words_of
 from kinmo.limits import free_travel
@@ -34,7 +34,6 @@ from kinmo.refinement import said_alone
 
 F64 = NDArray[np.float64]
 
-EVIDENCE_KINDS = {kind: code for code, kind in KINDS.items()}
 CONTACT_SCALE = 0.01
 FIXED = 0.5
 """Moving siblings are one body if the GNN's mean probability of FIXED between them is above this."""
@@ -81,7 +80,7 @@ def ranked_bodies(
             odds, still = odds / odds.sum() * (1.0 - MOVES / 2), MOVES / 2
         kind = None if kinds is None else kinds[index]
         if kind is not None:
-            odds = np.where(evidence.kinds[evidence.rows(place[body])] == EVIDENCE_KINDS[kind], odds, 0.0)
+            odds = np.where(evidence.kinds[evidence.rows(place[body])] == KIND_CODE[kind], odds, 0.0)
             odds, still = (odds / odds.sum(), 0.0) if odds.any() else (odds, 1.0)
         answers.append(rank_answers(evidence, place[body], odds, still, symmetric_box(shape, body, meshes), shape.up))
     return answers

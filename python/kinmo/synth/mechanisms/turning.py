@@ -60,7 +60,7 @@ def roller(draw: Draw) -> Mechanism:
 
 
 def rotor(draw: Draw) -> Mechanism:
-    """Blades, spokes, a disc or a crank on an axle that stands on the mount."""
+    """Blades, a disc, a crank or a hand on an axle that stands on the mount."""
     length, radius = draw.between(0.05, 0.5), draw.between(0.25, 0.48)
     hub = cylinder(draw.between(0.05, 0.12), draw.between(0.05, 0.15), "z", (0, 0, length), 16)
     kind = draw.pick(["blades", "disc", "crank", "hand"], [4, 2, 2, 2])
@@ -174,7 +174,7 @@ def topped(draw: Draw) -> list[Mesh]:
 
 
 def _wheel(draw: Draw, radius: float, wide: float) -> list[Mesh]:
-    """A wheel about x at the origin: solid, stepped, or with spokes."""
+    """A wheel about x at the origin: solid or with spokes."""
     if draw.chance(0.6):
         return [cylinder(radius, wide, "x", (0, 0, 0), draw.pick([16, 24, 32]))]
     count = draw.integer(3, 6)
