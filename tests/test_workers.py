@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from kinmo.workers import Crashed, map_unordered
+from kinmo.workers import Crashed, map_unordered, may_be_cut_off, tell
 
 
 def square(number: int) -> int:
@@ -60,6 +60,46 @@ def test_a_worker_uses_one_thread():
 def test_what_a_job_raises_reaches_the_caller():
     with pytest.raises(ValueError, match="no"):
         list(map_unordered(fail, range(3), 2))
+
+
+def square_aloud(number: int) -> int:
+    tell(("at", number))
+    return number * number
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_what_jobs_tell_is_heard_before_the_last_answer_is_given(workers):
+    heard = []
+    assert len(list(map_unordered(square_aloud, range(30), workers, heard.append))) == 30
+    assert sorted(heard) == [("at", number) for number in range(30)]
+    assert square_aloud(3) == 9  # nobody listens
+    assert len(heard) == 30
+
+
+def tell_and_die(number: int) -> None:
+    tell(number)
+    if number == 5:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_what_a_worker_told_before_it_died_is_heard():
+    heard = []
+    assert dict(map_unordered(tell_and_die, range(8), 2, heard.append))[5] == Crashed()
+    assert set(heard) == set(range(8))
+
+
+def sleep_long(path: Path) -> None:
+    may_be_cut_off()
+    path.touch()
+    time.sleep(300 if path.name == "long" else 0)
+
+
+def test_jobs_that_may_be_cut_off_are_not_waited_for(tmp_path):
+    answers = map_unordered(sleep_long, [tmp_path / "long", tmp_path / "short"], 2)
+    assert next(answers)[0].name == "short"
+    started = time.monotonic()
+    answers.close()
+    assert time.monotonic() - started < 200
 
 
 def wait_for_release(job: tuple[Path, int]) -> None:

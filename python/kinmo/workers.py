@@ -9,12 +9,14 @@ import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import connection
+from multiprocessing.context import SpawnContext
+from multiprocessing.synchronize import Lock
 from types import FrameType
-from typing import TypeVar
+from typing import Any, TypeVar
 
 Job = TypeVar("Job")
 Answer = TypeVar("Answer")
@@ -27,28 +29,37 @@ class Crashed:
 
 
 def map_unordered(
-    function: Callable[[Job], Answer], jobs: Iterable[Job], workers: int
+    function: Callable[[Job], Answer],
+    jobs: Iterable[Job],
+    workers: int,
+    on_message: Callable[[Any], None] | None = None,
 ) -> Iterator[tuple[Job, Answer | Crashed]]:
     """`function` of every job, as the answers come; with one worker in this process, in order.
 
     Only a few jobs a worker are taken from `jobs` ahead of time, so memory does not grow with their number. `function` must be
     importable by name. If a worker dies, the jobs in flight are done again one at a time, and the one that kills it is answered
-    with `Crashed`. Workers use one thread each and end with this process, however that ends.
+    with `Crashed`. Workers use one thread each and end with this process, however that ends. `on_message` is given what jobs
+    `tell`, on a thread of its own where there are several workers.
     """
+    global _messages
     if workers <= 1:
-        for job in jobs:
-            yield job, function(job)
+        outer, _messages = _messages, on_message
+        try:
+            for job in jobs:
+                yield job, function(job)
+        finally:
+            _messages = outer
         return
     remaining = iter(jobs)
     suspects: list[Job] = []
     finished = False
     while suspects or not finished:
         if suspects:
-            yield from _one_at_a_time(function, suspects)
+            yield from _one_at_a_time(function, suspects, on_message)
             suspects = []
         else:
             in_flight: dict[Future[Answer], Job] = {}
-            with _pool(workers) as pool:
+            with _pool(workers, on_message) as pool:
                 try:
                     while True:
                         for job in islice(remaining, _QUEUED_PER_WORKER * workers - len(in_flight)):
@@ -64,10 +75,24 @@ def map_unordered(
                     suspects = list(in_flight.values())
 
 
-def _one_at_a_time(function: Callable[[Job], Answer], jobs: list[Job]) -> Iterator[tuple[Job, Answer | Crashed]]:
+def tell(message: Any) -> None:
+    """Of a job: hand `message`, which must be fit to be pickled, to whoever called `map_unordered`."""
+    if _messages is not None:
+        _messages(message)
+
+
+def may_be_cut_off() -> None:
+    """Of a job: when its pool is stopped, this worker is to end at once, and not when the job is done."""
+    if _stopped is not None:
+        threading.Thread(target=_end_with, args=(_stopped,), daemon=True).start()
+
+
+def _one_at_a_time(
+    function: Callable[[Job], Answer], jobs: list[Job], on_message: Callable[[Any], None] | None
+) -> Iterator[tuple[Job, Answer | Crashed]]:
     pending = list(jobs)
     while pending:
-        with _pool(1) as pool:
+        with _pool(1, on_message) as pool:
             while pending:
                 job = pending.pop(0)
                 try:
@@ -82,11 +107,16 @@ def _one_at_a_time(function: Callable[[Job], Answer], jobs: list[Job]) -> Iterat
 
 
 @contextmanager
-def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
+def _pool(workers: int, on_message: Callable[[Any], None] | None) -> Iterator[ProcessPoolExecutor]:
     """A pool that waits, when an exception ends its use, for the jobs at work, but not for those that stand in its queue."""
     context = multiprocessing.get_context("spawn")
     stopped, stop = context.Pipe(duplex=False)
-    with stopped, stop, ProcessPoolExecutor(workers, context, initializer=_start_worker, initargs=(stopped,)) as pool:
+    with (
+        _heard(on_message, context) as voice,
+        stopped,
+        stop,
+        ProcessPoolExecutor(workers, context, initializer=_start_worker, initargs=(stopped, voice)) as pool,
+    ):
         try:
             yield pool
         except BaseException:
@@ -95,6 +125,44 @@ def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
             raise
 
 
+@dataclass(frozen=True)
+class _Voice:
+    """Where workers speak, one at a time."""
+
+    end: connection.Connection
+    turn: Lock
+
+    def __call__(self, message: Any) -> None:
+        with self.turn:
+            self.end.send(message)
+
+
+@contextmanager
+def _heard(on_message: Callable[[Any], None] | None, context: SpawnContext) -> Iterator[_Voice | None]:
+    """What is said reaches `on_message`, all of it by the end of the block, when the workers must have ended."""
+    if on_message is None:
+        yield None
+        return
+    heard, said = context.Pipe(duplex=False)
+    ear = threading.Thread(target=_listen, args=(heard, on_message), daemon=True)
+    ear.start()
+    try:
+        yield _Voice(said, context.Lock())
+    finally:
+        said.close()
+        ear.join()
+        heard.close()
+
+
+def _listen(heard: connection.Connection, on_message: Callable[[Any], None]) -> None:
+    """Until nobody is left who could say something."""
+    with suppress(EOFError):
+        while True:
+            on_message(heard.recv())
+
+
+_messages: Callable[[Any], None] | None = None
+"""Where a job's messages go."""
 _stopped: connection.Connection | None = None
 """Of a worker: has something to read, the end, once its pool is stopped."""
 
@@ -126,10 +194,10 @@ def _interrupts_held() -> Iterator[None]:
             handler(*came[0])
 
 
-def _start_worker(stopped: connection.Connection) -> None:
+def _start_worker(stopped: connection.Connection, voice: _Voice | None) -> None:
     """One thread a worker; Ctrl-C is left to the owner, with which the worker ends."""
-    global _stopped
-    _stopped = stopped
+    global _stopped, _messages
+    _stopped, _messages = stopped, voice
     os.environ |= dict.fromkeys(("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     owner = multiprocessing.parent_process()
@@ -137,6 +205,6 @@ def _start_worker(stopped: connection.Connection) -> None:
         threading.Thread(target=_end_with, args=(owner.sentinel,), daemon=True).start()
 
 
-def _end_with(sentinel: int) -> None:
+def _end_with(sentinel: int | connection.Connection) -> None:
     connection.wait([sentinel])
     os._exit(1)

@@ -16,7 +16,7 @@ from kinmo import __version__
 from kinmo.cli.app import app
 
 COMMANDS = sorted(get_command(app).commands)  # type: ignore[attr-defined]
-WITHOUT_WORKERS = ("train", "report")
+WITHOUT_WORKERS = ("report",)
 """They do one thing after the other."""
 PLAIN = {"TERM": "dumb", "NO_COLOR": "1", "COLUMNS": "140"}
 

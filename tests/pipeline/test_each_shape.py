@@ -55,6 +55,18 @@ def test_two_processes_make_the_same_files_as_one(road: Road, tmp_path: Path, mo
     assert made[0] == made[1] and len(made[0]) > 4
 
 
+def test_networks_trained_side_by_side_are_those_trained_one_by_one(road: Road, tmp_path: Path) -> None:
+    workspace = Workspace(tmp_path / "workspace")
+    shutil.copytree(road.workspace.prepared, workspace.prepared)
+    stage, listener = replace(road.stages["train"], workspace=workspace, workers=2), Listener()  # type: ignore[type-var]
+    outcome = stage.run(listener)
+    assert {name: made["sha256"] for name, made in outcome.data.items()} == {
+        name: made["sha256"] for name, made in road.outcomes["train"].data.items()
+    }
+    assert len(set(listener.steps)) == len(outcome.data) == 4
+    assert not stage.plan().steps
+
+
 def test_an_evaluation_that_was_stopped_goes_on(road: Road, tmp_path: Path) -> None:
     workspace = unevaluated(road, tmp_path)
     stage = replace(road.stages["eval"], workspace=workspace)  # type: ignore[type-var]

@@ -79,7 +79,7 @@ def _register(name: str, function: Callable[..., None], without: Sequence[str] =
 
 _register("synth", synth.synth)
 _register("prepare", prepare.prepare)
-_register("train", train.train, without=["workers"])
+_register("train", train.train)
 _register("pseudo-label", pseudo_label.pseudo_label)
 _register("eval", evaluation.evaluate)
 _register("predict", predict.predict)

@@ -52,4 +52,14 @@ def train(
     from kinmo.workspace import Workspace
 
     continued = None if start is None else Workspace(start)
-    execute(options, Train(what.value, Workspace(options.workspace), config, category, options.seed, options.device, continued))
+    stage = Train(
+        what.value,
+        Workspace(options.workspace),
+        config,
+        category,
+        options.seed,
+        options.device,
+        options.worker_count,
+        continued,
+    )
+    execute(options, stage)

@@ -12,6 +12,7 @@ from typing import Any
 from kinmo.config import Config, load_config
 from kinmo.errors import InputError, expecting
 from kinmo.learning.training import Progress, remove_checkpoints
+from kinmo.learning.weights import pick_device
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.model_files import CONFIG, HEADER, METRICS, WEIGHTS, model_folder
@@ -20,6 +21,7 @@ from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
+from kinmo.workers import Crashed, map_unordered, may_be_cut_off, tell
 from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
 
 SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.02, "ranking": 0.02, "gnn_contact": 0.004}
@@ -50,7 +52,8 @@ class Task:
 class Train:
     """Train the networks of `group` (`models.GROUPS`), on all categories or on one.
 
-    Those that can (`models.CONTINUED`) go on from the trained ones of the workspace `start` where it is given.
+    Those that can (`models.CONTINUED`) go on from the trained ones of the workspace `start` where it is given. On a CPU as many
+    are trained at once as `workers` and the configuration's threads allow; what comes out does not depend on it.
     """
 
     group: str
@@ -59,19 +62,20 @@ class Train:
     category: str | None = None
     seed: int = 0
     device: str = "auto"
+    workers: int = 1
     start: Workspace | None = None
 
     def plan(self) -> Plan:
         config = self._config()
-        steps, seconds = [], 0.0
-        for task in self._tasks(open_dataset(self.workspace, self.category), config):
-            if not self.workspace.is_current(task.stage, task.inputs):
-                section = getattr(config, TRAINERS[task.model][0])
-                epochs = (section.training if task.start is None else section.continued.training).epochs
-                shapes = len(task.training)
-                steps.append(f"train {task.name} on {shapes} shapes for {epochs} epochs, choose by {len(task.validation)}")
-                seconds += shapes * epochs * seconds_per_unit(self.workspace, task.stage, SECONDS_PER_SHAPE[task.model])
-        return Plan(tuple(steps), seconds)
+        tasks = list(self._tasks(open_dataset(self.workspace, self.category), config))
+        pending = [task for task in tasks if not self.workspace.is_current(task.stage, task.inputs)]
+        steps = tuple(
+            f"train {task.name} on {len(task.training)} shapes for {self._epochs(task, config)} epochs, "
+            f"choose by {len(task.validation)}"
+            for task in pending
+        )
+        alone = [self._seconds(task, config) for task in pending]
+        return Plan(steps, max([sum(alone) / max(self._workers(pending, config), 1), *alone], default=0.0))
 
     def run(self, observer: Observer) -> Outcome:
         config = self._config()
@@ -79,12 +83,19 @@ class Train:
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
             tasks = list(self._tasks(dataset, config))  # whatever cannot be trained is said before anything is
-            results = [self._train(task, dataset, config, observer) for task in tasks]
+            pending = [task for task in tasks if not self.workspace.is_current(task.stage, task.inputs)]
+            for task in tasks:
+                if task not in pending:
+                    observer.note(f"{task.name}: trained already")
+                    remove_checkpoints(self._folder(task))
+            self._train(pending, config, observer)
             write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
+        results = {task.name: _result(self._folder(task)) for task in tasks}
         lines = [
-            f"{name}: {result['epochs']} epochs, best {result['best']}, error {result['error']:.4f}" for name, result in results
+            f"{name}: {result['epochs']} epochs, best {result['best']}, error {result['error']:.4f}"
+            for name, result in results.items()
         ]
-        return Outcome(self.workspace.models, dict(results), "\n".join(lines))
+        return Outcome(self.workspace.models, results, "\n".join(lines))
 
     def _config(self) -> Config:
         """Raises InputError for several devices: each would run the command anew, and find the workspace locked."""
@@ -129,41 +140,66 @@ class Train:
             )
         return weights
 
-    def _train(self, task: Task, dataset: Dataset, config: Config, observer: Observer) -> tuple[str, dict[str, Any]]:
-        folder = model_folder(self.workspace, task.model, task.category)
-        if self.workspace.is_current(task.stage, task.inputs):
-            observer.note(f"{task.name}: trained already")
-            remove_checkpoints(folder)
-            return task.name, _result(folder)
+    def _train(self, tasks: list[Task], config: Config, observer: Observer) -> None:
+        """Side by side where each says how many threads it takes; those that take longest first."""
+
+        def on_progress(told: tuple[str, Progress]) -> None:
+            name, progress = told
+            shown = [f"{key} {value:.3f}" for key, value in progress.metrics.items() if key.endswith(("loss", "/error"))]
+            observer.progress(f"training {name}", progress.epoch, progress.epochs, " ".join(shown))
+
+        workers = self._workers(tasks, config)
+        if workers > 1:
+            tasks = sorted(tasks, key=lambda task: -self._seconds(task, config))
+        for task, answer in map_unordered(self.train, tasks, workers, on_progress):
+            if isinstance(answer, Crashed):
+                raise ChildProcessError(f"the process that trained {task.name} died: too little memory?")
+
+    def _workers(self, tasks: list[Task], config: Config) -> int:
+        threads: list[int] = [self._section(task, config).training.threads for task in tasks]
+        if not tasks or 0 in threads or pick_device(self.device) != "cpu":
+            return 1
+        return min(len(tasks), self.workers // max(threads))
+
+    def train(self, task: Task) -> None:
+        """Train one network. Progress is told (`workers.tell`) as the task's name and a `Progress`."""
+        may_be_cut_off()  # what is on the disk is whole at any moment
+        dataset, section = open_dataset(self.workspace, self.category), self._section(task, self._config())
         training, validation = dataset.load(task.training), dataset.load(task.validation)
+        folder = self._folder(task)
         self.workspace.forget(task.stage)
-        section, trainer = TRAINERS[task.model]
-        if task.start is not None:
-            trainer = CONTINUED[task.model](task.start)
-
-        def on_progress(progress: Progress) -> None:
-            shown = " ".join(
-                f"{name} {value:.3f}" for name, value in progress.metrics.items() if name.endswith(("loss", "/error"))
-            )
-            observer.progress(f"training {task.name}", progress.epoch, progress.epochs, shown)
-
+        trainer = TRAINERS[task.model][1] if task.start is None else CONTINUED[task.model](task.start)
         with timed(self.workspace, task.stage) as watch:
             result = trainer(
                 training,
                 validation,
-                getattr(config, section),
+                section,
                 folder,
                 seed=self.seed,
                 device=self.device,
                 fingerprint=json.dumps(task.inputs["data"]),
-                on_progress=on_progress,
+                on_progress=lambda progress: tell((task.name, progress)),
             )
             watch.amount = len(result.history) * len(task.training)
             watch.what = f"{task.name} on {len(task.training)} shapes for {len(result.history)} epochs"
         outputs = tuple(str((folder / name).relative_to(self.workspace.path)) for name in (WEIGHTS, HEADER, METRICS))
         self.workspace.write_record(task.stage, StageRecord(task.inputs, outputs))
         remove_checkpoints(folder)
-        return task.name, _result(folder)
+
+    def _folder(self, task: Task) -> Path:
+        return model_folder(self.workspace, task.model, task.category)
+
+    def _section(self, task: Task, config: Config) -> Any:
+        return getattr(config, TRAINERS[task.model][0])
+
+    def _epochs(self, task: Task, config: Config) -> int:
+        section = self._section(task, config)
+        return int((section.training if task.start is None else section.continued.training).epochs)
+
+    def _seconds(self, task: Task, config: Config) -> float:
+        """About how long a network takes alone."""
+        a_shape = seconds_per_unit(self.workspace, task.stage, SECONDS_PER_SHAPE[task.model])
+        return len(task.training) * self._epochs(task, config) * a_shape
 
 
 def _result(folder: Path) -> dict[str, Any]:
