@@ -6,7 +6,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 KINMO  := $(BIN)/kinmo
 DEMO   := demo
-COUNT  ?= 8
+COUNT  ?= 12
 
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
 SETUP_STAMP  := $(VENV)/.set-up

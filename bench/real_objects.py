@@ -112,7 +112,7 @@ class Bench:
 
 def given(shape: PreparedShape, ranking: JointRanking) -> ShapeScore:
     """Score the joints of the annotation's bodies."""
-    answers = ranked_bodies(shape, None, shape.body_leaves, ranking)
+    answers = ranked_bodies(shape, None, shape.body_leaves, ranking, rests="one")
     return parts_given(shape, {body: found[0] for body, found in enumerate(answers)})
 
 
@@ -121,7 +121,7 @@ def segmented(shape: PreparedShape, ranking: JointRanking, gnn: MotionGnnPredict
     bare = replace(shape, mobility=None, body_boxes=None, edge_labels=None, body_types={})
     meshes = leaf_meshes(read_found(Found(Path(shape.source), Files(shape.layout), shape.id)), shape)
     bodies = predicted_bodies(bare, moving_nodes(bare, ranking), gnn.predict_edges(bare))
-    answers = ranked_bodies(bare, meshes, bodies, ranking, all_move=True)
+    answers = ranked_bodies(bare, meshes, bodies, ranking, rests="first")
     tree, limited = tree_of(bare, meshes, bodies, [str(index) for index in range(len(bodies))], answers)
     frame = Normalisation(shape.center, shape.diagonal)
     estimates = tuple(tuple(in_file_frame(answer, frame) for answer in found) for found in limited)

@@ -1,6 +1,7 @@
 """From ranked nodes to bodies."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -53,12 +54,16 @@ def touching(shape: PreparedShape, distance: float) -> PreparedShape:
     return replace(shape, edge_distances=np.full(len(shape.edges), distance))
 
 
+@dataclass
 class Undecided:
-    """A ranking that knows nothing, and rather says that nothing moves."""
+    """A ranking that knows nothing, and rather says that nothing moves; of unit i it is as sure as `rest[i]`."""
+
+    rest: Sequence[float] | None = None
 
     def probabilities(self, view: View) -> tuple[list[np.ndarray], np.ndarray]:
         counts = [view.evidence.rows(unit).stop - view.evidence.rows(unit).start for unit in view.units]
-        return [np.full(count, 0.2 / count) for count in counts], np.full(len(counts), 0.8)
+        rest = np.full(len(counts), 0.8) if self.rest is None else np.array(self.rest)
+        return [np.full(count, (1.0 - still) / count) for count, still in zip(counts, rest, strict=True)], rest
 
 
 @pytest.mark.parametrize("kind", list(JointKind))
@@ -70,6 +75,23 @@ def test_a_body_whose_kind_is_told_moves_so(kind: JointKind) -> None:
     told = ranked_bodies(shape, None, shape.body_leaves, Undecided(), kinds=[None, kind])
     assert asked[1][0].joint is None and told[1][0].joint.kind is kind
     assert told[0][0].joint is None and told[0][0].score == asked[0][0].score
+
+
+@pytest.mark.parametrize(
+    ("rests", "rest", "moving"),
+    [
+        ("any", (0.8, 0.9), ()),
+        ("first", (0.8, 0.9), (1,)),
+        ("one", (0.8, 0.9), (0,)),
+        ("one", (0.9, 0.8), (1,)),
+        ("one", (0.4, 0.3), (0, 1)),
+    ],
+)
+def test_as_many_bodies_rest_as_may(rests: str, rest: tuple[float, float], moving: tuple[int, ...]) -> None:
+    box, lid = ((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1))
+    shape = prepare_shape(shape_of_boxes([box, lid], (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE))), points=64)
+    answers = ranked_bodies(shape, None, shape.body_leaves, Undecided(rest), rests=rests)
+    assert tuple(index for index, found in enumerate(answers) if found[0].joint is not None) == moving
 
 
 def test_every_leaf_belongs_to_exactly_one_body() -> None:

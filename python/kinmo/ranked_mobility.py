@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,13 +48,14 @@ def ranked_bodies(
     bodies: Sequence[tuple[int, ...]],
     ranking: JointRanking,
     *,
-    all_move: bool = False,
+    rests: Literal["any", "first", "one"] = "any",
     kinds: Sequence[JointKind | None] | None = None,
 ) -> list[tuple[JointEstimate, ...]]:
     """Ranked answers for every body (positions of its leaves), in the normalised frame, without limits.
 
-    With `all_move`, only body 0 may rest: it has been decided already that the others move. `kinds` says how bodies
-    move (None: that is asked). `meshes` (of the leaves, in the normalised frame) are needed for bodies that `shape` was not
+    `rests` says which bodies may rest: any, the first (it has been decided already that the others move), or one, that which
+    most likely does (bodies of one shape are fastened to each other, so that but one need rest). `kinds` says how bodies move
+    (None: that is asked). `meshes` (of the leaves, in the normalised frame) are needed for bodies that `shape` was not
     prepared with; without them those raise ValueError.
     """
     wanted = [body for body in bodies if body]
@@ -70,13 +72,14 @@ def ranked_bodies(
     view = View(shape.id, evidence, tuple(place[body] for body in wanted), True, words, (None,) * len(wanted))
     probabilities, rest = ranking.probabilities(view)
     said = {body: (odds, float(still)) for body, odds, still in zip(wanted, probabilities, rest, strict=True)}
+    resting = {"any": set(wanted), "first": {bodies[0]}, "one": {wanted[int(np.argmax(rest))]}}[rests]
     answers: list[tuple[JointEstimate, ...]] = []
     for index, body in enumerate(bodies):
         if not body:
             answers.append((JointEstimate(None, MotionType.FIXED, 1.0, source="ranking"),))
             continue
         odds, still = said[body]
-        if all_move and index > 0 and still >= MOVES:
+        if still >= MOVES and body not in resting:
             odds, still = odds / odds.sum() * (1.0 - MOVES / 2), MOVES / 2
         kind = None if kinds is None else kinds[index]
         if kind is not None:

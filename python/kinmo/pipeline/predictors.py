@@ -175,14 +175,14 @@ class KinmoPredictor:
         edges, ranking = self._edges(shape), self._ranking(shape)
         bodies = predicted_bodies(shape, moving_nodes(shape, ranking), edges)
         names = ["base", *(shape.part_names[maximal_nodes(shape, leaves)[0]] for leaves in bodies[1:])]
-        answers = ranked_bodies(shape, meshes, bodies, ranking, all_move=True)
+        answers = ranked_bodies(shape, meshes, bodies, ranking, rests="first")
         return self._assembled(shape, meshes, edges, bodies, names, answers)
 
     def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         if shape.mobility is None:
             raise ValueError(f"shape {shape.id} is not annotated")
         names = [body.name for body in shape.mobility.bodies]
-        answers = ranked_bodies(shape, meshes, shape.body_leaves, self._ranking(shape))
+        answers = ranked_bodies(shape, meshes, shape.body_leaves, self._ranking(shape), rests="one")
         return self._assembled(shape, meshes, self._edges(shape), shape.body_leaves, names, answers)
 
     def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:

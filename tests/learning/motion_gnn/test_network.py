@@ -3,13 +3,15 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
 import pytest
 import torch
+from scipy.spatial.transform import Rotation
 
 from kinmo.config import GnnConfig, load_config
 from kinmo.learning.graph import ShapeGraph, batch_graphs
 from kinmo.learning.motion_gnn.data import shape_graph, thinned
-from kinmo.learning.motion_gnn.network import EDGE_CHANNELS, MotionGnn, from_box
+from kinmo.learning.motion_gnn.network import EDGE_CHANNELS, MotionGnn, along_box, from_box
 from small_shapes import cabinet
 
 PAPER, SMALL = (load_config(name).gnn for name in ("paper", "small"))
@@ -132,3 +134,11 @@ def test_places_in_a_box_are_in_its_half_extents_and_turn_with_it() -> None:
     torch.testing.assert_close(found[0], torch.tensor([2.0, 0.0, 3.0]))
     torch.testing.assert_close(found[1, :2], torch.tensor([3.0, 3.0]))
     assert 0.0 < float(found[1, 2]) - 3.0 < 1.0  # off a plate, too
+
+
+def test_directions_are_told_along_the_axes_of_the_moving_box() -> None:
+    turned = Rotation.from_euler("xyz", [0.3, 0.2, -0.4]).as_matrix()
+    boxes = torch.tensor(np.concatenate([[0.1, 0.2, 0.3, 1.0, 2.0, 3.0], turned.ravel()])[None], dtype=torch.float32)
+    found = along_box(torch.tensor([[0.0, 3.0, 0.0]]), boxes)
+    assert found.numpy() == pytest.approx(turned[1:2], abs=1e-6)
+    assert along_box(torch.tensor([[1.0, -2.0, 0.5]]), boxes).norm().item() == pytest.approx(1.0)

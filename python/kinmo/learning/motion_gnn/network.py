@@ -85,7 +85,13 @@ class MotionGnn(nn.Module):
         for convolution in self.rounds:
             nodes, edges = convolution(nodes, edges, graph.edges)
         logits, pivots, directions = self.head(edges).split([self.types, 3, 3], 1)
-        return EdgeOutput(logits, normalize(directions, dim=1), from_box(pivots, graph.boxes[graph.edges[:, 0]]))
+        boxes = graph.boxes[graph.edges[:, 0]]
+        return EdgeOutput(logits, along_box(directions, boxes), from_box(pivots, boxes))
+
+
+def along_box(parts: Tensor, boxes: Tensor) -> Tensor:
+    """Unit vectors [E, 3] of the normalised frame from their `parts` [E, 3] along the axes of `boxes` [E, 15]."""
+    return normalize(torch.einsum("ei,eij->ej", parts, boxes[:, 6:].view(-1, 3, 3)), dim=1)
 
 
 def from_box(places: Tensor, boxes: Tensor) -> Tensor:

@@ -1,4 +1,4 @@
-"""Mechanisms: no kind of thing, but blocks with mechanisms on any of their sides, as things of all kinds have.
+"""Mechanisms: no kind of thing, but blocks, housings and pedestals with mechanisms, as things of all kinds have.
 
 What is learnt from them holds for categories that nobody made a family of: where parts touch, which way they can go.
 """
@@ -13,19 +13,28 @@ from numpy.typing import NDArray
 from kinmo.shape import Vector
 from kinmo.synth.details.controls import grid_places
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms import FITTED, MECHANISMS, Mechanism, Moving
-from kinmo.synth.model import JointName, Link, Node, Point, SynthObject
-from kinmo.synth.primitives import X, Y, Z, box, rounded_box, scale, transform
+from kinmo.synth.mechanisms import FITTED, MECHANISMS
+from kinmo.synth.mechanisms.housing import housing
+from kinmo.synth.mechanisms.mount import mount
+from kinmo.synth.mechanisms.pedestal import pedestal
+from kinmo.synth.model import JointName, Link, Node, SynthObject
+from kinmo.synth.primitives import X, Y, Z, box, rounded_box
 from kinmo.synth.primitives.place import facing, rotation_about
 
 SIDES = ((Z, Y), (-Z, Y), (X, Y), (-X, Y), (Y, Z), (-Y, Z))
 """The outward normal of each side of the block, and the direction on it that is up or to the front."""
 ORIGIN = (0.0, 0.0, 0.0)
+UPRIGHT = 0.5
+"""Chance that a mechanism is not laid on its side: doors more often hang at a side than below or above."""
 MOST = 6
 """Mechanisms of an object."""
 
 
 def build(draw: Draw) -> SynthObject:
+    return draw.pick([_block, housing, pedestal], [4, 3, 3])(draw)
+
+
+def _block(draw: Draw) -> SynthObject:
     root = Node("mechanism")
     size = np.array([draw.between(0.3, 1.2) for _ in range(3)])
     for axis in draw.pick([(), (0,), (1,), (2,), (0, 1), (1, 2), (0, 2)], [4, 1, 2, 1, 1, 1, 2]):
@@ -59,7 +68,9 @@ class _Side:
         wide, high = (float(np.abs(axis) @ self.size) for axis in (self.across, self.up))
         if draw.chance(0.25):
             mechanism, depth = draw.pick(FITTED)(draw), draw.between(0.3, 1.0)
-            _mount(mechanism, (wide, high, depth * min(wide, high)), self.frame(0.0, 0.0), root, links)
+            links += mount(
+                mechanism, (wide, high, depth * min(wide, high)), self.frame(0.0, 0.0) @ _upside(draw), root, links[0]
+            )
             return 1
         columns, rows = draw.pick([(1, 1), (2, 1), (1, 2), (3, 1), (2, 2)], [6, 2, 2, 1, 1])
         cell = largest * max(min(wide / columns, high / rows), 0.1)
@@ -67,10 +78,10 @@ class _Side:
         draws = draw.alike(len(places)) if draw.chance(0.5) else [draw] * len(places)
         for place, own in zip(places, draws, strict=True):
             mechanism = own.pick(MECHANISMS)(own)
-            turned = rotation_about(Z, 90.0 * own.integer(0, 3), ORIGIN)
+            turned = _upside(own) if own.chance(UPRIGHT) else rotation_about(Z, 90.0 * own.integer(0, 3), ORIGIN)
             if own.chance(0.15):
                 turned = turned @ rotation_about(own.pick([X, Y]), own.sign() * own.between(5.0, 30.0), ORIGIN)
-            _mount(mechanism, own.between(0.5, 0.95) * cell, self.frame(*place) @ turned, root, links)
+            links += mount(mechanism, own.between(0.5, 0.95) * cell, self.frame(*place) @ turned, root, links[0])
         return len(places)
 
     def frame(self, right: float, up: float) -> NDArray[np.float64]:
@@ -79,16 +90,6 @@ class _Side:
         return facing(self.normal, self.up, self.across * right + self.up * up + 0.5 * deep * self.normal)
 
 
-def _mount(mechanism: Mechanism, factors: float | Point, matrix: NDArray[np.float64], root: Node, links: list[Link]) -> None:
-    """Scale a mechanism, place it, and add its nodes and links."""
-    base = links[0]
-    group = root.add("unit") if len(mechanism.moving) + bool(mechanism.fixed) > 1 else root
-    if mechanism.fixed:
-        pieces = [transform(scale(piece, factors), matrix) for piece in mechanism.fixed]
-        base.nodes.append(group.add("mount", *pieces))
-    made: dict[Moving, Link] = {}
-    for part in mechanism.moving:
-        node = group.add(part.name, *(transform(scale(piece, factors), matrix) for piece in part.pieces))
-        holder = base if part.on is None else made[part.on]
-        made[part] = Link(part.name, [node], holder, part.motion.scaled(factors).moved_by(matrix))
-        links.append(made[part])
+def _upside(draw: Draw) -> NDArray[np.float64]:
+    """As it is, or upside down."""
+    return rotation_about(Z, draw.pick([0.0, 180.0]), ORIGIN)

@@ -8,24 +8,34 @@ from kinmo.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.model import Builder, Mechanism, Moving
 from kinmo.synth.model import hinge, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, ellipsoid, move, sweep, turn
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, dome, ellipsoid, move, sweep, turn
 
 
 def caster(draw: Draw) -> Mechanism:
-    """A fork that swivels about the normal of the mount, with one wheel or two in it."""
-    radius, stem = draw.between(0.12, 0.3), draw.between(0.05, 0.3)
-    trail = draw.between(0.0, 0.2)
-    height = stem + 1.2 * radius
-    wheel = cylinder(radius, draw.between(0.06, 0.2), "x", (0, trail, height), draw.pick([16, 24]))
-    cheeks = [box((0.03, 0.12, 1.3 * radius), (s * 0.13, 0.6 * trail, stem + 0.6 * radius)) for s in (-1, 1)]
-    fork = [cylinder(0.05, stem, "z", (0, 0, 0.5 * stem), 12), box((0.3, 0.14, 0.03), (0, 0.3 * trail, stem)), *cheeks]
+    """A fork or a hood that swivels about the normal of the mount, with one wheel or two in it that roll or do not."""
+    radius, stem = draw.between(0.12, 0.35), draw.between(0.02, 0.3)
+    trail, tread = draw.between(0.0, 0.6) * radius, draw.between(0.06, 0.2)
+    height = stem + 1.1 * radius
+    fork = [cylinder(draw.between(0.02, 0.06), height - 0.4 * radius, "z", (0, 0, 0.5 * height - 0.2 * radius), 12)]
+    apart = draw.pick([0.0, draw.between(0.55, 0.8)], [3, 2]) * tread
+    if apart:
+        hood = dome((1.2 * tread, 1.1 * radius, 1.05 * radius), segments=12)
+        fork.append(move(turn(hood, X, -90.0), (0, trail, height)))
+    else:
+        fork.append(box((tread + 0.1, 0.14, 0.03), (0, 0.3 * trail, stem)))
+        fork += [box((0.03, 0.12, 1.3 * radius), (s * (0.5 * tread + 0.03), 0.6 * trail, stem + 0.6 * radius)) for s in (-1, 1)]
+    sides = (-1.0, 1.0) if apart else (0.0,)
+    wheel = [cylinder(radius, 0.8 * tread, "x", (s * apart, trail, height), draw.pick([16, 24])) for s in sides]
     turned = draw.between(0.0, 360.0)
-    swivelling = Moving(
-        draw.pick(["caster", "fork", "stem"]), [turn(piece, Z, turned) for piece in fork], spinner((0, 0, 0), Z)
-    )
+    rolls = draw.chance(0.7)
+    held = [turn(piece, Z, turned) for piece in (fork if rolls else fork + wheel)]
+    name = draw.pick(["caster", "fork", "stem", "wheel"])
+    swivelling = Moving(name, held, spinner((0, 0, 0), Z))
+    if not rolls:
+        return Mechanism([swivelling])
     axle = np.array([np.cos(np.radians(turned)), np.sin(np.radians(turned)), 0.0])
     center = (-trail * axle[1], trail * axle[0], height)
-    rolling = Moving("wheel", [turn(wheel, Z, turned)], spinner(center, axle), swivelling)
+    rolling = Moving("wheel", [turn(piece, Z, turned) for piece in wheel], spinner(center, axle), swivelling)
     return Mechanism([swivelling, rolling])
 
 

@@ -1,0 +1,139 @@
+"""What closes an opening in the front of a housing: doors, flaps, drawers, shelves and panes, made to measure.
+
+Each takes a `Draw` and the opening's width, height and depth, and gives a `Mechanism` in the opening's frame: its middle in the
+plane of the front at the origin, the outside towards +z.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+
+from kinmo.shape import Mesh
+from kinmo.synth.details.handles import pull
+from kinmo.synth.draw import Draw
+from kinmo.synth.mechanisms.model import Mechanism, Moving
+from kinmo.synth.model import Motion, hinge, slider
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, move, rounded_box, turn
+
+Front: TypeAlias = Callable[[Draw, float, float, float], Mechanism]
+
+
+def door(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
+    """A leaf with its hinge along its left or right side; two where the opening is wide."""
+    if wide > high and draw.chance(0.5):
+        draws = draw.alike(2)
+        leaves = [_leaf(own, 0.5 * wide, high, side) for own, side in zip(draws, (-1.0, 1.0), strict=True)]
+        moved = [_shifted(leaf, X * side * 0.25 * wide) for leaf, side in zip(leaves, (-1.0, 1.0), strict=True)]
+        return Mechanism(moved)
+    return Mechanism([_leaf(draw, wide, high, draw.sign())])
+
+
+def flap(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
+    """A leaf with its hinge along its lower or upper side."""
+    leaf = _leaf(draw, high, wide, draw.pick([-1.0, -1.0, 1.0]))
+    pieces = [turn(piece, Z, 90.0) for piece in leaf.pieces]
+    quarter = np.array([[0.0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    return Mechanism([Moving(leaf.name, pieces, leaf.motion.moved_by(quarter))])
+
+
+def _leaf(draw: Draw, wide: float, high: float, side: float) -> Moving:
+    """A leaf whose hinge is upright and on `side`."""
+    thick = draw.between(0.03, 0.2) * min(wide, high)
+    inset = draw.pick([0.0, draw.between(0.3, 1.0) * thick])
+    middle = 0.5 * thick - inset
+    free, margin = -side * 0.5 * wide, draw.between(0.0, 0.02) * wide
+    pieces: list[Mesh]
+    kind = draw.pick(["slab", "rounded", "frame"], [4, 1, 3])
+    size = (wide - 2 * margin, high - 2 * margin, thick)
+    if kind == "slab":
+        pieces = [box(size, (0, 0, middle))]
+    elif kind == "rounded":
+        pieces = [rounded_box(size, 0.2 * min(wide, high), "z", (0, 0, middle))]
+    else:
+        rim = draw.between(0.08, 0.2) * min(wide, high)
+        pieces = [box((rim, size[1], thick), (s * 0.5 * (size[0] - rim), 0, middle)) for s in (-1, 1)]
+        pieces += [box((size[0], rim, thick), (0, s * 0.5 * (size[1] - rim), middle)) for s in (-1, 1)]
+        if draw.chance(0.7):
+            pieces.append(box((size[0] - 1.8 * rim, size[1] - 1.8 * rim, 0.3 * thick), (0, 0, middle)))
+    if draw.chance(0.75):
+        upright = draw.chance(0.8)
+        length = draw.between(0.15, 0.8) * (high if upright else 0.4 * wide)
+        at = (0.85 * free if upright else 0.6 * free, draw.between(-0.2, 0.2) * high, middle + 0.5 * thick)
+        pieces += pull(draw, length, at, vertical=upright, thickness=0.05 * min(wide, high), reach=0.12 * min(wide, high))
+    edge = side * (0.5 * wide - margin - draw.pick([0.0, 0.0, draw.between(0.0, 0.06)]) * wide)
+    depth = middle + draw.pick([-0.5, 0.0, 0.5]) * thick
+    if draw.chance(0.3):
+        pieces += [cylinder(0.2 * thick, 0.1 * high, "y", (edge, s * 0.35 * high, depth), 10) for s in (-1, 1)]
+    opening = draw.between(60.0, 170.0)
+    rest = draw.pick([0.0, draw.between(0.1, 1.0) * opening], [3, 1])
+    motion = hinge((edge, 0, depth), Y * side, 0.0, opening, rest=rest)
+    return Moving(draw.pick(["door", "door", "lid", "cover", "leaf", "panel", "frame"]), pieces, motion)
+
+
+def drawer_front(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
+    """A front with a tray or a block behind it."""
+    thick, length = draw.between(0.02, 0.06) * wide, draw.between(0.5, 0.95) * deep
+    inner = (0.92 * wide, draw.between(0.5, 0.9) * high, length)
+    pieces = [box((0.98 * wide, 0.96 * high, thick), (0, 0, draw.pick([0.5, -0.5]) * thick))]
+    if draw.chance(0.5):
+        wall = 0.03 * wide
+        pieces.append(box((inner[0], wall, length), (0, -0.45 * high, -0.5 * length)))
+        pieces += [box((wall, inner[1], length), (s * 0.45 * wide, 0, -0.5 * length)) for s in (-1, 1)]
+        pieces.append(box((inner[0], inner[1], wall), (0, 0, -length)))
+    else:
+        pieces.append(box(inner, (0, 0, -0.5 * length)))
+    if draw.chance(0.75):
+        size = 0.5 * min(wide, 2 * high)
+        pieces += pull(draw, size, (0, draw.between(-0.1, 0.3) * high, 0.5 * thick), vertical=draw.chance(0.1))
+    return Mechanism([Moving(draw.pick(["drawer", "tray", "box", "front"]), pieces, _out(draw, length))])
+
+
+def shelf(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
+    """A plate or a grid behind the front that comes out."""
+    length = draw.between(0.6, 0.95) * deep
+    thick, level = draw.between(0.02, 0.06) * high, draw.between(-0.3, 0.3) * high
+    middle = (0, level, -0.5 * deep)
+    if draw.chance(0.5):
+        pieces = [box((0.94 * wide, thick, length), middle)]
+    else:
+        count = draw.integer(4, 9)
+        rods = np.linspace(-0.45, 0.45, count) * wide
+        pieces = [box((0.02 * wide, thick, length), (x, level, -0.5 * deep)) for x in rods]
+        pieces += [box((0.94 * wide, thick, 0.03 * length), (0, level, -0.5 * deep + s * 0.48 * length)) for s in (-1, 1)]
+    if draw.chance(0.3):
+        pieces.append(box((0.94 * wide, 0.12 * high, thick), (0, level, -0.5 * (deep - length))))
+    return Mechanism([Moving(draw.pick(["shelf", "tray", "rack", "plate"]), pieces, _out(draw, length))])
+
+
+def sliding_pane(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
+    """A pane before or behind another, that slides aside or up."""
+    upright = draw.chance(0.3)
+    thick, share = 0.03 * min(wide, high), draw.between(0.45, 0.6)
+    size = (0.98 * wide, share * high, thick) if upright else (share * wide, 0.98 * high, thick)
+    way, room = (Y, high) if upright else (X, wide)
+    start = 0.5 * (room - share * room) * draw.sign()
+    pieces = [box(size, way * start)]
+    fixed = [box(size, -way * start - Z * 1.5 * thick)] if draw.chance(0.7) else []
+    if draw.chance(0.5):
+        pieces += [move(piece, way * start) for piece in pull(draw, 0.2 * min(wide, high), (0, 0, 0.5 * thick), vertical=True)]
+    travel = draw.between(0.5, 1.0) * (room - share * room)
+    motion = slider(-way * np.sign(start), 0.0, travel)
+    return Mechanism([Moving(draw.pick(["pane", "window", "door", "shutter"]), pieces, motion)], fixed)
+
+
+def _out(draw: Draw, length: float) -> Motion:
+    travel = draw.between(0.4, 0.95) * length
+    return slider(Z, 0.0, travel, rest=draw.pick([0.0, draw.between(0.0, 0.9) * travel], [3, 1]))
+
+
+def _shifted(part: Moving, offset: np.ndarray) -> Moving:
+    matrix = np.eye(4)
+    matrix[:3, 3] = offset
+    return Moving(part.name, [move(piece, offset) for piece in part.pieces], part.motion.moved_by(matrix))
+
+
+FRONTS: tuple[Front, ...] = (door, door, door, door, flap, flap, drawer_front, drawer_front, drawer_front, shelf, sliding_pane)
+"""All of them, the commoner ones more than once."""

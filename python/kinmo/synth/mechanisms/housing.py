@@ -1,0 +1,106 @@
+"""Housings: upright boxes whose front is parted into openings, each closed by a door, a flap, a drawer or a pane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kinmo.synth.draw import Draw
+from kinmo.synth.mechanisms.fronts import FRONTS
+from kinmo.synth.mechanisms.linked import caster
+from kinmo.synth.mechanisms.mount import mount
+from kinmo.synth.mechanisms.sliding import keys, pusher
+from kinmo.synth.mechanisms.turning import knob
+from kinmo.synth.model import JointName, Link, Node, SynthObject
+from kinmo.synth.primitives import Y, Z, box, cylinder
+from kinmo.synth.primitives.place import facing
+
+LEAST = 0.25
+"""Of an opening's sides, before it is parted no more."""
+
+
+@dataclass(frozen=True)
+class _Opening:
+    """A rectangle of the front: its middle (x, y), width and height."""
+
+    x: float
+    y: float
+    wide: float
+    high: float
+
+    def parted(self, draw: Draw) -> tuple[_Opening, _Opening]:
+        share = draw.pick([0.5, draw.between(0.25, 0.75)])
+        if draw.chance(0.5 if self.wide < 1.3 * self.high else 0.8) == (self.wide > self.high):
+            left, right = share * self.wide, (1 - share) * self.wide
+            return (
+                _Opening(self.x - 0.5 * right, self.y, left, self.high),
+                _Opening(self.x + 0.5 * left, self.y, right, self.high),
+            )
+        low, top = share * self.high, (1 - share) * self.high
+        return _Opening(self.x, self.y - 0.5 * top, self.wide, low), _Opening(self.x, self.y + 0.5 * low, self.wide, top)
+
+
+def housing(draw: Draw) -> SynthObject:
+    root = Node("mechanism")
+    wide, high, deep = draw.between(0.4, 1.2), draw.between(0.3, 1.8), draw.between(0.3, 0.9)
+    wall = draw.between(0.01, 0.05)
+    base = Link("body", [], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    _walls(draw, root, base, wide, high, deep, wall)
+    links = [base]
+    openings = [_Opening(0.0, 0.0, wide - 2 * wall, high - 2 * wall)]
+    for _ in range(draw.pick([0, 1, 2, 3, 4], [4, 4, 2, 2, 1])):
+        openings.sort(key=lambda opening: opening.wide * opening.high)
+        if min(openings[-1].wide, openings[-1].high) > LEAST:
+            openings += openings.pop().parted(draw)
+    chosen = [draw.pick(FRONTS) for _ in openings]
+    alike = draw.chance(0.4)
+    draws = draw.alike(len(openings)) if alike else [draw] * len(openings)
+    for opening, own, front in zip(openings, draws, chosen, strict=True):
+        place = facing(Z, Y, (opening.x, opening.y, 0.5 * deep))
+        if draw.chance(0.2):
+            links += _controls(draw, root, base, opening, 0.5 * deep)
+        else:
+            kind = chosen[0] if alike else front
+            links += mount(kind(own, opening.wide, opening.high, deep - wall), 1.0, place, root, base)
+    links += _feet(draw, root, base, wide, high, deep)
+    return SynthObject("Mechanism", root, links)
+
+
+def _walls(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float, wall: float) -> None:
+    """A hollow body in one piece or several, or a block with a little room before it."""
+    if draw.chance(0.25):
+        base.nodes.append(root.add("body", box((wide, high, 0.96 * deep), (0, 0, -0.02 * deep))))
+        return
+    sides = [box((wall, high, deep), (s * 0.5 * (wide - wall), 0, 0)) for s in (-1, 1)]
+    sides += [box((wide, wall, deep), (0, s * 0.5 * (high - wall), 0)) for s in (-1, 1)]
+    back = box((wide, high, wall), (0, 0, -0.5 * (deep - wall)))
+    if draw.chance(0.5):
+        base.nodes.append(root.add("body", *sides, back))
+    else:
+        group = root.add("frame")
+        base.nodes += [group.add(draw.pick(["side", "board", "panel"]), side) for side in sides] + [group.add("back", back)]
+
+
+def _controls(draw: Draw, root: Node, base: Link, opening: _Opening, front: float) -> list[Link]:
+    """A panel with keys, a button or a knob in place of something that opens."""
+    panel = box((opening.wide, opening.high, 0.04), (opening.x, opening.y, front - 0.02))
+    base.nodes.append(root.add("panel", panel))
+    mechanism = draw.pick([keys, knob, pusher])(draw)
+    size = draw.between(0.2, 0.9) * min(opening.wide, opening.high)
+    return mount(mechanism, size, facing(Z, Y, (opening.x, opening.y, front)), root, base)
+
+
+def _feet(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float) -> list[Link]:
+    """None, legs, or casters at the corners."""
+    kind = draw.pick(["none", "legs", "casters"], [5, 2, 2])
+    links: list[Link] = []
+    if kind == "none":
+        return links
+    size = draw.between(0.1, 0.3) * min(wide, deep)
+    for x, z, own in zip((-1, 1, -1, 1), (-1, -1, 1, 1), draw.alike(4), strict=True):
+        at = (x * (0.5 * wide - 0.5 * size), -0.5 * high, z * (0.5 * deep - 0.5 * size))
+        if kind == "legs":
+            length = 2.0 * size
+            base.nodes.append(root.add("leg", cylinder(0.15 * size, length, "y", (at[0], at[1] - 0.5 * length, at[2]), 10)))
+        else:
+            links += mount(caster(own), 1.2 * size, facing(-Y, Z, at), root, base)
+    return links

@@ -1,0 +1,100 @@
+"""Pedestals: a foot with a column on it, and on that something that turns, tips, rises or has joints of its own."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.synth.draw import Draw
+from kinmo.synth.mechanisms.linked import arm, caster, crossed, gimbal, halves
+from kinmo.synth.mechanisms.mount import mount
+from kinmo.synth.mechanisms.turning import bail, flap, lever, rotor
+from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, rounded_box, sweep, turn
+from kinmo.synth.primitives.place import facing
+
+
+def pedestal(draw: Draw) -> SynthObject:
+    root = Node("mechanism")
+    base = Link("foot", [], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    links = [base]
+    foot = root.add("foot") if draw.chance(0.6) else root
+    rise = draw.pick([draw.between(0.05, 0.3), draw.between(0.3, 1.2)])
+    top = _foot(draw, foot, base, links)
+    radius = draw.between(0.02, 0.06)
+    column = cylinder(radius, rise, "y", (0, top + 0.5 * rise, 0), 14)
+    top += rise
+    carrier = base
+    moves = draw.pick(["rests", "rises"], [4, 1])
+    if moves == "rises":
+        base.nodes.append(foot.add("sleeve", cylinder(1.4 * radius, 0.5 * rise, "y", (0, top - 0.7 * rise, 0), 14)))
+        lift = draw.between(0.1, 0.5) * rise
+        carrier = Link("column", [foot.add(draw.pick(["column", "rod"]), column)], base, slider(Y, -0.5 * lift, lift))
+        links.append(carrier)
+    else:
+        base.nodes.append(foot.add(draw.pick(["column", "support", "stem"]), column))
+    if draw.chance(0.75):
+        links += _ridden(draw, root, carrier, top)
+    else:
+        carried = draw.pick([arm, gimbal, crossed, halves, rotor])(draw)
+        links += mount(carried, draw.between(0.4, 0.9), facing(Y, Z, (0, top, 0)), root, carrier)
+    return SynthObject("Mechanism", root, links)
+
+
+def _ridden(draw: Draw, root: Node, carrier: Link, top: float) -> list[Link]:
+    """A body on the column, at times with mechanisms at its sides."""
+    wide, deep = draw.between(0.3, 1.1), draw.between(0.2, 1.0)
+    high = draw.pick([draw.between(0.04, 0.15), draw.between(0.2, 0.8)])
+    middle = (0.0, top + 0.5 * high, draw.pick([0.0, draw.between(-0.15, 0.15)]))
+    if draw.chance(0.3):
+        body = cylinder(0.5 * wide, high, "y", (0, middle[1], 0), 24, top_radius=draw.between(0.35, 0.55) * wide)
+    else:
+        body = rounded_box((wide, high, deep), 0.1 * min(wide, deep), "y", middle)
+    pieces = [body]
+    if draw.chance(0.3):
+        pieces.append(box((wide, draw.between(0.3, 0.8), 0.05), (0, top + high + 0.2, -0.5 * deep)))
+    name = draw.pick(["seat", "top", "head", "screen", "plate", "body"])
+    head = Link(name, [root.add(name, *pieces)], carrier, _of_head(draw, top))
+    links = [head]
+    for side in draw.pick([(), (X,), (-X, X), (Z,), (Y,)], [4, 1, 2, 2, 1]):
+        reach = 0.5 * (high if side is Y else wide if abs(side[0]) else deep)
+        built = draw.pick([lever, flap, bail, rotor])(draw)
+        up = Z if side is Y else Y
+        size = draw.between(0.3, 0.8) * min(wide, deep)
+        links += mount(built, size, facing(side, up, np.array(middle) + side * reach), root, head)
+    return links
+
+
+def _of_head(draw: Draw, top: float) -> Motion:
+    origin = (0.0, top, 0.0)
+    kind = draw.pick(["turn", "limited", "screw", "lift", "tip"], [5, 1, 2, 1, 2])
+    if kind == "turn":
+        return spinner(origin, Y)
+    if kind == "limited":
+        return hinge(origin, Y, -draw.between(30.0, 180.0), draw.between(30.0, 180.0))
+    if kind == "screw":
+        return screw(origin, Y, -0.1, draw.between(0.05, 0.2), turns=draw.pick([None, 360.0]))
+    if kind == "lift":
+        return slider(Y, 0.0, draw.between(0.05, 0.3))
+    return hinge(origin, draw.pick([X, X, Z]), -draw.between(5.0, 45.0), draw.between(5.0, 45.0))
+
+
+def _foot(draw: Draw, foot: Node, base: Link, links: list[Link]) -> float:
+    """A disc, a slab, or legs that go out from the middle, at times on casters; returns its height."""
+    kind = draw.pick(["disc", "slab", "legs"], [2, 1, 4])
+    if kind != "legs":
+        thick, size = draw.between(0.02, 0.1), draw.between(0.25, 0.7)
+        shape = cylinder(0.5 * size, thick, "y", (0, 0.5 * thick, 0), 28)
+        slab = box((size, thick, draw.between(0.6, 1.4) * size), (0, 0.5 * thick, 0))
+        base.nodes.append(foot.add("plate", shape if kind == "disc" else slab))
+        return thick
+    count, reach = draw.integer(3, 6), draw.between(0.25, 0.6)
+    low, high = draw.between(0.03, 0.2), draw.between(0.0, 0.2)
+    rolls, size = draw.chance(0.65), draw.between(0.12, 0.35)
+    leg = sweep(np.array([(0, low + high, 0), (0, low, reach)]), draw.between(0.012, 0.04), 8)
+    for index, own in enumerate(draw.alike(count)):
+        angle = 360.0 * index / count
+        base.nodes.append(foot.add("leg", turn(leg, Y, angle)))
+        if rolls:
+            at = (reach * np.sin(np.radians(angle)), low, reach * np.cos(np.radians(angle)))
+            links += mount(caster(own), size * reach, facing(-Y, Z, at), foot, base)
+    return low + high
