@@ -17,10 +17,12 @@ from kinmo.pipeline.evaluation_files import SETTINGS
 from kinmo.pipeline.examples import read_examples
 from kinmo.pipeline.journal import runs
 from kinmo.pipeline.predict import Predict
+from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.rows import CONTACT_EDGES, chosen_rows
 from kinmo.pipeline.stage import Stage
 from kinmo.pipeline.train import Train
+from kinmo.store import PreparedStore
 from kinmo.workspace import Workspace
 
 WANTED_ROWS = ("kinmo", "GNN_coarse", "OBB_coarse", "GNN_fine", "OBB_fine")
@@ -292,6 +294,28 @@ def test_a_workspace_without_ranking_networks_is_nothing_to_go_on_from(road: Roa
         with pytest.raises(InputError, match="weights to go on from"):
             call()
     assert listener.steps == [] and road.workspace.record("train-axis") == record  # not after hours of other networks
+
+
+def test_weights_to_go_on_from_are_looked_at_before_anything_is_trained(road: Road, tmp_path: Path) -> None:
+    start, listener = Workspace(tmp_path / "start"), Listener()
+    shutil.copytree(road.workspace.models / "ranking", start.models / "ranking")
+    weights = start.models / "ranking" / "weights.safetensors"
+    weights.write_bytes(weights.read_bytes()[:100])
+    stage = Train("all", road.workspace, "small", start=start)
+    for call in (stage.plan, lambda: stage.run(listener)):
+        with pytest.raises(InputError, match=r"weights\.safetensors: sha256"):
+            call()
+    assert listener.steps == []
+
+
+def test_shapes_that_a_workspace_loses_are_counted(road: Road, tmp_path: Path) -> None:
+    workspace, listener = Workspace(tmp_path / "workspace"), Listener()
+    shutil.copytree(road.workspace.prepared, workspace.prepared)
+    Prepare(road.shapes, workspace).run(listener)
+    assert listener.notes == []
+    Prepare(road.shapes / "partnet", workspace).run(listener)
+    lost = len(PreparedStore(road.workspace.prepared)) - len(PreparedStore(workspace.prepared))
+    assert [note.split()[0] for note in listener.notes] == [str(lost)] != ["0"]
 
 
 def test_networks_that_go_on_from_nothing_say_so(road: Road) -> None:

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 from kinmo.config import GnnConfig
 from kinmo.learning.axis_selection.train import train_axis_selection
+from kinmo.learning.joint_ranking.network import KIND as RANKING
 from kinmo.learning.joint_ranking.train import train_joint_ranking
 from kinmo.learning.motion_gnn.train import train_motion_gnn
 from kinmo.learning.training import FitResult, Progress
@@ -48,8 +49,10 @@ TRAINERS: dict[str, tuple[str, Trainer]] = {
 }
 """The section of the configuration and the trainer of every model, in the order of training."""
 
-CONTINUED: dict[str, Callable[[Path], Trainer]] = {"ranking": lambda start: partial(train_joint_ranking, initial=start)}
-"""Trainers that go on from trained weights, of the models that can."""
+CONTINUED: dict[str, tuple[str, Callable[[Path], Trainer]]] = {
+    "ranking": (RANKING, lambda start: partial(train_joint_ranking, initial=start))
+}
+"""Of the models that can go on from trained weights: the kind of those, and the trainer."""
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "all": ("gnn_fine", "gnn_coarse", "axis", "ranking"),

@@ -8,11 +8,13 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+from kinmo.errors import InputError
 from kinmo.formats import discover
 from kinmo.formats.sources import shown
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.prepare import PrepareReport, prepare_folder
+from kinmo.store import PreparedStore
 from kinmo.workspace import Workspace, write_text_atomically
 
 STAGE = "prepare"
@@ -39,6 +41,7 @@ class Prepare:
         return Plan((f"check {count} shapes below {self.root}, and prepare those that are new or changed",), count * each)
 
     def run(self, observer: Observer) -> Outcome:
+        before = _sources(self.workspace)
         with timed(self.workspace, STAGE) as watch:
             report = prepare_folder(
                 self.root,
@@ -48,10 +51,20 @@ class Prepare:
                 on_progress=lambda done, total, name: observer.progress("preparing shapes", done, total, name),
             )
             watch.amount, watch.what = report.made, f"{report.made} shapes below {shown(self.root)}"
+        if gone := len(before - _sources(self.workspace)):
+            observer.note(f"{gone} shapes of the last time are not among these: the workspace no longer has them")
         data = report.as_data()
         write_text_atomically(self.workspace.prepared / REPORT, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
         usable = len(report.taken) + len(report.repaired)
         return Outcome(self.workspace.prepared, data, summary(report), failed=0 if usable else 1)
+
+
+def _sources(workspace: Workspace) -> set[str]:
+    """Where the shapes of the workspace were read from; none if nothing was prepared yet, or the index is not whole."""
+    try:
+        return {entry.source for entry in PreparedStore(workspace.prepared).entries}
+    except InputError:
+        return set()
 
 
 def summary(report: PrepareReport) -> str:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from kinmo.config import Config, load_config
 from kinmo.errors import InputError, expecting
 from kinmo.learning.training import Progress, remove_checkpoints
-from kinmo.learning.weights import pick_device
+from kinmo.learning.weights import Weights, load_weights, pick_device
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.model_files import CONFIG, HEADER, METRICS, WEIGHTS, model_folder
@@ -126,11 +125,11 @@ class Train:
                 data = {"training": dataset.fingerprint(training), "validation": dataset.fingerprint(validation)}
                 inputs = {"model": model, "config": to_table(section), "seed": self.seed, "data": data}
                 if start is not None:
-                    inputs["start"] = sha256(start.read_bytes()).hexdigest()
-                yield Task(model, category, training, validation, inputs, start)
+                    inputs["start"] = start.sha256
+                yield Task(model, category, training, validation, inputs, None if start is None else start.path)
 
-    def _start_of(self, model: str) -> Path | None:
-        """The weights that a model is to go on from. Raises InputError if they were never trained."""
+    def _start_of(self, model: str) -> Weights | None:
+        """The weights that a model is to go on from. Raises InputError if they were never trained, or cannot be read."""
         if self.start is None or model not in CONTINUED:
             return None
         weights = model_folder(self.start, model) / WEIGHTS
@@ -138,7 +137,7 @@ class Train:
             raise InputError(
                 weights, "expected the weights to go on from: run kinmo train all in that workspace first", "--from"
             )
-        return weights
+        return load_weights(weights, CONTINUED[model][0])
 
     def _train(self, tasks: list[Task], config: Config, observer: Observer) -> None:
         """Side by side where each says how many threads it takes; those that take longest first."""
@@ -168,7 +167,7 @@ class Train:
         training, validation = dataset.load(task.training), dataset.load(task.validation)
         folder = self._folder(task)
         self.workspace.forget(task.stage)
-        trainer = TRAINERS[task.model][1] if task.start is None else CONTINUED[task.model](task.start)
+        trainer = TRAINERS[task.model][1] if task.start is None else CONTINUED[task.model][1](task.start)
         with timed(self.workspace, task.stage) as watch:
             result = trainer(
                 training,
