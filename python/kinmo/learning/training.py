@@ -28,7 +28,7 @@ from torch.utils.data import DataLoader, IterableDataset
 from kinmo.config import TrainingConfig
 from kinmo.learning.averaging import ExponentialAverage
 from kinmo.learning.weights import pick_device
-from kinmo.workspace import write_atomically, write_text_atomically
+from kinmo.workspace import write_atomically, write_bytes_atomically, write_text_atomically
 
 MONITOR = "validation/error"
 """What a module logs in its validation steps, and what the best epoch is the least of."""
@@ -208,8 +208,9 @@ class _Recorder(Callback):
             if trainer.is_global_zero:
                 validated = self.average.weights() if self.average else pl_module.state_dict()
                 weights = {name: tensor.cpu() for name, tensor in validated.items()}
-                with write_atomically(self.folder / BEST) as scratch:
-                    torch.save(weights, scratch)
+                saved = io.BytesIO()
+                torch.save(weights, saved)  # to a file, it would not say that the disk is full
+                write_bytes_atomically(self.folder / BEST, saved.getvalue())
         last, previous = (self.folder / name for name in CHECKPOINTS)
         if trainer.is_global_zero and last.exists():
             last.replace(previous)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import time
 from collections.abc import Iterator
@@ -9,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from datetime import datetime, timezone
 from pathlib import Path
+from typing import BinaryIO
 
 from kinmo import __version__
 from kinmo.workspace import Workspace
@@ -41,8 +43,16 @@ def timed(workspace: Workspace, stage: str) -> Iterator[Stopwatch]:
     if watch.amount:
         seconds = time.monotonic() - begin
         run = Run(stage, started.isoformat(timespec="seconds"), round(seconds, 2), watch.amount, watch.what)
-        with _path(workspace).open("a", encoding="utf-8") as lines:
-            lines.write(json.dumps(asdict(run), ensure_ascii=False) + "\n")
+        with _path(workspace).open("a+b") as lines:
+            begun = "\n" if _ends_within_a_line(lines) else ""  # by a process that was killed
+            lines.write(f"{begun}{json.dumps(asdict(run), ensure_ascii=False)}\n".encode())
+
+
+def _ends_within_a_line(file: BinaryIO) -> bool:
+    if file.seek(0, io.SEEK_END) == 0:
+        return False
+    file.seek(-1, io.SEEK_END)
+    return file.read(1) != b"\n"
 
 
 def runs(workspace: Workspace) -> list[Run]:

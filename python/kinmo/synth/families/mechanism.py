@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from kinmo.shape import Vector
 from kinmo.synth.details.controls import grid_places
+from kinmo.synth.details.posture import lay, reorient
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms import FITTED, MECHANISMS
 from kinmo.synth.mechanisms.housing import housing
@@ -24,6 +25,8 @@ from kinmo.synth.primitives.place import facing, rotation_about
 SIDES = ((Z, Y), (-Z, Y), (X, Y), (-X, Y), (Y, Z), (-Y, Z))
 """The outward normal of each side of the block, and the direction on it that is up or to the front."""
 ORIGIN = (0.0, 0.0, 0.0)
+TURNED = 0.2
+"""Chance that a block lies, and that a pedestal hangs from the ceiling."""
 UPRIGHT = 0.5
 """Chance that a mechanism is not laid on its side: doors more often hang at a side than below or above."""
 MOST = 6
@@ -31,7 +34,13 @@ MOST = 6
 
 
 def build(draw: Draw) -> SynthObject:
-    return draw.pick([_block, housing, pedestal], [4, 3, 3])(draw)
+    style = draw.pick([_block, housing, pedestal], [4, 3, 3])
+    made = style(draw)
+    if style is _block and draw.chance(TURNED):
+        lay(draw, made)
+    elif style is pedestal and draw.chance(TURNED):
+        reorient(made, rotation_about(X, 180.0, ORIGIN))
+    return made
 
 
 def _block(draw: Draw) -> SynthObject:
@@ -69,7 +78,7 @@ class _Side:
         if draw.chance(0.25):
             mechanism, depth = draw.pick(FITTED)(draw), draw.between(0.3, 1.0)
             links += mount(
-                mechanism, (wide, high, depth * min(wide, high)), self.frame(0.0, 0.0) @ _upside(draw), root, links[0]
+                draw, mechanism, (wide, high, depth * min(wide, high)), self.frame(0.0, 0.0) @ _upside(draw), root, links[0]
             )
             return 1
         columns, rows = draw.pick([(1, 1), (2, 1), (1, 2), (3, 1), (2, 2)], [6, 2, 2, 1, 1])
@@ -81,7 +90,7 @@ class _Side:
             turned = _upside(own) if own.chance(UPRIGHT) else rotation_about(Z, 90.0 * own.integer(0, 3), ORIGIN)
             if own.chance(0.15):
                 turned = turned @ rotation_about(own.pick([X, Y]), own.sign() * own.between(5.0, 30.0), ORIGIN)
-            links += mount(mechanism, own.between(0.5, 0.95) * cell, self.frame(*place) @ turned, root, links[0])
+            links += mount(draw, mechanism, own.between(0.5, 0.95) * cell, self.frame(*place) @ turned, root, links[0])
         return len(places)
 
     def frame(self, right: float, up: float) -> NDArray[np.float64]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms.fronts import FRONTS
+from kinmo.synth.mechanisms.fronts import FRONTS, door, flap
 from kinmo.synth.mechanisms.linked import caster
 from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.sliding import keys, pusher
@@ -60,7 +60,9 @@ def housing(draw: Draw) -> SynthObject:
             links += _controls(draw, root, base, opening, 0.5 * deep)
         else:
             kind = chosen[0] if alike else front
-            links += mount(kind(own, opening.wide, opening.high, deep - wall), 1.0, place, root, base)
+            if kind is flap and opening.high > 1.2 * opening.wide and draw.chance(0.8):
+                kind = door  # what is tall hangs at a side
+            links += mount(draw, kind(own, opening.wide, opening.high, deep - wall), 1.0, place, root, base)
     links += _feet(draw, root, base, wide, high, deep)
     return SynthObject("Mechanism", root, links)
 
@@ -86,7 +88,7 @@ def _controls(draw: Draw, root: Node, base: Link, opening: _Opening, front: floa
     base.nodes.append(root.add("panel", panel))
     mechanism = draw.pick([keys, knob, pusher])(draw)
     size = draw.between(0.2, 0.9) * min(opening.wide, opening.high)
-    return mount(mechanism, size, facing(Z, Y, (opening.x, opening.y, front)), root, base)
+    return mount(draw, mechanism, size, facing(Z, Y, (opening.x, opening.y, front)), root, base)
 
 
 def _feet(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float) -> list[Link]:
@@ -102,5 +104,5 @@ def _feet(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: fl
             length = 2.0 * size
             base.nodes.append(root.add("leg", cylinder(0.15 * size, length, "y", (at[0], at[1] - 0.5 * length, at[2]), 10)))
         else:
-            links += mount(caster(own), 1.2 * size, facing(-Y, Z, at), root, base)
+            links += mount(draw, caster(own), 1.2 * size, facing(-Y, Z, at), root, base)
     return links

@@ -8,7 +8,7 @@ from kinmo.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.model import Builder, Mechanism, Moving
 from kinmo.synth.model import hinge, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, dome, ellipsoid, move, sweep, turn
+from kinmo.synth.primitives import X, Y, Z, arc_path, box, cylinder, dome, ellipsoid, move, sweep, turn
 
 
 def caster(draw: Draw) -> Mechanism:
@@ -41,21 +41,25 @@ def caster(draw: Draw) -> Mechanism:
 
 def arm(draw: Draw) -> Mechanism:
     """Bars joined end to end by pins, with a head at the end."""
-    thick = draw.between(0.03, 0.1)
+    thick = draw.between(0.02, 0.1)
     at, tilt = np.array([0.0, 0.0, draw.between(0.03, 0.3)]), draw.between(-50.0, 50.0)
     fixed = [box((2.5 * thick, 0.5 * thick, at[2] + 0.05), (0, -thick, 0.5 * at[2] + 0.025))]
     moving: list[Moving] = []
+    level = draw.chance(0.3)
     for index in range(draw.integer(1, 3)):
         length = draw.between(0.3, 0.7)
         way = np.array([np.sin(np.radians(tilt)), 0.0, np.cos(np.radians(tilt))])
         aside = Y * thick * (index % 2)
         end = at + length * way
-        bar = sweep(np.array([at + aside, end + aside]), 0.4 * thick, draw.pick([4, 8]))
-        pin = cylinder(0.4 * thick, 2.2 * thick, "y", at, 12)
+        sides = (-0.7, 0.7) if draw.chance(0.25) else (0.0,)
+        bars = [sweep(np.array([at, end]) + aside + Y * s * thick, 0.4 * thick, draw.pick([4, 8])) for s in sides]
+        upright = level and index == 0  # the first turns about the normal of the mount
+        pin = cylinder(draw.between(0.4, 0.9) * thick, 2.2 * thick, "z" if upright else "y", at, 12)
         swing = draw.between(20.0, 90.0)
         on = moving[-1] if moving else None
-        pieces = [bar, pin] if draw.chance(0.7) else [bar]
-        moving.append(Moving(draw.pick(["arm", "lever", "rod", "leg"]), pieces, hinge(at, Y * draw.sign(), -swing, swing), on))
+        pieces = [*bars, pin] if draw.chance(0.7) else bars
+        motion = hinge(at, (Z if upright else Y) * draw.sign(), -swing, swing)
+        moving.append(Moving(draw.pick(["arm", "lever", "rod", "leg"]), pieces, motion, on))
         at, tilt = end, tilt + draw.sign() * draw.between(20.0, 110.0)
     if draw.chance(0.6):
         axis = draw.pick([Y, way]) if draw.chance(0.5) else Y
@@ -149,6 +153,34 @@ def gimbal(draw: Draw) -> Mechanism:
     return Mechanism([Moving(tipping.name, tipping.pieces, tipping.motion)], fork)
 
 
+def motor(draw: Draw) -> Mechanism:
+    """A head on a neck that tips, swings or stays, with a rotor in front of it, at times in a ring."""
+    high, long = draw.between(0.15, 0.6), draw.between(0.12, 0.35)
+    thick, reach = draw.between(0.06, 0.14), draw.between(0.25, 0.5)
+    neck = cylinder(draw.between(0.02, 0.05), high, "z", (0, 0, 0.5 * high), 12)
+    center = np.array([0.0, 0.0, high])
+    housing = [cylinder(thick, long, "y", center, 18)]
+    front = center - Y * (0.5 * long + draw.between(0.02, 0.08))
+    if draw.chance(0.5):
+        rim = arc_path(tuple(front), reach + 0.03, 0, 360, "y", 28)
+        housing += [sweep(rim, 0.012, 6), box((0.015, 0.015, 2 * reach), front + Y * 0.04)]
+    kind = draw.pick(["tips", "swings", "stays"])
+    count, wide = draw.integer(2, 6), draw.between(0.08, 0.25)
+    blade = turn(box((0.9 * reach, 0.012, wide), (0.5 * reach, 0, 0)), X, draw.between(0.0, 35.0))
+    blades = [move(turn(blade, Y, 360.0 * i / count), front) for i in range(count)]
+    hub = cylinder(draw.between(0.04, 0.08), 0.06, "y", front, 14)
+    name = draw.pick(["rotor", "blade", "wheel", "disc"])
+    if draw.chance(0.3):
+        blades = [cylinder(reach, 0.03, "y", front, 28)]
+    spin = spinner(front, Y * draw.sign())
+    if kind == "stays":
+        return Mechanism([Moving(name, [hub, *blades], spin)], [neck, *housing])
+    place = center - Z * draw.between(0.0, 0.5) * thick
+    swing = draw.between(20.0, 80.0)
+    head = Moving(draw.pick(["motor", "head"]), housing, hinge(place, X if kind == "tips" else Z, -swing, swing))
+    return Mechanism([head, Moving(name, [hub, *blades], spin, head)], [neck])
+
+
 def _head(draw: Draw) -> list[Mesh]:
     kind = draw.pick(["shade", "plate", "ball", "block"])
     if kind == "shade":
@@ -160,4 +192,4 @@ def _head(draw: Draw) -> list[Mesh]:
     return [box((draw.between(0.1, 0.3), 0.12, draw.between(0.15, 0.4)), (0, 0, 0.1))]
 
 
-LINKED: tuple[Builder, ...] = (caster, arm, arm, crossed, halves, halves, ridden, jaws, gimbal)
+LINKED: tuple[Builder, ...] = (caster, arm, arm, crossed, halves, halves, ridden, jaws, gimbal, motor)

@@ -2,23 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from kinmo.shape import Mesh
+from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.model import Mechanism, Moving
 from kinmo.synth.model import Link, Node, Point
 from kinmo.synth.primitives import scale, transform
 
+LEAVES = 0.5
+"""Chance that the pieces of a moving part are leaves of their own, as the frame and the handle of a door are."""
+PIECES = ("frame", "panel", "handle", "bar", "piece")
 
-def mount(mechanism: Mechanism, factors: float | Point, matrix: NDArray[np.float64], group: Node, base: Link) -> list[Link]:
+
+def mount(
+    draw: Draw, mechanism: Mechanism, factors: float | Point, matrix: NDArray[np.float64], group: Node, base: Link
+) -> list[Link]:
     """Scale a mechanism, place it by `matrix` [4, 4] on `base`, add its nodes below `group`, and return its links."""
+
+    def placed(pieces: Sequence[Mesh]) -> list[Mesh]:
+        return [transform(scale(piece, factors), matrix) for piece in pieces]
+
     group = group.add("unit") if len(mechanism.moving) + bool(mechanism.fixed) > 1 else group
     if mechanism.fixed:
-        pieces = [transform(scale(piece, factors), matrix) for piece in mechanism.fixed]
-        base.nodes.append(group.add("mount", *pieces))
+        base.nodes.append(group.add("mount", *placed(mechanism.fixed)))
     made: dict[Moving, Link] = {}
     for part in mechanism.moving:
-        node = group.add(part.name, *(transform(scale(piece, factors), matrix) for piece in part.pieces))
+        pieces = placed(part.pieces)
+        if len(pieces) > 1 and draw.chance(LEAVES):
+            node = group.add(part.name)
+            for piece in pieces:
+                node.add(draw.pick(PIECES), piece)
+        else:
+            node = group.add(part.name, *pieces)
         holder = base if part.on is None else made[part.on]
         made[part] = Link(part.name, [node], holder, part.motion.scaled(factors).moved_by(matrix))
     return list(made.values())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms.linked import arm, caster, crossed, gimbal, halves
+from kinmo.synth.mechanisms.linked import arm, caster, crossed, gimbal, halves, motor
 from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.turning import bail, flap, lever, rotor
 from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
@@ -32,11 +32,11 @@ def pedestal(draw: Draw) -> SynthObject:
         links.append(carrier)
     else:
         base.nodes.append(foot.add(draw.pick(["column", "support", "stem"]), column))
-    if draw.chance(0.75):
+    if draw.chance(0.5):
         links += _ridden(draw, root, carrier, top)
     else:
-        carried = draw.pick([arm, gimbal, crossed, halves, rotor])(draw)
-        links += mount(carried, draw.between(0.4, 0.9), facing(Y, Z, (0, top, 0)), root, carrier)
+        carried = draw.pick([arm, gimbal, crossed, halves, rotor, motor], [5, 2, 1, 1, 1, 2])(draw)
+        links += mount(draw, carried, draw.between(0.4, 0.9), facing(Y, Z, (0, top, 0)), root, carrier)
     return SynthObject("Mechanism", root, links)
 
 
@@ -60,7 +60,7 @@ def _ridden(draw: Draw, root: Node, carrier: Link, top: float) -> list[Link]:
         built = draw.pick([lever, flap, bail, rotor])(draw)
         up = Z if side is Y else Y
         size = draw.between(0.3, 0.8) * min(wide, deep)
-        links += mount(built, size, facing(side, up, np.array(middle) + side * reach), root, head)
+        links += mount(draw, built, size, facing(side, up, np.array(middle) + side * reach), root, head)
     return links
 
 
@@ -96,5 +96,5 @@ def _foot(draw: Draw, foot: Node, base: Link, links: list[Link]) -> float:
         base.nodes.append(foot.add("leg", turn(leg, Y, angle)))
         if rolls:
             at = (reach * np.sin(np.radians(angle)), low, reach * np.cos(np.radians(angle)))
-            links += mount(caster(own), size * reach, facing(-Y, Z, at), foot, base)
+            links += mount(draw, caster(own), size * reach, facing(-Y, Z, at), foot, base)
     return low + high

@@ -167,6 +167,26 @@ def cord(draw: Draw) -> Mechanism:
     return Mechanism([Moving(draw.pick(["bolt", "latch", "rod"]), [bolt], slider(X, -0.2, 0.3))], eyes)
 
 
+def spindle(draw: Draw) -> Mechanism:
+    """A rod through a bridge, with a plate at its lower end and a handle on top: it screws or slides."""
+    high, radius = draw.between(0.4, 0.8), draw.between(0.02, 0.07)
+    wide, thick = draw.between(0.3, 0.9), draw.between(0.06, 0.15)
+    one_sided = draw.chance(0.5)
+    bridge = [box((wide if not one_sided else 0.5 * wide + 0.1, thick, thick), (-0.25 * wide * one_sided, 0, high))]
+    bridge += [box((thick, thick, high), (s * 0.5 * wide, 0, 0.5 * high)) for s in ((-1,) if one_sided else (-1, 1))]
+    low, top = draw.between(0.05, 0.7) * high, high + draw.between(0.1, 0.4)
+    pieces = [cylinder(radius, top - low, "z", (0, 0, 0.5 * (low + top)), 12)]
+    pieces.append(cylinder(draw.between(1.2, 3.0) * radius, 0.04, "z", (0, 0, low), 16))
+    kind = draw.pick(["bar", "wheel", "knob"])
+    if kind == "bar":
+        pieces.append(cylinder(0.4 * radius, draw.between(0.15, 0.4), draw.pick(["x", "y"]), (0, 0, top), 8))
+    else:
+        pieces.append(cylinder(draw.between(0.06, 0.2) if kind == "wheel" else 2 * radius, 0.05, "z", (0, 0, top), 20))
+    bounds = -0.5 * low, 0.5 * low
+    motion = slider(Z, *bounds) if draw.chance(0.25) else screw((0, 0, 0), Z * draw.sign(), *bounds)
+    return Mechanism([Moving(draw.pick(["screw", "rod", "spindle"]), pieces, motion)], bridge)
+
+
 def _in_and_out(draw: Draw, long: float, out: float) -> Motion:
     """What a tube in a tube may do: mostly slide, at times screw or turn."""
     kind = draw.pick(["slide", "screw", "turn"], [5, 2, 2])
@@ -177,4 +197,4 @@ def _in_and_out(draw: Draw, long: float, out: float) -> Motion:
 
 
 FITTED_SLIDING: tuple[Builder, ...] = (drawer, keys, carriage, slot, pane)
-SLIDING: tuple[Builder, ...] = (drawer, drawer, pusher, keys, telescope, sheath, cap, cap, carriage, slot, pane, cord)
+SLIDING: tuple[Builder, ...] = (drawer, drawer, pusher, keys, telescope, sheath, cap, cap, carriage, slot, pane, cord, spindle)

@@ -1,0 +1,31 @@
+"""The journal of a workspace."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from kinmo.pipeline.journal import runs, seconds_per_unit, timed
+from kinmo.workspace import Workspace
+
+
+def run(workspace: Workspace, stage: str, amount: int) -> None:
+    with timed(workspace, stage) as watch:
+        watch.amount, watch.what = amount, f"{amount} things"
+
+
+def test_a_run_that_did_nothing_is_no_entry(tmp_path: Path) -> None:
+    workspace = Workspace(tmp_path)
+    run(workspace, "prepare", 3)
+    run(workspace, "prepare", 0)
+    assert [(found.stage, found.amount, found.what) for found in runs(workspace)] == [("prepare", 3, "3 things")]
+
+
+def test_a_line_that_a_killed_process_left_unfinished_spoils_no_other(tmp_path: Path) -> None:
+    workspace = Workspace(tmp_path)
+    run(workspace, "prepare", 3)
+    journal = tmp_path / "journal.jsonl"
+    journal.write_bytes(journal.read_bytes() + b'{"stage": "train-axis", "sta')
+    run(workspace, "train-axis", 5)
+    run(workspace, "report", 7)
+    assert [found.amount for found in runs(workspace)] == [3, 5, 7]
+    assert seconds_per_unit(workspace, "no such stage", 0.5) == 0.5
