@@ -3,13 +3,16 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
 
 from kinmo.config import ContinuedConfig, RankingConfig, TrainingConfig
 from kinmo.errors import InputError
+from kinmo.evidence import Evidence
 from kinmo.learning.joint_ranking.predict import JointRanking
 from kinmo.learning.joint_ranking.train import train_joint_ranking
+from kinmo.learning.joint_ranking.views import body_view
 from kinmo.prepare import prepare_shape
 from kinmo.prepared import PreparedShape
 from small_shapes import cabinet_shape
@@ -46,6 +49,16 @@ def test_training_that_goes_on_ends_on_the_way_from_where_it_started(shapes, sta
     torch.testing.assert_close(kept, start)
     torch.testing.assert_close(half, (start + gone) / 2)
     assert not torch.allclose(gone, start, atol=1e-4)
+
+
+def test_names_that_training_never_had_say_as_much_as_none(shapes, started: Path) -> None:
+    strange = replace(shapes[0], part_names=("xylophone",) * len(shapes[0].part_names), category="Quux")
+    view = body_view(strange, Evidence.of(strange.evidence))
+    strangers, hidden = (JointRanking.load(started, "cpu", hide).probabilities(view) for hide in (False, True))
+    for said, silent in zip(strangers[0], hidden[0], strict=True):
+        np.testing.assert_allclose(said, silent, atol=1e-6)
+    known = JointRanking.load(started, "cpu").probabilities(body_view(shapes[0], Evidence.of(shapes[0].evidence)))
+    assert np.abs(known[1] - hidden[1]).max() > 1e-6
 
 
 def test_weights_of_other_sizes_cannot_be_started_from(shapes, started: Path, tmp_path: Path) -> None:

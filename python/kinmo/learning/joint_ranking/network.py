@@ -2,7 +2,7 @@
 
 One softmax a unit over {rest, hypothesis 1, ... hypothesis h} decides kind and axis together. Hypotheses are encoded one by one
 together with their unit, pooled, and the units of a shape attend to each other, so that a knob sees the door that it sits on
-and one drawer the next. Names enter as hashed words: unknown ones share buckets with known ones and cannot fail.
+and one drawer the next. Names enter as hashed words; an unknown one says nothing, unless it shares a bucket with a known one.
 """
 
 from __future__ import annotations
@@ -85,6 +85,12 @@ class JointRanker(nn.Module):
         for name, values in (("hypothesis", hypotheses), ("unit", units)):
             getattr(self, f"{name}_mean").copy_(values.mean(dim=0))
             getattr(self, f"{name}_scale").copy_(values.std(dim=0).clamp_min(1e-3))
+
+    def silence(self, known: Tensor) -> None:
+        """Words that are not among the `known` ones say nothing, instead of something at random."""
+        unknown = torch.ones(WORD_BUCKETS, dtype=torch.bool).index_fill(0, known, False)
+        with torch.no_grad():
+            self.words.weight[unknown] = 0.0
 
     def forward(self, batch: RankingBatch) -> tuple[Tensor, Tensor]:
         hypotheses = ((batch.hypotheses - self.hypothesis_mean) / self.hypothesis_scale).clamp(-5, 5)

@@ -113,6 +113,13 @@ class RankingData:
         self.widths = self.sample.hypotheses.shape[1], self.sample.units.shape[1]
 
     @property
+    def words(self) -> torch.Tensor:
+        """Hashed words of the names to learn from, each once."""
+        return torch.tensor(
+            sorted({word for view in self.training for words in view.words for word in words}), dtype=torch.long
+        )
+
+    @property
     def steps(self) -> int:
         """Batches of an epoch."""
         return math.ceil(len(self.training) / self.config.batch_views)
@@ -140,6 +147,7 @@ class RankingLearner(Learner):
         for network in self.networks:
             assert isinstance(network, JointRanker)
             network.standardize(data.sample.hypotheses, data.sample.units)
+            network.silence(data.words)
         self.steps = data.steps * config.training.epochs
 
     def training_step(self, batch: RankingBatch, index: int) -> torch.Tensor:
