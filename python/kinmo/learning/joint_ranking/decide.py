@@ -57,18 +57,16 @@ def rank_answers(
     probability of all that agree with it, so it is the chance that the answer is right by the strict measure. A part that
     rather rests gets that as its first answer, its best joint as the second.
 
-    The kind is decided first: it gathers more evidence than any single axis of it. Answers of a kind are ordered by their
-    score and the probability of their direction together: several doubtful hinges at upright edges speak against a single
-    surer one that lies across.
+    Answers are ordered by their score, the probability of their kind and that of their direction, whatever the kind, together:
+    several doubtful hinges at upright edges speak against a single surer one that lies across.
     """
     rows = evidence.rows(unit)
     kinds, directions, pivots = evidence.kinds[rows], evidence.directions[rows], evidence.pivots[rows]
     agree = agreement(kinds, directions, pivots)
     support = agree @ probabilities
     kind_mass = np.array([probabilities[kinds == kind].sum() for kind in sorted(KINDS)])
-    best_kind = int(np.argmax(kind_mass))
-    favour = np.round(support + parallel(directions) @ probabilities, DIGITS)
-    order = np.lexsort((-probabilities, -favour, kinds != best_kind))
+    favour = np.round(support + kind_mass[kinds] + parallel(directions) @ probabilities, DIGITS)
+    order = np.lexsort((-probabilities, -favour))
     answers: list[JointEstimate] = []
     covered = np.zeros(len(kinds), bool)
     for index in order:
