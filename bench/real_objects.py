@@ -10,7 +10,7 @@ Rows: `given` (bodies given), `hidden` (names are hidden too), `turned` (objects
 `transfer` (procedural shapes alone), `categories` (whole categories left out, a fifth at a time), `hierarchy` (the segmentation
 alone is given), `families` (procedural shapes of the half of the families that was not trained on), `trees` (boosted trees on
 the same evidence, trained on the real objects of the other folds; also with the kinds given). Rows that leave categories out
-train anew each time, one network instead of several, on shapes of no category too (--mechanisms).
+train anew each time, on shapes of no category too (--mechanisms); `categories` one network instead of several.
 """
 
 from __future__ import annotations
@@ -70,15 +70,15 @@ class Bench:
         name, training, validation, _ = fold
         return self._ranking(f"{name}-{seed}", training, validation, seed, self.pretrained(seed))
 
-    def never_saw(self, fold: Fold, seed: int) -> Path:
-        """The same, but neither training has a shape of the categories that the fold tests; mechanisms join; one network."""
+    def never_saw(self, fold: Fold, seed: int, members: int | None = None) -> Path:
+        """The same, but neither training has a shape of the categories that the fold tests; mechanisms join."""
         name, training, validation, tested = fold
         unseen = {shape.category for shape in tested}
         procedural = [shape for shape in self.shapes.procedural if shape.category not in unseen] + self.shapes.mechanisms
-        initial = self._ranking(f"general-{name}-{seed}", *parted_by_split(procedural), seed, members=1)
+        initial = self._ranking(f"general-{name}-{seed}", *parted_by_split(procedural), seed, members=members)
         if not training:
             return initial
-        return self._ranking(f"general-{name}-{seed}-real", training, validation, seed, initial, members=1)
+        return self._ranking(f"general-{name}-{seed}-real", training, validation, seed, initial, members=members)
 
     def _ranking(
         self,
@@ -143,7 +143,7 @@ def scores(bench: Bench, row: str, seeds: int) -> dict[str, list[ShapeScore]]:
             add("procedural shapes alone, names hidden", bench.pretrained(seed), bench.shapes.real, hidden=True)
         elif row == "categories":
             for fold in bench.shapes.by_category():
-                add("category left out", bench.never_saw(fold, seed), fold[3])
+                add("category left out", bench.never_saw(fold, seed, members=1), fold[3])
         elif row == "families":
             fold = bench.shapes.unseen_half()
             add("procedural families never seen", bench.never_saw(fold, seed), fold[3])
@@ -174,7 +174,7 @@ def main() -> int:
     parser = parser_for(__doc__, count=60)
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--rows", nargs="+", choices=ROWS, default=ROWS)
-    parser.add_argument("--mechanisms", type=int, default=2000, help="shapes of no category, for categories never seen")
+    parser.add_argument("--mechanisms", type=int, default=4000, help="shapes of no category, for categories never seen")
     parser.add_argument("--quick", action="store_true", help="few procedural shapes, one seed, bodies given alone")
     args = parser.parse_args()
     count, seeds, rows = (6, 1, ("given",)) if args.quick else (args.count, args.seeds, args.rows)

@@ -27,14 +27,14 @@ SIDES = ((Z, Y), (-Z, Y), (X, Y), (-X, Y), (Y, Z), (-Y, Z))
 ORIGIN = (0.0, 0.0, 0.0)
 TURNED = 0.2
 """Chance that a block lies, and that a pedestal hangs from the ceiling."""
-UPRIGHT = 0.5
-"""Chance that a mechanism is not laid on its side: doors more often hang at a side than below or above."""
+USUAL = 0.5
+"""Chance that a mechanism is turned as it mostly is on such a side."""
 MOST = 6
 """Mechanisms of an object."""
 
 
 def build(draw: Draw) -> SynthObject:
-    style = draw.pick([_block, housing, pedestal], [4, 3, 3])
+    style = draw.pick([_block, housing, pedestal], [4, 4, 3])
     made = style(draw)
     if style is _block and draw.chance(TURNED):
         lay(draw, made)
@@ -76,10 +76,10 @@ class _Side:
         """Put mechanisms on the side, alike or not, and say how many."""
         wide, high = (float(np.abs(axis) @ self.size) for axis in (self.across, self.up))
         if draw.chance(0.25):
-            mechanism, depth = draw.pick(FITTED)(draw), draw.between(0.3, 1.0)
-            links += mount(
-                draw, mechanism, (wide, high, depth * min(wide, high)), self.frame(0.0, 0.0) @ _upside(draw), root, links[0]
-            )
+            mechanism, depth, angle = draw.pick(FITTED)(draw), draw.between(0.3, 1.0), self.quarters(draw)
+            size = (wide, high) if angle % 180.0 == 0.0 else (high, wide)
+            fitted = self.frame(0.0, 0.0) @ rotation_about(Z, angle, ORIGIN)
+            links += mount(draw, mechanism, (*size, depth * min(wide, high)), fitted, root, links[0])
             return 1
         columns, rows = draw.pick([(1, 1), (2, 1), (1, 2), (3, 1), (2, 2)], [6, 2, 2, 1, 1])
         cell = largest * max(min(wide / columns, high / rows), 0.1)
@@ -87,18 +87,19 @@ class _Side:
         draws = draw.alike(len(places)) if draw.chance(0.5) else [draw] * len(places)
         for place, own in zip(places, draws, strict=True):
             mechanism = own.pick(MECHANISMS)(own)
-            turned = _upside(own) if own.chance(UPRIGHT) else rotation_about(Z, 90.0 * own.integer(0, 3), ORIGIN)
+            turned = rotation_about(Z, self.quarters(own), ORIGIN)
             if own.chance(0.15):
                 turned = turned @ rotation_about(own.pick([X, Y]), own.sign() * own.between(5.0, 30.0), ORIGIN)
             links += mount(draw, mechanism, own.between(0.5, 0.95) * cell, self.frame(*place) @ turned, root, links[0])
         return len(places)
 
+    def quarters(self, draw: Draw) -> float:
+        """By how much a mechanism is turned on the side, in degrees. Doors mostly hang at a side, lids at the back."""
+        if draw.chance(USUAL):
+            return draw.pick([90.0, 270.0], [3, 1]) if abs(self.normal @ Y) > 0.5 else draw.pick([0.0, 180.0])
+        return 90.0 * draw.integer(0, 3)
+
     def frame(self, right: float, up: float) -> NDArray[np.float64]:
         """Rigid transform [4, 4] from a mechanism's cell to the place (right, up) of the middle."""
         deep = float(np.abs(self.normal) @ self.size)
         return facing(self.normal, self.up, self.across * right + self.up * up + 0.5 * deep * self.normal)
-
-
-def _upside(draw: Draw) -> NDArray[np.float64]:
-    """As it is, or upside down."""
-    return rotation_about(Z, draw.pick([0.0, 180.0]), ORIGIN)

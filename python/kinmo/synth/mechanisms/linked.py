@@ -45,7 +45,7 @@ def arm(draw: Draw) -> Mechanism:
     at, tilt = np.array([0.0, 0.0, draw.between(0.03, 0.3)]), draw.between(-50.0, 50.0)
     fixed = [box((2.5 * thick, 0.5 * thick, at[2] + 0.05), (0, -thick, 0.5 * at[2] + 0.025))]
     moving: list[Moving] = []
-    level = draw.chance(0.3)
+    level = draw.chance(0.2)
     for index in range(draw.integer(1, 3)):
         length = draw.between(0.3, 0.7)
         way = np.array([np.sin(np.radians(tilt)), 0.0, np.cos(np.radians(tilt))])
@@ -54,7 +54,7 @@ def arm(draw: Draw) -> Mechanism:
         sides = (-0.7, 0.7) if draw.chance(0.25) else (0.0,)
         bars = [sweep(np.array([at, end]) + aside + Y * s * thick, 0.4 * thick, draw.pick([4, 8])) for s in sides]
         upright = level and index == 0  # the first turns about the normal of the mount
-        pin = cylinder(draw.between(0.4, 0.9) * thick, 2.2 * thick, "z" if upright else "y", at, 12)
+        pin = cylinder(draw.between(0.5, 1.3) * thick, draw.between(1.6, 3.0) * thick, "z" if upright else "y", at, 12)
         swing = draw.between(20.0, 90.0)
         on = moving[-1] if moving else None
         pieces = [*bars, pin] if draw.chance(0.7) else bars

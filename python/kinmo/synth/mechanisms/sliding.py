@@ -167,6 +167,20 @@ def cord(draw: Draw) -> Mechanism:
     return Mechanism([Moving(draw.pick(["bolt", "latch", "rod"]), [bolt], slider(X, -0.2, 0.3))], eyes)
 
 
+def cover(draw: Draw) -> Mechanism:
+    """A plate that lies on the mount and slides along it, at times between low lips."""
+    wide, high, thick = draw.between(0.3, 0.9), draw.between(0.3, 0.6), draw.between(0.02, 0.1)
+    at, level = draw.between(-0.3, 0.3) * (1 - high), draw.between(0.0, 0.05) + 0.5 * thick
+    plate = box((wide, high, thick), (0, at, level))
+    pieces = [plate if draw.chance(0.6) else rounded_box((wide, high, thick), 0.2 * high, "z", (0, at, level))]
+    if draw.chance(0.4):
+        pieces.append(box((0.4 * wide, 0.06 * high, 1.5 * thick), (0, at + draw.between(-0.35, 0.35) * high, level + thick)))
+    lips = [box((0.04, 0.96, level + 0.6 * thick), (s * (0.5 * wide + 0.02), 0, 0.5 * level + 0.3 * thick)) for s in (-1, 1)]
+    travel = draw.between(0.3, 0.9) * high
+    motion = slider(Y * draw.sign(), 0.0, travel)
+    return Mechanism([Moving(draw.pick(["lid", "cover", "slider", "shutter"]), pieces, motion)], draw.pick([lips, []]))
+
+
 def spindle(draw: Draw) -> Mechanism:
     """A rod through a bridge, with a plate at its lower end and a handle on top: it screws or slides."""
     high, radius = draw.between(0.4, 0.8), draw.between(0.02, 0.07)
@@ -197,4 +211,19 @@ def _in_and_out(draw: Draw, long: float, out: float) -> Motion:
 
 
 FITTED_SLIDING: tuple[Builder, ...] = (drawer, keys, carriage, slot, pane)
-SLIDING: tuple[Builder, ...] = (drawer, drawer, pusher, keys, telescope, sheath, cap, cap, carriage, slot, pane, cord, spindle)
+SLIDING: tuple[Builder, ...] = (
+    drawer,
+    drawer,
+    pusher,
+    keys,
+    telescope,
+    sheath,
+    cap,
+    cap,
+    carriage,
+    slot,
+    pane,
+    cord,
+    spindle,
+    cover,
+)
