@@ -36,7 +36,7 @@ class CommonOptions:
     seed: Annotated[int, Option(min=0, help="Seed of everything random.", rich_help_panel=COMMON)] = 0
     workers: Annotated[
         int,
-        Option(min=0, help="Processes that share the shapes; 0 is one a CPU core.", show_default="0", rich_help_panel=COMMON),
+        Option(min=0, help="Processes that share the work; 0 is one a CPU core.", show_default="0", rich_help_panel=COMMON),
     ] = 0
     dry_run: Annotated[
         bool, Option("--dry-run", help="Say what would run, and about how long, and stop.", rich_help_panel=COMMON)
