@@ -76,6 +76,23 @@ def test_what_jobs_tell_is_heard_before_the_last_answer_is_given(workers):
     assert len(heard) == 30
 
 
+def tell_much(number: int) -> int:
+    tell("x" * 100_000)
+    return number
+
+
+def test_a_listener_that_fails_does_not_keep_workers_from_their_work():
+    heard = []
+
+    def fail_once(message: str) -> None:
+        heard.append(message)
+        raise BrokenPipeError("nobody reads")
+
+    with pytest.raises(BrokenPipeError, match="nobody reads"):
+        list(map_unordered(tell_much, range(8), 2, fail_once))
+    assert len(heard) == 1
+
+
 def tell_and_die(number: int) -> None:
     tell(number)
     if number == 5:

@@ -144,7 +144,8 @@ def _heard(on_message: Callable[[Any], None] | None, context: SpawnContext) -> I
         yield None
         return
     heard, said = context.Pipe(duplex=False)
-    ear = threading.Thread(target=_listen, args=(heard, on_message), daemon=True)
+    errors: list[BaseException] = []
+    ear = threading.Thread(target=_listen, args=(heard, on_message, errors), daemon=True)
     ear.start()
     try:
         yield _Voice(said, context.Lock())
@@ -152,13 +153,20 @@ def _heard(on_message: Callable[[Any], None] | None, context: SpawnContext) -> I
         said.close()
         ear.join()
         heard.close()
+    if errors:
+        raise errors[0]
 
 
-def _listen(heard: connection.Connection, on_message: Callable[[Any], None]) -> None:
-    """Until nobody is left who could say something."""
+def _listen(heard: connection.Connection, on_message: Callable[[Any], None], errors: list[BaseException]) -> None:
+    """Until nobody is left who could say something. Whatever `on_message` raises ends its calls, but workers can speak on."""
     with suppress(EOFError):
         while True:
-            on_message(heard.recv())
+            message = heard.recv()
+            if not errors:
+                try:
+                    on_message(message)
+                except BaseException as error:
+                    errors.append(error)
 
 
 _messages: Callable[[Any], None] | None = None

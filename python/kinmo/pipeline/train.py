@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -87,7 +88,7 @@ class Train:
                 if task not in pending:
                     observer.note(f"{task.name}: trained already")
                     remove_checkpoints(self._folder(task))
-            self._train(pending, config, observer)
+            self._train_all(pending, config, observer)
             write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
         results = {task.name: _result(self._folder(task)) for task in tasks}
         lines = [
@@ -139,7 +140,7 @@ class Train:
             )
         return load_weights(weights, CONTINUED[model][0])
 
-    def _train(self, tasks: list[Task], config: Config, observer: Observer) -> None:
+    def _train_all(self, tasks: list[Task], config: Config, observer: Observer) -> None:
         """Side by side where each says how many threads it takes; those that take longest first."""
 
         def on_progress(told: tuple[str, Progress]) -> None:
@@ -150,7 +151,7 @@ class Train:
         workers = self._workers(tasks, config)
         if workers > 1:
             tasks = sorted(tasks, key=lambda task: -self._seconds(task, config))
-        for task, answer in map_unordered(self.train, tasks, workers, on_progress):
+        for task, answer in map_unordered(partial(self._train_one, config), tasks, workers, on_progress):
             if isinstance(answer, Crashed):
                 raise ChildProcessError(f"the process that trained {task.name} died: too little memory?")
 
@@ -160,10 +161,10 @@ class Train:
             return 1
         return min(len(tasks), self.workers // max(threads))
 
-    def train(self, task: Task) -> None:
+    def _train_one(self, config: Config, task: Task) -> None:
         """Train one network. Progress is told (`workers.tell`) as the task's name and a `Progress`."""
         may_be_cut_off()  # what is on the disk is whole at any moment
-        dataset, section = open_dataset(self.workspace, self.category), self._section(task, self._config())
+        dataset, section = open_dataset(self.workspace, self.category), self._section(task, config)
         training, validation = dataset.load(task.training), dataset.load(task.validation)
         folder = self._folder(task)
         self.workspace.forget(task.stage)
