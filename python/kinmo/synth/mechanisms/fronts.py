@@ -10,13 +10,15 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.shape import Mesh
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.model import Mechanism, Moving
 from kinmo.synth.model import Motion, hinge, slider
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, move, rounded_box, turn
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, move, rounded_box, transform
+from kinmo.synth.primitives.place import facing, rotation_about
 
 Front: TypeAlias = Callable[[Draw, float, float, float], Mechanism]
 
@@ -26,17 +28,15 @@ def door(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
     if wide > high and draw.chance(0.5):
         draws = draw.alike(2)
         leaves = [_leaf(own, 0.5 * wide, high, side) for own, side in zip(draws, (-1.0, 1.0), strict=True)]
-        moved = [_shifted(leaf, X * side * 0.25 * wide) for leaf, side in zip(leaves, (-1.0, 1.0), strict=True)]
-        return Mechanism(moved)
+        places = [facing(Z, Y, X * side * 0.25 * wide) for side in (-1.0, 1.0)]
+        return Mechanism([_carried(leaf, place) for leaf, place in zip(leaves, places, strict=True)])
     return Mechanism([_leaf(draw, wide, high, draw.sign())])
 
 
 def flap(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
     """A leaf with its hinge along its lower or upper side."""
     leaf = _leaf(draw, high, wide, draw.pick([-1.0, -1.0, 1.0]))
-    pieces = [turn(piece, Z, 90.0) for piece in leaf.pieces]
-    quarter = np.array([[0.0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
-    return Mechanism([Moving(leaf.name, pieces, leaf.motion.moved_by(quarter))])
+    return Mechanism([_carried(leaf, rotation_about(Z, 90.0, (0.0, 0.0, 0.0)))])
 
 
 def _leaf(draw: Draw, wide: float, high: float, side: float) -> Moving:
@@ -129,10 +129,9 @@ def _out(draw: Draw, length: float) -> Motion:
     return slider(Z, 0.0, travel, rest=draw.pick([0.0, draw.between(0.0, 0.9) * travel], [3, 1]))
 
 
-def _shifted(part: Moving, offset: np.ndarray) -> Moving:
-    matrix = np.eye(4)
-    matrix[:3, 3] = offset
-    return Moving(part.name, [move(piece, offset) for piece in part.pieces], part.motion.moved_by(matrix))
+def _carried(part: Moving, matrix: NDArray[np.float64]) -> Moving:
+    """The part and its joint under a rigid transform [4, 4]."""
+    return Moving(part.name, [transform(piece, matrix) for piece in part.pieces], part.motion.moved_by(matrix))
 
 
 FRONTS: tuple[Front, ...] = (door, door, door, door, flap, flap, drawer_front, drawer_front, drawer_front, shelf, sliding_pane)

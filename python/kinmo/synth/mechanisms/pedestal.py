@@ -24,14 +24,13 @@ def pedestal(draw: Draw) -> SynthObject:
     column = cylinder(radius, rise, "y", (0, top + 0.5 * rise, 0), 14)
     top += rise
     carrier = base
-    moves = draw.pick(["rests", "rises"], [4, 1])
-    if moves == "rises":
+    if draw.chance(0.8):
+        base.nodes.append(foot.add(draw.pick(["column", "support", "stem"]), column))
+    else:
         base.nodes.append(foot.add("sleeve", cylinder(1.4 * radius, 0.5 * rise, "y", (0, top - 0.7 * rise, 0), 14)))
         lift = draw.between(0.1, 0.5) * rise
         carrier = Link("column", [foot.add(draw.pick(["column", "rod"]), column)], base, slider(Y, -0.5 * lift, lift))
         links.append(carrier)
-    else:
-        base.nodes.append(foot.add(draw.pick(["column", "support", "stem"]), column))
     if draw.chance(0.5):
         links += _ridden(draw, root, carrier, top)
     else:
