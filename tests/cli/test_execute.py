@@ -134,3 +134,18 @@ def test_ctrl_c_says_one_line() -> None:
     _, err = process.communicate(timeout=30)
     assert process.returncode == 130
     assert err == "kinmo: stopped; the same command goes on from here\n"
+
+
+def test_ctrl_c_while_the_program_is_still_imported_says_one_line_too() -> None:
+    code = (
+        "import sys\nfrom importlib.abc import MetaPathFinder\n"
+        "class Interrupting(MetaPathFinder):\n"
+        "  def find_spec(self, name, path, target=None):\n"
+        "    if name == 'kinmo.cli.app':\n      raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, Interrupting())\n"
+        "from kinmo.cli import main\nmain()\n"
+    )
+    process = run_python(code)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert err == "kinmo: stopped\n"
