@@ -1,4 +1,4 @@
-"""Handles to carry things by: bows, brackets and straps that turn about the line through their two ends, or are fixed.
+"""Handles to carry things by: bows, brackets, straps and rings that turn about the line through their two ends, or are fixed.
 
 Built on a wall that is the plane z = 0 and looks to +z, the two ends on the x axis.
 """
@@ -17,8 +17,13 @@ STRAP = np.array([[0.5, 0.12], [-0.5, 0.12], [-0.5, -0.12], [0.5, -0.12]])
 """Outline of a flat band, to sweep."""
 
 
-def carrying_handle(draw: Draw, half: float, reach: float, rod: float) -> list[Mesh]:
-    """A handle with its ends at x = -half and half that stands off the wall by `reach`, `rod` thick."""
+def carrying_handle(draw: Draw, half: float, reach: float, rod: float, *, hangs: bool = False) -> list[Mesh]:
+    """A handle with its ends at x = -half and half that stands off the wall by `reach`, `rod` thick.
+
+    What `hangs` may be a ring.
+    """
+    if hangs and draw.chance(0.4):
+        return _ring(draw, half, reach * draw.between(1.0, 1.6), rod)
     kind = draw.pick(["bracket", "arc", "trapezoid", "strap", "grip"], [4, 2, 2, 2, 2])
     if kind == "arc":
         angle = np.linspace(0.0, np.pi, 14)
@@ -31,6 +36,16 @@ def carrying_handle(draw: Draw, half: float, reach: float, rod: float) -> list[M
     pieces = [sweep(path, rod, draw.pick([6, 8, 10]))]
     if kind == "grip":
         pieces.append(cylinder(1.8 * rod, 1.3 * half, "x", (0, 0, reach), 12))
+    return pieces
+
+
+def _ring(draw: Draw, half: float, reach: float, rod: float) -> list[Mesh]:
+    """A closed ring that is wider away from the line it turns about, at times with a clip on that line."""
+    narrow = half * draw.between(0.4, 0.9)
+    way = np.array([(-narrow, 0, 0), (-half, 0, reach), (half, 0, reach), (narrow, 0, 0)])
+    pieces = [sweep(rounded_path(way, 0.4 * half), rod, draw.pick([6, 8, 10])), cylinder(rod, 2 * narrow, "x", segments=10)]
+    if draw.chance(0.5):
+        pieces.append(box((1.6 * narrow, draw.between(2.0, 5.0) * rod, draw.between(0.15, 0.4) * reach)))
     return pieces
 
 
@@ -51,7 +66,7 @@ def add_carrying_handle(
     """
     rod, reach = half * draw.between(0.05, 0.14), half * draw.between(0.3, 1.1)
     deep = draw.between(0.0, 1.2) * rod
-    pieces = [transform(piece, place) for piece in carrying_handle(draw, half, reach, rod)]
+    pieces = [transform(piece, place) for piece in carrying_handle(draw, half, reach, rod, hangs=hangs)]
     node = above.add(draw.pick(["handle", "grip"], [9, 1]), *pieces)
     if draw.chance(0.4):
         ends = [box((3 * rod, 4 * rod, 2 * rod), (s * half, 0, 0.5 * rod)) for s in (-1, 1)]

@@ -216,10 +216,10 @@ def _side_handles(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link
     """Handles at the ends or at the front that hang against the wall, or one on top of its normal at the ends."""
     links = []
     half = draw.between(0.1, 0.3) * size.z
-    height, movable, hangs = draw.between(0.55, 0.85) * size.top, draw.chance(0.7), draw.chance(0.8)
+    height, movable, hangs = draw.between(0.55, 0.95) * size.top, draw.chance(0.7), draw.chance(0.8)
     walls = draw.pick(["ends", "front"], [5, 1])
-    for side in (-1.0, 1.0):
+    for same, side in zip(draw.alike(2), (-1.0, 1.0), strict=True):
         wall = (side * X, (side * size.x, height, 0)) if walls == "ends" else (Z, (side * 0.5 * size.x, height, size.z))
         place = facing(wall[0], Y, wall[1])
-        links += add_carrying_handle(draw, above, base, place, half, hangs=hangs, movable=movable)
+        links += add_carrying_handle(same, above, base, place, half, hangs=hangs, movable=movable)
     return links

@@ -56,7 +56,7 @@ def build(draw: Draw) -> SynthObject:
             tray.pieces.append(box((0.3 * plan.width, 0.05, 0.05), (0, 0.0, plan.front)))
         out = slider((0, 0, 1), 0.0, 0.6 * plan.length, rest=draw.pick([0.0, draw.between(0.0, 0.4)], [3, 1]))
         links.append(Link("tray", [tray], base, out))
-    if draw.chance(0.2):
+    if draw.chance(0.3):
         links += _racks(draw, plan, base)
     root.children = [node for link in links[1:] for node in link.nodes] + [body]
     return SynthObject("Toaster", root, links)
@@ -99,19 +99,32 @@ def _body(draw: Draw, plan: _Plan) -> list[Mesh]:
 
 def _racks(draw: Draw, plan: _Plan, base: Link) -> list[Link]:
     """Wire racks in the slots that lift the bread."""
-    wide = plan.width * draw.between(0.08, 0.15)
-    tall, long = plan.height * draw.between(0.5, 0.7), plan.length * draw.between(0.45, 0.6)
     motion = slider(Y, 0.0, plan.height * draw.between(0.1, 0.8))
+    pieces = _cage(draw, plan)
     links = []
     for index in range(plan.slots):
         x = (index - 0.5 * (plan.slots - 1)) * 0.8 * plan.width / plan.slots
-        low = plan.height - tall
-        rails = [box((0.01, 0.02, long), (x + s * wide, plan.height - 0.01, 0)) for s in (-1, 1)]
-        wires = [box((2 * wide, tall, 0.01), (x, low + 0.5 * tall, (i - 3) * long / 6)) for i in range(7)]
         slot = Node("other")
-        slot.add("slot", *rails, *wires)
+        slot.add("slot", *(move(piece, (x, 0, 0)) for piece in pieces))
         links.append(Link("slot", [slot], base, motion))
     return links
+
+
+def _cage(draw: Draw, plan: _Plan) -> list[Mesh]:
+    """Two grids of upright wires, or bows from one side to the other; their top in the plane of the body's."""
+    half, wire = plan.width * draw.between(0.06, 0.15), draw.between(0.006, 0.016)
+    tall, long = plan.height * draw.between(0.5, 0.7), plan.length * draw.between(0.45, 0.6)
+    top, low = plan.height - 0.5 * wire, plan.height - tall
+    sides = (-half, half)
+    rails = [box((wire, wire, long), (x, top, 0)) for x in sides]
+    places = np.linspace(-0.5, 0.5, draw.integer(6, 12)) * long
+    uprights = [box((wire, tall, wire), (x, low + 0.5 * tall, z)) for x in sides for z in places]
+    across = [box((2 * half, wire, wire), (0, low + 0.5 * wire, z)) for z in places]
+    if draw.chance(0.5):
+        return rails + uprights + across
+    rails += [box((wire, wire, long), (x, low + 0.5 * wire, 0)) for x in sides]
+    ends = [box((2 * half, wire, wire), (0, y, z)) for y in (top, low) for z in (places[0], places[-1])]
+    return rails + uprights + ends
 
 
 def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]:
