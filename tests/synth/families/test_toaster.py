@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
-from built import box_of, built, movable, pieces_of
+from built import box_of, built, movable, named, pieces_of
 
 
 def test_levers_go_down_and_stay_within_the_height_of_the_body() -> None:
@@ -27,3 +27,17 @@ def test_dials_turn_about_their_own_middle() -> None:
             offset = 0.5 * (low + high) - knob.motion.origin
             across = offset - knob.motion.direction * (offset @ knob.motion.direction)
             assert np.linalg.norm(across) < 0.03
+
+
+def test_racks_are_wire_that_stays_between_the_body_s_ends_and_comes_out_at_the_top() -> None:
+    found = 0
+    for seed in range(40):
+        shape = built("toaster", seed)
+        for rack in named(shape, "slot"):
+            own, rest = pieces_of(shape, rack)
+            low, high = box_of(own)
+            filled = sum(np.prod(np.ptp(piece.vertices, axis=0)) for piece in own) / np.prod(high - low)
+            assert filled < 0.2
+            assert abs(high[1] - box_of(rest)[1][1]) < 0.15 and rack.motion.direction[1] > 0.99
+            found += 1
+    assert found > 10

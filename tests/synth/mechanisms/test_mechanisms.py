@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,7 +11,10 @@ from hypothesis import strategies as st
 
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms import FITTED, MECHANISMS, Builder, Moving
-from kinmo.synth.model import hinge, slider
+from kinmo.synth.mechanisms.fronts import INSIDE
+from kinmo.synth.mechanisms.model import Mechanism
+from kinmo.synth.mechanisms.mount import DOORS, LIDS, mount
+from kinmo.synth.model import Link, Node, hinge, slider
 from kinmo.synth.primitives import X, Y, Z, box, scale, transform
 
 BUILDERS = sorted(set(MECHANISMS), key=lambda builder: builder.__name__)
@@ -59,6 +64,26 @@ def test_what_carries_a_part_comes_before_it(builder: Builder) -> None:
 def test_fitted_mechanisms_move_along_axes_of_their_cell(builder: Builder, seed: int) -> None:
     for part in builder(Draw(np.random.default_rng(seed))).moving:
         assert np.isclose(np.abs(part.motion.direction).max(), 1.0)
+
+
+@pytest.mark.parametrize(("direction", "names"), [(Y, DOORS), (-Y, DOORS), (X, LIDS), (Z, LIDS)])
+def test_panels_are_mostly_called_by_how_their_hinge_lies(direction: np.ndarray, names: tuple[str, ...]) -> None:
+    draw = Draw(np.random.default_rng(3))
+    called = []
+    for _ in range(200):
+        panel = Moving(draw.pick([*DOORS, *LIDS]), [box((1, 1, 0.1))], hinge((0, 0, 0), direction, 0.0, 90.0))
+        called += [link.name for link in mount(draw, Mechanism([panel]), 1.0, np.eye(4), Node("group"), Link("base", []))]
+    assert 0.8 < np.mean([name in names for name in called]) < 1.0
+
+
+@pytest.mark.parametrize("builder", INSIDE, ids=lambda builder: builder.__name__)
+def test_what_is_behind_a_door_fits_there(builder: Callable[[Draw, float, float, float], Mechanism]) -> None:
+    for seed in range(SEEDS):
+        draw = Draw(np.random.default_rng(seed))
+        size = np.array([draw.between(0.3, 1.0) for _ in range(3)])
+        for part in builder(draw, *size).moving:
+            low, high = points_of(part).min(axis=0), points_of(part).max(axis=0)
+            assert (low >= -size * (0.5, 0.6, 1.0) - 1e-9).all() and (high <= size * (0.5, 0.5, 0.0) + 1e-9).all()
 
 
 @given(st.sampled_from([X, Y, Z]), st.lists(st.floats(0.2, 3.0), min_size=3, max_size=3), st.floats(-1.0, 1.0))

@@ -27,7 +27,7 @@ SIDES = ((Z, Y), (-Z, Y), (X, Y), (-X, Y), (Y, Z), (-Y, Z))
 ORIGIN = (0.0, 0.0, 0.0)
 TURNED = 0.2
 """Chance that a block lies, and that a pedestal hangs from the ceiling."""
-USUAL = 0.5
+USUAL = 0.7
 """Chance that a mechanism is turned as it mostly is on such a side."""
 MOST = 6
 """Mechanisms of an object."""

@@ -16,7 +16,7 @@ from kinmo.shape import Mesh
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.model import Mechanism, Moving
-from kinmo.synth.model import Motion, hinge, slider
+from kinmo.synth.model import Motion, hinge, slider, spinner
 from kinmo.synth.primitives import X, Y, Z, box, cylinder, move, rounded_box, transform
 from kinmo.synth.primitives.place import facing, rotation_about
 
@@ -108,6 +108,18 @@ def shelf(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
     return Mechanism([Moving(draw.pick(["shelf", "tray", "rack", "plate"]), pieces, _out(draw, length))])
 
 
+def turntable(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
+    """A disc behind the front that turns on a floor."""
+    radius, thick = draw.between(0.3, 0.47) * min(wide, deep), draw.between(0.02, 0.06) * high
+    level, middle = -0.5 * high + draw.pick([0.05, draw.between(0.05, 0.5)]) * high, -0.5 * deep
+    pieces = [cylinder(radius, thick, "y", (0, level, middle), draw.pick([16, 24, 32]))]
+    if draw.chance(0.4):
+        pieces.append(cylinder(draw.between(0.1, 0.3) * radius, 1.5 * thick, "y", (0, level - thick, middle), 12))
+    floor = [box((0.98 * wide, 0.02, 0.9 * deep), (0, level - 1.5 * thick - 0.01, middle))]
+    motion = spinner((0, level, middle), Y)
+    return Mechanism([Moving(draw.pick(["tray", "plate", "table", "disc"]), pieces, motion)], draw.pick([floor, []]))
+
+
 def sliding_pane(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
     """A pane before or behind another, that slides aside or up."""
     upright = draw.chance(0.3)
@@ -136,3 +148,5 @@ def _carried(part: Moving, matrix: NDArray[np.float64]) -> Moving:
 
 FRONTS: tuple[Front, ...] = (door, door, door, door, flap, flap, drawer_front, drawer_front, drawer_front, shelf, sliding_pane)
 """All of them, the commoner ones more than once."""
+INSIDE: tuple[Front, ...] = (turntable, shelf)
+"""What may be behind a door."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms.fronts import FRONTS, door, flap
+from kinmo.synth.mechanisms.fronts import FRONTS, INSIDE, door, flap
 from kinmo.synth.mechanisms.linked import caster
 from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.sliding import keys, pusher
@@ -16,6 +16,8 @@ from kinmo.synth.primitives.place import facing
 
 LEAST = 0.25
 """Of an opening's sides, before it is parted no more."""
+BEHIND = 0.35
+"""Chance that there is something behind a door that moves too."""
 
 
 @dataclass(frozen=True)
@@ -44,34 +46,37 @@ def housing(draw: Draw) -> SynthObject:
     wide, high, deep = draw.between(0.4, 1.2), draw.between(0.3, 1.8), draw.between(0.3, 0.9)
     wall = draw.between(0.01, 0.05)
     base = Link("body", [], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
-    _walls(draw, root, base, wide, high, deep, wall)
+    hollow = _walls(draw, root, base, wide, high, deep, wall)
     links = [base]
     openings = [_Opening(0.0, 0.0, wide - 2 * wall, high - 2 * wall)]
     for _ in range(draw.pick([0, 1, 2, 3, 4], [4, 4, 2, 2, 1])):
         openings.sort(key=lambda opening: opening.wide * opening.high)
         if min(openings[-1].wide, openings[-1].high) > LEAST:
             openings += openings.pop().parted(draw)
-    chosen = [draw.pick(FRONTS) for _ in openings]
     alike = draw.chance(0.4)
+    chosen = [draw.pick(FRONTS)] * len(openings) if alike else [draw.pick(FRONTS) for _ in openings]
     draws = draw.alike(len(openings)) if alike else [draw] * len(openings)
     for opening, own, front in zip(openings, draws, chosen, strict=True):
         place = facing(Z, Y, (opening.x, opening.y, 0.5 * deep))
         if draw.chance(0.2):
             links += _controls(draw, root, base, opening, 0.5 * deep)
         else:
-            kind = chosen[0] if alike else front
-            if kind is flap and opening.high > 1.2 * opening.wide and draw.chance(0.8):
-                kind = door  # what is tall hangs at a side
-            links += mount(draw, kind(own, opening.wide, opening.high, deep - wall), 1.0, place, root, base)
+            if front is flap and opening.high > 1.2 * opening.wide and draw.chance(0.8):
+                front = door  # what is tall hangs at a side
+            kinds = [front]
+            if hollow and front in (door, flap) and draw.chance(BEHIND):
+                kinds.append(draw.pick(INSIDE))
+            for kind in kinds:
+                links += mount(draw, kind(own, opening.wide, opening.high, deep - wall), 1.0, place, root, base)
     links += _feet(draw, root, base, wide, high, deep)
     return SynthObject("Mechanism", root, links)
 
 
-def _walls(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float, wall: float) -> None:
-    """A hollow body in one piece or several, or a block with a little room before it."""
+def _walls(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float, wall: float) -> bool:
+    """A hollow body in one piece or several, or a block with a little room before it; whether it is hollow."""
     if draw.chance(0.25):
         base.nodes.append(root.add("body", box((wide, high, 0.96 * deep), (0, 0, -0.02 * deep))))
-        return
+        return False
     sides = [box((wall, high, deep), (s * 0.5 * (wide - wall), 0, 0)) for s in (-1, 1)]
     sides += [box((wide, wall, deep), (0, s * 0.5 * (high - wall), 0)) for s in (-1, 1)]
     back = box((wide, high, wall), (0, 0, -0.5 * (deep - wall)))
@@ -80,6 +85,7 @@ def _walls(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: f
     else:
         group = root.add("frame")
         base.nodes += [group.add(draw.pick(["side", "board", "panel"]), side) for side in sides] + [group.add("back", back)]
+    return True
 
 
 def _controls(draw: Draw, root: Node, base: Link, opening: _Opening, front: float) -> list[Link]:

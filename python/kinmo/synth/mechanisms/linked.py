@@ -45,7 +45,7 @@ def arm(draw: Draw) -> Mechanism:
     at, tilt = np.array([0.0, 0.0, draw.between(0.03, 0.3)]), draw.between(-50.0, 50.0)
     fixed = [box((2.5 * thick, 0.5 * thick, at[2] + 0.05), (0, -thick, 0.5 * at[2] + 0.025))]
     moving: list[Moving] = []
-    level = draw.chance(0.2)
+    level = draw.chance(0.12)
     for index in range(draw.integer(1, 3)):
         length = draw.between(0.3, 0.7)
         way = np.array([np.sin(np.radians(tilt)), 0.0, np.cos(np.radians(tilt))])

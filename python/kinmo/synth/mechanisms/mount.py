@@ -10,12 +10,16 @@ from numpy.typing import NDArray
 from kinmo.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.model import Mechanism, Moving
-from kinmo.synth.model import Link, Node, Point
-from kinmo.synth.primitives import scale, transform
+from kinmo.synth.model import Link, Motion, Node, Point
+from kinmo.synth.primitives import Y, scale, transform
 
 LEAVES = 0.5
 """Chance that the pieces of a moving part are leaves of their own, as the frame and the handle of a door are."""
 PIECES = ("frame", "panel", "handle", "bar", "piece")
+DOORS, LIDS = ("door", "leaf"), ("lid", "cover", "flap")
+"""What panels are called whose hinge is upright, and those whose hinge is level."""
+CALLED_SO = 0.8
+"""Chance that such a panel has one of those names."""
 
 
 def mount(
@@ -31,13 +35,21 @@ def mount(
         base.nodes.append(group.add("mount", *placed(mechanism.fixed)))
     made: dict[Moving, Link] = {}
     for part in mechanism.moving:
-        pieces = placed(part.pieces)
+        pieces, motion = placed(part.pieces), part.motion.scaled(factors).moved_by(matrix)
+        name = _called(draw, part.name, motion)
         if len(pieces) > 1 and draw.chance(LEAVES):
-            node = group.add(part.name)
+            node = group.add(name)
             for piece in pieces:
                 node.add(draw.pick(PIECES), piece)
         else:
-            node = group.add(part.name, *pieces)
+            node = group.add(name, *pieces)
         holder = base if part.on is None else made[part.on]
-        made[part] = Link(part.name, [node], holder, part.motion.scaled(factors).moved_by(matrix))
+        made[part] = Link(name, [node], holder, motion)
     return list(made.values())
+
+
+def _called(draw: Draw, name: str, motion: Motion) -> str:
+    """The name, or for a panel one that tells how its hinge lies."""
+    if name not in DOORS + LIDS or not motion.is_hinge or not draw.chance(CALLED_SO):
+        return name
+    return draw.pick(DOORS if abs(float(motion.direction @ Y)) > 0.7 else LIDS)

@@ -219,7 +219,6 @@ SLIDING: tuple[Builder, ...] = (
     telescope,
     sheath,
     cap,
-    cap,
     carriage,
     slot,
     pane,

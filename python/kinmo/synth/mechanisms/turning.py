@@ -212,4 +212,4 @@ def globe(draw: Draw) -> Mechanism:
 
 
 FITTED_TURNING: tuple[Builder, ...] = (flap, flap, rocker)
-TURNING: tuple[Builder, ...] = (flap, flap, knob, roller, rotor, swivel, lever, rocker, latch, bail, globe)
+TURNING: tuple[Builder, ...] = (flap, flap, flap, knob, roller, rotor, swivel, lever, rocker, latch, bail, globe)
