@@ -16,7 +16,7 @@ from kinmo.synth.families import family, family_names
 from kinmo.synth.generate import Layout, Order, build
 from kinmo.synth.hierarchy_style import arrange, lump
 from kinmo.synth.joint_quirks import misstate
-from kinmo.synth.mesh_quirks import roughen, subdivided
+from kinmo.synth.mesh_quirks import SHEET_SHARE, as_sheet, flatten, roughen, subdivided
 from kinmo.synth.model import JointName, Motion, SynthObject
 from kinmo.synth.primitives import box, rounded_box
 
@@ -124,6 +124,29 @@ def test_rough_meshes_keep_their_surface(seed: int) -> None:
     roughen(obj, draw(seed))
     np.testing.assert_allclose(obj.bounds(), (low, high), atol=1e-12)
     assert 0.9 * before < area(obj) < 2.1 * before
+
+
+@given(st.permutations([0.05, 1.0, 2.0]), st.floats(-3.0, 3.0))
+def test_a_thin_panel_becomes_a_sheet_in_its_middle(size: list[float], shift: float) -> None:
+    panel = box(size, (shift, 0.0, 0.0))
+    sheet = as_sheet(panel)
+    thin = size.index(0.05)
+    middle = 0.5 * (panel.vertices.min(axis=0) + panel.vertices.max(axis=0))
+    np.testing.assert_allclose(sheet.vertices[:, thin], middle[thin], atol=1e-12)
+    np.testing.assert_allclose(np.ptp(sheet.vertices, axis=0), np.where(np.arange(3) == thin, 0.0, size), atol=1e-12)
+    assert _area(sheet) == pytest.approx(2.0 * 2.0)
+
+
+def test_only_panels_become_sheets_and_few_of_them() -> None:
+    lump = box((1, 0.5, 2))
+    assert as_sheet(lump) is lump
+    flat = total = 0
+    for seed in range(60):
+        obj = fresh("storage_furniture", seed)
+        flatten(obj, draw(seed))
+        thin = [np.ptp(piece.vertices, axis=0).min() == 0.0 for leaf in obj.root.leaves() for piece in leaf.pieces]
+        flat, total = flat + sum(thin), total + len(thin)
+    assert 0.1 * SHEET_SHARE < flat / total < 1.5 * SHEET_SHARE
 
 
 @pytest.mark.parametrize("mesh", [box((1, 2, 3)), rounded_box((1, 2, 3), 0.3)])

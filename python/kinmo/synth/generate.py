@@ -18,7 +18,7 @@ from kinmo.synth.draw import Draw, ParameterRange
 from kinmo.synth.families import family, family_names
 from kinmo.synth.hierarchy_style import arrange
 from kinmo.synth.joint_quirks import misstate
-from kinmo.synth.mesh_quirks import roughen
+from kinmo.synth.mesh_quirks import flatten, roughen
 from kinmo.synth.model import SynthObject
 from kinmo.synth.writers import dsg_net, partnet, partnet_mobility
 from kinmo.workers import Crashed, map_unordered
@@ -73,6 +73,7 @@ def build(order: Order) -> SynthObject:
     finish = order.draw("finish")
     obj.normalise(finish.between(1.8, 2.25), [finish.between(-0.03, 0.03) for _ in range(3)])
     arrange(obj, finish)
+    flatten(obj, finish)
     roughen(obj, finish)
     misstate(obj, finish)
     return obj

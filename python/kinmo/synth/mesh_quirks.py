@@ -1,4 +1,4 @@
-"""What modelling tools leave behind: fine or torn triangulations, unwelded and doubled faces, surfaces inside out."""
+"""What modelling tools leave behind: fine or torn triangulations, unwelded and doubled faces, surfaces inside out, sheets."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ INSIDE_OUT_SHARE = 0.04
 DOUBLED_SHARE = 0.03
 TORN_SHARE = 0.02
 """Shares of pieces that are inside out, there twice, or lack some triangles."""
+SHEET_SHARE, SHEET = 0.02, 0.12
+"""Share of thin pieces that have no thickness at all, and how thin one is, over its other sides, to be among them."""
 FINE_SHARE = 0.8
 """Share of objects of which some pieces are subdivided."""
 LARGEST_PIECE = 4000
@@ -26,6 +28,12 @@ def roughen(obj: SynthObject, draw: Draw) -> None:
     unwelded, fine = draw.chance(UNWELDED_SHARE), draw.chance(FINE_SHARE)
     for leaf in obj.root.leaves():
         leaf.pieces = [_roughened(piece, draw, unwelded, fine) for piece in leaf.pieces]
+
+
+def flatten(obj: SynthObject, draw: Draw) -> None:
+    """Press some thin pieces of an object flat, in place."""
+    for leaf in obj.root.leaves():
+        leaf.pieces = [as_sheet(piece) if draw.chance(SHEET_SHARE) else piece for piece in leaf.pieces]
 
 
 def _roughened(piece: Mesh, draw: Draw, unwelded: bool, fine: bool) -> Mesh:
@@ -44,6 +52,19 @@ def _roughened(piece: Mesh, draw: Draw, unwelded: bool, fine: bool) -> Mesh:
     if unwelded:
         piece = Mesh(piece.vertices[piece.faces.ravel()], np.arange(piece.faces.size, dtype=np.uint32).reshape(-1, 3))
     return piece
+
+
+def as_sheet(mesh: Mesh) -> Mesh:
+    """A panel along two axes of the file, pressed flat to its middle; any other mesh as it is."""
+    extents = np.ptp(mesh.vertices, axis=0)
+    thin = int(np.argmin(extents))
+    if extents[thin] >= SHEET * np.delete(extents, thin).min():
+        return mesh
+    vertices = mesh.vertices.copy()
+    vertices[:, thin] = 0.5 * (vertices[:, thin].min() + vertices[:, thin].max())
+    corners = vertices[mesh.faces]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return Mesh(vertices, mesh.faces[areas > 0.0])
 
 
 def subdivided(mesh: Mesh) -> Mesh:

@@ -15,6 +15,8 @@ from kinmo.synth.primitives import X, box, cylinder, rounded_path, sweep, sweep_
 
 STRAP = np.array([[0.5, 0.12], [-0.5, 0.12], [-0.5, -0.12], [0.5, -0.12]])
 """Outline of a flat band, to sweep."""
+STAMPED = np.array([[0.2, 0.5], [-0.2, 0.5], [-0.2, -0.5], [0.2, -0.5]])
+"""Outline of a ring cut from sheet, which lies flat on the wall it hangs on."""
 
 
 def carrying_handle(draw: Draw, half: float, reach: float, rod: float, *, hangs: bool = False) -> list[Mesh]:
@@ -23,7 +25,7 @@ def carrying_handle(draw: Draw, half: float, reach: float, rod: float, *, hangs:
     What `hangs` may be a ring.
     """
     if hangs and draw.chance(0.4):
-        return _ring(draw, half, reach * draw.between(1.0, 1.6), rod)
+        return _ring(draw, half, half * draw.between(0.5, 1.6), rod)
     kind = draw.pick(["bracket", "arc", "trapezoid", "strap", "grip"], [4, 2, 2, 2, 2])
     if kind == "arc":
         angle = np.linspace(0.0, np.pi, 14)
@@ -40,12 +42,15 @@ def carrying_handle(draw: Draw, half: float, reach: float, rod: float, *, hangs:
 
 
 def _ring(draw: Draw, half: float, reach: float, rod: float) -> list[Mesh]:
-    """A closed ring that is wider away from the line it turns about, at times with a clip on that line."""
+    """A closed ring, round or stamped from sheet, wider away from the line it turns about, at times clipped there."""
     narrow = half * draw.between(0.4, 0.9)
-    way = np.array([(-narrow, 0, 0), (-half, 0, reach), (half, 0, reach), (narrow, 0, 0)])
-    pieces = [sweep(rounded_path(way, 0.4 * half), rod, draw.pick([6, 8, 10])), cylinder(rod, 2 * narrow, "x", segments=10)]
+    way = rounded_path(np.array([(-narrow, 0, 0), (-half, 0, reach), (half, 0, reach), (narrow, 0, 0)]), 0.4 * half)
     if draw.chance(0.5):
-        pieces.append(box((1.6 * narrow, draw.between(2.0, 5.0) * rod, draw.between(0.15, 0.4) * reach)))
+        pieces = [sweep_outline(way, STAMPED, 2.0 * rod), box((2 * narrow, STAMPED[0, 0] * 4.0 * rod, 2.0 * rod))]
+    else:
+        pieces = [sweep(way, rod, draw.pick([6, 8, 10])), cylinder(rod, 2 * narrow, "x", segments=10)]
+    if draw.chance(0.5):
+        pieces.append(box((1.6 * narrow, draw.between(0.5, 2.0) * rod, draw.between(0.3, 0.8) * reach)))
     return pieces
 
 

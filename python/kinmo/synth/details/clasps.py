@@ -78,7 +78,9 @@ def _latch(draw: Draw, size: float) -> Clasp:
     else:
         side = draw.sign()
         motion = hinge((side * 0.5 * wide, 0, deep), (0, side, 0), 0.0, opens, rest=rest)
-    return Clasp(draw.pick(["lock", "buckle", "latch"], [5, 1, 1]), [(pieces, motion)], [], on_lid)
+    # A plate behind, of the same outline, so that the latch touches it all over.
+    back = [box((wide, size, 0.1 * thick), (0, middle, 0.0))] if draw.chance(0.3) else []
+    return Clasp(draw.pick(["lock", "buckle", "latch"], [4, 2, 1]), [(pieces, motion)], back, on_lid)
 
 
 def _bail(draw: Draw, size: float) -> Clasp:

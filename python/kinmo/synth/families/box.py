@@ -110,7 +110,7 @@ def _vault(x: float, z: float, height: float, low: float, *, solid: bool) -> Mes
 def _locks(draw: Draw, above: Node, base: Link, lid: Link, size: _Size, z: float) -> list[Link]:
     """One to three clasps across the seam at the front."""
     links = []
-    tall = min(draw.between(0.06, 0.26), 0.6 * size.top)
+    tall = min(draw.between(0.03, 0.26), 0.6 * size.top)
     places = draw.pick([[0.0], [-0.6, 0.6], [-0.4, 0.4], [-0.7, 0.0, 0.7]], [5, 3, 1, 1])
     for same, place in zip(draw.alike(len(places)), places, strict=True):
         links += add_clasp(same, above, base, lid, facing(Z, Y, (place * size.x, size.top, z)), tall)

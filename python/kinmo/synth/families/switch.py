@@ -67,7 +67,7 @@ def _control(
 def _rocker(draw: Draw, width: float, height: float, at: tuple[float, float, float]) -> tuple[list[Mesh], Motion]:
     """A broad cap that tips about its middle (or an edge), flat, wedged or hollow."""
     x, y, z = at
-    sunk, proud = draw.between(0.0, 0.05), draw.between(0.03, 0.12)
+    sunk, proud = draw.pick([0.0, draw.between(0.0, 0.05)], [1, 2]), draw.between(0.03, 0.12)
     # It tips across its longer side.
     upright = height > draw.between(0.8, 1.1) * width
     long = height if upright else width

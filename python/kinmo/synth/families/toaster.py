@@ -9,7 +9,7 @@ import numpy as np
 from kinmo.shape import Mesh
 from kinmo.synth.details.controls import button, dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
+from kinmo.synth.model import JointName, Link, Node, Point, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import (
     X,
     Y,
@@ -112,19 +112,21 @@ def _racks(draw: Draw, plan: _Plan, base: Link) -> list[Link]:
 
 def _cage(draw: Draw, plan: _Plan) -> list[Mesh]:
     """Two grids of upright wires, or bows from one side to the other; their top in the plane of the body's."""
-    half, wire = plan.width * draw.between(0.06, 0.15), draw.between(0.006, 0.016)
+    half, wire = plan.width * draw.between(0.06, 0.17), draw.between(0.003, 0.008)
     tall, long = plan.height * draw.between(0.5, 0.7), plan.length * draw.between(0.45, 0.6)
-    top, low = plan.height - 0.5 * wire, plan.height - tall
-    sides = (-half, half)
-    rails = [box((wire, wire, long), (x, top, 0)) for x in sides]
+    top, low, sides = plan.height - wire, plan.height - tall, (-half, half)
     places = np.linspace(-0.5, 0.5, draw.integer(6, 12)) * long
-    uprights = [box((wire, tall, wire), (x, low + 0.5 * tall, z)) for x in sides for z in places]
-    across = [box((2 * half, wire, wire), (0, low + 0.5 * wire, z)) for z in places]
+    corners = draw.pick([4, 6, 8], [1, 2, 2])
+
+    def rod(length: float, axis: str, at: Point) -> Mesh:
+        return cylinder(wire, length, axis, at, corners)
+
+    rods = [rod(tall, "y", (x, low + 0.5 * tall, z)) for x in sides for z in places]
+    rods += [rod(long, "z", (x, top, 0)) for x in sides]
     if draw.chance(0.5):
-        return rails + uprights + across
-    rails += [box((wire, wire, long), (x, low + 0.5 * wire, 0)) for x in sides]
-    ends = [box((2 * half, wire, wire), (0, y, z)) for y in (top, low) for z in (places[0], places[-1])]
-    return rails + uprights + ends
+        return rods + [rod(2 * half, "x", (0, low + wire, z)) for z in places]
+    rods += [rod(long, "z", (x, low + wire, 0)) for x in sides]
+    return rods + [rod(2 * half, "x", (0, y, z)) for y in (top, low + wire) for z in (places[0], places[-1])]
 
 
 def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]:
