@@ -29,7 +29,7 @@ TURNED = 0.2
 """Chance that a block lies, and that a pedestal hangs from the ceiling."""
 USUAL = 0.7
 """Chance that a mechanism is turned as it mostly is on such a side."""
-MOST = 6
+MOST = 4
 """Mechanisms of an object."""
 
 
@@ -51,8 +51,8 @@ def _block(draw: Draw) -> SynthObject:
     block = draw.pick([box(size), rounded_box(size, 0.15 * size.min(), draw.pick(["x", "y", "z"]))])
     base = Link("body", [root.add("body", block)], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
     links = [base]
-    left = 1 if draw.chance(0.4) else draw.integer(2, MOST)
-    largest = draw.between(0.8, 2.5) if left == 1 else 1.0
+    left = 1 if draw.chance(0.6) else draw.integer(2, MOST)
+    largest = draw.between(0.8, 4.0) if left == 1 else draw.between(0.8, 1.5)
     for index in draw.generator.permutation(len(SIDES)):
         if left > 0:
             normal, up = SIDES[index]

@@ -99,7 +99,7 @@ def _controls(draw: Draw, root: Node, base: Link, opening: _Opening, front: floa
 
 def _feet(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float) -> list[Link]:
     """None, legs, or casters at the corners."""
-    kind = draw.pick(["none", "legs", "casters"], [5, 2, 2])
+    kind = draw.pick(["none", "legs", "casters"], [12, 6, 1])
     links: list[Link] = []
     if kind == "none":
         return links

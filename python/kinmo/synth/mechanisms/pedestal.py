@@ -79,7 +79,7 @@ def _of_head(draw: Draw, top: float) -> Motion:
 
 def _foot(draw: Draw, foot: Node, base: Link, links: list[Link]) -> float:
     """A disc, a slab, or legs that go out from the middle, at times on casters; returns its height."""
-    kind = draw.pick(["disc", "slab", "legs"], [2, 1, 4])
+    kind = draw.pick(["disc", "slab", "legs"], [3, 2, 3])
     if kind != "legs":
         thick, size = draw.between(0.02, 0.1), draw.between(0.25, 0.7)
         shape = cylinder(0.5 * size, thick, "y", (0, 0.5 * thick, 0), 28)
@@ -88,7 +88,7 @@ def _foot(draw: Draw, foot: Node, base: Link, links: list[Link]) -> float:
         return thick
     count, reach = draw.integer(3, 6), draw.between(0.25, 0.6)
     low, high = draw.between(0.03, 0.2), draw.between(0.0, 0.2)
-    rolls, size = draw.chance(0.65), draw.between(0.12, 0.35)
+    rolls, size = draw.chance(0.25), draw.between(0.12, 0.35)
     leg = sweep(np.array([(0, low + high, 0), (0, low, reach)]), draw.between(0.012, 0.04), 8)
     for index, own in enumerate(draw.alike(count)):
         angle = 360.0 * index / count
