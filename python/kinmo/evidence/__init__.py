@@ -19,7 +19,7 @@ from kinmo.evidence.scene import Scene, see_units
 from kinmo.evidence.units import unit_features
 from kinmo.hypotheses import candidate_lines
 
-__all__ = ["PRISMATIC", "REVOLUTE", "SCREW", "Evidence", "Scene", "gather"]
+__all__ = ["PRISMATIC", "REVOLUTE", "SCREW", "Evidence", "Scene", "gather", "see_units"]
 
 F64 = NDArray[np.float64]
 

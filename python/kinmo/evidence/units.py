@@ -12,7 +12,12 @@ from kinmo.evidence.scene import Scene, Unit
 
 
 def unit_features(scene: Scene, unit: Unit, others: Sequence[Unit]) -> NDArray[np.float64]:
-    """Size, place, roundness, contact, protrusion and likes of a part among the units `others` of its shape [G]."""
+    """All of `unit_numbers` in their order [G]."""
+    return np.concatenate(list(unit_numbers(scene, unit, others).values()))
+
+
+def unit_numbers(scene: Scene, unit: Unit, others: Sequence[Unit]) -> dict[str, NDArray[np.float64]]:
+    """Size, place, roundness, contact, protrusion and likes of a part among the units `others` of its shape, by name [g]."""
     up, axes = scene.up, unit.sorted_axes
     half = np.sort(unit.minimum.half_extents)[::-1]
     low, high = scene.extents
@@ -51,4 +56,4 @@ def unit_features(scene: Scene, unit: Unit, others: Sequence[Unit]) -> NDArray[n
         "stands alone": float(not unit.rest),
         "object": np.log([*np.sort(size[:2]), size[2]]),
     }
-    return np.concatenate([np.atleast_1d(value) for value in features.values()])
+    return {name: np.atleast_1d(np.asarray(value, float)) for name, value in features.items()}
