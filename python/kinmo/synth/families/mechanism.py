@@ -29,13 +29,13 @@ TURNED = 0.2
 """Chance that a block lies, and that a pedestal hangs from the ceiling."""
 USUAL = 0.7
 """Chance that a mechanism is turned as it mostly is on such a side."""
-MOST = 4
-"""Mechanisms of an object."""
+CROWDED, MOST = 0.5, 6
+"""Share of objects that have many small mechanisms rather than few large ones, and how many a block has at most."""
 
 
 def build(draw: Draw) -> SynthObject:
     style = draw.pick([_block, housing, pedestal], [4, 4, 3])
-    made = style(draw)
+    made = style(draw, draw.chance(CROWDED))
     if style is _block and draw.chance(TURNED):
         lay(draw, made)
     elif style is pedestal and draw.chance(TURNED):
@@ -43,7 +43,7 @@ def build(draw: Draw) -> SynthObject:
     return made
 
 
-def _block(draw: Draw) -> SynthObject:
+def _block(draw: Draw, crowded: bool) -> SynthObject:
     root = Node("mechanism")
     size = np.array([draw.between(0.3, 1.2) for _ in range(3)])
     for axis in draw.pick([(), (0,), (1,), (2,), (0, 1), (1, 2), (0, 2)], [4, 1, 2, 1, 1, 1, 2]):
@@ -51,7 +51,7 @@ def _block(draw: Draw) -> SynthObject:
     block = draw.pick([box(size), rounded_box(size, 0.15 * size.min(), draw.pick(["x", "y", "z"]))])
     base = Link("body", [root.add("body", block)], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
     links = [base]
-    left = 1 if draw.chance(0.6) else draw.integer(2, MOST)
+    left = draw.integer(2, MOST) if draw.chance(0.6 if crowded else 0.4) else 1
     largest = draw.between(0.8, 4.0) if left == 1 else draw.between(0.8, 1.5)
     for index in draw.generator.permutation(len(SIDES)):
         if left > 0:

@@ -41,7 +41,8 @@ class _Opening:
         return _Opening(self.x, self.y - 0.5 * top, self.wide, low), _Opening(self.x, self.y + 0.5 * low, self.wide, top)
 
 
-def housing(draw: Draw) -> SynthObject:
+def housing(draw: Draw, crowded: bool) -> SynthObject:
+    """A housing; a `crowded` one often rolls."""
     root = Node("mechanism")
     wide, high, deep = draw.between(0.4, 1.2), draw.between(0.3, 1.8), draw.between(0.3, 0.9)
     wall = draw.between(0.01, 0.05)
@@ -68,7 +69,7 @@ def housing(draw: Draw) -> SynthObject:
                 kinds.append(draw.pick(INSIDE))
             for kind in kinds:
                 links += mount(draw, kind(own, opening.wide, opening.high, deep - wall), 1.0, place, root, base)
-    links += _feet(draw, root, base, wide, high, deep)
+    links += _feet(draw, root, base, wide, high, deep, 4.0 if crowded else 1.0)
     return SynthObject("Mechanism", root, links)
 
 
@@ -97,9 +98,9 @@ def _controls(draw: Draw, root: Node, base: Link, opening: _Opening, front: floa
     return mount(draw, mechanism, size, facing(Z, Y, (opening.x, opening.y, front)), root, base)
 
 
-def _feet(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float) -> list[Link]:
-    """None, legs, or casters at the corners."""
-    kind = draw.pick(["none", "legs", "casters"], [12, 6, 1])
+def _feet(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float, rolling: float) -> list[Link]:
+    """None, legs, or casters at the corners, these `rolling` as often as one in nineteen."""
+    kind = draw.pick(["none", "legs", "casters"], [12, 6, rolling])
     links: list[Link] = []
     if kind == "none":
         return links

@@ -13,13 +13,14 @@ from kinmo.synth.primitives import X, Y, Z, box, cylinder, rounded_box, sweep, t
 from kinmo.synth.primitives.place import facing
 
 
-def pedestal(draw: Draw) -> SynthObject:
+def pedestal(draw: Draw, crowded: bool) -> SynthObject:
+    """A pedestal; a `crowded` one mostly rolls."""
     root = Node("mechanism")
     base = Link("foot", [], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
     links = [base]
     foot = root.add("foot") if draw.chance(0.6) else root
     rise = draw.pick([draw.between(0.05, 0.3), draw.between(0.3, 1.2)])
-    top = _foot(draw, foot, base, links)
+    top = _foot(draw, foot, base, links, crowded)
     radius = draw.between(0.02, 0.06)
     column = cylinder(radius, rise, "y", (0, top + 0.5 * rise, 0), 14)
     top += rise
@@ -77,7 +78,7 @@ def _of_head(draw: Draw, top: float) -> Motion:
     return hinge(origin, draw.pick([X, X, Z]), -draw.between(5.0, 45.0), draw.between(5.0, 45.0))
 
 
-def _foot(draw: Draw, foot: Node, base: Link, links: list[Link]) -> float:
+def _foot(draw: Draw, foot: Node, base: Link, links: list[Link], crowded: bool) -> float:
     """A disc, a slab, or legs that go out from the middle, at times on casters; returns its height."""
     kind = draw.pick(["disc", "slab", "legs"], [3, 2, 3])
     if kind != "legs":
@@ -88,7 +89,7 @@ def _foot(draw: Draw, foot: Node, base: Link, links: list[Link]) -> float:
         return thick
     count, reach = draw.integer(3, 6), draw.between(0.25, 0.6)
     low, high = draw.between(0.03, 0.2), draw.between(0.0, 0.2)
-    rolls, size = draw.chance(0.25), draw.between(0.12, 0.35)
+    rolls, size = draw.chance(0.65 if crowded else 0.25), draw.between(0.12, 0.35)
     leg = sweep(np.array([(0, low + high, 0), (0, low, reach)]), draw.between(0.012, 0.04), 8)
     for index, own in enumerate(draw.alike(count)):
         angle = 360.0 * index / count

@@ -43,7 +43,7 @@ def pusher(draw: Draw) -> Mechanism:
 
 def keys(draw: Draw) -> Mechanism:
     """A block of like keys."""
-    columns, rows = draw.integer(2, 4), draw.pick([1, 2, 3], [4, 2, 1])
+    columns, rows = draw.pick([draw.integer(2, 4), draw.integer(2, 6)]), draw.pick([1, 2, 3, 4], [4, 3, 2, 1])
     wide, high = draw.between(0.5, 1.0), draw.between(0.3, 0.9)
     share, depth = draw.between(0.6, 0.95), draw.between(0.03, 0.15)
     places, draws = grid_places(columns, rows, wide, high), draw.alike(columns * rows)
