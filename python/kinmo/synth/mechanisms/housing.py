@@ -99,7 +99,7 @@ def _controls(draw: Draw, root: Node, base: Link, opening: _Opening, front: floa
 
 
 def _feet(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float, rolling: float) -> list[Link]:
-    """None, legs, or casters at the corners, these `rolling` as often as one in nineteen."""
+    """None, legs, or casters at the corners; `rolling` is the weight of casters, against 12 for none and 6 for legs."""
     kind = draw.pick(["none", "legs", "casters"], [12, 6, rolling])
     links: list[Link] = []
     if kind == "none":
