@@ -66,11 +66,24 @@ def names_of_numbers(shape: PreparedShape) -> list[str]:
     ]
 
 
-def excess(part: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How far [G] a part is outside the range of others [n, G], in their spreads; 0 inside."""
-    low, high = np.quantile(others, [0.5 * OUTERMOST, 1.0 - 0.5 * OUTERMOST], axis=0)
-    outside: NDArray[np.float64] = np.maximum(low - part, part - high) / np.maximum(others.std(axis=0), LEAST_SPREAD)
-    return np.maximum(outside, 0.0)
+@dataclass(frozen=True, eq=False)
+class Range:
+    """Where all parts but the outermost have their numbers [G], and how these spread."""
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    spread: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, numbers: NDArray[np.float64]) -> Range:
+        """The range of parts [n, G]."""
+        low, high = np.quantile(numbers, [0.5 * OUTERMOST, 1.0 - 0.5 * OUTERMOST], axis=0)
+        return cls(low, high, np.maximum(numbers.std(axis=0), LEAST_SPREAD))
+
+    def excess(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far [G] a part is outside, in spreads; 0 inside."""
+        outside: NDArray[np.float64] = np.maximum(self.low - numbers, numbers - self.high) / self.spread
+        return np.maximum(outside, 0.0)
 
 
 def main() -> int:
@@ -80,11 +93,9 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="6 procedural shapes a family")
     args = parser.parse_args()
     shapes = gathered(args.data, args.cache, 6 if args.quick else args.count, args.folds)
-    outside = (
-        None
-        if shapes is None
-        else report(moving_parts(shapes.real), moving_parts(shapes.procedural), shapes.real[0], args.parts)
-    )
+    outside = None
+    if shapes is not None:
+        outside = report(moving_parts(shapes.real), moving_parts(shapes.procedural), shapes.real[0], args.parts)
     claim = "share of the numbers of real parts outside the range of procedural ones of their category"
     print(json.dumps({"claim": claim, "ours": outside, "peer": None, "ratio": None, "goal": None, "met": None}))
     return 0
@@ -95,9 +106,10 @@ def report(real: Sequence[Part], procedural: Sequence[Part], any_shape: Prepared
     by_category: dict[str, list[NDArray[np.float64]]] = defaultdict(list)
     for part in procedural:
         by_category[part.category].append(part.numbers)
-    known = [part for part in real if part.category in by_category]
+    ranges = {category: Range.of(np.array(numbers)) for category, numbers in by_category.items()}
+    known = [part for part in real if part.category in ranges]
     names = names_of_numbers(any_shape)
-    distances = np.array([excess(part.numbers, np.array(by_category[part.category])) for part in known])
+    distances = np.array([ranges[part.category].excess(part.numbers) for part in known])
     print(f"{len(known)} of {len(real)} real parts are of a category that is generated, of {len(procedural)} procedural parts")
     shares = (distances > 0).mean(axis=0)
     for index in np.argsort(-shares, kind="stable")[:12]:

@@ -46,7 +46,8 @@ def _ring(draw: Draw, half: float, reach: float, rod: float) -> list[Mesh]:
     narrow = half * draw.between(0.4, 0.9)
     way = rounded_path(np.array([(-narrow, 0, 0), (-half, 0, reach), (half, 0, reach), (narrow, 0, 0)]), 0.4 * half)
     if draw.chance(0.5):
-        pieces = [sweep_outline(way, STAMPED, 2.0 * rod), box((2 * narrow, STAMPED[0, 0] * 4.0 * rod, 2.0 * rod))]
+        thick, wide = 2.0 * rod * np.ptp(STAMPED, axis=0)
+        pieces = [sweep_outline(way, STAMPED, 2.0 * rod), box((2 * narrow, thick, wide))]
     else:
         pieces = [sweep(way, rod, draw.pick([6, 8, 10])), cylinder(rod, 2 * narrow, "x", segments=10)]
     if draw.chance(0.5):
