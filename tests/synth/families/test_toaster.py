@@ -38,6 +38,8 @@ def test_racks_are_wire_that_stays_between_the_body_s_ends_and_comes_out_at_the_
             low, high = box_of(own)
             filled = sum(np.prod(np.ptp(piece.vertices, axis=0)) for piece in own) / np.prod(high - low)
             assert filled < 0.2
-            assert abs(high[1] - box_of(rest)[1][1]) < 0.15 and rack.motion.direction[1] > 0.99
+            first, last = box_of(rest)
+            assert first[2] < low[2] and high[2] < last[2]
+            assert abs(high[1] - last[1]) < 0.15 and rack.motion.direction[1] > 0.99
             found += 1
     assert found > 10
