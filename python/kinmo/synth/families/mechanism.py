@@ -1,4 +1,4 @@
-"""Mechanisms: no kind of thing, but blocks, housings and pedestals with mechanisms, as things of all kinds have.
+"""Mechanisms: no kind of thing, but blocks, housings, pedestals and the like with mechanisms, as things of all kinds have.
 
 What is learnt from them holds for categories that nobody made a family of: where parts touch, which way they can go.
 """
@@ -15,9 +15,12 @@ from kinmo.synth.details.controls import grid_places
 from kinmo.synth.details.posture import lay, reorient
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms import FITTED, MECHANISMS
+from kinmo.synth.mechanisms.hollow import hollow
 from kinmo.synth.mechanisms.housing import housing
 from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.pedestal import pedestal
+from kinmo.synth.mechanisms.slab import slab
+from kinmo.synth.mechanisms.slender import slender
 from kinmo.synth.model import JointName, Link, Node, SynthObject
 from kinmo.synth.primitives import X, Y, Z, box, rounded_box
 from kinmo.synth.primitives.place import facing, rotation_about
@@ -34,7 +37,7 @@ CROWDED, MOST = 0.5, 6
 
 
 def build(draw: Draw) -> SynthObject:
-    style = draw.pick([_block, housing, pedestal], [4, 4, 3])
+    style = draw.pick([_block, housing, pedestal, hollow, slender, slab], [5, 5, 4, 2, 3, 1])
     made = style(draw, draw.chance(CROWDED))
     if style is _block and draw.chance(TURNED):
         lay(draw, made)

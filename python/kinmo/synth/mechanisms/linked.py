@@ -40,30 +40,33 @@ def caster(draw: Draw) -> Mechanism:
 
 
 def arm(draw: Draw) -> Mechanism:
-    """Bars joined end to end by pins, with a head at the end."""
+    """Bars joined end to end by pins, with a head at the end. The pins mostly lie as those of levers do."""
     thick = draw.between(0.02, 0.1)
+    across, along = draw.pick([(X, "x"), (Y, "y")], [2, 1])
+    ahead = np.cross(across, Z)
     at, tilt = np.array([0.0, 0.0, draw.between(0.03, 0.3)]), draw.between(-50.0, 50.0)
-    fixed = [box((2.5 * thick, 0.5 * thick, at[2] + 0.05), (0, -thick, 0.5 * at[2] + 0.025))]
+    cheek = (2.5 * np.abs(ahead) + 0.5 * np.abs(across)) * thick + Z * (at[2] + 0.05)
+    fixed = [box(cheek, -across * thick + Z * (0.5 * at[2] + 0.025))]
     moving: list[Moving] = []
     level = draw.chance(0.12)
     for index in range(draw.integer(1, 3)):
         length = draw.between(0.3, 0.7)
-        way = np.array([np.sin(np.radians(tilt)), 0.0, np.cos(np.radians(tilt))])
-        aside = Y * thick * (index % 2)
+        way = np.sin(np.radians(tilt)) * ahead + np.cos(np.radians(tilt)) * Z
+        aside = across * thick * (index % 2)
         end = at + length * way
         sides = (-0.7, 0.7) if draw.chance(0.25) else (0.0,)
-        bars = [sweep(np.array([at, end]) + aside + Y * s * thick, 0.4 * thick, draw.pick([4, 8])) for s in sides]
+        bars = [sweep(np.array([at, end]) + aside + across * s * thick, 0.4 * thick, draw.pick([4, 8])) for s in sides]
         upright = level and index == 0  # the first turns about the normal of the mount
-        pin = cylinder(draw.between(0.5, 1.3) * thick, draw.between(1.6, 3.0) * thick, "z" if upright else "y", at, 12)
+        pin = cylinder(draw.between(0.5, 1.3) * thick, draw.between(1.6, 3.0) * thick, "z" if upright else along, at, 12)
         swing = draw.between(20.0, 90.0)
         on = moving[-1] if moving else None
         pieces = [*bars, pin] if draw.chance(0.7) else bars
-        motion = hinge(at, (Z if upright else Y) * draw.sign(), -swing, swing)
+        motion = hinge(at, (Z if upright else across) * draw.sign(), -swing, swing)
         moving.append(Moving(draw.pick(["arm", "lever", "rod", "leg"]), pieces, motion, on))
         at, tilt = end, tilt + draw.sign() * draw.between(20.0, 110.0)
     if draw.chance(0.6):
-        axis = draw.pick([Y, way]) if draw.chance(0.5) else Y
-        head = [move(turn(piece, Y, tilt), at) for piece in _head(draw)]
+        axis = way if draw.chance(0.25) else across
+        head = [move(turn(piece, across, tilt), at) for piece in _head(draw)]
         moving.append(Moving(draw.pick(["head", "shade", "holder"]), head, hinge(at, axis, -60.0, 60.0), moving[-1]))
     return Mechanism(moving, fixed)
 

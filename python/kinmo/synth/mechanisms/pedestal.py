@@ -7,10 +7,13 @@ import numpy as np
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.linked import arm, caster, crossed, gimbal, halves, motor
 from kinmo.synth.mechanisms.mount import mount
-from kinmo.synth.mechanisms.turning import bail, flap, lever, rotor
+from kinmo.synth.mechanisms.turning import bail, flap, globe, lever, rotor, wing
 from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
 from kinmo.synth.primitives import X, Y, Z, box, cylinder, rounded_box, sweep, turn
 from kinmo.synth.primitives.place import facing
+
+SCREENS = 0.25
+"""Share of thin upright plates among what a column bears."""
 
 
 def pedestal(draw: Draw, crowded: bool) -> SynthObject:
@@ -35,7 +38,7 @@ def pedestal(draw: Draw, crowded: bool) -> SynthObject:
     if draw.chance(0.5):
         links += _ridden(draw, root, carrier, top)
     else:
-        carried = draw.pick([arm, gimbal, crossed, halves, rotor, motor], [5, 2, 1, 1, 1, 2])(draw)
+        carried = draw.pick([arm, gimbal, globe, crossed, halves, rotor, motor], [5, 2, 2, 1, 1, 1, 2])(draw)
         links += mount(draw, carried, draw.between(0.4, 0.9), facing(Y, Z, (0, top, 0)), root, carrier)
     return SynthObject("Mechanism", root, links)
 
@@ -45,6 +48,8 @@ def _ridden(draw: Draw, root: Node, carrier: Link, top: float) -> list[Link]:
     wide, deep = draw.between(0.3, 1.1), draw.between(0.2, 1.0)
     high = draw.pick([draw.between(0.04, 0.15), draw.between(0.2, 0.8)])
     middle = (0.0, top + 0.5 * high, draw.pick([0.0, draw.between(-0.15, 0.15)]))
+    if draw.chance(SCREENS):
+        return _screen(draw, root, carrier, top, wide)
     if draw.chance(0.3):
         body = cylinder(0.5 * wide, high, "y", (0, middle[1], 0), 24, top_radius=draw.between(0.35, 0.55) * wide)
     else:
@@ -57,11 +62,31 @@ def _ridden(draw: Draw, root: Node, carrier: Link, top: float) -> list[Link]:
     links = [head]
     for side in draw.pick([(), (X,), (-X, X), (Z,), (Y,)], [4, 1, 2, 2, 1]):
         reach = 0.5 * (high if side is Y else wide if abs(side[0]) else deep)
-        built = draw.pick([lever, flap, bail, rotor])(draw)
+        built = draw.pick([lever, flap, wing, bail, rotor])(draw)
         up = Z if side is Y else Y
         size = draw.between(0.3, 0.8) * min(wide, deep)
         links += mount(draw, built, size, facing(side, up, np.array(middle) + side * reach), root, head)
     return links
+
+
+def _screen(draw: Draw, root: Node, carrier: Link, top: float, wide: float) -> list[Link]:
+    """A thin upright plate before the column's end, that tips about a line along it, turns, rises, or turns in its plane."""
+    high, thick = draw.between(0.4, 1.0) * wide, draw.between(0.02, 0.08)
+    level, ahead = top + draw.between(-0.1, 0.5) * high, draw.between(0.02, 0.1)
+    neck = cylinder(0.4 * thick, 0.3 * wide, "x", (0, level if level < top else top, 0.4 * ahead), 12)
+    plate = box((wide, high, thick), (0, level, ahead + 0.5 * thick))
+    at = (0.0, top, 0.0)
+    motion = draw.pick(
+        [
+            hinge(at, X, -draw.between(5.0, 30.0), draw.between(5.0, 30.0)),
+            hinge(at, Y, -draw.between(20.0, 90.0), draw.between(20.0, 90.0)),
+            slider(Y, -draw.between(0.02, 0.2), draw.between(0.02, 0.2)),
+            hinge((0.0, level, 0.0), Z, -90.0, 90.0),
+        ],
+        [5, 3, 1, 1],
+    )
+    name = draw.pick(["screen", "frame", "panel", "head"])
+    return [Link(name, [root.add(name, *draw.pick([[plate], [plate, neck]]))], carrier, motion)]
 
 
 def _of_head(draw: Draw, top: float) -> Motion:

@@ -15,7 +15,8 @@ from kinmo.synth.primitives import X, Y, Z, arc_path, box, cylinder, ellipsoid, 
 
 def flap(draw: Draw) -> Mechanism:
     """A panel with its hinge along one side, often with knuckles there and a handle at the other."""
-    wide, high, thick = draw.between(0.4, 0.95), draw.between(0.3, 0.95), draw.between(0.02, 0.12)
+    wide, high = draw.between(0.4, 0.95), draw.between(0.3, 0.95)
+    thick = draw.pick([draw.between(0.02, 0.12), draw.between(0.12, 0.4)], [4, 1])
     lift = draw.pick([0.0, draw.between(0.02, 0.5)])
     size, middle = (wide, high, thick), (0.0, 0.0, lift + 0.5 * thick)
     panel = box(size, middle) if draw.chance(0.7) else rounded_box(size, 0.2 * min(wide, high), "z", middle)
@@ -34,6 +35,23 @@ def flap(draw: Draw) -> Mechanism:
     motion = hinge(at, -Y, 0.0, opening) if draw.chance(0.5) else hinge(at, Y, -opening, 0.0)
     name = draw.pick(["lid", "door", "cover", "flap", "panel", "screen"])
     return Mechanism([Moving(name, pieces, _resting(draw, motion))], fixed)
+
+
+def wing(draw: Draw) -> Mechanism:
+    """A plate that stands out from the mount on its hinge, by itself or on two ears: a table's leaf, a footrest, a visor."""
+    wide, out, thick = draw.between(0.3, 1.0), draw.between(0.2, 0.9), draw.between(0.02, 0.12)
+    held = draw.pick(["bare", "axle", "ears"], [4, 3, 3])
+    height = draw.pick([0.0, draw.between(0.02, 0.2)]) if held == "ears" else 0.0
+    size, middle = (wide, thick, out), (0, draw.pick([-0.5, 0.0, 0.5]) * thick, height + 0.5 * out)
+    plate = box(size, middle) if draw.chance(0.6) else rounded_box(size, 0.2 * min(wide, out), "y", middle)
+    pieces, fixed = [plate], []
+    if held == "axle":
+        fixed = [cylinder(0.5 * thick + 0.01, wide, "x", (0, 0, height), 12)]
+    elif held == "ears":
+        fixed = [box((0.04, 1.5 * thick, height + 0.06), (s * (0.5 * wide + 0.02), 0, 0.5 * height + 0.03)) for s in (-1, 1)]
+    swing = draw.between(40.0, 100.0)
+    motion = hinge((0, 0, height), X * draw.sign(), 0.0, swing, rest=draw.pick([0.0, draw.between(0.0, 1.0) * swing]))
+    return Mechanism([Moving(draw.pick(["board", "lid", "tray", "panel", "cover"]), pieces, motion)], fixed)
 
 
 def knob(draw: Draw) -> Mechanism:
@@ -212,4 +230,4 @@ def globe(draw: Draw) -> Mechanism:
 
 
 FITTED_TURNING: tuple[Builder, ...] = (flap, flap, rocker)
-TURNING: tuple[Builder, ...] = (flap, flap, flap, knob, roller, rotor, swivel, lever, rocker, latch, bail, globe)
+TURNING: tuple[Builder, ...] = (flap, flap, flap, wing, knob, roller, rotor, swivel, lever, rocker, latch, bail, globe)

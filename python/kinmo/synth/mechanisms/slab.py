@@ -1,0 +1,62 @@
+"""Slabs with keys: thin bodies, lying or standing, whose broad side is full of what is pressed, turned or pushed along."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinmo.synth.details.controls import button
+from kinmo.synth.details.posture import lay
+from kinmo.synth.draw import Draw
+from kinmo.synth.mechanisms.model import Mechanism, Moving
+from kinmo.synth.mechanisms.mount import mount
+from kinmo.synth.mechanisms.sliding import cover, pusher, slot
+from kinmo.synth.mechanisms.turning import flap, knob, rocker, roller
+from kinmo.synth.model import JointName, Link, Node, SynthObject, slider
+from kinmo.synth.primitives import Y, Z, box, rounded_box
+from kinmo.synth.primitives.place import facing
+
+MOST_KEYS = 40
+
+
+def slab(draw: Draw, crowded: bool) -> SynthObject:
+    """A slab; a `crowded` one has more keys. Built flat across y, the keys on top."""
+    root = Node("mechanism")
+    wide, long, thick = draw.between(0.2, 1.2), draw.between(0.4, 1.0), draw.between(0.02, 0.25)
+    size = (wide, thick, long)
+    body = box(size) if draw.chance(0.5) else rounded_box(size, draw.between(0.05, 0.4) * min(wide, long), "y")
+    base = Link("body", [root.add("body", body)], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    links = [base]
+    split = draw.between(0.4, 1.0)  # keys before it, other things behind
+    middle = (0.0, 0.5 * thick, 0.5 * (1 - split) * long)
+    links += mount(draw, _keyboard(draw, wide, split * long, crowded), 1.0, facing(Y, -Z, middle), root, base)
+    if split < 0.85 and draw.chance(0.6):
+        built = draw.pick([pusher, knob, rocker, slot, roller])(draw)
+        room = min((1 - split) * long, wide)
+        place = (draw.between(-0.3, 0.3) * (wide - room), 0.5 * thick, -0.5 * split * long)
+        links += mount(draw, built, draw.between(0.5, 0.95) * room, facing(Y, Z, place), root, base)
+    if draw.chance(0.3):
+        built = draw.pick([cover, flap])(draw)
+        place = (0.0, -0.5 * thick, draw.between(-0.2, 0.2) * long)
+        links += mount(draw, built, draw.between(0.4, 0.8) * min(wide, long), facing(-Y, draw.pick([Z, -Z]), place), root, base)
+    shape = SynthObject("Mechanism", root, links)
+    lay(draw, shape)
+    return shape
+
+
+def _keyboard(draw: Draw, wide: float, high: float, crowded: bool) -> Mechanism:
+    """Rows of keys on a field, some of them wide, with gaps between or none."""
+    rows = draw.integer(1, 6 if crowded else 3)
+    pitch, share, depth = 0.95 * high / rows, draw.between(0.6, 0.97), draw.between(0.01, 0.08)
+    columns = max(1, min(round(wide / (draw.between(0.6, 3.0) * pitch)), MOST_KEYS // rows))
+    name, motion = draw.pick(["key", "button"]), slider(Z, -0.6 * depth, 0.0)
+    pressed = []
+    for row in range(rows):
+        edges = np.linspace(-0.475, 0.475, columns + 1) * wide
+        if columns > 3 and draw.chance(0.3):  # one key takes the room of several
+            first = draw.integer(0, columns - 3)
+            edges = np.delete(edges, slice(first + 1, first + draw.integer(2, 3)))
+        draws = draw.alike(len(edges) - 1)
+        for left, right, own in zip(edges[:-1], edges[1:], draws, strict=True):
+            place = (0.5 * (left + right), (row + 0.5) * pitch - 0.475 * high, 0.0)
+            pressed.append(Moving(name, [button(own, share * (right - left), share * pitch, depth, place)], motion))
+    return Mechanism(pressed)

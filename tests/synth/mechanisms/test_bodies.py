@@ -1,0 +1,99 @@
+"""What mechanisms are mounted on: hollow bodies, slender ones and slabs are sound, and their parts go where they can."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from kinmo.synth.draw import Draw
+from kinmo.synth.mechanisms.hollow import hollow
+from kinmo.synth.mechanisms.slab import slab
+from kinmo.synth.mechanisms.slender import slender
+from kinmo.synth.model import Link, SynthObject
+from kinmo.synth.primitives import Y
+
+SEEDS = 40
+LIDS = ("lid", "cover", "cap", "closure")
+
+
+def points_of(link: Link) -> np.ndarray:
+    return np.concatenate([piece.vertices for leaf in link.leaves() for piece in leaf.pieces])
+
+
+def box_grid(points: np.ndarray) -> np.ndarray:
+    """Points [343, 3] of the box around `points`."""
+    shares = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 7)] * 3), axis=-1).reshape(-1, 3)
+    return points.min(axis=0) + shares * np.ptp(points, axis=0)
+
+
+def built(style: Callable[[Draw, bool], SynthObject]) -> list[SynthObject]:
+    return [style(Draw(np.random.default_rng(seed)), seed % 2 == 0) for seed in range(SEEDS)]
+
+
+@pytest.mark.parametrize("style", [hollow, slender, slab], ids=lambda style: style.__name__)
+def test_a_body_and_its_mechanisms_are_sound(style: Callable[[Draw, bool], SynthObject]) -> None:
+    for made in built(style):
+        made.check()
+        body, *moving = made.links
+        assert body.motion is None and moving
+        size = np.linalg.norm(np.ptp(np.concatenate([points_of(link) for link in made.links]), axis=0))
+        for link in moving:
+            assert link.motion is not None and link.parent in made.links
+            points = points_of(link)
+            if link.motion.has_place:
+                offsets = box_grid(points) - link.motion.origin
+                across = offsets - np.outer(offsets @ link.motion.direction, link.motion.direction)
+                assert np.linalg.norm(across, axis=1).min() < 0.1 * size, (link.name, link.motion)
+            gap = np.maximum(points.min(axis=0) - points_of(body).max(axis=0), points_of(body).min(axis=0) - points.max(axis=0))
+            assert link.parent is not body or gap.max() < 0.1 * size, f"{link.name} floats"
+
+
+def test_a_lid_that_is_lifted_leaves_the_body_upwards() -> None:
+    lifted = 0
+    for made in built(hollow):
+        for link in made.links[1:]:
+            if link.name in LIDS and link.motion is not None and not link.motion.is_hinge:
+                assert link.motion.direction @ Y > 0.99 or link.motion.has_place
+                lifted += not link.motion.has_place
+    assert lifted > 5
+
+
+def test_a_lid_on_a_hinge_opens_upwards_about_a_line_at_the_rim() -> None:
+    opened = 0
+    for made in built(hollow):
+        for link in made.links[1:]:
+            motion = link.motion
+            if link.name in LIDS and motion is not None and motion.is_hinge and not motion.no_limit:
+                assert abs(motion.direction @ Y) < 1e-9
+                far = points_of(link)[np.argmax(np.linalg.norm(points_of(link) - motion.origin, axis=1))]
+                turned = motion.at(0.5 * (motion.a + motion.b)) @ np.append(far, 1.0)
+                assert turned[1] > far[1]
+                opened += 1
+    assert opened > 3
+
+
+def test_slender_bodies_move_along_or_about_their_own_axes() -> None:
+    for made in built(slender):
+        for link in made.links[1:]:
+            assert link.motion is not None
+            assert np.isclose(np.abs(link.motion.direction).max(), 1.0)
+
+
+def test_the_keys_of_a_slab_go_into_it_and_keep_apart() -> None:
+    for made in built(slab):
+        plate = next(iter(made.links[0].leaves())).pieces[0].vertices
+        middle = 0.5 * (plate.min(axis=0) + plate.max(axis=0))
+        keys = [link for link in made.links if link.motion and not link.motion.has_place and link.motion.b == 0.0]
+        assert keys
+        for key in keys:
+            assert key.motion is not None
+            pressed = key.motion.direction * key.motion.a
+            center = points_of(key).mean(axis=0)
+            outward = (center - middle) @ key.motion.direction * key.motion.direction
+            assert pressed @ outward < 0.0
+        boxes = [(points_of(key).min(axis=0), points_of(key).max(axis=0)) for key in keys[:20]]
+        for (low, high), (other_low, other_high) in combinations(boxes, 2):
+            assert (np.minimum(high, other_high) - np.maximum(low, other_low)).min() < 1e-9
