@@ -49,10 +49,11 @@ class Shapes:
             tested = [shape for shape in self.real if fold_of(shape.category, self.folds) == fold]
             yield (f"categories{fold}", *_parted(others, self.folds, self.folds), tested)
 
-    def unseen_half(self) -> Fold:
-        """No real shapes to train on, and the procedural test shapes of half the families to test with."""
-        tested = [shape for shape in self.procedural if fold_of(shape.category, 2) == 0]
-        return "families", [], [], [shape for shape in tested if split_of(shape.id) is Split.TEST]
+    def by_half(self) -> Iterator[Fold]:
+        """Either half of the families: no real shapes to train on, and its procedural test shapes to test with."""
+        for half in range(2):
+            tested = [shape for shape in self.procedural if fold_of(shape.category, 2) == half]
+            yield f"families{half}", [], [], [shape for shape in tested if split_of(shape.id) is Split.TEST]
 
 
 def parser_for(description: str | None, count: int) -> argparse.ArgumentParser:

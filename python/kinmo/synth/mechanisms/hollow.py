@@ -105,7 +105,7 @@ def _hinged(draw: Draw, mouth: _Mouth) -> Mechanism:
     pieces = [mouth.plate(draw, draw.between(0.92, 1.08), draw.between(0.02, 0.12))]
     fixed: list[Mesh] = []
     origin = np.array([0.0, mouth.height + draw.between(-0.01, 0.04), -mouth.deep * draw.between(0.95, 1.12)])
-    if draw.chance(0.7):
+    if draw.chance(0.85):
         wide, thick = draw.between(0.1, 0.7) * mouth.wide, draw.between(0.02, 0.06)
         knuckle = [cylinder(thick, 2 * wide, "x", origin, 12), box((wide, 2 * thick, 2 * thick), origin + Z * thick)]
         draw.pick([pieces, fixed]).extend(knuckle)

@@ -38,7 +38,7 @@ def pedestal(draw: Draw, crowded: bool) -> SynthObject:
     if draw.chance(0.5):
         links += _ridden(draw, root, carrier, top)
     else:
-        carried = draw.pick([arm, gimbal, globe, crossed, halves, rotor, motor], [5, 2, 2, 1, 1, 1, 2])(draw)
+        carried = draw.pick([arm, gimbal, globe, crossed, halves, rotor, motor], [5, 2, 3, 1, 1, 1, 3])(draw)
         links += mount(draw, carried, draw.between(0.4, 0.9), facing(Y, Z, (0, top, 0)), root, carrier)
     return SynthObject("Mechanism", root, links)
 
@@ -83,7 +83,7 @@ def _screen(draw: Draw, root: Node, carrier: Link, top: float, wide: float) -> l
             slider(Y, -draw.between(0.02, 0.2), draw.between(0.02, 0.2)),
             hinge((0.0, level, 0.0), Z, -90.0, 90.0),
         ],
-        [5, 3, 1, 1],
+        [6, 3, 1, 0.5],
     )
     name = draw.pick(["screen", "frame", "panel", "head"])
     return [Link(name, [root.add(name, *draw.pick([[plate], [plate, neck]]))], carrier, motion)]
@@ -100,7 +100,7 @@ def _of_head(draw: Draw, top: float) -> Motion:
         return screw(origin, Y, -0.1, draw.between(0.05, 0.2), turns=draw.pick([None, 360.0]))
     if kind == "lift":
         return slider(Y, 0.0, draw.between(0.05, 0.3))
-    return hinge(origin, draw.pick([X, X, Z]), -draw.between(5.0, 45.0), draw.between(5.0, 45.0))
+    return hinge(origin, draw.pick([X, Z], [4, 1]), -draw.between(5.0, 45.0), draw.between(5.0, 45.0))
 
 
 def _foot(draw: Draw, foot: Node, base: Link, links: list[Link], crowded: bool) -> float:

@@ -5,17 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.synth.details.controls import button
-from kinmo.synth.details.posture import lay
+from kinmo.synth.details.posture import lay, reorient
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.model import Mechanism, Moving
 from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.sliding import cover, pusher, slot
 from kinmo.synth.mechanisms.turning import flap, knob, rocker, roller
 from kinmo.synth.model import JointName, Link, Node, SynthObject, slider
-from kinmo.synth.primitives import Y, Z, box, rounded_box
-from kinmo.synth.primitives.place import facing
+from kinmo.synth.primitives import X, Y, Z, box, rounded_box
+from kinmo.synth.primitives.place import facing, rotation_about
 
 MOST_KEYS = 40
+TILTED = 0.25
+"""Chance that a slab does not lie level."""
 
 
 def slab(draw: Draw, crowded: bool) -> SynthObject:
@@ -39,6 +41,8 @@ def slab(draw: Draw, crowded: bool) -> SynthObject:
         place = (0.0, -0.5 * thick, draw.between(-0.2, 0.2) * long)
         links += mount(draw, built, draw.between(0.4, 0.8) * min(wide, long), facing(-Y, draw.pick([Z, -Z]), place), root, base)
     shape = SynthObject("Mechanism", root, links)
+    if draw.chance(TILTED):
+        reorient(shape, rotation_about(X, draw.between(2.0, 12.0), (0.0, 0.0, 0.0)))
     lay(draw, shape)
     return shape
 
@@ -49,6 +53,7 @@ def _keyboard(draw: Draw, wide: float, high: float, crowded: bool) -> Mechanism:
     pitch, share, depth = 0.95 * high / rows, draw.between(0.6, 0.97), draw.between(0.01, 0.08)
     columns = max(1, min(round(wide / (draw.between(0.6, 3.0) * pitch)), MOST_KEYS // rows))
     name, motion = draw.pick(["key", "button"]), slider(Z, -0.6 * depth, 0.0)
+    above = draw.pick([0.0, draw.between(0.0, 0.6) * depth])  # keys need not touch what they go into
     pressed = []
     for row in range(rows):
         edges = np.linspace(-0.475, 0.475, columns + 1) * wide
@@ -57,6 +62,11 @@ def _keyboard(draw: Draw, wide: float, high: float, crowded: bool) -> Mechanism:
             edges = np.delete(edges, slice(first + 1, first + draw.integer(2, 3)))
         draws = draw.alike(len(edges) - 1)
         for left, right, own in zip(edges[:-1], edges[1:], draws, strict=True):
-            place = (0.5 * (left + right), (row + 0.5) * pitch - 0.475 * high, 0.0)
+            place = (0.5 * (left + right), (row + 0.5) * pitch - 0.475 * high, above)
             pressed.append(Moving(name, [button(own, share * (right - left), share * pitch, depth, place)], motion))
-    return Mechanism(pressed)
+    rim = []
+    if draw.chance(0.3):
+        tall = draw.between(0.3, 1.0) * (depth + above)
+        rim = [box((0.02, high, tall), (s * 0.49 * wide, 0, 0.5 * tall)) for s in (-1, 1)]
+        rim += [box((wide, 0.02, tall), (0, s * 0.49 * high, 0.5 * tall)) for s in (-1, 1)]
+    return Mechanism(pressed, rim)
