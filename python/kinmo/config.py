@@ -162,8 +162,10 @@ class RankingConfig:
     """The ranking networks of the `kinmo` method.
 
     `members` networks are trained side by side, and the mean of their probabilities decides. `hide_names` is the share of
-    shapes whose names are hidden in training, `hide_unit_names` that of parts besides. A shape gives two views, its bodies and
-    its nodes; `batch_views` make a batch. `continued` is for training that starts from trained weights.
+    shapes whose names are hidden in training, `hide_unit_names` that of parts besides, `hide_categories` that of shapes whose
+    category is hidden (all: the networks never look at it, for shapes of categories that were not trained on). A shape gives
+    two views, its bodies and its nodes; `batch_views` make a batch. `continued` is for training that starts from trained
+    weights.
     """
 
     training: TrainingConfig
@@ -174,6 +176,7 @@ class RankingConfig:
     dropout: Share = 0.1
     hide_names: Share = 0.3
     hide_unit_names: Share = 0.1
+    hide_categories: Share = 0.0
     batch_views: Count = 16
 
 

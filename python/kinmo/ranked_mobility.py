@@ -24,7 +24,7 @@ from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.learning.joint_ranking.data import KIND_CODE, View
 from kinmo.learning.joint_ranking.decide import MOVES, rank_answers, same_joint
 from kinmo.learning.joint_ranking.predict import JointRanking
-from kinmo.learning.joint_ranking.views import maximal_nodes, node_view, words_of
+from kinmo.learning.joint_ranking.views import category_words, maximal_nodes, node_view, words_of
 from kinmo.limits import free_travel
 from kinmo.mobility import Body, descendants
 from kinmo.mobility_tree import mean_estimate
@@ -69,7 +69,8 @@ def ranked_bodies(
         evidence = gather(scene_of(shape, meshes), units, len(units_of(shape.leaves_below, ())))
     place = {leaves: unit for unit, leaves in enumerate(units)}
     words = tuple(words_of(shape, leaves) for leaves in wanted)
-    view = View(shape.id, evidence, tuple(place[body] for body in wanted), True, words, (None,) * len(wanted))
+    asked = tuple(place[body] for body in wanted)
+    view = View(shape.id, evidence, asked, True, words, (None,) * len(wanted), category_words(shape))
     probabilities, rest = ranking.probabilities(view)
     said = {body: (odds, float(still)) for body, odds, still in zip(wanted, probabilities, rest, strict=True)}
     resting = {"any": set(wanted), "first": {bodies[0]}, "one": {wanted[int(np.argmax(rest))]}}[rests]

@@ -1,5 +1,7 @@
 """Targets, batches, the network and its answers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -75,6 +77,16 @@ def test_hidden_names_leave_no_word() -> None:
     assert len(collate([view()]).words) == 4
     assert len(collate([view()], hide_names=True).words) == 0
     assert len(collate([view()], rng=np.random.default_rng(0), hide_view=1.0).words) == 0
+
+
+def test_a_category_is_hidden_apart_from_the_parts_names() -> None:
+    known = replace(view(), category=tuple(hash_words("category", "cabinet")))
+    parts, both = len(collate([view()]).words), len(collate([known]).words)
+    assert both == parts + len(known.units)
+    assert len(collate([known], hide_category=1.0).words) == parts
+    assert len(collate([known], hide_category=0.5).words) == both, "without a source of chance nothing is hidden by chance"
+    rng = np.random.default_rng(0)
+    assert {len(collate([known], rng=rng, hide_category=0.5).words) for _ in range(20)} == {parts, both}
 
 
 @torch.no_grad()

@@ -61,6 +61,16 @@ def test_names_that_training_never_had_say_as_much_as_none(shapes, started: Path
     assert np.abs(known[1] - hidden[1]).max() > 1e-6
 
 
+def test_networks_that_never_looked_at_a_category_answer_alike_for_any(shapes, started: Path, tmp_path: Path) -> None:
+    train_joint_ranking(shapes[:3], shapes[3:], replace(CONFIG, hide_categories=1.0), tmp_path, device="cpu")
+    named = [replace(shapes[0], category=category) for category in (shapes[0].category, "Quux")]
+    views = [body_view(shape, Evidence.of(shape.evidence)) for shape in named]
+    for weights, differ in ((tmp_path / "weights.safetensors", False), (started, True)):
+        ranking = JointRanking.load(weights, "cpu")
+        known, strange = (ranking.probabilities(view)[1] for view in views)
+        assert bool(np.abs(known - strange).max() > 1e-6) is differ
+
+
 def test_weights_of_other_sizes_cannot_be_started_from(shapes, started: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"weights\.safetensors"):
         train_joint_ranking(shapes[:2], shapes[2:], replace(CONFIG, width=24), tmp_path, device="cpu", initial=started)

@@ -60,7 +60,7 @@ class View:
     """The units of one shape that compete together, with their targets where the shape is annotated.
 
     `units` are indices into `evidence`'s units; `words[i]` the hashed names of unit i; `targets[i]` [h] or None for a unit at
-    rest.
+    rest; `category` the hashed name of the shape's category, which goes for every unit.
     """
 
     shape_id: str
@@ -69,6 +69,7 @@ class View:
     is_bodies: bool
     words: tuple[tuple[int, ...], ...]
     targets: tuple[NDArray[np.float64] | None, ...]
+    category: tuple[int, ...] = ()
     weight: float = 1.0
 
 
@@ -79,10 +80,12 @@ def collate(
     hide_names: bool = False,
     hide_view: float = 0.0,
     hide_unit: float = 0.0,
+    hide_category: float = 0.0,
 ) -> RankingBatch:
     """One flat batch of several views.
 
-    With `rng`, the names of a view are hidden with probability `hide_view`, those of a unit with probability `hide_unit`.
+    With `rng`, the names of a view are hidden with probability `hide_view`, those of a unit with probability `hide_unit`, and a
+    view's category with probability `hide_category`; with a probability of 1 it is hidden without `rng` too.
     """
     hypotheses: list[NDArray[np.float32]] = []
     units: list[NDArray[np.float32]] = []
@@ -96,6 +99,7 @@ def collate(
     word_unit: list[int] = []
     for number, view in enumerate(views):
         hidden = hide_names or (rng is not None and rng.random() < hide_view)
+        unclassed = hide_category >= 1.0 or (hide_category > 0.0 and rng is not None and rng.random() < hide_category)
         for slot, (unit, names, target) in enumerate(zip(view.units, view.words, view.targets, strict=True)):
             rows = view.evidence.rows(unit)
             count = rows.stop - rows.start
@@ -109,8 +113,9 @@ def collate(
             view_of.append(number)
             slot_of.append(slot)
             if not hidden and not (rng is not None and rng.random() < hide_unit):
-                words.extend(names)
-                word_unit.extend([index] * len(names))
+                shown = names if unclassed else names + view.category
+                words.extend(shown)
+                word_unit.extend([index] * len(shown))
     return RankingBatch(
         torch.from_numpy(np.concatenate(hypotheses)),
         torch.from_numpy(np.array(units, np.float32)),

@@ -20,10 +20,11 @@ F64 = NDArray[np.float64]
 
 
 class JointRanking:
-    """Trained networks. `hide_names` keeps the names of parts and categories from them."""
+    """Trained networks. `hide_names` keeps the names of parts and categories from them, `hide_categories` the latter alone."""
 
-    def __init__(self, networks: nn.ModuleList, device: str, hide_names: bool = False) -> None:
-        self.networks, self.device, self.hide_names = networks.to(device).eval(), device, hide_names
+    def __init__(self, networks: nn.ModuleList, device: str, hide_names: bool = False, hide_categories: bool = False) -> None:
+        self.networks, self.device = networks.to(device).eval(), device
+        self.hide_names, self.hide_categories = hide_names, hide_categories
 
     @classmethod
     def load(cls, weights: Path, device: str = "auto", hide_names: bool = False) -> JointRanking:
@@ -37,12 +38,13 @@ class JointRanking:
             raise InputError(header, "expected the numbers of features", "facts")
         networks = rankers(config, hypothesis_features, unit_features)
         loaded.fill(networks)
-        return cls(networks, device, hide_names)
+        return cls(networks, device, hide_names, config.hide_categories == 1.0)
 
     @torch.inference_mode()
     def probabilities(self, view: View) -> tuple[list[F64], F64]:
         """For every unit of `view` the probabilities [h] of its hypotheses, and for all of them that of rest [U]."""
-        batch = collate([view], hide_names=self.hide_names).to(torch.device(self.device))
+        batch = collate([view], hide_names=self.hide_names, hide_category=float(self.hide_categories))
+        batch = batch.to(torch.device(self.device))
         hypotheses, rest = averaged(self.networks, batch)
         flat = hypotheses.double().exp().cpu().numpy()
         counts = [view.evidence.rows(unit).stop - view.evidence.rows(unit).start for unit in view.units]

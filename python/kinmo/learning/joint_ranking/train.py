@@ -115,9 +115,10 @@ class RankingData:
     @property
     def words(self) -> torch.Tensor:
         """Hashed words of the names to learn from, each once."""
-        return torch.tensor(
-            sorted({word for view in self.training for words in view.words for word in words}), dtype=torch.long
-        )
+        known = {word for view in self.training for words in view.words for word in words}
+        if self.config.hide_categories < 1.0:
+            known |= {word for view in self.training for word in view.category}
+        return torch.tensor(sorted(known), dtype=torch.long)
 
     @property
     def steps(self) -> int:
@@ -128,11 +129,18 @@ class RankingData:
         order = rng.permutation(len(self.training))
         for some in np.array_split(order, self.steps):
             views = [self.training[i] for i in some]
-            yield collate(views, rng=rng, hide_view=self.config.hide_names, hide_unit=self.config.hide_unit_names)
+            yield collate(
+                views,
+                rng=rng,
+                hide_view=self.config.hide_names,
+                hide_unit=self.config.hide_unit_names,
+                hide_category=self.config.hide_categories,
+            )
 
     def validation_batches(self) -> Iterator[RankingBatch]:
         for start in range(0, len(self.validation), VALIDATION_VIEWS):
-            yield collate(self.validation[start : start + VALIDATION_VIEWS])
+            always = float(self.config.hide_categories == 1.0)
+            yield collate(self.validation[start : start + VALIDATION_VIEWS], hide_category=always)
 
 
 class RankingLearner(Learner):

@@ -22,13 +22,18 @@ def maximal_nodes(prepared: PreparedShape, leaves: Sequence[int]) -> list[int]:
 
 
 def words_of(prepared: PreparedShape, leaves: Sequence[int]) -> tuple[int, ...]:
-    """Hashed words that name a unit: its highest nodes, its leaves, its surroundings, and the shape's category."""
+    """Hashed words that name a unit: its highest nodes, its leaves, and what they are in."""
     top = maximal_nodes(prepared, leaves)
     words = [w for n in top for w in hash_words("part", prepared.part_names[n])]
     words += [w for leaf in leaves for w in hash_words("leaf", prepared.part_names[prepared.leaves[leaf]])]
     above = {prepared.parents[n] for n in top if prepared.parents[n] > 0}
     words += [w for n in sorted(above) for w in hash_words("inside", prepared.part_names[n])]
-    return tuple(words + hash_words("category", prepared.category))
+    return tuple(words)
+
+
+def category_words(prepared: PreparedShape) -> tuple[int, ...]:
+    """Hashed words of the shape's category."""
+    return tuple(hash_words("category", prepared.category))
 
 
 def body_view(prepared: PreparedShape, evidence: Evidence) -> View:
@@ -63,7 +68,8 @@ def _view(
     index = {each: unit for unit, each in enumerate(units_of(prepared.leaves_below, prepared.body_leaves))}
     units = tuple(index[each] for each in leaves)
     targets = tuple(_target(evidence, unit, joint) for unit, joint in zip(units, joints, strict=True))
-    return View(prepared.id, evidence, units, is_bodies, tuple(words_of(prepared, each) for each in leaves), targets)
+    words = tuple(words_of(prepared, each) for each in leaves)
+    return View(prepared.id, evidence, units, is_bodies, words, targets, category_words(prepared))
 
 
 def _target(evidence: Evidence, unit: int, joint: Joint | None) -> NDArray[np.float64] | None:
