@@ -1,15 +1,20 @@
 """Shapes in PartNet-Mobility's layout: the reader gets back what was written."""
 
 import math
+import re
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
+from scipy.spatial.transform import Rotation
 
 from articulated import articulated_shapes, shape_of_boxes
 from kinmo.evaluation import metrics
 from kinmo.export.partnet_mobility import write_partnet_mobility
+from kinmo.export.urdf import write_urdf
 from kinmo.formats import read_partnet_mobility
 from kinmo.joint import Joint, JointKind
 from kinmo.mobility import Body, Mobility
@@ -42,6 +47,49 @@ def test_the_reader_gets_back_what_was_written(tmp_path_factory, shape):
         assert (body.joint is None) == (written.joint is None)
         if written.joint is not None:
             same_joint(body.joint, written.joint)
+
+
+@settings(max_examples=15, deadline=None)
+@given(articulated_shapes(ups=((0.0, 1.0, 0.0), (0.6, 0.0, 0.8))))
+def test_its_urdf_is_the_robot_that_kinmo_writes_otherwise(tmp_path_factory, shape):
+    """Links, joints and where the leaves are drawn are those of `write_urdf`; names are the dataset's."""
+    folder = tmp_path_factory.mktemp("labels")
+    ours = ET.parse(write_urdf(shape, shape.mobility, folder / "ours")).getroot()
+    written = write_partnet_mobility(shape, shape.mobility, folder / "theirs")
+    theirs = ET.parse(written / "mobility.urdf").getroot()
+    names = dict(zip(link_names(theirs), link_names(ours), strict=True))
+    assert all(re.fullmatch(r"base|link_\d+(-slide)?", name) for name in names)
+    for joint, wanted in zip(theirs.iter("joint"), ours.iter("joint"), strict=True):
+        assert joint.get("type") == wanted.get("type")
+        assert [names[joint.find(end).get("link")] for end in ("parent", "child")] == [
+            wanted.find(end).get("link") for end in ("parent", "child")
+        ]
+        for field in ("origin", "axis", "limit"):
+            assert joint.find(field).attrib == wanted.find(field).attrib
+    for one, other in zip(drawn(theirs, written), drawn(ours, folder / "ours"), strict=True):
+        assert one == pytest.approx(other, abs=1e-9)
+
+
+def test_semantics_name_every_link_that_moves_with_its_joint(tmp_path):
+    joint = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.zeros(3), 0.0, 1.0)
+    boxes = [((0, 0, 0), (1, 1, 1)), ((1, 0, 0), (2, 1, 1)), ((2, 0, 0), (3, 1, 1))]
+    bodies = (Body(0, "body", (1,)), Body(1, "upper door", (2,), 0, joint), Body(2, "handle", (3,), 1))
+    folder = write_partnet_mobility(shape_of_boxes(boxes, bodies), Mobility(bodies), tmp_path / "7")
+    assert (folder / "semantics.txt").read_text() == "base heavy body\nlink_1 hinge upper_door\n"
+
+
+def link_names(robot):
+    return [link.get("name") for link in robot.iter("link")]
+
+
+def drawn(robot, folder):
+    """Corners of every visual in the frame of its link, link by link."""
+    for visual in robot.iter("visual"):
+        file = folder / visual.find("geometry/mesh").get("filename")
+        place = visual.find("origin")
+        turn = Rotation.from_euler("xyz", np.array(place.get("rpy").split(), float))
+        points = turn.apply(trimesh.load(file, process=False).vertices) + np.array(place.get("xyz").split(), float)
+        yield np.stack([points.min(axis=0), points.max(axis=0)])
 
 
 def same_joint(found, written):

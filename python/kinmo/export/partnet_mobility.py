@@ -1,6 +1,7 @@
 """PartNet-Mobility's own layout, so that whatever reads that reads predictions and pseudo labels too.
 
-y-up, degrees for hinges, the file's lengths for everything else, and every joint at 0 in the pose of the meshes.
+y-up, degrees for hinges, the file's lengths for everything else, and every joint at 0 in the pose of the meshes. Simulators
+read mobility.urdf (z-up, one link for bodies that are fastened to each other, called after the body's number) and semantics.txt.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +18,10 @@ from numpy.typing import NDArray
 
 from kinmo.export.folders import whole_folder
 from kinmo.export.obj import write_obj
+from kinmo.export.urdf import robot, write_robot
 from kinmo.frames import Y_UP_TO_Z_UP, z_up_rotation
 from kinmo.joint import Joint, JointKind
+from kinmo.links import Link, links_of
 from kinmo.mobility import Mobility
 from kinmo.shape import Mesh, Shape
 
@@ -25,7 +29,9 @@ MESHES = "textured_objs"
 
 
 def write_partnet_mobility(shape: Shape, mobility: Mobility, folder: Path, *, meta: Mapping[str, Any] | None = None) -> Path:
-    """Write mobility_v2.json, result.json, meta.json and one OBJ a leaf; returns `folder`, which is replaced as a whole.
+    """Write mobility_v2.json, result.json, meta.json, mobility.urdf, semantics.txt and one OBJ a leaf in textured_objs.
+
+    Returns `folder`, which is replaced as a whole.
 
     `mobility` is over the leaves of `shape`, in its frame and lengths. Bodies are numbered as they stand; parts keep their ids.
     `meta` is added to meta.json.
@@ -40,8 +46,30 @@ def write_partnet_mobility(shape: Shape, mobility: Mobility, folder: Path, *, me
             write_obj(draft / MESHES / f"{_mesh_name(leaf)}.obj", Mesh(mesh.vertices @ rotation.T, mesh.faces))
         _write(draft / "meta.json", {key: value for key, value in facts.items() if value is not None})
         _write(draft / "result.json", [_node(shape, 0)])
-        _write(draft / "mobility_v2.json", [_body(shape, mobility, i, rotation) for i in range(len(mobility.bodies))])
+        bodies = [_body(shape, mobility, i, rotation) for i in range(len(mobility.bodies))]
+        _write(draft / "mobility_v2.json", bodies)
+        numbered = _numbered(mobility)
+        files = {leaf: f"{MESHES}/{_mesh_name(leaf)}.obj" for leaf in shape.leaves}
+        write_robot(robot(shape, numbered, files=files, files_rotation=Y_UP_TO_Z_UP), draft / "mobility.urdf")
+        rows = [f"{link.name} {bodies[i]['joint']} {_word(bodies[i]['name'])}" for link, i in _linked(numbered)]
+        (draft / "semantics.txt").write_text("".join(f"{row}\n" for row in rows), encoding="utf-8")
     return folder
+
+
+def _numbered(mobility: Mobility) -> Mobility:
+    """The same bodies, called as the dataset's URDFs call links."""
+    return Mobility(tuple(replace(body, name=f"link_{i}") for i, body in enumerate(mobility.bodies)), mobility.junk)
+
+
+def _linked(mobility: Mobility) -> list[tuple[Link, int]]:
+    """Links of the robot with the body that each is called after; the base with the first of its bodies, if it has any."""
+    bodies = [link.bodies[:1] if link.body is None else (link.body,) for link in links_of(mobility)]
+    return [(link, body[0]) for link, body in zip(links_of(mobility), bodies, strict=True) if body]
+
+
+def _word(name: str) -> str:
+    """A name without spaces, for lines of words."""
+    return "_".join(name.split()) or "part"
 
 
 def _write(path: Path, value: Any) -> None:

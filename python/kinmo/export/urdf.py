@@ -8,6 +8,8 @@ limit may go the diagonal of the object either way: URDF knows no unlimited slid
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -44,10 +46,14 @@ def write_urdf(shape: Shape, mobility: Mobility, folder: Path, *, name: str = "m
             mesh = shape.parts[leaf].mesh
             assert mesh is not None, "a leaf carries a mesh: readers make sure of it"
             write_obj(draft / file, mesh)
-        tree = robot(shape, mobility, metres_per_unit)
-        ET.indent(tree)
-        ET.ElementTree(tree).write(draft / f"{name}.urdf", encoding="utf-8", xml_declaration=True)
+        write_robot(robot(shape, mobility, metres_per_unit), draft / f"{name}.urdf")
     return folder / f"{name}.urdf"
+
+
+def write_robot(robot: ET.Element, path: Path) -> None:
+    """Write a <robot> element as a file, indented."""
+    ET.indent(robot)
+    ET.ElementTree(robot).write(path, encoding="utf-8", xml_declaration=True)
 
 
 def leaf_files(shape: Shape) -> dict[int, str]:
@@ -56,19 +62,38 @@ def leaf_files(shape: Shape) -> dict[int, str]:
     return {leaf: f"meshes/{name}.obj" for leaf, name in zip(shape.leaves, names, strict=True)}
 
 
-def robot(shape: Shape, mobility: Mobility, metres_per_unit: float = 1.0) -> ET.Element:
-    """The <robot> element of `write_urdf`."""
+def robot(
+    shape: Shape,
+    mobility: Mobility,
+    metres_per_unit: float = 1.0,
+    *,
+    files: Mapping[int, str] | None = None,
+    files_rotation: NDArray[np.float64] | None = None,
+) -> ET.Element:
+    """The <robot> element of `write_urdf`.
+
+    `files` are the mesh files of the leaves, whose vertices `files_rotation` [3, 3] turns into the robot's frame; if not given,
+    they are those of `write_urdf`, in the frame of the shape.
+    """
     rotation = z_up_rotation(np.asarray(shape.up, float))
     links = links_of(mobility)
     origins = [link_origin(shape, link, rotation, metres_per_unit) for link in links]
-    files = leaf_files(shape)
+    drawn = _Drawn(files or leaf_files(shape), rotation if files_rotation is None else files_rotation)
     root = ET.Element("robot", name=unique_names([f"{shape.category}_{shape.id}"])[0])
     for link, origin in zip(links, origins, strict=True):
-        root.append(_link_element(shape, link, origin, rotation, metres_per_unit, files))
+        root.append(_link_element(shape, link, origin, rotation, metres_per_unit, drawn))
         if link.joint is not None and link.parent is not None:
             offset = origin - origins[link.parent]
             root.extend(_joint_elements(link, links[link.parent].name, offset, rotation, metres_per_unit, shape.diagonal))
     return root
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """Mesh files by leaf, and the rotation [3, 3] from their frame to the robot's."""
+
+    files: Mapping[int, str]
+    rotation: NDArray[np.float64]
 
 
 def link_origin(shape: Shape, link: Link, rotation: NDArray[np.float64], metres_per_unit: float) -> Vector:
@@ -92,7 +117,7 @@ def _bounds(shape: Shape, link: Link, rotation: NDArray[np.float64], scale: floa
 
 
 def _link_element(
-    shape: Shape, link: Link, origin: Vector, rotation: NDArray[np.float64], scale: float, files: dict[int, str]
+    shape: Shape, link: Link, origin: Vector, rotation: NDArray[np.float64], scale: float, drawn: _Drawn
 ) -> ET.Element:
     element = ET.Element("link", name=link.name)
     low, high = _bounds(shape, link, rotation, scale)
@@ -100,8 +125,8 @@ def _link_element(
     for leaf in link.leaves:
         for role in ("visual", "collision"):
             piece = ET.SubElement(element, role)
-            ET.SubElement(piece, "origin", xyz=_numbers(-origin), rpy=_numbers(roll_pitch_yaw(rotation)))
-            ET.SubElement(ET.SubElement(piece, "geometry"), "mesh", filename=files[leaf], scale=_numbers([scale] * 3))
+            ET.SubElement(piece, "origin", xyz=_numbers(-origin), rpy=_numbers(roll_pitch_yaw(drawn.rotation)))
+            ET.SubElement(ET.SubElement(piece, "geometry"), "mesh", filename=drawn.files[leaf], scale=_numbers([scale] * 3))
     return element
 
 
