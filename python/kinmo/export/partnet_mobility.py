@@ -1,7 +1,7 @@
 """PartNet-Mobility's own layout, so that whatever reads that reads predictions and pseudo labels too.
 
 y-up, degrees for hinges, the file's lengths for everything else, and every joint at 0 in the pose of the meshes. Simulators
-read mobility.urdf (z-up, one link for bodies that are fastened to each other, called after the body's number) and semantics.txt.
+read mobility.urdf (z-up, one link for bodies fastened to each other, called after a body's number) and semantics.txt.
 """
 
 from __future__ import annotations
