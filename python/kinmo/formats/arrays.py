@@ -37,7 +37,10 @@ def read_npz(path: Path, folder: Path, names: tuple[str, ...]) -> dict[str, Arra
 
 
 def read_mat(path: Path, folder: Path, names: tuple[str, ...]) -> dict[str, Array]:
-    """The arrays `names` of a MATLAB file as float64. Files of version 7.3 are HDF5 and need the package h5py."""
+    """The arrays `names` of a MATLAB file as float64, their axes in MATLAB's order.
+
+    Files of version 7.3 are HDF5 and need the package h5py (`pip install 'kinmo[matlab]'`).
+    """
     raw = read_bytes(path, folder, LARGEST_MESH)
     values: Mapping[str, object]
     try:
@@ -58,8 +61,10 @@ def read_mat(path: Path, folder: Path, names: tuple[str, ...]) -> dict[str, Arra
 
 def _read_hdf5(raw: bytes, path: Path, names: tuple[str, ...]) -> dict[str, object]:
     try:
-        import h5py  # type: ignore[import-not-found, unused-ignore]
+        import h5py  # type: ignore[import-untyped, import-not-found, unused-ignore]
     except ImportError:
-        raise InputError(path, "is HDF5 and needs the package h5py: pip install h5py") from None
+        raise InputError(path, "is HDF5 and needs the package h5py: pip install 'kinmo[matlab]'") from None
     with h5py.File(io.BytesIO(raw), "r") as file:
-        return {name: file[name][()] for name in names if name in file}
+        found = {name: file[name][()] for name in names if name in file}
+    # MATLAB writes its arrays column by column, which HDF5 reads as rows.
+    return {name: value.T for name, value in found.items()} if raw.startswith(b"MATLAB") else found

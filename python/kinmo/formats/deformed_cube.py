@@ -49,12 +49,8 @@ def read_cube_mesh(path: Path, folder: Path) -> CubeMesh:
     if solver.ndim != 2 or solver.shape[0] != solver.shape[1]:
         raise InputError(path, "expected a square matrix", "recon")
     count = len(solver)
-    if neighbours.ndim == 2 and neighbours.shape[0] != count:  # MATLAB's own HDF5 lists axes the other way round
-        neighbours, differences, faces = neighbours.T, differences.T, faces.T
     if neighbours.ndim != 2 or neighbours.shape[0] != count or differences.shape != (*neighbours.shape, 3):
         raise InputError(path, f"expected [{count}, D] neighbours and their differences", "vdiff")
-    if faces.ndim == 2 and faces.shape[1] != 3:
-        faces = faces.T
     if faces.ndim != 2 or faces.shape[1] != 3 or not np.all((faces >= 1) & (faces <= count)):
         raise InputError(path, f"expected triangles of vertices 1..{count}", "ref_F")
     if not np.all((neighbours >= 0) & (neighbours <= count)):
