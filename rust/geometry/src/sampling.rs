@@ -114,3 +114,53 @@ fn any_perpendicular(direction: Vector3<f64>) -> Vector3<f64> {
     least_aligned[direction.iamin()] = 1.0;
     direction.cross(&least_aligned).try_normalize(0.0).unwrap_or(Vector3::z())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::soup::soup;
+    use proptest::prelude::*;
+
+    fn lies_on_its_face(mesh: &Mesh, sample: &SurfaceSample) -> bool {
+        let corners = mesh.triangle(sample.face as usize);
+        let sides = [0, 1, 2].map(|i| (corners[(i + 1) % 3] - corners[i]).cross(&(sample.point - corners[i])));
+        let whole = mesh.scaled_normal(sample.face as usize);
+        let inside = sides.iter().all(|side| side.dot(&whole) >= -1e-9 * whole.norm_squared());
+        inside && (sample.point - corners[0]).dot(&sample.normal).abs() < 1e-9
+    }
+
+    proptest! {
+        #[test]
+        fn samples_lie_on_the_faces_they_name(mesh in soup(7), count in 1usize..80, seed in any::<u64>()) {
+            for samples in [sample_surface(&mesh, count, seed), sample_surface_evenly(&mesh, count, seed)] {
+                prop_assert_eq!(samples.len(), count);
+                for sample in &samples {
+                    prop_assert!((sample.normal.norm() - 1.0).abs() < 1e-12);
+                    prop_assert!(lies_on_its_face(&mesh, sample), "{:?}", sample);
+                }
+            }
+        }
+
+        /// No face is off its share by a sample or more at either end of its stretch.
+        #[test]
+        fn every_face_gets_its_share_of_the_area(mesh in soup(5), seed in any::<u64>()) {
+            let count = 2000;
+            let areas = mesh.face_areas();
+            let total: f64 = areas.iter().sum();
+            let mut drawn = vec![0usize; areas.len()];
+            for sample in sample_surface(&mesh, count, seed) {
+                drawn[sample.face as usize] += 1;
+            }
+            for (number, area) in drawn.iter().zip(&areas) {
+                prop_assert!((*number as f64 - area / total * count as f64).abs() <= 2.0, "{drawn:?} {areas:?}");
+            }
+        }
+
+        #[test]
+        fn a_seed_decides_the_samples(mesh in soup(4), seed in any::<u64>()) {
+            prop_assert_eq!(sample_surface(&mesh, 30, seed), sample_surface(&mesh, 30, seed));
+            prop_assert_eq!(sample_surface_evenly(&mesh, 30, seed), sample_surface_evenly(&mesh, 30, seed));
+            prop_assert!(sample_surface(&mesh, 30, seed) != sample_surface(&mesh, 30, seed ^ 1));
+        }
+    }
+}

@@ -187,6 +187,51 @@ fn principal_axes(mesh: &Mesh, samples: &[SurfaceSample]) -> (Point3<f64>, [Vect
 mod tests {
     use super::*;
     use crate::bvh::Bvh;
+    use crate::soup::{block, isometry, mapped};
+    use crate::symmetric_box::symmetric_box;
+    use proptest::prelude::*;
+
+    const OPTIONS: TestOptions = TestOptions { samples: 200, tolerance: 0.005, seed: 1 };
+
+    /// Half extents whose least ratio is 1.2, so that a block has no turns but half ones.
+    fn unequal_extents() -> impl Strategy<Value = [f64; 3]> {
+        (0.1..1.0f64, 1.2..2.0f64, 1.2..2.0f64).prop_map(|(x, y, z)| [x, x * y, x * y * z])
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// Three mirrors and three half turns, wherever the block is and however it lies.
+        #[test]
+        fn a_placed_block_has_the_symmetries_of_a_block(half in unequal_extents(), place in isometry()) {
+            let mesh = mapped(&block(half.map(|h| -h), half), |p| place * p);
+            let tree = Bvh::new(&mesh);
+            let found = find_symmetries(&Surface::new(&[&mesh], vec![&tree]), &OPTIONS);
+            for kind in [SymmetryKind::Reflection, SymmetryKind::Rotation(2)] {
+                let along: Vec<_> = found.iter().filter(|symmetry| symmetry.kind == kind).collect();
+                prop_assert_eq!(along.len(), 3, "{:?}", found);
+                for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+                    let nearest = along.iter().map(|s| s.direction.cross(&(place * axis)).norm()).fold(f64::MAX, f64::min);
+                    prop_assert!(nearest < SAME_CANDIDATE, "{nearest}");
+                }
+            }
+            prop_assert_eq!(found.len(), 6);
+        }
+
+        #[test]
+        fn the_symmetric_box_of_a_placed_block_is_the_block(half in unequal_extents(), place in isometry()) {
+            let mesh = mapped(&block(half.map(|h| -h), half), |p| place * p);
+            let tree = Bvh::new(&mesh);
+            let (found, planes) = symmetric_box(&Surface::new(&[&mesh], vec![&tree]), &OPTIONS);
+            prop_assert_eq!(planes, 3);
+            let mut sides: Vec<f64> = found.half_extents.iter().copied().collect();
+            sides.sort_by(f64::total_cmp);
+            for (side, wanted) in sides.iter().zip(half) {
+                prop_assert!((side - wanted).abs() < 1e-9);
+            }
+            prop_assert!((found.center - place * Point3::origin()).norm() < 1e-9);
+        }
+    }
 
     /// A regular prism about the z axis.
     fn prism(sides: u32) -> Mesh {
