@@ -140,7 +140,9 @@ kinds = np.arange(9, dtype=np.uint8) % 3
 lines = np.eye(3)[np.arange(9) % 3], corners[0, :9]
 travels = _core.sweep(meshes, [0, 1], [2, 3, 4], kinds, *lines, np.full(9, -1.0), np.full(9, 1.0))
 moved = _core.move_points(corners[0].astype(np.float32), kinds, *lines, np.ones((9, 2)), np.ones((9, 2)))
-found = [*_core.part_distances(meshes), regions.centroids, regions.samples, regions.weights, *travels, moved]
+boxes = _core.fit_boxes(meshes)
+found = [_core.box_iou(*boxes, *(values[::-1].copy() for values in boxes)), *_core.closest_points(meshes, [0, 1], corners[0])]
+found += [*_core.part_distances(meshes), regions.centroids, regions.samples, regions.weights, *travels, moved]
 print(json.dumps([array.tobytes().hex() for array in found]))
 """
 
