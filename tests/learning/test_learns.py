@@ -102,14 +102,13 @@ def test_training_goes_on_from_initial_weights(tmp_path: Path) -> None:
 
 
 def test_two_steps_of_the_papers_sizes_run(tmp_path: Path) -> None:
-    gnn = replace(PAPER.gnn, training=replace(PAPER.gnn.training, epochs=1), leaf=replace(PAPER.gnn.leaf, points=128))
+    gnn = replace(PAPER.gnn, training=replace(PAPER.gnn.training, epochs=1), batch_shapes=2)
     shapes = [cabinet(seed) for seed in (0, 1, 2, 3, 4)]
     result = train_motion_gnn(shapes[:4], shapes[4:], gnn, tmp_path / "gnn", device="cpu")
     assert np.isfinite(result.best_error)
     axis = replace(
         PAPER.axis,
         training=replace(PAPER.axis.training, epochs=1),
-        encoder=replace(PAPER.axis.encoder, points=512),
         batch_joints=1,
         batches_per_epoch=2,
     )
