@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from kinmo.evaluation.records import JointRecord, ShapeScore
+from kinmo.evaluation.summary import LEAST_OBJECTS as MACRO_OVER
+from kinmo.evaluation.table1 import OVERVIEW, Scores, overview
+from kinmo.evaluation.tables import Caption, as_text
 from kinmo.joint import JointKind
 
 LEAST_OBJECTS = 3
@@ -76,3 +80,23 @@ def print_figures(rows: Mapping[str, Figures]) -> None:
     print(" " * width, *(f"{name:>16}" for name in names))
     for row, figures in rows.items():
         print(f"{row:<{width}}", *(f"{figures[name]:>16.4g}" for name in names), flush=True)
+
+
+def print_overviews(rows: Mapping[str, Sequence[ShapeScore]], data: str, split: str, seeds: int) -> None:
+    """The tables that `kinmo eval` prints of the same rows: over joints with 95 % intervals, and over categories."""
+    caption = Caption("Rows of this bench", data, 0, 0, split, tuple(range(seeds)))
+    methods = {name: Scores(over_seeds(scores)) for name, scores in rows.items()}
+    figures = (*OVERVIEW, "line", "line_at_part", "precision", "recall", "f1")
+    for least in (None, *MACRO_OVER):
+        print(as_text(overview(methods, caption, figures=figures, macro_over=least)), flush=True)
+
+
+def over_seeds(scores: Iterable[ShapeScore]) -> list[ShapeScore]:
+    """One score a shape, with the joints of all its seeds: objects, not runs, are what an interval draws again."""
+    merged: dict[str, ShapeScore] = {}
+    for score in scores:
+        before = merged.get(score.shape_id)
+        merged[score.shape_id] = score if before is None else replace(
+            before, records=before.records + score.records, false_alarms=before.false_alarms + score.false_alarms
+        )  # fmt: skip
+    return list(merged.values())

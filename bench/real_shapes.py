@@ -55,6 +55,14 @@ class Shapes:
             tested = [shape for shape in self.procedural if fold_of(shape.category, 2) == half]
             yield f"families{half}", [], [], [shape for shape in tested if split_of(shape.id) is Split.TEST]
 
+    def of_seen_families(self) -> tuple[list[PreparedShape], list[PreparedShape], list[PreparedShape]]:
+        """Procedural shapes of all families to train on, to choose the epoch by, and to test with."""
+        training, validation, tested = (
+            [shape for shape in self.procedural if split_of(shape.id) is split]
+            for split in (Split.TRAIN, Split.VALIDATION, Split.TEST)
+        )
+        return training, validation, tested
+
 
 def parser_for(description: str | None, count: int) -> argparse.ArgumentParser:
     """The options of such a bench; `count` procedural shapes a family are the default."""

@@ -11,12 +11,13 @@ import pytest
 from whole_road import METHODS, Listener, Road, contents, tiny_config
 
 from kinmo.errors import InputError
-from kinmo.formats import discover, read_found, read_partnet_mobility
+from kinmo.formats import Found, Layout, discover, read_found, read_partnet_mobility
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluation_files import SETTINGS
 from kinmo.pipeline.examples import read_examples
 from kinmo.pipeline.journal import runs
 from kinmo.pipeline.predict import Predict
+from kinmo.pipeline.predictors import leaf_meshes, load_predictor
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.rows import CONTACT_EDGES, chosen_rows
@@ -110,6 +111,25 @@ def test_a_higher_threshold_leaves_fewer_folders(road: Road, tmp_path: Path) -> 
     assert accepted() <= before
     PseudoLabel(workspace, METHODS[0], "laptop", threshold=1.0, device="cpu").run(Listener())
     assert not accepted()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_what_is_predicted_of_a_shape_does_not_depend_on_its_annotation(method: str, road: Road) -> None:
+    """So that labels of held-out shapes may be judged for truth without writing those anew without their joints."""
+    predictor = load_predictor(road.workspace, method, "cpu")
+    store = PreparedStore(road.workspace.prepared)
+    for entry in [entry for entry in store.entries if entry.joint_count][:6]:
+        shape = store.load(entry)
+        meshes = leaf_meshes(read_found(Found(Path(shape.source), Layout(shape.layout), shape.id)), shape)
+        bare = replace(shape, mobility=None, body_boxes=None, body_types={}, edge_labels=None)
+        told, untold = (predictor.predict(each, meshes) for each in (shape, bare))
+        assert [body.leaves for body in told.mobility.bodies] == [body.leaves for body in untold.mobility.bodies]
+        for one, other in zip(told.mobility.bodies, untold.mobility.bodies, strict=True):
+            assert (one.parent, one.joint is None) == (other.parent, other.joint is None)
+            if one.joint is not None and other.joint is not None:
+                assert one.joint.kind is other.joint.kind
+                assert one.joint.direction == pytest.approx(other.joint.direction)
+                assert one.joint.pivot == pytest.approx(other.joint.pivot)
 
 
 def test_the_report_names_everything_that_was_run(road: Road) -> None:
