@@ -20,6 +20,7 @@ from kinmo.pipeline.predict import Predict
 from kinmo.pipeline.predictors import leaf_meshes, load_predictor
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.pseudo_label import PseudoLabel
+from kinmo.pipeline.report import PICTURED_TOGETHER
 from kinmo.pipeline.rows import CONTACT_EDGES, chosen_rows
 from kinmo.pipeline.stage import Stage
 from kinmo.pipeline.train import Train
@@ -238,7 +239,7 @@ def test_a_stage_without_its_inputs_says_what_to_run_first(
 def test_pictures_are_drawn_from_the_sources(road: Road) -> None:
     html = road.outcomes["report"].path.read_text(encoding="utf-8")
     examples = read_examples(road.outcomes["eval"].path / "examples.jsonl")
-    pictured = [row for example in examples for row in ("kinmo", "OBB_fine") if row in example.answers]
+    pictured = [row for example in examples for row, _ in PICTURED_TOGETHER if row in example.answers]
     assert html.count('<svg class="object"') == len(pictured) > 0
     assert all(read_found(found) for found in list(discover(road.shapes / "partnet_mobility"))[:1])
 

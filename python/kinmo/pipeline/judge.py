@@ -21,7 +21,7 @@ from kinmo.pipeline.rows import Row, frame_answers
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 
-PICTURED = ("kinmo", "OBB_fine", "GNN_fine")
+PICTURED = ("kinmo", "OBB_fine", "GNN_fine", "GNN_coarse")
 """Rows whose answers are kept for the report's pictures."""
 
 

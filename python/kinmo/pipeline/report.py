@@ -28,6 +28,9 @@ from kinmo.workspace import StageRecord, Workspace, write_text_atomically
 
 PICTURES = 12
 """Of hits, and as many of failures, a method."""
+PICTURED_TOGETHER = (("kinmo", None), ("OBB_fine", "GNN_fine"), ("GNN_fine", "GNN_coarse"))
+"""Rows whose hits and failures are shown, and the row whose answer is drawn beside: what refining brings, and what fine types
+do (the paper's figures 4, 6 and 3)."""
 SECONDS_PER_PICTURE = 1.0
 KEY = (
     "The moving part is blue. Types: R turns, P slides, PR does both; H or V for a horizontal or vertical axis; C or S for one "
@@ -49,7 +52,7 @@ class Report:
     workspace: Workspace
 
     def plan(self) -> Plan:
-        wanted = 4 * min(PICTURES, len(self._examples()))
+        wanted = 2 * len(PICTURED_TOGETHER) * min(PICTURES, len(self._examples()))
         return Plan((f"write {self._path}",), 1.0 + wanted * SECONDS_PER_PICTURE)
 
     def run(self, observer: Observer) -> Outcome:
@@ -140,23 +143,23 @@ class Report:
 
     def _pictures(self, store: PreparedStore, observer: Observer) -> Iterator[Section]:
         examples = self._examples()
-        for row, network in (("kinmo", None), ("OBB_fine", "GNN_fine")):
+        for row, beside in PICTURED_TOGETHER:
             answered = [example for example in examples if row in example.answers]
             for title, wanted in ((f"{row}: right", True), (f"{row}: wrong", False)):
                 some = chosen((e for e in answered if e.answers[row].is_ok is wanted), PICTURES)
-                pictures = list(self._draw_all(store, some, row, network, title, observer))
+                pictures = list(self._draw_all(store, some, row, beside, title, observer))
                 if pictures:
-                    legend = [("truth", "true axis"), ("refined", row), *([("network", network)] if network else [])]
+                    legend = [("truth", "true axis"), ("refined", row), *([("network", beside)] if beside else [])]
                     yield Section(title, _explained(wanted, len(some), answered, row), pictures=pictures, legend=legend)
 
     def _examples(self) -> list[Example]:
         return read_examples(self.workspace.evaluation / ALL / EXAMPLES) if is_current(self.workspace, ALL) else []
 
     def _draw_all(
-        self, store: PreparedStore, examples: Sequence[Example], row: str, network: str | None, what: str, observer: Observer
+        self, store: PreparedStore, examples: Sequence[Example], row: str, beside: str | None, what: str, observer: Observer
     ) -> Iterator[Picture]:
         for done, example in enumerate(examples):
-            roles = {"refined": row} | ({"network": network} if network else {})
+            roles = {"refined": row} | ({"network": beside} if beside else {})
             try:
                 svg = draw(store, example, roles)
             except InputError as error:
