@@ -110,9 +110,8 @@ def _hinged(draw: Draw, mouth: _Mouth) -> Mechanism:
         knuckle = [cylinder(thick, 2 * wide, "x", origin, 12), box((wide, 2 * thick, 2 * thick), origin + Z * thick)]
         draw.pick([pieces, fixed]).extend(knuckle)
     if draw.chance(0.5):
-        pieces += _grip(draw, mouth) if draw.chance(0.3) else [
-            box((0.3 * mouth.wide, 0.05, 0.2 * mouth.deep), (0, mouth.height + 0.03, 1.1 * mouth.deep))
-        ]  # fmt: skip
+        tab = box((0.3 * mouth.wide, 0.05, 0.2 * mouth.deep), (0, mouth.height + 0.03, 1.1 * mouth.deep))
+        pieces += _grip(draw, mouth) if draw.chance(0.3) else [tab]
     opening = draw.between(60.0, 130.0)
     rest = draw.pick([0.0, -draw.between(0.1, 1.0) * opening], [3, 1])
     motion = hinge(origin, X, -opening, 0.0, rest=rest)
