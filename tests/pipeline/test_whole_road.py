@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from whole_road import METHODS, Listener, Road, contents, tiny_config
 
+from browser import assert_shown_without_complaint, needs_browser
 from kinmo.errors import InputError
 from kinmo.formats import Found, Layout, discover, read_found, read_partnet_mobility
 from kinmo.pipeline.evaluate import Evaluate
@@ -139,6 +140,12 @@ def test_the_report_names_everything_that_was_run(road: Road) -> None:
         assert run.stage in html
     for title in ("Table 1, parts given", "Table 1, hierarchy given", "Training", "Pseudo labels"):
         assert title in html
+
+
+@needs_browser
+@pytest.mark.parametrize("width", [400, 1200])
+def test_a_browser_shows_the_report_without_complaint(width: int, road: Road, tmp_path: Path) -> None:
+    assert_shown_without_complaint(road.outcomes["report"].path.read_text(encoding="utf-8"), width, tmp_path)
 
 
 def test_predict_goes_on_past_a_bad_shape(road: Road, tmp_path: Path) -> None:

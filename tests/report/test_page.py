@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from browser import assert_shown_without_complaint, needs_browser
 from kinmo.joint import Joint, JointKind
 from kinmo.report.curves import line_chart
 from kinmo.report.page import Page, Picture, Section, Table, render
 from kinmo.report.picture import Axis, object_picture
 from kinmo.shape import Mesh
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 TRICKY = "<script>alert('&')</script>"
 
 
@@ -61,22 +59,10 @@ def test_text_is_escaped_everywhere() -> None:
     assert TRICKY not in render(page())
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine")
+@needs_browser
 @pytest.mark.parametrize("width", [400, 1200])
 def test_a_browser_shows_it_without_errors_and_without_scrolling_sideways(tmp_path: Path, width: int) -> None:
-    probe = (
-        "<script>document.title = document.documentElement.scrollWidth + '/' + document.documentElement.clientWidth</script>"
-    )
-    file = tmp_path / "report.html"
-    file.write_text(render(page()).replace("</body>", probe + "</body>"), encoding="utf-8")
-    command = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0",
-               f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={width},900", "--virtual-time-budget=2000",
-               "--dump-dom", file.as_uri()]  # fmt: skip
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
-    assert "CONSOLE" not in done.stderr
-    sizes = re.search(r"<title>(\d+)/(\d+)</title>", done.stdout)
-    assert sizes is not None
-    assert int(sizes[1]) <= int(sizes[2])
+    assert_shown_without_complaint(render(page()), width, tmp_path)
 
 
 def test_columns_of_words_and_of_numbers_are_told_apart() -> None:
