@@ -36,16 +36,16 @@ from kinmo.formats import Found, read_found
 from kinmo.formats import Layout as Files
 from kinmo.ground_truth import motion_type
 from kinmo.joint import Joint
-from kinmo.learning.joint_ranking.data import hypothesis_costs
 from kinmo.learning.joint_ranking.predict import JointRanking
 from kinmo.learning.joint_ranking.train import train_joint_ranking
+from kinmo.learning.joint_ranking.views import body_view
 from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
 from kinmo.learning.motion_gnn.train import train_motion_gnn
 from kinmo.mobility import Mobility
 from kinmo.normalisation import Normalisation
 from kinmo.pipeline.predictors import leaf_meshes
 from kinmo.prediction import JointEstimate, Prediction
-from kinmo.prepared import PreparedShape, units_of
+from kinmo.prepared import PreparedShape
 from kinmo.ranked_mobility import moving_nodes, predicted_bodies, ranked_bodies, tree_of
 from kinmo.refinement import in_file_frame
 from real_figures import Figures, figures_of, print_figures, print_overviews
@@ -132,13 +132,12 @@ def best_there_is(shape: PreparedShape) -> ShapeScore:
     """Score the hypotheses that are nearest to the true joints."""
     mobility, boxes = annotation(shape)
     evidence = Evidence.of(shape.evidence)
-    place = {leaves: unit for unit, leaves in enumerate(units_of(shape.leaves_below, shape.body_leaves))}
+    view = body_view(shape, evidence)
     answers = {}
     for body, true in mobility.movable():
-        assert true.joint is not None
-        unit = place[shape.body_leaves[body]]
-        rows = evidence.rows(unit)
-        best = rows.start + int(np.argmin(hypothesis_costs(evidence, rows, true.joint, evidence.centers[unit])))
+        target = view.targets[body]
+        assert true.joint is not None and target is not None
+        best = evidence.rows(view.units[body]).start + int(np.argmax(target))
         joint = Joint(true.joint.kind, evidence.directions[best], evidence.pivots[best])
         answers[body] = JointEstimate(joint, motion_type(joint, boxes[body], shape.up), 1.0, source="ceiling")
     return parts_given(shape, answers)

@@ -179,6 +179,11 @@ class RankingConfig:
     hide_categories: Share = 0.0
     batch_views: Count = 16
 
+    @property
+    def sees_categories(self) -> bool:
+        """Whether the networks are ever shown a category."""
+        return self.hide_categories < 1.0
+
 
 @dataclass(frozen=True)
 class RefinementConfig:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from kinmo.export.obj import write_obj
 from kinmo.export.urdf import robot, write_robot
 from kinmo.frames import Y_UP_TO_Z_UP, z_up_rotation
 from kinmo.joint import Joint, JointKind
-from kinmo.links import Link, links_of
+from kinmo.links import links_of
 from kinmo.mobility import Mobility
 from kinmo.shape import Mesh, Shape
 
@@ -51,8 +51,7 @@ def write_partnet_mobility(shape: Shape, mobility: Mobility, folder: Path, *, me
         numbered = _numbered(mobility)
         files = {leaf: f"{MESHES}/{_mesh_name(leaf)}.obj" for leaf in shape.leaves}
         write_robot(robot(shape, numbered, files=files, files_rotation=Y_UP_TO_Z_UP), draft / "mobility.urdf")
-        rows = [f"{link.name} {bodies[i]['joint']} {_word(bodies[i]['name'])}" for link, i in _linked(numbered)]
-        (draft / "semantics.txt").write_text("".join(f"{row}\n" for row in rows), encoding="utf-8")
+        (draft / "semantics.txt").write_text("".join(_semantics(numbered, bodies)), encoding="utf-8")
     return folder
 
 
@@ -61,15 +60,12 @@ def _numbered(mobility: Mobility) -> Mobility:
     return Mobility(tuple(replace(body, name=f"link_{i}") for i, body in enumerate(mobility.bodies)), mobility.junk)
 
 
-def _linked(mobility: Mobility) -> list[tuple[Link, int]]:
-    """Links of the robot with the body that each is called after; the base with the first of its bodies, if it has any."""
-    bodies = [link.bodies[:1] if link.body is None else (link.body,) for link in links_of(mobility)]
-    return [(link, body[0]) for link, body in zip(links_of(mobility), bodies, strict=True) if body]
-
-
-def _word(name: str) -> str:
-    """A name without spaces, for lines of words."""
-    return "_".join(name.split()) or "part"
+def _semantics(mobility: Mobility, entries: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """A line a link: its name, and joint and name of the body it is called after; for the base, of the first of its bodies."""
+    for link in links_of(mobility):
+        body = link.body if link.body is not None else next(iter(link.bodies), None)
+        if body is not None:
+            yield f"{link.name} {entries[body]['joint']} {'_'.join(entries[body]['name'].split()) or 'part'}\n"
 
 
 def _write(path: Path, value: Any) -> None:

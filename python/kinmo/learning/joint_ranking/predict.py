@@ -38,7 +38,7 @@ class JointRanking:
             raise InputError(header, "expected the numbers of features", "facts")
         networks = rankers(config, hypothesis_features, unit_features)
         loaded.fill(networks)
-        return cls(networks, device, hide_names, config.hide_categories == 1.0)
+        return cls(networks, device, hide_names, not config.sees_categories)
 
     @torch.inference_mode()
     def probabilities(self, view: View) -> tuple[list[F64], F64]:

@@ -116,7 +116,7 @@ class RankingData:
     def words(self) -> torch.Tensor:
         """Hashed words of the names to learn from, each once."""
         known = {word for view in self.training for words in view.words for word in words}
-        if self.config.hide_categories < 1.0:
+        if self.config.sees_categories:
             known |= {word for view in self.training for word in view.category}
         return torch.tensor(sorted(known), dtype=torch.long)
 
@@ -139,8 +139,8 @@ class RankingData:
 
     def validation_batches(self) -> Iterator[RankingBatch]:
         for start in range(0, len(self.validation), VALIDATION_VIEWS):
-            always = float(self.config.hide_categories == 1.0)
-            yield collate(self.validation[start : start + VALIDATION_VIEWS], hide_category=always)
+            hidden = float(not self.config.sees_categories)
+            yield collate(self.validation[start : start + VALIDATION_VIEWS], hide_category=hidden)
 
 
 class RankingLearner(Learner):

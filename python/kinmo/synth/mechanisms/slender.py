@@ -17,7 +17,7 @@ from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.sliding import keys, pusher, slot
 from kinmo.synth.mechanisms.turning import knob, latch, rocker
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, screw, slider, spinner
-from kinmo.synth.primitives import Y, Z, box, cylinder, mirror, rounded_box, tube, turn
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, mirror, rounded_box, tube, turn
 from kinmo.synth.primitives.place import facing
 
 
@@ -165,8 +165,8 @@ def _lever(draw: Draw, bar: _Bar) -> Mechanism:
     fixed = [bar.section(draw, 1.0, bar.long, 0.0)]
     if draw.chance(0.7):
         fixed += [box((0.1 * bar.wide, gap + thick, 0.1 * long), pin + (s * 0.55 * wide, 0.2 * thick, 0)) for s in (-1, 1)]
-    pieces = [turn(piece, (1, 0, 0), draw.pick([0.0, -draw.between(0.0, 25.0)]), pin) for piece in pieces]
-    motion = hinge(pin, (1, 0, 0), -draw.between(10.0, 100.0), draw.between(0.0, 5.0))
+    pieces = [turn(piece, X, draw.pick([0.0, -draw.between(0.0, 25.0)]), pin) for piece in pieces]
+    motion = hinge(pin, X, -draw.between(10.0, 100.0), draw.between(0.0, 5.0))
     return Mechanism([Moving(draw.pick(["lever", "arm", "body", "lid"]), pieces, motion)], fixed)
 
 
@@ -200,11 +200,11 @@ def _winged(draw: Draw, bar: _Bar) -> Mechanism:
         if upright:
             pin = pin + Y * 0.5 * bar.thick
             arm = [box((tall * bar.wide, long, thick), pin + Y * 0.5 * long)]
-            axis = np.array([side, 0.0, 0.0])
+            axis = X * side
             knuckle = cylinder(0.6 * thick, tall * bar.wide, "x", pin, 10)
         else:
-            pin = pin + np.array([0.5 * bar.wide, 0.0, 0.0])
-            arm = [box((long, tall * bar.thick, thick), pin + np.array([0.5 * long, 0.0, 0.0]))]
+            pin = pin + X * 0.5 * bar.wide
+            arm = [box((long, tall * bar.thick, thick), pin + X * 0.5 * long)]
             axis = Y * -side
             knuckle = cylinder(0.6 * thick, tall * bar.thick, "y", pin, 10)
         if draw.chance(0.5):
