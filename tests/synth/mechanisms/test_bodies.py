@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from kinmo.synth.draw import Draw
+from kinmo.synth.families.mechanism import build
 from kinmo.synth.mechanisms.hollow import hollow
 from kinmo.synth.mechanisms.slab import slab
 from kinmo.synth.mechanisms.slender import slender
+from kinmo.synth.mechanisms.turning import treadle
 from kinmo.synth.model import Link, SynthObject
 from kinmo.synth.primitives import Y
 
@@ -83,11 +85,12 @@ def test_slender_bodies_move_along_or_about_their_own_axes() -> None:
 
 
 def test_the_keys_of_a_slab_go_into_it_and_keep_apart() -> None:
+    keyboards = 0
     for made in built(slab):
         plate = next(iter(made.links[0].leaves())).pieces[0].vertices
         middle = 0.5 * (plate.min(axis=0) + plate.max(axis=0))
         keys = [link for link in made.links if link.motion and not link.motion.has_place and link.motion.b == 0.0]
-        assert keys
+        keyboards += bool(keys)
         for key in keys:
             assert key.motion is not None
             pressed = key.motion.direction * key.motion.a
@@ -97,3 +100,39 @@ def test_the_keys_of_a_slab_go_into_it_and_keep_apart() -> None:
         boxes = [(points_of(key).min(axis=0), points_of(key).max(axis=0)) for key in keys[:20]]
         for (low, high), (other_low, other_high) in combinations(boxes, 2):
             assert (np.minimum(high, other_high) - np.maximum(low, other_low)).min() < 1e-9
+    assert keyboards > 0.6 * SEEDS
+
+
+def test_pads_that_tip_go_down_at_the_end_away_from_their_line() -> None:
+    for seed in range(SEEDS):
+        for pad in treadle(Draw(np.random.default_rng(seed))).moving:
+            points = np.concatenate([piece.vertices for piece in pad.pieces])
+            free = points[np.argmin(points[:, 1])]
+            pressed = pad.motion.at(pad.motion.b) @ np.append(free, 1.0)
+            assert pressed[2] < free[2] - 0.01
+
+
+def test_a_wheel_rolls_about_a_level_line() -> None:
+    wheels = [
+        link
+        for seed in range(4 * SEEDS)
+        for link in build(Draw(np.random.default_rng(seed))).links
+        if link.name == "wheel" and link.motion is not None
+    ]
+    assert len(wheels) > 10
+    assert all(abs(link.motion.direction @ Y) <= 0.7 for link in wheels if link.motion is not None)
+
+
+def test_wings_fold_in_over_the_body_that_they_are_hinged_to() -> None:
+    folded = 0
+    for made in built(slender):
+        wings = [link for link in made.links if link.name == "wing" and link.motion is not None]
+        for wing in wings:
+            assert wing.motion is not None
+            middle = points_of(made.links[0]).mean(axis=0)
+            far = points_of(wing)[np.argmax(np.linalg.norm(points_of(wing) - wing.motion.origin, axis=1))]
+            closed = (wing.motion.at(wing.motion.b) @ np.append(far, 1.0))[:3]
+            inwards = middle - wing.motion.origin
+            assert (closed - wing.motion.origin) @ inwards > 0.0
+            folded += 1
+    assert folded > 3

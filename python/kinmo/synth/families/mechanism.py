@@ -37,7 +37,7 @@ CROWDED, MOST = 0.5, 6
 
 
 def build(draw: Draw) -> SynthObject:
-    style = draw.pick([_block, housing, pedestal, hollow, slender, slab], [5, 5, 4, 2, 3, 1])
+    style = draw.pick([_block, housing, pedestal, hollow, slender, slab], [5, 5, 4, 3, 3, 2])
     made = style(draw, draw.chance(CROWDED))
     if style is _block and draw.chance(TURNED):
         lay(draw, made)

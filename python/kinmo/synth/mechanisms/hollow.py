@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,22 @@ from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.sliding import keys, pusher, slot
 from kinmo.synth.mechanisms.turning import bail, knob, lever
 from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, ellipsoid, extrude, lathe, move, rounded_path, sweep, turn
+from kinmo.synth.primitives import (
+    X,
+    Y,
+    Z,
+    box,
+    cylinder,
+    ellipsoid,
+    extrude,
+    lathe,
+    move,
+    rounded_path,
+    scale,
+    sweep,
+    tube,
+    turn,
+)
 from kinmo.synth.primitives.place import facing
 from kinmo.synth.primitives.solids import rounded_outline
 
@@ -37,7 +52,18 @@ class _Mouth:
         radius, rise = over * self.wide, draw.pick([0.0, draw.between(0.05, 0.6)]) * self.wide
         top = np.linspace(1.0, 0.0, 6)
         skin = np.stack([radius * top, thick + rise * (1 - top**2)], axis=1)
-        return move(lathe(np.concatenate([[[0.0, 0.0], [radius, 0.0]], skin]), draw.pick([16, 24, 32])), (0, low, 0))
+        plate = lathe(np.concatenate([[[0.0, 0.0], [radius, 0.0]], skin]), draw.pick([16, 24, 32]))
+        return move(scale(plate, (1.0, 1.0, self.deep / self.wide)), (0, low, 0))
+
+    def ring(self, draw: Draw, over: float, thick: float) -> list[Mesh]:
+        """The same with a hole."""
+        share = draw.between(0.5, 0.85)
+        wide, deep, middle = over * self.wide, over * self.deep, self.height + 0.5 * thick
+        if self.is_round:
+            return [move(scale(tube(wide, share * wide, thick, "y", (0, 0, 0), 28), (1, 1, deep / wide)), (0, middle, 0))]
+        rim = (1 - share) * min(wide, deep)
+        sides = [box((rim, thick, 2 * deep), (s * (wide - 0.5 * rim), middle, 0)) for s in (-1, 1)]
+        return sides + [box((2 * wide, thick, rim), (0, middle, s * (deep - 0.5 * rim))) for s in (-1, 1)]
 
 
 def hollow(draw: Draw, crowded: bool) -> SynthObject:
@@ -46,7 +72,8 @@ def hollow(draw: Draw, crowded: bool) -> SynthObject:
     base = Link("body", [], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
     links = [base]
     pieces, mouth, side = _body(draw)
-    closing = draw.pick([_resting, _hinged, _turned, _plunger], [4, 3, 2, 1])(draw, mouth)
+    weights = [3, 4, 2, 1] if mouth.is_round else [2, 6, 0, 1]
+    closing = draw.pick([_resting, _hinged, _turned, _plunger], weights)(draw, mouth)
     bow = bail(draw) if draw.chance(0.25) else None
     pieces += closing.fixed
     if bow is None and draw.chance(0.5):
@@ -85,13 +112,15 @@ def _body(draw: Draw) -> tuple[list[Mesh], _Mouth, float]:
     inner = outer[::-1] - (wall, 0.0)
     inner[:, 0], inner[:, 1] = np.maximum(inner[:, 0], 0.02), np.maximum(inner[:, 1], wall)
     profile = np.concatenate([[[0.0, 0.0]], outer, inner, [[0.0, wall]]])
-    return [lathe(profile, draw.pick([16, 24, 32]))], _Mouth(high, half * neck, half * neck, True), half
+    deep = draw.pick([1.0, draw.between(0.8, 1.4)], [3, 1])
+    pieces = [scale(lathe(profile, draw.pick([16, 24, 32])), (1.0, 1.0, deep))]
+    return pieces, _Mouth(high, half * neck, deep * half * neck, True), half * min(deep, 1.0)
 
 
 def _resting(draw: Draw, mouth: _Mouth) -> Mechanism:
     """A lid that lies on the rim or reaches into it, and is lifted off."""
     pieces, thick = [mouth.plate(draw, draw.between(0.9, 1.1), draw.between(0.02, 0.12))], 0.1 * mouth.wide
-    if draw.chance(0.75):
+    if draw.chance(0.9):
         pieces += _grip(draw, mouth)
     if draw.chance(0.3):
         inside = (1.6 * mouth.wide, thick, 1.6 * mouth.deep)
@@ -101,21 +130,31 @@ def _resting(draw: Draw, mouth: _Mouth) -> Mechanism:
 
 
 def _hinged(draw: Draw, mouth: _Mouth) -> Mechanism:
-    """A lid with a knuckle at one side of the rim."""
-    pieces = [mouth.plate(draw, draw.between(0.92, 1.08), draw.between(0.02, 0.12))]
-    fixed: list[Mesh] = []
-    origin = np.array([0.0, mouth.height + draw.between(-0.01, 0.04), -mouth.deep * draw.between(0.95, 1.12)])
+    """A lid with a knuckle at one side of the rim, at times on a ring that is hinged too, or before something higher."""
+    over, fixed = draw.between(0.92, 1.08), []
+    ring = draw.between(0.02, 0.08) if draw.chance(0.3) else 0.0
+    raised = replace(mouth, height=mouth.height + ring)
+    pieces = [raised.plate(draw, over, draw.between(0.02, 0.12))]
+    origin = np.array([0.0, raised.height + draw.between(-0.01, 0.04), -mouth.deep * draw.between(0.95, 1.12)])
+    if draw.chance(0.3):
+        tall, deep = draw.between(0.1, 0.6), draw.between(0.1, 0.4)
+        behind = (0.0, mouth.height + 0.5 * tall - 0.2, origin[2] - 0.5 * deep - 0.03)
+        fixed.append(box((draw.between(0.6, 1.2) * 2 * mouth.wide, tall + 0.4, deep), behind))
     if draw.chance(0.85):
         wide, thick = draw.between(0.1, 0.7) * mouth.wide, draw.between(0.02, 0.06)
         knuckle = [cylinder(thick, 2 * wide, "x", origin, 12), box((wide, 2 * thick, 2 * thick), origin + Z * thick)]
         draw.pick([pieces, fixed]).extend(knuckle)
     if draw.chance(0.5):
-        tab = box((0.3 * mouth.wide, 0.05, 0.2 * mouth.deep), (0, mouth.height + 0.03, 1.1 * mouth.deep))
-        pieces += _grip(draw, mouth) if draw.chance(0.3) else [tab]
+        tab = box((0.3 * mouth.wide, 0.05, 0.2 * mouth.deep), (0, raised.height + 0.03, 1.1 * mouth.deep))
+        pieces += _grip(draw, raised) if draw.chance(0.15) else [tab]
     opening = draw.between(60.0, 130.0)
     rest = draw.pick([0.0, -draw.between(0.1, 1.0) * opening], [3, 1])
-    motion = hinge(origin, X, -opening, 0.0, rest=rest)
-    return Mechanism([Moving(draw.pick(["lid", "lid", "cover"]), pieces, motion)], fixed)
+    lid = Moving(draw.pick(["lid", "lid", "cover"]), pieces, hinge(origin, X, -opening, 0.0, rest=rest))
+    if not ring:
+        return Mechanism([lid], fixed)
+    motion = hinge(origin, X, -opening, 0.0, rest=draw.pick([0.0, 0.95 * rest]))
+    seat = Moving(draw.pick(["seat", "ring", "frame"]), mouth.ring(draw, over, ring), motion)
+    return Mechanism(draw.pick([[seat, lid], [seat]], [4, 1]), fixed)
 
 
 def _turned(draw: Draw, mouth: _Mouth) -> Mechanism:

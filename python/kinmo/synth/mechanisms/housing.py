@@ -16,6 +16,8 @@ from kinmo.synth.primitives.place import facing
 
 LEAST = 0.25
 """Of an opening's sides, before it is parted no more."""
+LIKE_THE_OTHERS = 0.7
+"""Chance that what is hinged hangs as the other doors of the housing do: at a side, or below."""
 BEHIND = 0.35
 """Chance that there is something behind a door that moves too."""
 
@@ -56,6 +58,8 @@ def housing(draw: Draw, crowded: bool) -> SynthObject:
             openings += openings.pop().parted(draw)
     alike = draw.chance(0.4)
     chosen = [draw.pick(FRONTS)] * len(openings) if alike else [draw.pick(FRONTS) for _ in openings]
+    hung = draw.pick([door, flap], [3, 1])
+    chosen = [hung if front in (door, flap) and draw.chance(LIKE_THE_OTHERS) else front for front in chosen]
     draws = draw.alike(len(openings)) if alike else [draw] * len(openings)
     for opening, own, front in zip(openings, draws, chosen, strict=True):
         place = facing(Z, Y, (opening.x, opening.y, 0.5 * deep))

@@ -29,7 +29,7 @@ def caster(draw: Draw) -> Mechanism:
     turned = draw.between(0.0, 360.0)
     rolls = draw.chance(0.7)
     held = [turn(piece, Z, turned) for piece in (fork if rolls else fork + wheel)]
-    name = draw.pick(["caster", "fork", "stem", "wheel"])
+    name = draw.pick(["caster", "fork", "stem"])
     swivelling = Moving(name, held, spinner((0, 0, 0), Z))
     if not rolls:
         return Mechanism([swivelling])
@@ -167,7 +167,7 @@ def motor(draw: Draw) -> Mechanism:
     if draw.chance(0.5):
         rim = arc_path(tuple(front), reach + 0.03, 0, 360, "y", 28)
         housing += [sweep(rim, 0.012, 6), box((0.015, 0.015, 2 * reach), front + Y * 0.04)]
-    kind = draw.pick(["tips", "swings", "stays"])
+    kind = draw.pick(["tips", "swings", "stays"], [2, 1, 1])
     count, wide = draw.integer(2, 6), draw.between(0.08, 0.25)
     blade = turn(box((0.9 * reach, 0.012, wide), (0.5 * reach, 0, 0)), X, draw.between(0.0, 35.0))
     blades = [move(turn(blade, Y, 360.0 * i / count), front) for i in range(count)]

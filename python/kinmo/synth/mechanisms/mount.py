@@ -20,6 +20,8 @@ DOORS, LIDS = ("door", "leaf"), ("lid", "cover", "flap")
 """What panels are called whose hinge is upright, and those whose hinge is level."""
 CALLED_SO = 0.8
 """Chance that such a panel has one of those names."""
+LYING_WHEELS = ("disc", "dial", "drum")
+"""What is not called a wheel, since its line is upright."""
 
 
 def mount(
@@ -49,7 +51,10 @@ def mount(
 
 
 def _called(draw: Draw, name: str, motion: Motion) -> str:
-    """The name, or for a panel one that tells how its hinge lies."""
+    """The name, or for a panel and a wheel mostly one that tells how its line lies."""
+    upright = abs(float(motion.direction @ Y)) > 0.7
+    if name == "wheel" and upright:
+        return draw.pick(LYING_WHEELS)
     if name not in DOORS + LIDS or not motion.is_hinge or not draw.chance(CALLED_SO):
         return name
-    return draw.pick(DOORS if abs(float(motion.direction @ Y)) > 0.7 else LIDS)
+    return draw.pick(DOORS if upright else LIDS)

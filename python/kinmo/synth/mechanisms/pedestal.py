@@ -28,12 +28,15 @@ def pedestal(draw: Draw, crowded: bool) -> SynthObject:
     column = cylinder(radius, rise, "y", (0, top + 0.5 * rise, 0), 14)
     top += rise
     carrier = base
-    if draw.chance(0.8):
+    kind = draw.pick(["stays", "rises", "turns"], [15, 3, 2])
+    if kind == "stays":
         base.nodes.append(foot.add(draw.pick(["column", "support", "stem"]), column))
     else:
         base.nodes.append(foot.add("sleeve", cylinder(1.4 * radius, 0.5 * rise, "y", (0, top - 0.7 * rise, 0), 14)))
         lift = draw.between(0.1, 0.5) * rise
-        carrier = Link("column", [foot.add(draw.pick(["column", "rod"]), column)], base, slider(Y, -0.5 * lift, lift))
+        motion = slider(Y, -0.5 * lift, lift) if kind == "rises" else hinge((0, 0, 0), Y, -90.0, 90.0)
+        name = draw.pick(["column", "rod"] if kind == "rises" else ["column", "support", "stand"])
+        carrier = Link(name, [foot.add(name, column)], base, motion)
         links.append(carrier)
     if draw.chance(0.5):
         links += _ridden(draw, root, carrier, top)
@@ -83,7 +86,7 @@ def _screen(draw: Draw, root: Node, carrier: Link, top: float, wide: float) -> l
             slider(Y, -draw.between(0.02, 0.2), draw.between(0.02, 0.2)),
             hinge((0.0, level, 0.0), Z, -90.0, 90.0),
         ],
-        [6, 3, 1, 0.5],
+        [8, 2, 1, 0.5],
     )
     name = draw.pick(["screen", "frame", "panel", "head"])
     return [Link(name, [root.add(name, *draw.pick([[plate], [plate, neck]]))], carrier, motion)]

@@ -5,19 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.synth.details.controls import button
-from kinmo.synth.details.posture import lay, reorient
+from kinmo.synth.details.posture import face, lay, reorient
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.model import Mechanism, Moving
 from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.sliding import cover, pusher, slot
-from kinmo.synth.mechanisms.turning import flap, knob, rocker, roller
+from kinmo.synth.mechanisms.turning import flap, knob, rocker, roller, treadle
 from kinmo.synth.model import JointName, Link, Node, SynthObject, slider
 from kinmo.synth.primitives import X, Y, Z, box, rounded_box
 from kinmo.synth.primitives.place import facing, rotation_about
 
 MOST_KEYS = 40
-TILTED = 0.25
-"""Chance that a slab does not lie level."""
+TILTED, LYING = 0.25, 0.6
+"""Chances that a slab is not quite level, and that it lies on its back for sure."""
+PADS = 0.25
+"""Chance that what is on it are a few pads that tip, in place of keys."""
 
 
 def slab(draw: Draw, crowded: bool) -> SynthObject:
@@ -30,7 +32,11 @@ def slab(draw: Draw, crowded: bool) -> SynthObject:
     links = [base]
     split = draw.between(0.4, 1.0)  # keys before it, other things behind
     middle = (0.0, 0.5 * thick, 0.5 * (1 - split) * long)
-    links += mount(draw, _keyboard(draw, wide, split * long, crowded), 1.0, facing(Y, -Z, middle), root, base)
+    if draw.chance(PADS):
+        size = (wide, split * long, 0.5 * wide)
+        links += mount(draw, treadle(draw), size, facing(Y, -Z, middle), root, base)
+    else:
+        links += mount(draw, _keyboard(draw, wide, split * long, crowded), 1.0, facing(Y, -Z, middle), root, base)
     if split < 0.85 and draw.chance(0.6):
         built = draw.pick([pusher, knob, rocker, slot, roller])(draw)
         room = min((1 - split) * long, wide)
@@ -43,7 +49,7 @@ def slab(draw: Draw, crowded: bool) -> SynthObject:
     shape = SynthObject("Mechanism", root, links)
     if draw.chance(TILTED):
         reorient(shape, rotation_about(X, draw.between(2.0, 12.0), (0.0, 0.0, 0.0)))
-    lay(draw, shape)
+    (face if draw.chance(LYING) else lay)(draw, shape)
     return shape
 
 

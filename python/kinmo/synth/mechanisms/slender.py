@@ -10,15 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinmo.shape import Mesh
-from kinmo.synth.details.posture import lay
+from kinmo.synth.details.posture import face, lay, reorient
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.model import Mechanism, Moving
 from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.sliding import keys, pusher, slot
 from kinmo.synth.mechanisms.turning import knob, latch, rocker
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, screw, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, mirror, rounded_box, tube, turn
-from kinmo.synth.primitives.place import facing
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, mirror, rounded_box, rounded_path, sweep, tube, turn
+from kinmo.synth.primitives.place import facing, rotation_about
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,9 @@ def slender(draw: Draw, crowded: bool) -> SynthObject:
     is_round = draw.chance(0.3)
     bar = _Bar(wide, wide if is_round else wide * draw.between(0.15, 1.0), draw.between(0.5, 1.2), is_round)
     kinds = [_sheathed, _telescoped, _twisted, _folding, _covered, _lever, _twin, _winged]
-    weights = [3, 3, 2 if is_round else 1, 4, 2, 3, 2, 2]
-    made = draw.pick(kinds, weights)(draw, bar)
+    weights = [3, 3, 2 if is_round else 1, 4, 2, 3, 2, 4]
+    kind = draw.pick(kinds, weights)
+    made = kind(draw, bar)
     base.nodes.append(root.add(draw.pick(["body", "handle", "frame"]), *made.fixed))
     links = [base, *mount(draw, Mechanism(made.moving), 1.0, np.eye(4), root, base)]
     if draw.chance(0.6 if crowded else 0.15) and not is_round:
@@ -68,7 +69,11 @@ def slender(draw: Draw, crowded: bool) -> SynthObject:
         size = draw.between(0.4, 0.95) * bar.wide
         links += mount(draw, built, size, facing(Y, draw.pick([Z, -Z]), place), root, base)
     shape = SynthObject("Mechanism", root, links)
-    lay(draw, shape)
+    if kind is _winged and draw.chance(0.6):  # as glasses are worn and gates stand
+        reorient(shape, rotation_about(Z, 90.0 * draw.sign(), (0.0, 0.0, 0.0)))
+        face(draw, shape)
+    else:
+        lay(draw, shape)
     return shape
 
 
@@ -191,21 +196,25 @@ def _winged(draw: Draw, bar: _Bar) -> Mechanism:
     """A bar or a plate with two like arms hinged at its ends, which stand out from it or lie against it."""
     long, thick = draw.between(0.5, 1.3) * bar.long, draw.between(0.05, 0.3) * bar.wide
     fixed = [bar.section(draw, 1.0, bar.long, 0.0)]
-    upright = draw.chance(0.7)  # the pins go through the body's width, or through its flat
+    upright = draw.chance(0.8)  # the pins go through the body's width, or through its flat
     swing, name, tall = draw.between(80.0, 110.0), draw.pick(["leg", "arm", "wing"]), draw.between(0.2, 0.9)
-    rest = draw.pick([0.0, draw.between(0.5, 1.0) * swing], [3, 1])
+    rest = draw.pick([0.0, draw.between(0.1, 0.9) * swing, draw.between(0.95, 1.0) * swing], [3, 1, 2])
+    bent = draw.pick([0.0, draw.between(0.1, 0.4)])
     moving = []
     for side in (-1.0, 1.0):
         pin = Z * side * bar.end
         if upright:
-            pin = pin + Y * 0.5 * bar.thick
+            pin = pin + Y * (0.5 * bar.thick + thick * (side > 0))  # folded, one lies on the other
             arm = [box((tall * bar.wide, long, thick), pin + Y * 0.5 * long)]
-            axis = X * side
+            if bent:
+                way = np.array([pin, pin + Y * 0.7 * long, pin + Y * long - X * bent * bar.wide])
+                arm = [sweep(rounded_path(way, 0.1 * long), thick, 8)]
+            axis = X * -side
             knuckle = cylinder(0.6 * thick, tall * bar.wide, "x", pin, 10)
         else:
-            pin = pin + X * 0.5 * bar.wide
+            pin = pin + X * (0.5 * bar.wide + thick * (side > 0))
             arm = [box((long, tall * bar.thick, thick), pin + X * 0.5 * long)]
-            axis = Y * -side
+            axis = Y * side
             knuckle = cylinder(0.6 * thick, tall * bar.thick, "y", pin, 10)
         if draw.chance(0.5):
             fixed.append(knuckle)

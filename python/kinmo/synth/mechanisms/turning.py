@@ -1,4 +1,4 @@
-"""Mechanisms whose part turns: flaps, dials, rollers, rotors, swivels, levers, rockers, latches, bails and legs that fold."""
+"""Mechanisms whose part turns: flaps, dials, rollers, rotors, swivels, taps, levers, rockers, treadles, latches and bails."""
 
 from __future__ import annotations
 
@@ -107,6 +107,22 @@ def swivel(draw: Draw) -> Mechanism:
     return Mechanism([Moving(name, pieces, _about(draw, Z))], [post])
 
 
+def tap(draw: Draw) -> Mechanism:
+    """A cap on a post with a grip that reaches out or up: it turns about the post, or tips across the grip."""
+    length, radius = draw.between(0.05, 0.5), draw.between(0.06, 0.2)
+    post = cylinder(radius, length, "z", (0, 0, 0.5 * length), 18)
+    size, high = draw.between(0.9, 1.3) * radius, draw.between(0.5, 1.6) * radius
+    top = cylinder(size, high, "z", (0, 0, length + 0.5 * high), 18, top_radius=draw.between(0.6, 1.0) * size)
+    out, rise = draw.between(0.25, 0.7), draw.between(-0.2, 0.7)
+    way = np.array([(0, 0, length + 0.6 * high), (0, -out, length + 0.6 * high + rise * out)])
+    grips = [sweep(way, draw.between(0.1, 0.4) * radius, draw.pick([4, 8]))]
+    if draw.chance(0.2):
+        grips = [turn(grips[0], Z, 360.0 * index / 4) for index in range(4)]
+    tipped = hinge((0, 0, length + 0.5 * high), X * draw.sign(), -draw.between(5.0, 40.0), draw.between(5.0, 40.0))
+    motion = _about(draw, Z) if len(grips) > 1 or draw.chance(0.7) else tipped
+    return Mechanism([Moving(draw.pick(["switch", "handle", "lever", "knob"]), [top, *grips], motion)], [post])
+
+
 def lever(draw: Draw) -> Mechanism:
     """A stick that tips about a line along the mount, between cheeks, on a ball or out of a slot."""
     height, length, thick = draw.between(0.0, 0.2), draw.between(0.3, 1.0), draw.between(0.03, 0.1)
@@ -140,6 +156,24 @@ def rocker(draw: Draw) -> Mechanism:
     swing = draw.between(5.0, 20.0)
     motion = hinge((0, 0, draw.pick([0.0, 0.5]) * thick), X, -swing, swing)
     return Mechanism([Moving(draw.pick(["switch", "button", "lever", "pedal"]), [plate], motion)], fixed)
+
+
+def treadle(draw: Draw) -> Mechanism:
+    """Pads or keys side by side that go down at one end and tip about the other, where what bears them rises behind them."""
+    count, high, gap = draw.pick([1, 2, 3], [3, 4, 1]), draw.between(0.3, 0.9), draw.between(0.01, 0.06)
+    wide, thick = 0.9 / count, draw.between(0.03, 0.12)
+    level = draw.pick([0.0, draw.between(0.02, 0.2)])
+    size, swing = (wide - gap, high, thick), draw.between(3.0, 15.0)
+    name = draw.pick(["button", "pedal", "pad", "key"])
+    deep, tall = draw.between(0.1, 0.4), level + draw.between(0.5, 2.0) * thick
+    fixed = [box((0.9, deep, tall), (0, 0.5 * (high + deep), 0.5 * tall))] if level or draw.chance(0.5) else []
+    moving, rounded = [], draw.chance(0.4)
+    for index in range(count):
+        middle = ((index - 0.5 * (count - 1)) * wide, 0.0, level + 0.5 * thick)
+        pad = rounded_box(size, 0.15 * min(size[:2]), "z", middle) if rounded else box(size, middle)
+        at = (middle[0], 0.5 * high, level + draw.pick([0.0, 0.5]) * thick)
+        moving.append(Moving(name, [pad], hinge(at, X, -0.1 * swing, swing)))
+    return Mechanism(moving, fixed)
 
 
 def latch(draw: Draw) -> Mechanism:
@@ -222,7 +256,7 @@ def globe(draw: Draw) -> Mechanism:
     bow = sweep(way, draw.between(0.012, 0.03), 8)
     post = cylinder(0.04, center[2] - radius, "z", (0, 0, 0.5 * (center[2] - radius)), 12)
     pins = [cylinder(0.012, 0.1, "x", (s * (radius + 0.01), 0, center[2]), 10) for s in (-1, 1)]
-    tilt = draw.between(-40.0, 40.0)
+    tilt = draw.pick([0.0, 90.0]) + draw.between(-40.0, 40.0)
     bow, *pins = (turn(piece, Y, tilt, center) for piece in (bow, *pins))
     axis = np.array([np.cos(np.radians(tilt)), 0.0, -np.sin(np.radians(tilt))])
     name = draw.pick(["sphere", "ball", "disc", "wheel"])
@@ -230,4 +264,20 @@ def globe(draw: Draw) -> Mechanism:
 
 
 FITTED_TURNING: tuple[Builder, ...] = (flap, flap, rocker)
-TURNING: tuple[Builder, ...] = (flap, flap, flap, wing, knob, roller, rotor, swivel, lever, rocker, latch, bail, globe)
+TURNING: tuple[Builder, ...] = (
+    flap,
+    flap,
+    flap,
+    wing,
+    knob,
+    roller,
+    rotor,
+    swivel,
+    tap,
+    lever,
+    rocker,
+    treadle,
+    latch,
+    bail,
+    globe,
+)
