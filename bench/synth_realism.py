@@ -82,6 +82,7 @@ class Statistics:
             size = float(np.linalg.norm(used.max(axis=0) - used.min(axis=0))) / shape.diagonal
             thin = float((used.max(axis=0) - used.min(axis=0)).min()) / shape.diagonal
             self.note("size of a leaf, over the diagonal (median)", category, size, is_median=True)
+            self.note("share of leaves below 1 % of the diagonal", category, float(size < 0.01))
             self.note("share of leaves below 2 % of the diagonal", category, float(size < 0.02))
             self.note("share of leaves thinner than 1 % of the diagonal", category, float(thin < 0.01))
             self.note("share of curved or tilted leaves", category, float(is_curved(mesh.vertices, mesh.faces)))

@@ -72,7 +72,7 @@ def hollow(draw: Draw, crowded: bool) -> SynthObject:
     base = Link("body", [], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
     links = [base]
     pieces, mouth, side = _body(draw)
-    weights = [3, 4, 2, 1] if mouth.is_round else [2, 6, 0, 1]
+    weights = [3, 5, 2, 1] if mouth.is_round else [2, 6, 0, 1]
     closing = draw.pick([_resting, _hinged, _turned, _plunger], weights)(draw, mouth)
     bow = bail(draw) if draw.chance(0.25) else None
     pieces += closing.fixed

@@ -8,17 +8,17 @@ from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.fronts import FRONTS, INSIDE, door, flap
 from kinmo.synth.mechanisms.linked import caster
 from kinmo.synth.mechanisms.mount import mount
-from kinmo.synth.mechanisms.sliding import keys, pusher
+from kinmo.synth.mechanisms.sliding import keys, pusher, slot
 from kinmo.synth.mechanisms.turning import knob
-from kinmo.synth.model import JointName, Link, Node, SynthObject
-from kinmo.synth.primitives import Y, Z, box, cylinder
+from kinmo.synth.model import JointName, Link, Node, SynthObject, spinner
+from kinmo.synth.primitives import X, Y, Z, box, cylinder
 from kinmo.synth.primitives.place import facing
 
 LEAST = 0.25
 """Of an opening's sides, before it is parted no more."""
 LIKE_THE_OTHERS = 0.7
 """Chance that what is hinged hangs as the other doors of the housing do: at a side, or below."""
-BEHIND = 0.35
+BEHIND = 0.5
 """Chance that there is something behind a door that moves too."""
 
 
@@ -94,17 +94,17 @@ def _walls(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: f
 
 
 def _controls(draw: Draw, root: Node, base: Link, opening: _Opening, front: float) -> list[Link]:
-    """A panel with keys, a button or a knob in place of something that opens."""
+    """A panel with keys, a button, a knob or what slides up and down, in place of something that opens."""
     panel = box((opening.wide, opening.high, 0.04), (opening.x, opening.y, front - 0.02))
     base.nodes.append(root.add("panel", panel))
-    mechanism = draw.pick([keys, knob, pusher])(draw)
+    mechanism = draw.pick([keys, knob, pusher, slot])(draw)
     size = draw.between(0.2, 0.9) * min(opening.wide, opening.high)
     return mount(draw, mechanism, size, facing(Z, Y, (opening.x, opening.y, front)), root, base)
 
 
 def _feet(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float, rolling: float) -> list[Link]:
-    """None, legs, or casters at the corners; `rolling` is the weight of casters, against 12 for none and 6 for legs."""
-    kind = draw.pick(["none", "legs", "casters"], [12, 6, rolling])
+    """None, legs, casters or wheels at the corners; `rolling` is the weight of casters, against 12 for none and 6 for legs."""
+    kind = draw.pick(["none", "legs", "casters", "wheels"], [12, 6, rolling, 0.5 * rolling])
     links: list[Link] = []
     if kind == "none":
         return links
@@ -114,6 +114,10 @@ def _feet(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: fl
         if kind == "legs":
             length = 2.0 * size
             base.nodes.append(root.add("leg", cylinder(0.15 * size, length, "y", (at[0], at[1] - 0.5 * length, at[2]), 10)))
+        elif kind == "wheels":
+            axle = (at[0], at[1] - 0.3 * size, at[2])
+            wheel = cylinder(0.5 * size, 0.3 * size, "x", axle, 20)
+            links.append(Link("wheel", [root.add("wheel", wheel)], base, spinner(axle, X)))
         else:
             links += mount(draw, caster(own), 1.2 * size, facing(-Y, Z, at), root, base)
     return links

@@ -7,7 +7,8 @@ import numpy as np
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.linked import arm, caster, crossed, gimbal, halves, motor
 from kinmo.synth.mechanisms.mount import mount
-from kinmo.synth.mechanisms.turning import bail, flap, globe, lever, rotor, wing
+from kinmo.synth.mechanisms.sliding import keys, pusher
+from kinmo.synth.mechanisms.turning import bail, flap, globe, knob, lever, rocker, rotor, tap, wing
 from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
 from kinmo.synth.primitives import X, Y, Z, box, cylinder, rounded_box, sweep, turn
 from kinmo.synth.primitives.place import facing
@@ -41,7 +42,7 @@ def pedestal(draw: Draw, crowded: bool) -> SynthObject:
     if draw.chance(0.5):
         links += _ridden(draw, root, carrier, top)
     else:
-        carried = draw.pick([arm, gimbal, globe, crossed, halves, rotor, motor], [5, 2, 3, 1, 1, 1, 3])(draw)
+        carried = draw.pick([arm, gimbal, globe, crossed, halves, rotor, motor, tap], [5, 2, 3, 1, 1, 2, 3, 1])(draw)
         links += mount(draw, carried, draw.between(0.4, 0.9), facing(Y, Z, (0, top, 0)), root, carrier)
     return SynthObject("Mechanism", root, links)
 
@@ -58,11 +59,17 @@ def _ridden(draw: Draw, root: Node, carrier: Link, top: float) -> list[Link]:
     else:
         body = rounded_box((wide, high, deep), 0.1 * min(wide, deep), "y", middle)
     pieces = [body]
-    if draw.chance(0.3):
-        pieces.append(box((wide, draw.between(0.3, 0.8), 0.05), (0, top + high + 0.2, -0.5 * deep)))
+    back = (wide * draw.between(0.6, 1.0), draw.between(0.3, 0.8), 0.05)
+    behind, backed = (0, top + high + 0.5 * back[1] - 0.05, -0.5 * deep), draw.pick(["none", "stays", "reclines"], [7, 2, 2])
+    if backed == "stays":
+        pieces.append(box(back, behind))
     name = draw.pick(["seat", "top", "head", "screen", "plate", "body"])
     head = Link(name, [root.add(name, *pieces)], carrier, _of_head(draw, top))
     links = [head]
+    if backed == "reclines":
+        tips = hinge((0, top + high, -0.5 * deep), X, -draw.between(10.0, 60.0), draw.between(5.0, 80.0))
+        named = draw.pick(["back", "panel", "board", "frame"])
+        links.append(Link(named, [root.add(named, box(back, behind))], head, tips))
     for side in draw.pick([(), (X,), (-X, X), (Z,), (Y,)], [4, 1, 2, 2, 1]):
         reach = 0.5 * (high if side is Y else wide if abs(side[0]) else deep)
         built = draw.pick([lever, flap, wing, bail, rotor])(draw)
@@ -114,6 +121,9 @@ def _foot(draw: Draw, foot: Node, base: Link, links: list[Link], crowded: bool) 
         shape = cylinder(0.5 * size, thick, "y", (0, 0.5 * thick, 0), 28)
         slab = box((size, thick, draw.between(0.6, 1.4) * size), (0, 0.5 * thick, 0))
         base.nodes.append(foot.add("plate", shape if kind == "disc" else slab))
+        if draw.chance(0.25):
+            built = draw.pick([keys, pusher, knob, rocker])(draw)
+            links += mount(draw, built, 0.3 * size, facing(Y, Z, (0, thick, 0.3 * size)), foot, base)
         return thick
     count, reach = draw.integer(3, 6), draw.between(0.25, 0.6)
     low, high = draw.between(0.03, 0.2), draw.between(0.0, 0.2)

@@ -18,7 +18,7 @@ from kinmo.synth.primitives.place import facing, rotation_about
 MOST_KEYS = 40
 TILTED, LYING = 0.25, 0.6
 """Chances that a slab is not quite level, and that it lies on its back for sure."""
-PADS = 0.25
+PADS = 0.4
 """Chance that what is on it are a few pads that tip, in place of keys."""
 
 

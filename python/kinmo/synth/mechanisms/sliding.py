@@ -1,4 +1,4 @@
-"""Mechanisms whose part slides or screws: drawers, buttons, telescopes, caps, carriages, slots, panes and cords."""
+"""Mechanisms whose part slides or screws: drawers, buttons, telescopes, caps, carriages, slots, panes, drawbars and cords."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.model import Builder, Mechanism, Moving
 from kinmo.synth.mechanisms.turning import topped
 from kinmo.synth.model import Motion, hinge, screw, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, move, rounded_box, sweep, tube
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, move, rounded_box, rounded_path, sweep, tube
 
 
 def drawer(draw: Draw) -> Mechanism:
@@ -155,6 +155,22 @@ def pane(draw: Draw) -> Mechanism:
     return Mechanism([Moving(draw.pick(["door", "pane", "window", "shutter"]), sliding, motion)], rails)
 
 
+def drawbar(draw: Draw) -> Mechanism:
+    """A bow or a bar on one rod or two that go down into the mount, or into sleeves on it, and come out along them."""
+    half, out, inside = draw.between(0.1, 0.45), draw.between(0.1, 0.9), draw.between(0.1, 0.6)
+    thick, bowed = draw.between(0.02, 0.06), draw.chance(0.7)
+    rods = (-half, half) if bowed else (0.0,)
+    if bowed:
+        corners = [(-half, 0, -inside), (-half, 0, out), (half, 0, out), (half, 0, -inside)]
+        pieces = [sweep(rounded_path(np.array(corners), 0.3 * half), thick, draw.pick([4, 8]))]
+    else:
+        pieces = [cylinder(thick, inside + out, "z", (0, 0, 0.5 * (out - inside)))]
+        pieces.append(box((2 * half, 2.5 * thick, 2.5 * thick), (0, 0, out)))
+    sleeves = [tube(1.5 * thick, 1.2 * thick, 0.3 * out, "z", (x, 0, 0.15 * out)) for x in rods]
+    motion = slider(Z, -0.9 * out if draw.chance(0.5) else 0.0, 0.8 * inside)
+    return Mechanism([Moving(draw.pick(["handle", "bar", "frame"], [3, 1, 1]), pieces, motion)], draw.pick([sleeves, []]))
+
+
 def cord(draw: Draw) -> Mechanism:
     """A thin rod, plug or bolt that is pulled out of the mount or through two eyes along it."""
     long, thin = draw.between(0.3, 1.0), draw.between(0.01, 0.05)
@@ -222,6 +238,7 @@ SLIDING: tuple[Builder, ...] = (
     carriage,
     slot,
     pane,
+    drawbar,
     cord,
     spindle,
     cover,

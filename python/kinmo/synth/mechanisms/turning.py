@@ -164,7 +164,7 @@ def treadle(draw: Draw) -> Mechanism:
     wide, thick = 0.9 / count, draw.between(0.03, 0.12)
     level = draw.pick([0.0, draw.between(0.02, 0.2)])
     size, swing = (wide - gap, high, thick), draw.between(3.0, 15.0)
-    name = draw.pick(["button", "pedal", "pad", "key"])
+    name = draw.pick(["button", "pedal", "pad", "key"], [3, 1, 1, 1])
     deep, tall = draw.between(0.1, 0.4), level + draw.between(0.5, 2.0) * thick
     fixed = [box((0.9, deep, tall), (0, 0.5 * (high + deep), 0.5 * tall))] if level or draw.chance(0.5) else []
     moving, rounded = [], draw.chance(0.4)
