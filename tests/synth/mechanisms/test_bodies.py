@@ -136,3 +136,15 @@ def test_wings_fold_in_over_the_body_that_they_are_hinged_to() -> None:
             assert (closed - wing.motion.origin) @ inwards > 0.0
             folded += 1
     assert folded > 3
+
+
+def test_nodes_that_tell_how_they_move_tell_the_truth() -> None:
+    told = 0
+    for seed in range(4 * SEEDS):
+        for link in build(Draw(np.random.default_rng(seed))).links[1:]:
+            words = link.nodes[0].name.split("_")
+            if link.motion is not None and words[0] in ("rotation", "translation"):
+                assert not link.motion.rotates
+                assert link.motion.is_hinge == (words[0] == "rotation")
+                told += 1
+    assert told > 10

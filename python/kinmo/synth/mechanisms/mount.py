@@ -20,6 +20,10 @@ DOORS, LIDS = ("door", "leaf"), ("lid", "cover", "flap")
 """What panels are called whose hinge is upright, and those whose hinge is level."""
 CALLED_SO = 0.8
 """Chance that such a panel has one of those names."""
+TOLD = 0.25
+"""Chance that the name of a node says how it moves, as `rotation_lid` and `translation_window` of PartNet-Mobility do."""
+ADDED, WORDS = 0.25, ("frame", "surface", "front", "board", "body", "panel")
+"""Chance that the name ends in a word that says nothing of it."""
 LYING_WHEELS = ("disc", "dial", "drum")
 """What is not called a wheel, since its line is upright."""
 
@@ -39,12 +43,13 @@ def mount(
     for part in mechanism.moving:
         pieces, motion = placed(part.pieces), part.motion.scaled(factors).moved_by(matrix)
         name = _called(draw, part.name, motion)
+        node_name = _detailed(draw, name, motion)
         if len(pieces) > 1 and draw.chance(LEAVES):
-            node = group.add(name)
+            node = group.add(node_name)
             for piece in pieces:
                 node.add(draw.pick(PIECES), piece)
         else:
-            node = group.add(name, *pieces)
+            node = group.add(node_name, *pieces)
         holder = base if part.on is None else made[part.on]
         made[part] = Link(name, [node], holder, motion)
     return list(made.values())
@@ -58,3 +63,10 @@ def _called(draw: Draw, name: str, motion: Motion) -> str:
     if name not in DOORS + LIDS or not motion.is_hinge or not draw.chance(CALLED_SO):
         return name
     return draw.pick(DOORS if upright else LIDS)
+
+
+def _detailed(draw: Draw, name: str, motion: Motion) -> str:
+    """The name with more words, as nodes of a hierarchy have them."""
+    if draw.chance(TOLD) and not motion.rotates:
+        name = f"{'rotation' if motion.is_hinge else 'translation'}_{name}"
+    return f"{name}_{draw.pick(WORDS)}" if draw.chance(ADDED) else name
