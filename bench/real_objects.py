@@ -1,6 +1,6 @@
 """How well does the `kinmo` method say the joints of real objects? (docs/metrics.md)
 
-    python bench/real_objects.py [--data DIR] [--cache DIR] [--count 30] [--seeds 3] [--folds 5] [--rows ROW ...] [--quick]
+    python bench/real_objects.py [--data DIR] [--cache DIR] [--count 60] [--seeds 3] [--folds 5] [--rows ROW ...] [--quick]
 
 Every object is tested by networks that never saw it: they are trained on procedural shapes and go on with the real objects of
 the other folds. All that is made lies in the cache and is not made twice. Without real objects below --data nothing can be
@@ -9,10 +9,10 @@ measured, and the script says so.
 Rows: `ceiling` (the best hypothesis that there is), `given` (bodies given), `hidden` (names are hidden too), `turned`
 (objects turned about up, and freely with up told), `transfer` (procedural shapes alone), `categories` (whole categories left
 out, a fifth at a time), `hierarchy` (segmentation alone is given), `families` (procedural shapes of the half of the families
-that was not trained on, each half in turn; and, for what is possible, test shapes of families that were), `trees` (boosted
-trees on the same evidence, trained on the real objects of the other folds; also with the kinds given). Rows that leave
-categories out train anew each time, on shapes of no category too (--mechanisms), without looking at categories; `categories`
-one network instead of several.
+that was not trained on, each half in turn; the same of another seed; and, for what is possible, test shapes of families that
+were trained on), `trees` (boosted trees on the same evidence, trained on the real objects of the other folds; also with the
+kinds given). Rows that leave categories out train anew each time, on shapes of no category too (--mechanisms), without looking
+at categories; `categories` one network instead of several.
 """
 
 from __future__ import annotations
@@ -179,6 +179,9 @@ def scores(bench: Bench, row: str, seeds: int) -> dict[str, list[ShapeScore]]:
                 answers = [given(shape, ranking) for shape in fold[3]]
                 for name in ("families never seen", f"the same, {fold[0]}"):
                     found.setdefault(name, []).extend(answers)
+                unseen = {shape.category for shape in fold[3]}
+                others = [given(shape, ranking) for shape in bench.shapes.fresh if shape.category in unseen]
+                found.setdefault("the same, fresh shapes", []).extend(others)
             training, validation, tested = bench.shapes.of_seen_families()
             add("families seen", bench.seen(training, validation, seed), tested)
         elif row == "trees":
@@ -209,12 +212,14 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--rows", nargs="+", choices=ROWS, default=ROWS)
     parser.add_argument("--mechanisms", type=int, default=8000, help="shapes of no category, for categories never seen")
+    parser.add_argument("--fresh", type=int, default=20, help="shapes a family of another seed, to test families never seen")
     parser.add_argument("--quick", action="store_true", help="few procedural shapes, one seed, bodies given alone")
     args = parser.parse_args()
     count, seeds, rows = (6, 1, ("given",)) if args.quick else (args.count, args.seeds, args.rows)
     torch.set_num_threads(2)
     unseen = {"categories", "families"} & set(rows)
-    shapes = gathered(args.data, args.cache, count, args.folds, args.mechanisms if unseen else 0)
+    fresh = args.fresh if "families" in rows else 0
+    shapes = gathered(args.data, args.cache, count, args.folds, args.mechanisms if unseen else 0, fresh)
     if shapes is None:
         return claim(None)
     bench = Bench(shapes, load_config("small"))

@@ -18,6 +18,7 @@ from kinmo.workspace import Workspace
 
 ROOT = Path(__file__).parents[1]
 MECHANISM = "mechanism"
+SEED, ANOTHER_SEED = 11, 2026
 Fold = tuple[str, list[PreparedShape], list[PreparedShape], list[PreparedShape]]
 """A name, and the shapes to train on, to choose the epoch by, and to test."""
 
@@ -26,7 +27,8 @@ Fold = tuple[str, list[PreparedShape], list[PreparedShape], list[PreparedShape]]
 class Shapes:
     """The shapes, and the folder that keeps them and the networks that are trained on them.
 
-    `mechanisms` are of no category: they join the training where what is tested is of categories that were never seen.
+    `mechanisms` are of no category: they join the training where what is tested is of categories that were never seen. `fresh`
+    are procedural shapes of another seed, which are never trained on.
     """
 
     cache: Path
@@ -34,6 +36,7 @@ class Shapes:
     procedural: list[PreparedShape]
     mechanisms: list[PreparedShape]
     folds: int
+    fresh: Sequence[PreparedShape] = ()
 
     def by_fold(self) -> Iterator[Fold]:
         """Every real object is tested once."""
@@ -74,10 +77,10 @@ def parser_for(description: str | None, count: int) -> argparse.ArgumentParser:
     return parser
 
 
-def gathered(data: Path, cache: Path, count: int, folds: int, mechanisms: int = 0) -> Shapes | None:
+def gathered(data: Path, cache: Path, count: int, folds: int, mechanisms: int = 0, fresh: int = 0) -> Shapes | None:
     """The real objects below `data`, `count` procedural shapes a family and `mechanisms` of no category, all kept in `cache`.
 
-    None, which is said, where there are no real ones.
+    `fresh` shapes a family come from another seed. None, which is said, where there are no real ones.
     """
     if not data.exists():
         print(f"no real objects at {data}: docs/getting-the-data.md says where they come from")
@@ -86,15 +89,16 @@ def gathered(data: Path, cache: Path, count: int, folds: int, mechanisms: int = 
     categories = [name for name in family_names() if name != MECHANISM]
     procedural = procedural_shapes(cache / "shapes", cache / "procedural", categories, count)
     of_no_category = procedural_shapes(cache / "mechanism-shapes", cache / "mechanisms", [MECHANISM], mechanisms)
-    return Shapes(cache, prepared(data, cache / "real"), procedural, of_no_category, folds)
+    others = procedural_shapes(cache / "fresh-shapes", cache / "fresh", categories, fresh, ANOTHER_SEED)
+    return Shapes(cache, prepared(data, cache / "real"), procedural, of_no_category, folds, others)
 
 
-def procedural_shapes(shapes: Path, cache: Path, families: Sequence[str], count: int) -> list[PreparedShape]:
+def procedural_shapes(shapes: Path, cache: Path, families: Sequence[str], count: int, seed: int = SEED) -> list[PreparedShape]:
     """`count` shapes of each family, of both parameter ranges, written to `shapes` and prepared in `cache`."""
     if count == 0:
         return []
     only, both = (Layout.PARTNET_MOBILITY,), ParameterRange.BOTH
-    generate(shapes, count=count, families=families, layouts=only, seed=11, parameter_range=both, workers=2)
+    generate(shapes, count=count, families=families, layouts=only, seed=seed, parameter_range=both, workers=2)
     return prepared(shapes, cache)
 
 
