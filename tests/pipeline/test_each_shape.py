@@ -7,12 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from whole_road import METHODS, Listener, Road, contents
+from whole_road import METHODS, Listener, Road, contents, undone
 
 from kinmo.pipeline import each_shape, trees_answers
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.predict import Predict
 from kinmo.workspace import Workspace
+
+UNDONE = ("pseudo-label", "eval")
 
 
 class Impatient(Listener):
@@ -28,20 +30,9 @@ class Impatient(Listener):
             raise KeyboardInterrupt
 
 
-def unevaluated(road: Road, folder: Path) -> Workspace:
-    """A copy of the workspace without evaluation and labels."""
-    shutil.copytree(road.workspace.path, folder / "workspace")
-    workspace = Workspace(folder / "workspace")
-    for stage in ("eval-all", "pseudo-label"):
-        workspace.forget(stage)
-    for made in (workspace.evaluation, workspace.pseudo):
-        shutil.rmtree(made)
-    return workspace
-
-
 def test_two_processes_make_the_same_files_as_one(road: Road, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(each_shape, "JOBS_A_PROCESS", 1)
-    workspace = unevaluated(road, tmp_path)
+    workspace = undone(road, tmp_path, UNDONE)
     for name in ("eval", "pseudo-label"):
         replace(road.stages[name], workspace=workspace, workers=2).run(Listener())  # type: ignore[type-var]
     shutil.rmtree(workspace.report)
@@ -68,7 +59,7 @@ def test_networks_trained_side_by_side_are_those_trained_one_by_one(road: Road, 
 
 
 def test_an_evaluation_that_was_stopped_goes_on(road: Road, tmp_path: Path) -> None:
-    workspace = unevaluated(road, tmp_path)
+    workspace = undone(road, tmp_path, UNDONE)
     stage = replace(road.stages["eval"], workspace=workspace)  # type: ignore[type-var]
     with pytest.raises(KeyboardInterrupt):
         stage.run(Impatient(1))

@@ -4,27 +4,19 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import shutil
 import signal
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from whole_road import Listener, Road, contents
+from whole_road import MADE, Listener, Road, contents, undone
 
 from kinmo.pipeline.stage import Stage
-from kinmo.workspace import Workspace
 
 FORK = multiprocessing.get_context("forkserver")
 FORK.set_forkserver_preload(
     ["kinmo.pipeline.train", "kinmo.pipeline.pseudo_label", "kinmo.pipeline.evaluate", "kinmo.pipeline.report"]
 )
-MADE = {
-    "train": ("models", "pseudo", "eval", "report"),
-    "pseudo-label": ("pseudo", "eval", "report"),
-    "eval": ("eval", "report"),
-}
-"""What a stage and those after it have made."""
 
 
 class Doomed(Listener):
@@ -49,22 +41,18 @@ def run_to_the_kill(stage: Stage, last: int) -> None:
 def test_a_stage_that_is_killed_and_repeated_ends_like_one_that_was_not(
     name: str, moments: tuple[int, ...], road: Road, tmp_path: Path
 ) -> None:
-    workspace = tmp_path / "workspace"
-    shutil.copytree(road.workspace.path, workspace)
-    whole = contents(workspace)
-    own = {path for path in whole if path.startswith((f"{MADE[name][0]}/", f"records/{name}"))}
-    for folder in MADE[name]:
-        shutil.rmtree(workspace / folder)
-    for record in (workspace / "records").iterdir():
-        if not record.name.startswith("prepare") and not (record.name.startswith("train") and name != "train"):
-            record.unlink()
-    stage = replace(road.stages[name], workspace=Workspace(workspace))  # type: ignore[type-var]
+    whole = contents(road.workspace.path)
+    folder, records = MADE[name]
+    prefixes = (f"{folder}/", *(f"records/{record}." for record in records))
+    own = {path: made for path, made in whole.items() if path.startswith(prefixes)}
+    workspace = undone(road, tmp_path, list(MADE)[list(MADE).index(name) :])
+    stage = replace(road.stages[name], workspace=workspace)  # type: ignore[type-var]
     for last in moments:
         process = FORK.Process(target=run_to_the_kill, args=(stage, last))
         process.start()
         process.join()
         assert process.exitcode == -signal.SIGKILL
     stage.run(Listener())
-    ended = contents(workspace)
-    assert own and {path: ended.get(path) for path in own} == {path: whole[path] for path in own}
+    ended = contents(workspace.path)
+    assert own and {path: ended.get(path) for path in own} == own
     assert not [path for path in ended if path.endswith("~")]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from hashlib import sha256
 from importlib.resources import files
@@ -38,6 +40,26 @@ class Road:
     workspace: Workspace
     stages: dict[str, Stage]
     outcomes: dict[str, Outcome] = field(default_factory=dict)
+
+
+MADE = {
+    "train": ("models", ("train-gnn_fine", "train-gnn_coarse", "train-axis", "train-ranking")),
+    "pseudo-label": ("pseudo", ("pseudo-label",)),
+    "eval": ("eval", ("eval-all",)),
+}
+"""The folder that a stage fills, and its records."""
+
+
+def undone(road: Road, folder: Path, stages: Iterable[str]) -> Workspace:
+    """A copy of the workspace in which some stages have not run."""
+    shutil.copytree(road.workspace.path, folder / "workspace")
+    workspace = Workspace(folder / "workspace")
+    for stage in stages:
+        made, records = MADE[stage]
+        for record in records:
+            workspace.forget(record)
+        shutil.rmtree(workspace.path / made)
+    return workspace
 
 
 def tiny_config(folder: Path) -> Path:

@@ -60,7 +60,8 @@ def _ridden(draw: Draw, root: Node, carrier: Link, top: float) -> list[Link]:
         body = rounded_box((wide, high, deep), 0.1 * min(wide, deep), "y", middle)
     pieces = [body]
     back = (wide * draw.between(0.6, 1.0), draw.between(0.3, 0.8), 0.05)
-    behind, backed = (0, top + high + 0.5 * back[1] - 0.05, -0.5 * deep), draw.pick(["none", "stays", "reclines"], [7, 2, 2])
+    behind = (0, top + high + 0.5 * back[1] - 0.05, -0.5 * deep)
+    backed = draw.pick(["none", "stays", "reclines"], [7, 2, 2])
     if backed == "stays":
         pieces.append(box(back, behind))
     name = draw.pick(["seat", "top", "head", "screen", "plate", "body"])
