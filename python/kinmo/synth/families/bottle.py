@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.shape import Mesh
+from kinmo.synth.details.lid_hinges import lid_hinge
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
 from kinmo.synth.primitives import X, Y, box, cylinder, extrude, lathe, move, rounded_path, sweep, torus, tube, turn
@@ -35,6 +36,7 @@ def build(draw: Draw) -> SynthObject:
     low = top - sunk
     rise = draw.between(0.4, 1.3) * cap_height
     motion: Motion
+    strap: list[Mesh] = []
     if kind == "screw":
         origin = (0.0, draw.pick([0.0, low]), 0.0)
         turns = draw.pick([180.0, 360.0, None], [4, 1, 1])
@@ -46,7 +48,8 @@ def build(draw: Draw) -> SynthObject:
         at = (0.0, low + draw.pick([0.0, 0.1 * cap_height]), -neck * draw.between(1.0, 1.2))
         rest = -draw.between(20.0, 120.0) if draw.chance(0.4) else 0.0
         motion = hinge(at, X, -130.0, 0.0, rest=rest)
-    lid = unit.add("lid", *(move(piece, (0, low, 0)) for piece in pieces))
+        strap = lid_hinge(draw, at, neck, 0.1 * neck)
+    lid = unit.add("lid", *(move(piece, (0, low, 0)) for piece in pieces), *strap)
     return SynthObject("Bottle", root, [base, Link(draw.pick(["lid", "closure"]), [lid], base, motion)])
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.shape import Mesh
 from kinmo.synth.draw import Draw
@@ -30,8 +31,8 @@ def build(draw: Draw) -> SynthObject:
     bow = sweep(bow_arc, rod, 8)
     if draw.chance(0.3):
         bow = turn(bow, axis, 180.0, center)
-    pins = cylinder(0.6 * rod, 2.0 * (reach + rod), "y", center, 8) if draw.chance(0.5) else None
-    ring = frame.add("circle", bow, *([turn(pins, Z, tilt, center)] if pins is not None else []))
+    pins = _pins(draw, center, radius, reach + rod, 0.6 * rod)
+    ring = frame.add("circle", bow, *(turn(pin, Z, tilt, center) for pin in pins))
     foot = frame.add("base", *_foot(draw, lift - reach))
     base = Link("base", [foot], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
     kind = draw.pick(["fixed", "swivel", "tipping"], [5, 1, 1])
@@ -49,6 +50,14 @@ def build(draw: Draw) -> SynthObject:
     origin = center + axis * draw.pick([0.0, reach, -reach])
     links.append(Link("sphere", [ball], holder, spinner(origin, axis * draw.sign())))
     return SynthObject("Globe", root, links)
+
+
+def _pins(draw: Draw, center: NDArray[np.float64], radius: float, reach: float, thick: float) -> list[Mesh]:
+    """What bears the ball at its poles: a rod through it, or a pin at either end of the bow."""
+    if draw.chance(0.5):
+        return [cylinder(thick, 2.0 * reach, "y", center, 8)]
+    long = reach - 0.98 * radius
+    return [cylinder(thick, long, "y", center + Y * side * (reach - 0.5 * long), 8) for side in (-1.0, 1.0)]
 
 
 def _foot(draw: Draw, height: float) -> list[Mesh]:

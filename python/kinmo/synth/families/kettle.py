@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.shape import Mesh
+from kinmo.synth.details.lid_hinges import lid_hinge
 from kinmo.synth.details.vessels import beak, swinging_bow, vessel, vessel_lid
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, slider
@@ -21,7 +22,10 @@ def build(draw: Draw) -> SynthObject:
     links = [base]
     lid, crown = vessel_lid(draw, mouth, height, segments)
     root.children.append(lid)
-    links.append(Link("lid", [lid], base, _lid_motion(draw, mouth, height)))
+    motion = _lid_motion(draw, mouth, height)
+    if motion.is_hinge:
+        draw.pick([lid, body]).pieces.extend(lid_hinge(draw, motion.origin, mouth, 0.04 * radius))
+    links.append(Link("lid", [lid], base, motion))
     if draw.chance(0.35):
         bow = swinging_bow(draw, base, mouth, height, crown)
         root.children += bow.nodes

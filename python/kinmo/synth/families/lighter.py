@@ -44,8 +44,8 @@ def build(draw: Draw) -> SynthObject:
         line = (-0.5 * width - out, height + draw.pick([0.0, 0.02]), 0.0)
         opening = draw.between(90.0, 180.0)
         rest = draw.pick([0.0, draw.between(20.0, opening)])
-        if draw.chance(0.5):
-            still[0].pieces.append(cylinder(0.02, 0.6 * depth, "z", line, 10))
+        if draw.chance(0.8):
+            still[0].pieces.append(cylinder(draw.between(0.015, 0.03), 0.6 * depth, "z", line, 10))
         if draw.chance(0.85):
             motion = hinge(line, Z * draw.sign(), 0.0, opening)
             sense = float(motion.direction[2])

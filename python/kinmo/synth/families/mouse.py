@@ -24,8 +24,9 @@ def build(draw: Draw) -> SynthObject:
     links = [base]
     slot = draw.between(0.06, 0.12)
     top = 0.75 * height
-    reach = 0.4 * length
     tips = draw.chance(0.6)
+    # What tips is of a piece with the back, what slides stands clear of it.
+    reach = (0.43 if tips else draw.between(0.3, 0.37)) * length
     for side in (-1.0, 1.0):
         wide = 0.5 * (width - slot) * 0.95
         key = rounded_box((wide, 0.05, reach), 0.05, "y", (side * 0.5 * (wide + slot), top, front + 0.5 * reach))

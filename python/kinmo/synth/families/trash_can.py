@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.shape import Mesh
+from kinmo.synth.details.lid_hinges import lid_hinge
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import (
@@ -99,6 +100,7 @@ def _pedal(draw: Draw, root: Node) -> list[Link]:
     rest = draw.between(20, 85) if draw.chance(0.2) else 0.0
     opens = draw.pick([80.0, 90.0, 180.0])
     axis = (0, height + draw.pick([0.0, 0.3 * thick]), rear)
+    draw.pick([lid, node]).pieces.extend(lid_hinge(draw, axis, 0.6 * width, 0.03))
     links = [base, Link("lid", [lid], base, hinge(axis, (-1, 0, 0), 0, opens, rest=rest))]
     reach, wide = draw.between(0.08, 0.18), draw.between(0.15, 0.4) * width
     pedal = root.add("foot_pad", box_between((-wide / 2, 0.03, depth / 2 - 0.05), (wide / 2, 0.06, depth / 2 + reach)))

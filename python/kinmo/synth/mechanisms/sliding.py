@@ -53,7 +53,11 @@ def keys(draw: Draw) -> Mechanism:
         button(own, share * wide / columns, share * high / rows, depth, (*place, 0.0))
         for own, place in zip(draws, places, strict=True)
     ]
-    return Mechanism([Moving(name, [piece], motion) for piece in pressed])
+    fixed = []
+    if draw.chance(0.3):  # what rises behind them does not touch them
+        deep, tall, clear = draw.between(0.1, 0.4), draw.between(0.8, 3.0) * depth, draw.between(0.02, 0.06)
+        fixed.append(box((wide, deep, tall), (0, 0.5 * (high + deep) + clear, 0.5 * tall)))
+    return Mechanism([Moving(name, [piece], motion) for piece in pressed], fixed)
 
 
 def telescope(draw: Draw) -> Mechanism:
@@ -123,13 +127,14 @@ def carriage(draw: Draw) -> Mechanism:
     if draw.chance(0.4):
         pieces.append(box((0.3 * size, 0.1, 0.4), (at, 0, height + 0.3)))
     motion = slider(X * draw.sign(), -(0.4 - 0.5 * size), 0.4 - 0.5 * size)
-    return Mechanism([Moving(draw.pick(["slider", "carriage", "shelf", "block"]), pieces, motion)], [*rails, *ends])
+    return Mechanism([Moving(draw.pick(["slider", "carriage", "block"]), pieces, motion)], [*rails, *ends])
 
 
 def slot(draw: Draw) -> Mechanism:
-    """A tab in a slot, along which it slides."""
-    gap, thick = draw.between(0.03, 0.12), draw.between(0.04, 0.2)
-    plates = [box((draw.between(0.1, 0.3), 0.95, thick), (s * (0.5 * gap + 0.16), 0, 0.5 * thick)) for s in (-1, 1)]
+    """A tab in a slot, along which it slides: between two plates, or between the thin edges of a slit."""
+    gap, slit = draw.between(0.03, 0.12), draw.chance(0.4)
+    wide, thick = (0.02, draw.between(0.005, 0.02)) if slit else (draw.between(0.1, 0.3), draw.between(0.04, 0.2))
+    plates = [box((wide, 0.95, thick), (s * 0.5 * (gap + wide), 0, 0.5 * thick)) for s in (-1, 1)]
     high = draw.between(0.06, 0.25)
     at = draw.between(-0.3, 0.3)
     pieces = [box((draw.between(1.5, 5.0) * gap, high, draw.between(0.06, 0.2)), (0, at, thick + 0.06))]

@@ -166,7 +166,7 @@ def treadle(draw: Draw) -> Mechanism:
     size, swing = (wide - gap, high, thick), draw.between(3.0, 15.0)
     name = draw.pick(["button", "pedal", "pad", "key"], [3, 1, 1, 1])
     deep, tall = draw.between(0.1, 0.4), level + draw.between(0.5, 2.0) * thick
-    fixed = [box((0.9, deep, tall), (0, 0.5 * (high + deep), 0.5 * tall))] if level or draw.chance(0.5) else []
+    fixed = [box((0.9, deep, tall), (0, 0.5 * (high + deep), 0.5 * tall))] if level or draw.chance(0.8) else []
     moving, rounded = [], draw.chance(0.4)
     for index in range(count):
         middle = ((index - 0.5 * (count - 1)) * wide, 0.0, level + 0.5 * thick)

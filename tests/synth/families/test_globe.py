@@ -1,0 +1,17 @@
+from __future__ import annotations
+
+import numpy as np
+from built import box_of, built, movable
+
+
+def test_a_ball_is_borne_at_both_of_its_poles() -> None:
+    for seed in range(30):
+        shape = built("globe", seed)
+        ball = next(link for link in movable(shape) if link.name == "sphere")
+        low, high = box_of(ball.nodes[0].pieces[:1])
+        middle = 0.5 * (low + high)
+        radius = np.linalg.norm(ball.nodes[0].pieces[0].vertices - middle, axis=1).max()
+        ring = next(leaf for link in shape.links for leaf in link.leaves() if leaf.name == "circle")
+        spans = [(pin.vertices - middle) @ ball.motion.direction for pin in ring.pieces[1:]]
+        for pole in (-radius, radius):
+            assert any(span.min() <= pole <= span.max() for span in spans)
