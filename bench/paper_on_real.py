@@ -20,9 +20,10 @@ from typing import Literal
 import torch
 
 from kinmo.config import Config, TrainingConfig, load_config
-from kinmo.evaluation.frame_rows import ceiling, without_learning
+from kinmo.evaluation.ceiling import ceiling
 from kinmo.evaluation.parts_given import parts_given
 from kinmo.evaluation.records import ShapeScore
+from kinmo.evaluation.rule_baseline import without_learning
 from kinmo.learning.axis_selection.predict import AxisSelector
 from kinmo.learning.axis_selection.train import train_axis_selection
 from kinmo.learning.motion_gnn.predict import MotionGnnPredictor

@@ -47,6 +47,17 @@ def load_parts(data: Path, limit: int | None) -> tuple[list[MeshArrays], str]:
     return procedural_parts(limit or 600), f"procedural parts ({data} has no objects)"
 
 
+def is_curved(vertices: NDArray[np.float64], faces: NDArray[np.uint32]) -> bool:
+    """Whether more than a quarter of the surface faces none of the axes of the file (within 10 degrees)."""
+    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    areas = np.linalg.norm(normals, axis=1)
+    if areas.sum() == 0.0:
+        return False
+    facing = np.abs(normals).max(axis=1) > np.cos(np.radians(10.0)) * areas
+    return float(areas[~facing].sum() / areas.sum()) > 0.25
+
+
 def _leaf_parts(result: Path) -> Iterator[MeshArrays]:
     pending: list[dict[str, Any]] = list(json.loads(result.read_text()))
     folder = result.parent / "textured_objs"

@@ -30,6 +30,7 @@ from kinmo.config import Config, RankingConfig, load_config
 from kinmo.evaluation.hierarchy_given import hierarchy_given
 from kinmo.evaluation.parts_given import parts_given
 from kinmo.evaluation.records import ShapeScore, annotation
+from kinmo.evaluation.rule_baseline import segmented_without_learning
 from kinmo.evaluation.trees_baseline import fit_trees
 from kinmo.evidence import Evidence
 from kinmo.formats import Found, read_found
@@ -203,6 +204,8 @@ def scores(bench: Bench, row: str, seeds: int) -> dict[str, list[ShapeScore]]:
                 elif row == "hierarchy":
                     ranking, gnn = JointRanking.load(weights, "cpu"), bench.gnn()
                     found.setdefault("hierarchy given", []).extend(segmented(shape, ranking, gnn) for shape in tested)
+                    ruled = (hierarchy_given(shape, segmented_without_learning(shape)) for shape in tested)
+                    found.setdefault("hierarchy given, no learning", []).extend(ruled)
     return found
 
 

@@ -31,6 +31,7 @@ from kinmo.synth.draw import ParameterRange
 from kinmo.synth.families import family_names
 from kinmo.synth.generate import Layout as SynthLayout
 from kinmo.synth.generate import generate
+from parts import is_curved
 
 Array = NDArray[np.float64]
 FACTOR = 2.0
@@ -133,17 +134,6 @@ def nodes_needed(shape: Shape, body: int) -> int:
         if inside[i] and (part.parent is None or not inside[part.parent]) and own & set(shape.leaves_below[i])
     ]
     return len(tops)
-
-
-def is_curved(vertices: Array, faces: NDArray[np.uint32]) -> bool:
-    """Whether more than a quarter of the surface faces none of the axes of the file (within 10 degrees)."""
-    a, b, c = (vertices[faces[:, i]] for i in range(3))
-    normals = np.cross(b - a, c - a)
-    areas = np.linalg.norm(normals, axis=1)
-    if areas.sum() == 0.0:
-        return False
-    facing = np.abs(normals).max(axis=1) > np.cos(np.radians(10.0)) * areas
-    return float(areas[~facing].sum() / areas.sum()) > 0.25
 
 
 def read_all(folder: Path) -> Statistics:

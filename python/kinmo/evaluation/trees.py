@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from kinmo.evaluation.frame_rows import choices
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
@@ -87,3 +86,12 @@ def _column(model: Any, features: F64, label: int) -> F64:
     """The likelihood of a class; 0 if training had none of it."""
     where = np.flatnonzero(model.classes_ == label)
     return np.asarray(model.predict_proba(features)[:, where[0]]) if len(where) else np.zeros(len(features))
+
+
+def choices(groups: NDArray[np.int64], values: F64) -> dict[int, int]:
+    """For every group (a body), the row [R] with the largest value; `groups` and `values` are [R]."""
+    order: Sequence[int] = np.lexsort((-values, groups)).tolist()
+    best: dict[int, int] = {}
+    for row in order:
+        best.setdefault(int(groups[row]), row)
+    return best

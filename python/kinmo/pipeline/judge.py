@@ -14,10 +14,11 @@ from kinmo.evaluation.hierarchy_given import hierarchy_given
 from kinmo.evaluation.parts_given import parts_given
 from kinmo.evaluation.penetration import PenetrationMeter
 from kinmo.evaluation.records import ShapeScore, annotation, failed_shape, with_edges
+from kinmo.evaluation.rule_baseline import segmented_without_learning
 from kinmo.normalisation import Normalisation
 from kinmo.pipeline.examples import Example, answer_of
 from kinmo.pipeline.predictors import Predictor, normalised
-from kinmo.pipeline.rows import Row, frame_answers
+from kinmo.pipeline.rows import CEILING, NO_LEARNING, Row, frame_answers
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 
@@ -52,6 +53,9 @@ def judge(
     answers: dict[str, dict[int, JointEstimate]] = {}
     for name, found in frame_answers(truth, meshes, config, trees):
         result.parts_given[name] = parts_given(truth, found)
+    # What candidates allow, they allow of the true bodies in either setting.
+    result.hierarchy_given |= {name: score for name, score in result.parts_given.items() if name.startswith(CEILING)}
+    result.hierarchy_given[NO_LEARNING] = hierarchy_given(truth, segmented_without_learning(truth))
     given, typed, predicted = (_Shared(truth, meshes, method) for method in ("predict_given", "predict_typed", "predict"))
     meter, frame = PenetrationMeter(meshes, truth.leaves), Normalisation(truth.center, truth.diagonal)
     for row in rows:

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.config import RefinementConfig
-from kinmo.evaluation.frame_rows import ceiling, without_learning
+from kinmo.evaluation.ceiling import ceiling
 from kinmo.evaluation.label_truth import WEIGHTS, weighted_score
 from kinmo.evaluation.records import annotation
+from kinmo.evaluation.rule_baseline import without_learning
 from kinmo.joint import JointKind
 from kinmo.learning.motion_gnn.network import TypeSet
 from kinmo.mobility_tree import MobilityTree
@@ -29,6 +30,7 @@ SWEPT = (0.5, 0.3, 0.2, 0.5)
 """Weights with the swept collision as a fourth term."""
 
 CONTACT_EDGES = "OBB_fine, contact edges"
+CEILING, NO_LEARNING = "ceiling", "no learning"
 
 
 def as_predicted(prediction: Prediction) -> Prediction:
@@ -128,10 +130,10 @@ def frame_answers(
     truth: PreparedShape, meshes: _core.Meshes, config: RefinementConfig, trees: Mapping[int, JointEstimate] | None
 ) -> Iterator[tuple[str, Mapping[int, JointEstimate]]]:
     """The rows that frame the table, *parts given*: the best that candidates allow, a rule without learning, and `trees`."""
-    yield "ceiling, paper's candidates", ceiling(truth, true_type_candidates(truth, meshes, config))
+    yield f"{CEILING}, paper's candidates", ceiling(truth, true_type_candidates(truth, meshes, config))
     every = replace(config, extra=("boxes", "contact", "symmetry"), contact_pivots="revolute")
-    yield "ceiling, all candidates", ceiling(truth, true_type_candidates(truth, meshes, every))
-    yield "no learning", without_learning(truth)
+    yield f"{CEILING}, all candidates", ceiling(truth, true_type_candidates(truth, meshes, every))
+    yield NO_LEARNING, without_learning(truth)
     if trees is not None:
         yield "trees", trees
 
