@@ -23,9 +23,9 @@ def build(draw: Draw) -> SynthObject:
         body.pieces.append(sweep(rounded_path(np.array(way), 0.15), 0.02, 8))
     links = [base]
     slot = draw.between(0.06, 0.12)
-    top = 0.75 * height
     tips = draw.chance(0.6)
-    # What tips is of a piece with the back, what slides stands clear of it.
+    # What tips is of a piece with the back and free below, what slides stands clear of the back.
+    top = 0.7 * height + (draw.between(0.035, 0.06) if tips else 0.02)
     reach = (0.43 if tips else draw.between(0.3, 0.37)) * length
     for side in (-1.0, 1.0):
         wide = 0.5 * (width - slot) * 0.95

@@ -120,7 +120,7 @@ def _body(draw: Draw) -> tuple[list[Mesh], _Mouth, float]:
 def _resting(draw: Draw, mouth: _Mouth) -> Mechanism:
     """A lid that lies on the rim or reaches into it, and is lifted off."""
     pieces, thick = [mouth.plate(draw, draw.between(0.9, 1.1), draw.between(0.02, 0.12))], 0.1 * mouth.wide
-    if draw.chance(0.9 if mouth.is_round else 0.5):
+    if draw.chance(0.9 if mouth.is_round else 0.7):
         pieces += _grip(draw, mouth)
     if draw.chance(0.3):
         inside = (1.6 * mouth.wide, thick, 1.6 * mouth.deep)

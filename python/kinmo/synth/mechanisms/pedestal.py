@@ -42,7 +42,7 @@ def pedestal(draw: Draw, crowded: bool) -> SynthObject:
     if draw.chance(0.5):
         links += _ridden(draw, root, carrier, top)
     else:
-        carried = draw.pick([arm, gimbal, globe, crossed, halves, rotor, motor, tap], [5, 2, 3, 1, 1, 2, 3, 1])(draw)
+        carried = draw.pick([arm, gimbal, globe, crossed, halves, rotor, motor, tap], [5, 2, 5, 1, 1, 2, 3, 1])(draw)
         links += mount(draw, carried, draw.between(0.4, 0.9), facing(Y, Z, (0, top, 0)), root, carrier)
     return SynthObject("Mechanism", root, links)
 

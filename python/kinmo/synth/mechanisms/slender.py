@@ -161,7 +161,7 @@ def _covered(draw: Draw, bar: _Bar) -> Mechanism:
 
 
 def _lever(draw: Draw, bar: _Bar) -> Mechanism:
-    """A bar along the flat of the body that tips about a pin across it, near an end or further in."""
+    """A bar along the flat of the body that tips about a pin across it, near an end or further in; perhaps another below."""
     long, thick = draw.between(0.4, 1.0) * bar.long, draw.between(0.1, 0.8) * bar.thick
     gap, place = draw.between(0.0, 0.5) * bar.thick, draw.pick([-1.0, -1.0, draw.between(-1.0, 0.0)])
     pin = np.array([0.0, 0.5 * bar.thick + gap, place * 0.5 * long])
@@ -170,9 +170,15 @@ def _lever(draw: Draw, bar: _Bar) -> Mechanism:
     fixed = [bar.section(draw, 1.0, bar.long, 0.0)]
     if draw.chance(0.7):
         fixed += [box((0.1 * bar.wide, gap + thick, 0.1 * long), pin + (s * 0.55 * wide, 0.2 * thick, 0)) for s in (-1, 1)]
-    pieces = [turn(piece, X, draw.pick([0.0, -draw.between(0.0, 25.0)]), pin) for piece in pieces]
-    motion = hinge(pin, X, -draw.between(10.0, 100.0), draw.between(0.0, 5.0))
-    return Mechanism([Moving(draw.pick(["lever", "arm", "body", "lid"]), pieces, motion)], fixed)
+    raised = draw.pick([0.0, -draw.between(0.0, 25.0)])
+    pieces = [turn(piece, X, raised, pin) for piece in pieces]
+    name = draw.pick(["lever", "arm", "body", "lid"])
+    moving = [Moving(name, pieces, hinge(pin, X, -draw.between(10.0, 100.0), draw.between(0.0, 5.0)))]
+    if draw.chance(0.35):
+        under = box((0.8 * wide, 0.5 * thick, 0.95 * long), (0, 0.5 * bar.thick + gap - 0.3 * thick, 0))
+        also = [turn(under, X, draw.between(0.0, 1.0) * raised, pin)]
+        moving.append(Moving(name, also, hinge(pin, X, -draw.between(5.0, 60.0), draw.between(0.0, 5.0))))
+    return Mechanism(moving, fixed)
 
 
 def _twin(draw: Draw, bar: _Bar) -> Mechanism:

@@ -127,7 +127,7 @@ def carriage(draw: Draw) -> Mechanism:
     if draw.chance(0.4):
         pieces.append(box((0.3 * size, 0.1, 0.4), (at, 0, height + 0.3)))
     motion = slider(X * draw.sign(), -(0.4 - 0.5 * size), 0.4 - 0.5 * size)
-    return Mechanism([Moving(draw.pick(["slider", "carriage", "block"]), pieces, motion)], [*rails, *ends])
+    return Mechanism([Moving(draw.pick(["carriage", "block"]), pieces, motion)], [*rails, *ends])
 
 
 def slot(draw: Draw) -> Mechanism:
@@ -203,7 +203,7 @@ def cover(draw: Draw) -> Mechanism:
 
 
 def spindle(draw: Draw) -> Mechanism:
-    """A rod through a bridge, with a plate at its lower end and a handle on top: it screws or slides."""
+    """A rod through a bridge, with a plate at its lower end and a handle on top, at times a loose bar: it screws or slides."""
     high, radius = draw.between(0.4, 0.8), draw.between(0.02, 0.07)
     wide, thick = draw.between(0.3, 0.9), draw.between(0.06, 0.15)
     one_sided = draw.chance(0.5)
@@ -212,14 +212,21 @@ def spindle(draw: Draw) -> Mechanism:
     low, top = draw.between(0.05, 0.7) * high, high + draw.between(0.1, 0.4)
     pieces = [cylinder(radius, top - low, "z", (0, 0, 0.5 * (low + top)), 12)]
     pieces.append(cylinder(draw.between(1.2, 3.0) * radius, 0.04, "z", (0, 0, low), 16))
-    kind = draw.pick(["bar", "wheel", "knob"])
+    kind = draw.pick(["bar", "loose bar", "wheel", "knob"])
+    half, across = draw.between(0.08, 0.2), draw.pick([X, Y])
+    bar = sweep(np.array([-half * across, half * across]) + Z * top, 0.4 * radius, 8)
     if kind == "bar":
-        pieces.append(cylinder(0.4 * radius, draw.between(0.15, 0.4), draw.pick(["x", "y"]), (0, 0, top), 8))
+        pieces.append(bar)
+    elif kind == "loose bar":
+        pieces.append(cylinder(1.5 * radius, 3 * radius, "z", (0, 0, top), 16))
     else:
         pieces.append(cylinder(draw.between(0.06, 0.2) if kind == "wheel" else 2 * radius, 0.05, "z", (0, 0, top), 20))
     bounds = -0.5 * low, 0.5 * low
     motion = slider(Z, *bounds) if draw.chance(0.25) else screw((0, 0, 0), Z * draw.sign(), *bounds)
-    return Mechanism([Moving(draw.pick(["screw", "rod", "spindle"]), pieces, motion)], bridge)
+    moving = [Moving(draw.pick(["screw", "rod", "spindle"]), pieces, motion)]
+    if kind == "loose bar":  # it slides in the head
+        moving.append(Moving(draw.pick(["bar", "lever", "handle"]), [bar], slider(across, -0.8 * half, 0.8 * half), moving[0]))
+    return Mechanism(moving, bridge)
 
 
 def _in_and_out(draw: Draw, long: float, out: float) -> Motion:
@@ -241,6 +248,7 @@ SLIDING: tuple[Builder, ...] = (
     sheath,
     cap,
     carriage,
+    slot,
     slot,
     pane,
     drawbar,
