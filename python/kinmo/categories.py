@@ -15,6 +15,8 @@ _KNOWN = (
     "Pen", "Phone", "Pliers", "Printer", "Refrigerator", "Remote", "Safe", "Scissors", "Stapler", "StorageFurniture",
     "Suitcase", "Switch", "Table", "Toaster", "Toilet", "TrashCan", "USB", "Vase", "WashingMachine", "Window"
 )  # fmt: skip
+_PROCEDURAL = ("Clamp", "Mechanism", "Vice")
+"""Of procedural shapes alone (`kinmo.synth`)."""
 _ALIASES = {"doorset": "Door", "cuttinginstrument": "Knife", "garbagecan": "TrashCan", "monitor": "Display"}
 
 
@@ -22,7 +24,7 @@ def _key(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
-_SPELLING = {_key(name): name for name in _KNOWN} | _ALIASES
+_SPELLING = {_key(name): name for name in (*_KNOWN, *_PROCEDURAL)} | _ALIASES
 
 
 def canonical_category(name: str) -> str:

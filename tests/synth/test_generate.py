@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kinmo.categories import canonical_category
 from kinmo.errors import InputError
 from kinmo.formats import discover, read_dsg_net, read_partnet, read_partnet_mobility
 from kinmo.joint import JointKind
@@ -126,3 +127,8 @@ def test_unlabelled_layouts_can_be_read(name: str, tmp_path: Path) -> None:
         assert 2 <= len(read.leaves) <= len(list(built.root.leaves()))
         diagonal = np.linalg.norm(np.subtract(*built.bounds()))
         assert 0.5 < read.diagonal / diagonal < 1.3
+
+
+def test_a_hierarchys_root_names_a_category_as_the_labelled_shapes_spell_it() -> None:
+    built = [build(Order(name, 0, 0, Layout.PARTNET, ParameterRange.BOTH)) for name in family_names()]
+    assert {canonical_category(shape.root.name) for shape in built} <= {shape.category for shape in built}
