@@ -33,9 +33,10 @@ def furniture():
     return shape_of_boxes(boxes, (Body(0, "body", (1,)), *bodies))
 
 
-def test_the_rule_opens_plain_furniture():
+@pytest.mark.parametrize(("judge", "rule"), [(parts_given, without_learning), (hierarchy_given, segmented_without_learning)])
+def test_the_rule_opens_plain_furniture_whether_or_not_its_bodies_are_given(judge, rule):
     truth = prepared_from(furniture(), points=400)
-    score = parts_given(truth, without_learning(truth))
+    score = judge(truth, rule(truth))
     assert {record.name: record.is_ok for record in score.records} == dict.fromkeys(("door", "drawer", "button", "lid"), True)
     assert not score.false_alarms
 
@@ -50,13 +51,6 @@ def test_the_rule_answers_every_body_with_a_unit_axis(shape):
         if answer.joint is not None:
             assert np.linalg.norm(answer.joint.direction) == pytest.approx(1)
             assert answer.type.kind is answer.joint.kind
-
-
-def test_where_only_the_hierarchy_is_given_the_parts_of_the_object_are_the_bodies():
-    truth = prepared_from(furniture(), points=400)
-    score = hierarchy_given(truth, segmented_without_learning(truth))
-    assert {record.name: record.is_ok for record in score.records} == dict.fromkeys(("door", "drawer", "button", "lid"), True)
-    assert not score.false_alarms
 
 
 @settings(max_examples=20, deadline=None)
