@@ -1,6 +1,6 @@
 """How well does the paper's method say the joints of real objects, bodies given? (paper, Table 1; docs/metrics.md)
 
-    python bench/paper_on_real.py [--data DIR] [--cache DIR] [--count 16] [--folds 5] [--quick]
+    python bench/paper_on_real.py [--data DIR] [--cache DIR] [--count 16] [--seeds 3] [--folds 5] [--quick]
 
 Every object is tested by networks that never saw it: they are trained on procedural shapes and go on with the real objects of
 the other folds (`python bench/real_objects.py` does so for the `kinmo` method, and shares data and cache). The networks have
@@ -48,10 +48,11 @@ Rows = dict[str, list[ShapeScore]]
 
 @dataclass(frozen=True)
 class Networks:
-    """Training of the paper's networks, each kept in `folder` and not trained twice."""
+    """Training of the paper's networks with a seed, each kept in `folder` and not trained twice."""
 
     folder: Path
     config: Config
+    seed: int
 
     def pretrained(self, model: Model, shapes: Sequence[PreparedShape]) -> Path:
         """Weights trained on procedural shapes."""
@@ -76,17 +77,17 @@ class Networks:
         schedule: Callable[[TrainingConfig], TrainingConfig],
         initial: Path | None = None,
     ) -> Path:
-        folder = self.folder / f"paper-{model}-{name}"
+        folder = self.folder / f"paper-{model}-{name}-{self.seed}"
         if (folder / "weights.safetensors").exists():
             return folder / "weights.safetensors"
         print(f"training {folder.name} on {len(training)} shapes", flush=True)
         if model == "axis":
             axis = replace(self.config.axis, training=schedule(self.config.axis.training))
-            train_axis_selection(training, validation, axis, folder, device="cpu", initial=initial)
+            train_axis_selection(training, validation, axis, folder, seed=self.seed, device="cpu", initial=initial)
         else:
             gnn = replace(self.config.gnn, training=schedule(self.config.gnn.training))
             types = TYPE_SETS[0] if model == "gnn_coarse" else TYPE_SETS[1]
-            train_motion_gnn(training, validation, gnn, folder, types=types, device="cpu", initial=initial)
+            train_motion_gnn(training, validation, gnn, folder, types=types, seed=self.seed, device="cpu", initial=initial)
         return folder / "weights.safetensors"
 
 
@@ -118,22 +119,25 @@ def score_frame(rows: Rows, shapes: Sequence[PreparedShape], config: Config) -> 
 def main() -> int:
     """Train what is missing, print every row, and the claim last."""
     parser = parser_for(__doc__, count=16)
-    parser.add_argument("--quick", action="store_true", help="few procedural shapes, and none of the real ones to learn from")
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--quick", action="store_true", help="few procedural shapes, one seed, no real shapes to learn from")
     args = parser.parse_args()
-    count, folds = (6, 0) if args.quick else (args.count, args.folds)
+    count, folds, seeds = (6, 0, 1) if args.quick else (args.count, args.folds, args.seeds)
     torch.set_num_threads(1)
     shapes = gathered(args.data, args.cache, count, folds)
     if shapes is None:
         return claim({})
-    networks = Networks(shapes.cache / "models", load_config("small"))
-    print(f"{len(shapes.real)} real and {len(shapes.procedural)} procedural shapes, {folds} folds, 1 seed")
-    pretrained = {model: networks.pretrained(model, shapes.procedural) for model in MODELS}
+    print(f"{len(shapes.real)} real and {len(shapes.procedural)} procedural shapes, {folds} folds, {seeds} seeds")
     transferred: Rows = {}
-    score_frame(transferred, shapes.real, networks.config)
-    score_rows(transferred, shapes.real, pretrained, networks.config)
     rows: Rows = {}
-    for fold in shapes.by_fold():
-        score_rows(rows, fold[3], {m: networks.fine_tuned(m, fold, pretrained[m]) for m in MODELS}, networks.config)
+    config = load_config("small")
+    score_frame(transferred, shapes.real, config)
+    for seed in range(seeds):
+        networks = Networks(shapes.cache / "models", config, seed)
+        pretrained = {model: networks.pretrained(model, shapes.procedural) for model in MODELS}
+        score_rows(transferred, shapes.real, pretrained, config)
+        for fold in shapes.by_fold():
+            score_rows(rows, fold[3], {m: networks.fine_tuned(m, fold, pretrained[m]) for m in MODELS}, config)
     named = {f"{name}, procedural shapes alone" if "_" in name else name: found for name, found in transferred.items()}
     figures = {name: figures_of(found) for name, found in (named | rows).items()}
     print_figures(figures)
