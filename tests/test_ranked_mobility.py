@@ -94,6 +94,20 @@ def test_as_many_bodies_rest_as_may(rests: str, rest: tuple[float, float], movin
     assert tuple(index for index, found in enumerate(answers) if found[0].joint is not None) == moving
 
 
+@pytest.mark.parametrize(("rest", "moving"), [((0.1, 0.2), (2,)), ((0.1, 0.9), (2,)), ((0.9, 0.1), (2,))])
+def test_what_everything_rests_on_does_not_move(rest: tuple[float, float], moving: tuple[int, ...]) -> None:
+    box, lid = ((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1))
+    shape = prepare_shape(shape_of_boxes([box, lid], (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE))), points=64)
+
+    def moves(bodies: list[tuple[int, ...]], rest: tuple[float, float]) -> tuple[int, ...]:
+        answers = ranked_bodies(shape, None, bodies, Undecided(rest), rests="first")
+        return tuple(index for index, found in enumerate(answers) if found[0].joint is not None)
+
+    assert moves([(0,), (1,)], rest) == (1,)
+    # nothing was left to rest on: the part that most likely rests does
+    assert moves([(), (0,), (1,)], rest) == ((1,) if rest[1] > rest[0] else moving)
+
+
 def test_every_leaf_belongs_to_exactly_one_body() -> None:
     shape = cabinet(3)
     first, _ = moving_pair(shape)

@@ -53,8 +53,9 @@ def ranked_bodies(
 ) -> list[tuple[JointEstimate, ...]]:
     """Ranked answers for every body (positions of its leaves), in the normalised frame, without limits.
 
-    `rests` says which bodies may rest: any, the first (it has been decided already that the others move), or one, that which
-    most likely does (bodies of one shape are fastened to each other, so that but one need rest). `kinds` says how bodies move
+    `rests` says which bodies may rest: any; the first, which does (it has been decided already that the others move; if it is
+    empty, that does which most likely rests); or one, that which most likely does (bodies of one shape are fastened to each
+    other, so that but one need rest). `kinds` says how bodies move
     (None: that is asked). `meshes` (of the leaves, in the normalised frame) are needed for bodies that `shape` was not
     prepared with; without them those raise ValueError.
     """
@@ -73,7 +74,9 @@ def ranked_bodies(
     view = View(shape.id, evidence, asked, True, words, (None,) * len(wanted), category_words(shape))
     probabilities, rest = ranking.probabilities(view)
     said = {body: (odds, float(still)) for body, odds, still in zip(wanted, probabilities, rest, strict=True)}
-    resting = {"any": set(wanted), "first": {bodies[0]}, "one": {wanted[int(np.argmax(rest))]}}[rests]
+    stillest = wanted[int(np.argmax(rest))]
+    base = bodies[0] or stillest
+    resting = {"any": set(wanted), "first": {base}, "one": {stillest}}[rests]
     answers: list[tuple[JointEstimate, ...]] = []
     for index, body in enumerate(bodies):
         if not body:
@@ -82,6 +85,8 @@ def ranked_bodies(
         odds, still = said[body]
         if still >= MOVES and body not in resting:
             odds, still = odds / odds.sum() * (1.0 - MOVES / 2), MOVES / 2
+        if still < MOVES and rests == "first" and body == base:
+            odds, still = odds / odds.sum() * (1.0 - MOVES), MOVES
         kind = None if kinds is None else kinds[index]
         if kind is not None:
             odds = np.where(evidence.kinds[evidence.rows(place[body])] == KIND_CODE[kind], odds, 0.0)

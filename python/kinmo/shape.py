@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -24,6 +24,12 @@ class Mesh:
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.uint32]
+
+
+def bounds_of(meshes: Iterable[Mesh]) -> tuple[Vector, Vector]:
+    """Smallest and largest corner [3] of the axis-aligned box of all vertices that a face uses; there must be some."""
+    used = [mesh.vertices[np.unique(mesh.faces)] for mesh in meshes]
+    return np.min([v.min(axis=0) for v in used], axis=0), np.max([v.max(axis=0) for v in used], axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +88,7 @@ class Shape:
     @cached_property
     def bounds(self) -> tuple[Vector, Vector]:
         """Smallest and largest corner [3] of the axis-aligned box of all vertices that a face uses."""
-        used = [mesh.vertices[np.unique(mesh.faces)] for mesh in self.meshes()]
-        low = np.min([v.min(axis=0) for v in used], axis=0)
-        high = np.max([v.max(axis=0) for v in used], axis=0)
-        return low, high
+        return bounds_of(self.meshes())
 
     @property
     def center(self) -> Vector:

@@ -120,7 +120,8 @@ def test_a_closed_pipe_ends_without_a_word() -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals differ on Windows")
-def test_ctrl_c_says_one_line() -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_and_what_schedulers_send_say_one_line(number: signal.Signals) -> None:
     code = (
         "import signal, sys, time\nfrom typer import Exit\nfrom kinmo.cli.execute import one_line_errors\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # whoever started the tests may have had it ignored
@@ -130,7 +131,7 @@ def test_ctrl_c_says_one_line() -> None:
     process = run_python(code)
     assert process.stdout is not None
     assert process.stdout.readline() == "go\n"
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     _, err = process.communicate(timeout=30)
     assert process.returncode == 130
     assert err == "kinmo: stopped; the same command goes on from here\n"

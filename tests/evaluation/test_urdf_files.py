@@ -212,6 +212,7 @@ def test_a_category_that_no_truth_has_is_answered_with_those_there_are(tmp_path)
         stage.run(listener)
     assert replace(stage, category="cabinet").run(listener).data["micro"]["objects"] == 3
     assert any("result.json" in note for note in listener.notes)
+    assert any(note.startswith("failed: 3: ") for note in listener.notes)
 
 
 def test_urdfs_are_found_by_name_then_depth_then_path(tmp_path):

@@ -226,7 +226,10 @@ def test_a_folder_of_meshes_that_leads_out_is_refused(tmp_path, name):
 
 @pytest.mark.parametrize("scale", [1e-30, 1e-3, 1e30])
 def test_tiny_and_huge_objects_are_read(tmp_path, scale):
-    folder = write_partnet_mobility(tmp_path / "4711")
+    bodies = mobility()
+    for body in bodies[1:]:
+        body["jointData"]["axis"]["origin"] = [x * scale for x in body["jointData"]["axis"]["origin"]]
+    folder = write_partnet_mobility(tmp_path / "4711", bodies)
     for name, (low, high) in BOXES.items():
         text = box_obj([x * scale for x in low], [x * scale for x in high])
         (folder / "textured_objs" / f"{name}.obj").write_text(text)

@@ -170,6 +170,37 @@ def test_without_meta_the_root_part_names_the_category(tmp_path):
     assert any("meta.json" in repair for repair in shape.repairs)
 
 
+def test_without_any_name_the_category_is_unknown(tmp_path):
+    nameless = copy.deepcopy(RESULT)
+    nameless[0].update(name="")
+    folder = write_partnet_mobility(tmp_path / "4711", result=nameless)
+    (folder / "meta.json").unlink()
+    shape = read_partnet_mobility(folder)
+    assert shape.category == "unknown"
+    assert any("meta.json" in repair for repair in shape.repairs)
+
+
+def test_the_origin_of_a_slider_means_nothing_however_far_it_lies(tmp_path):
+    data = joint_data((0, 1, 0), 0, 0.1)
+    data["axis"]["origin"] = [1e308, 0.0, 0.0]
+    shape = with_joint(tmp_path, data, "slider")
+    assert np.abs(door_of(shape).joint.pivot).max() < 10.0
+    assert any("origin" in repair for repair in shape.repairs)
+
+
+@pytest.mark.parametrize(("word", "limit"), [("slider", 1e30), ("hinge", 1e9)])
+def test_limits_beyond_all_sense_are_none(tmp_path, word, limit):
+    shape = with_joint(tmp_path, joint_data((0, 1, 0), -limit, limit), word)
+    assert not door_of(shape).joint.is_limited
+    assert any("beyond all sense" in repair for repair in shape.repairs)
+
+
+def far_hinge():
+    data = joint_data((0, 1, 0))
+    data["axis"]["origin"] = [0.0, 1e308, 0.0]
+    return data
+
+
 def broken(change):
     """The synthetic shape's three JSON files after a change."""
     files = {"mobility_v2.json": mobility(), "result.json": copy.deepcopy(RESULT), "meta.json": {"model_cat": "Box"}}
@@ -190,6 +221,7 @@ CONTRADICTIONS = {
     "a limit that is no number": (lambda f: f["mobility_v2.json"][1].update(jointData=joint_data((0, 1, 0), "a")), "limit.a"),
     "a limit of NaN": (lambda f: f["mobility_v2.json"][1].update(jointData=joint_data((0, 1, 0), math.nan)), "limit.a"),
     "a huge limit": (lambda f: f["mobility_v2.json"][1].update(jointData=joint_data((0, 1, 0), 10**400)), "limit.a"),
+    "an axis far away": (lambda f: f["mobility_v2.json"][1].update(jointData=far_hinge()), "jointData.axis.origin"),
     "no joint data": (lambda f: f["mobility_v2.json"][1].pop("jointData"), "jointData"),
     "no bodies": (lambda f: f["mobility_v2.json"].clear(), "list of bodies"),
     "a node twice": (lambda f: f["result.json"][0]["children"][2].update(id=1), "children[2].id"),

@@ -158,6 +158,16 @@ def test_the_last_epoch_is_kept_where_that_is_asked_for(tmp_path: Path) -> None:
     assert result.best_error == result.history[-1][MONITOR]
 
 
+def test_an_error_that_is_no_number_ends_the_training_and_says_when(tmp_path: Path) -> None:
+    class Poisoned(Points):
+        def validation_batches(self) -> list[Tensor]:
+            return [torch.full((4, 3), torch.nan)]
+
+    with pytest.raises(InputError, match="after epoch 1 the error is nan"):
+        fit(Line(), Poisoned(), tmp_path, device="cpu")
+    assert not (tmp_path / "best.pt").exists()
+
+
 def test_threads_are_taken_for_the_training_alone(tmp_path: Path) -> None:
     seen: list[int] = []
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -65,6 +67,7 @@ def one_line_errors() -> Iterator[None]:
     if os.environ.get("KINMO_DEBUG"):
         yield
         return
+    _end_as_by_ctrl_c()
     try:
         yield
         sys.stdout.flush()
@@ -86,6 +89,12 @@ def one_line_errors() -> Iterator[None]:
     except Exception as error:
         print(f"kinmo: internal error: {type(error).__name__}: {_sentence(error)} (KINMO_DEBUG=1 shows where)", file=sys.stderr)
         raise Exit(FAILED) from None
+
+
+def _end_as_by_ctrl_c() -> None:
+    """Ask of SIGTERM, by which schedulers end programs, what Ctrl-C does."""
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
 def _sentence(error: BaseException) -> str:

@@ -35,10 +35,11 @@ def train(
     """Train the networks on the labelled shapes.
 
     gnn predicts how neighbouring parts move against each other (with ten motion types, and with five). axis trains what
-    chooses among candidate axes: the paper's axis selection and kinmo's own ranking. contact-edges, no part of all, is the gnn
-    on edges between touching parts alone, for a row of kinmo eval --ablations. The best epoch is chosen on validation shapes;
-    test shapes are never looked at. Training that was stopped goes on from its last epoch. On a CPU, networks that take one
-    thread each, as those of small do, are trained side by side.
+    chooses among candidate axes: the paper's axis selection and kinmo's own ranking. contact-edges, no part of all, is the
+    gnn on edges between touching parts alone, for a row of kinmo eval --ablations. The best epoch is chosen on validation
+    shapes (with --from the last one is kept, halfway to what it went on from); test shapes are never looked at. Training
+    that was stopped goes on from its last epoch. On a CPU, networks that take one thread each, as those of small do, are
+    trained side by side.
 
     With few annotated shapes, train on many procedural ones in a workspace of their own, and go on from those with --from.
 

@@ -14,6 +14,7 @@ from kinmo.formats.meshes import has_surface, join
 from kinmo.formats.obj import read_obj
 from kinmo.shape import Mesh
 
+UNKNOWN_CATEGORY = "unknown"
 MESH_FOLDERS = ("textured_objs", "objs")
 
 
@@ -73,11 +74,12 @@ def _mesh_name(field: Field) -> str:
 
 
 def read_meta(folder: Path, root_name: str) -> Meta:
-    """Category and annotation. meta.json decides; without it, the name of the root part does."""
+    """Category and annotation. meta.json decides, without it the name of the root part; without both it is unknown."""
     file = folder / "meta.json"
     if not file.exists() and not file.is_symlink():
         if not root_name:
-            raise InputError(file, "missing, and the root part has no name: the category is not known")
+            problem = f"meta.json is missing, and the root part has no name: category {UNKNOWN_CATEGORY}"
+            return Meta(UNKNOWN_CATEGORY, None, (problem,))
         return Meta(canonical_category(root_name), None, ("meta.json is missing: category taken from the root part",))
     meta = Field(file, read_json(file, folder))
     name = meta["model_cat"].text()

@@ -10,9 +10,10 @@ from kinmo.errors import InputError
 from kinmo.formats.field import Field
 from kinmo.formats.files import read_json
 from kinmo.formats.hierarchy import Hierarchy
-from kinmo.formats.joints import read_joint
+from kinmo.formats.joints import joint_near, read_joint
 from kinmo.joint import Joint
 from kinmo.mobility import Body, Mobility, has_cycle
+from kinmo.shape import bounds_of
 
 
 @dataclass(eq=False)
@@ -47,6 +48,10 @@ def read_mobility(folder: Path, hierarchy: Hierarchy, repairs: list[str]) -> Mob
     drafts = [_draft(entry, repairs) for entry in entries]
     _link(drafts, entries)
     _give_leaves(drafts, entries, hierarchy)
+    low, high = bounds_of(part.mesh for part in hierarchy.parts if part.mesh is not None)
+    for draft, entry in zip(drafts, entries, strict=True):
+        if draft.joint is not None:
+            draft.joint = joint_near(draft.joint, entry, low, high, repairs, str(draft))
     drafts = _without_empty(drafts, repairs)
     _complete(drafts, hierarchy, repairs)
     bodies = tuple(Body(d.id, d.name, tuple(sorted(d.leaves)), d.parent, d.joint) for d in drafts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,10 @@ RIGID = frozenset({"", "free", "heavy", "static", "junk"})
 """Joints that let nothing move."""
 _MOVABLE = {"hinge": JointKind.REVOLUTE, "slider": JointKind.PRISMATIC, "screw": JointKind.SCREW}
 _TURN = 2.0 * math.pi
+FARTHEST = 100.0
+"""Diagonals of the object from its middle to an axis; those of real objects are within one."""
+MOST_TURNS = 100.0
+"""Of a hinge with limits."""
 _UNIT_WITHIN = 1e-3
 
 
@@ -50,6 +55,28 @@ def read_joint(body: Field, repairs: list[str], body_name: str) -> Joint | None:
     if first > second:
         mend("limits are reversed: direction turned round")
         return joint.reversed()
+    return joint
+
+
+def joint_near(joint: Joint, body: Field, low: Vector, high: Vector, repairs: list[str], body_name: str) -> Joint:
+    """The joint, which must be near to the object between the corners `low` and `high` [3].
+
+    Raises InputError for an axis farther than `FARTHEST` diagonals from it. Where the origin of a slider, which means nothing,
+    is as far it is dropped; a range beyond that, or of more than `MOST_TURNS` turns, is taken for none.
+    """
+    mend = _Mender(repairs, body_name)
+    center, reach = 0.5 * (low + high), FARTHEST * float(np.linalg.norm(high - low))
+    if np.max(np.abs(joint.pivot - center)) > reach:
+        if joint.has_pivot:
+            raise body["jointData"]["axis"]["origin"].fail(
+                f"expected a point of the axis within {FARTHEST:g} diagonals of the object"
+            )
+        mend("origin of a slider far from the object dropped")
+        joint = replace(joint, pivot=center)
+    farthest = _TURN * MOST_TURNS if joint.kind is JointKind.REVOLUTE else reach
+    if joint.lower is not None and joint.upper is not None and max(-joint.lower, joint.upper) > farthest:
+        mend("limits beyond all sense: taken as unlimited")
+        joint = replace(joint, lower=None, upper=None)
     return joint
 
 

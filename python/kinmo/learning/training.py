@@ -26,6 +26,7 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch.utils.data import DataLoader, IterableDataset
 
 from kinmo.config import TrainingConfig
+from kinmo.errors import InputError
 from kinmo.learning.averaging import ExponentialAverage
 from kinmo.learning.weights import pick_device
 from kinmo.workspace import write_atomically, write_bytes_atomically, write_text_atomically
@@ -203,6 +204,8 @@ class _Recorder(Callback):
         epoch = trainer.current_epoch
         self.history = [*self.history[:epoch], {"epoch": float(epoch), **metrics}]
         error = metrics[MONITOR]
+        if not math.isfinite(error):
+            raise InputError(self.folder, f"after epoch {epoch + 1} the error is {error}: expected finite training data")
         if error < self.best_error or self.best_epoch < 0 or self.config.keep == "last":
             self.best_epoch, self.best_error = epoch, error
             if trainer.is_global_zero:

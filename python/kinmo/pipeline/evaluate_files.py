@@ -51,6 +51,9 @@ class EvaluateFiles:
         )
         for reason in report.unreadable.values():
             observer.note(f"left out: {reason}")
+        for scored in report.objects:
+            if scored.reason:
+                observer.note(f"failed: {scored.id}: {scored.reason}")
         summary = summarise(report)
         table = self._table(report, summary)
         folder = self.workspace.evaluation / URDF_FILES

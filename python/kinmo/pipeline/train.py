@@ -92,7 +92,7 @@ class Train:
             write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
         results = {task.name: _result(self._folder(task)) for task in tasks}
         lines = [
-            f"{name}: {result['epochs']} epochs, best {result['best']}, error {result['error']:.4f}"
+            f"{name}: {result['epochs']} epochs, kept {result['kept']}, error {result['error']:.4f}"
             for name, result in results.items()
         ]
         return Outcome(self.workspace.models, results, "\n".join(lines))
@@ -205,7 +205,8 @@ class Train:
 def _result(folder: Path) -> dict[str, Any]:
     with expecting("one entry an epoch", folder / METRICS):
         errors = [row["validation/error"] for row in json.loads((folder / METRICS).read_text(encoding="utf-8"))]
-        best = min(range(len(errors)), key=errors.__getitem__)
     with expecting("what weights are for", folder / HEADER):
-        digest = json.loads((folder / HEADER).read_text(encoding="utf-8"))["sha256"]
-    return {"weights": str(folder / WEIGHTS), "sha256": digest, "epochs": len(errors), "best": best, "error": errors[best]}
+        header = json.loads((folder / HEADER).read_text(encoding="utf-8"))
+        digest, error = header["sha256"], header["facts"]["error"]
+        kept = min(range(len(errors)), key=lambda epoch: abs(errors[epoch] - error))
+    return {"weights": str(folder / WEIGHTS), "sha256": digest, "epochs": len(errors), "kept": kept, "error": error}
