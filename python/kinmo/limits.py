@@ -66,23 +66,34 @@ def free_travel(
     slides = candidates.kinds != KIND_CODES[JointKind.REVOLUTE]
     lengths = np.ptp(points @ candidates.directions.T, axis=0)
     reach = np.where(slides, np.maximum(lengths, 1e-6), math.pi)
-    if not obstacles:
-        lower, upper = -reach, reach.copy()
-    else:
-        codes = np.where(slides, KIND_CODES[JointKind.PRISMATIC], candidates.kinds).astype(np.uint8)
-        lower, upper, _ = _core.sweep(
-            meshes, list(moving), list(obstacles), codes, candidates.directions, candidates.pivots, -reach, reach
-        )
+    lower, upper = _free(meshes, moving, obstacles, candidates, slides, reach)
     wanted = np.where(slides, WANTED_SLIDE * reach, WANTED_TURN)
     freedom = np.clip(np.maximum(upper, -lower) / wanted, 0.0, 1.0)
-    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    middle, size = 0.5 * (points.min(axis=0) + points.max(axis=0)), np.linalg.norm(np.ptp(points, axis=0))
     off_axis = np.linalg.norm(np.cross(middle - candidates.pivots, candidates.directions), axis=1)
-    central = off_axis < CENTRAL * np.linalg.norm(np.ptp(points, axis=0))
-    round_about = ~slides & central & (upper >= 0.999 * math.pi) & (lower <= -0.999 * math.pi)
-    forwards = np.where(np.abs(lower + upper) > EVEN * reach, lower + upper > 0, candidates.directions @ middle >= 0)
-    if np.linalg.norm(np.ptp(points, axis=0)) < PRESSED_SIZE:
-        forwards = ~forwards
+    all_round = (upper >= 0.999 * math.pi) & (lower <= -0.999 * math.pi)
+    round_about = ~slides & (off_axis < CENTRAL * size) & all_round
+    is_outwards = np.where(np.abs(lower + upper) > EVEN * reach, lower + upper > 0, candidates.directions @ middle >= 0)
+    is_forwards = ~is_outwards if size < PRESSED_SIZE else is_outwards
     slide = SLIDE * reach
-    lower = np.where(slides, np.where(forwards, 0.0, -slide), np.maximum(lower, -MOST_TURN))
-    upper = np.where(slides, np.where(forwards, slide, 0.0), np.minimum(upper, MOST_TURN))
+    lower = np.where(slides, np.where(is_forwards, 0.0, -slide), np.maximum(lower, -MOST_TURN))
+    upper = np.where(slides, np.where(is_forwards, slide, 0.0), np.minimum(upper, MOST_TURN))
     return Travel(lower, upper, round_about, freedom)
+
+
+def _free(
+    meshes: _core.Meshes,
+    moving: Sequence[int],
+    obstacles: Sequence[int],
+    candidates: Candidates,
+    slides: NDArray[np.bool_],
+    reach: F64,
+) -> tuple[F64, F64]:
+    """How far [C] each candidate goes down and up before something is in the way, at most `reach`; screws go straight."""
+    if not obstacles:
+        return -reach, reach.copy()
+    codes = np.where(slides, KIND_CODES[JointKind.PRISMATIC], candidates.kinds).astype(np.uint8)
+    lower, upper, _ = _core.sweep(
+        meshes, list(moving), list(obstacles), codes, candidates.directions, candidates.pivots, -reach, reach
+    )
+    return lower, upper

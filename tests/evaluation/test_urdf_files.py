@@ -21,7 +21,7 @@ from kinmo.export.partnet_mobility import write_partnet_mobility
 from kinmo.export.urdf import write_urdf
 from kinmo.joint import Joint, JointKind
 from kinmo.mobility import Body, Mobility
-from kinmo.pipeline.evaluate_files import EvaluateFiles
+from kinmo.pipeline.score_urdfs import ScoreUrdfs
 from kinmo.workspace import Workspace
 
 UP = np.array([0.0, 1, 0])
@@ -207,7 +207,7 @@ def test_a_category_that_no_truth_has_is_answered_with_those_there_are(tmp_path)
     truth, predictions = folders(tmp_path)
     (truth / "1" / "result.json").write_text("[")
     listener = Listener()
-    stage = EvaluateFiles(predictions, truth, Workspace(tmp_path / "w"), "cabinets")
+    stage = ScoreUrdfs(predictions, truth, Workspace(tmp_path / "w"), "cabinets")
     with pytest.raises(InputError, match=r"no shape of cabinets \(did you mean Cabinet\?\); there are Cabinet"):
         stage.run(listener)
     assert replace(stage, category="cabinet").run(listener).data["micro"]["objects"] == 3

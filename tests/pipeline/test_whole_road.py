@@ -14,7 +14,7 @@ from browser import assert_shown_without_complaint, needs_browser
 from kinmo.errors import InputError
 from kinmo.formats import Found, Layout, discover, read_found, read_partnet_mobility
 from kinmo.pipeline.evaluate import Evaluate
-from kinmo.pipeline.evaluation_files import SETTINGS
+from kinmo.pipeline.evaluation_folder import SETTINGS
 from kinmo.pipeline.examples import read_examples
 from kinmo.pipeline.journal import runs
 from kinmo.pipeline.predict import Predict

@@ -42,9 +42,9 @@ def evaluate(
     if (files is None) != (truth is None):
         raise BadParameter("FILES and --truth go together", param_hint="--truth")
     if files is not None and truth is not None:
-        from kinmo.pipeline.evaluate_files import EvaluateFiles
+        from kinmo.pipeline.score_urdfs import ScoreUrdfs
 
-        execute(options, EvaluateFiles(files, truth, workspace, category, options.worker_count))
+        execute(options, ScoreUrdfs(files, truth, workspace, category, options.worker_count))
         return
     from kinmo.pipeline.evaluate import Evaluate
 

@@ -14,7 +14,7 @@ from kinmo.evaluation.table1 import Rows, Scores, caption_for, table1
 from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_table
 from kinmo.export.folders import whole_folder
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.evaluation_files import (
+from kinmo.pipeline.evaluation_folder import (
     EXAMPLES,
     PRINTED,
     SETTINGS,

@@ -15,7 +15,7 @@ from kinmo.evaluation.score_data import score_from_data, score_to_data
 from kinmo.formats import Found, Layout, read_found
 from kinmo.pipeline.dataset import Dataset
 from kinmo.pipeline.each_shape import each_shape
-from kinmo.pipeline.evaluation_files import JUDGEMENTS
+from kinmo.pipeline.evaluation_folder import JUDGEMENTS
 from kinmo.pipeline.examples import example_from_data
 from kinmo.pipeline.judge import Judgement, judge
 from kinmo.pipeline.predictors import leaf_meshes

@@ -12,7 +12,7 @@ from typing import Any
 from kinmo.errors import InputError, expecting
 from kinmo.evaluation.tables import Table as MeasuredTable
 from kinmo.evaluation.tables import read_table
-from kinmo.pipeline.evaluation_files import ALL, EXAMPLES, PRINTED, SETTINGS, URDF_FILES, evaluations, is_current
+from kinmo.pipeline.evaluation_folder import ALL, EXAMPLES, PRINTED, SETTINGS, URDF_FILES, evaluations, is_current
 from kinmo.pipeline.examples import Example, chosen, read_examples
 from kinmo.pipeline.journal import runs
 from kinmo.pipeline.model_files import METHOD_MODELS, METRICS, weights_digest

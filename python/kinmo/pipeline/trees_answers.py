@@ -12,7 +12,7 @@ from kinmo.evaluation.trees import library_version
 from kinmo.evaluation.trees_baseline import fit_trees
 from kinmo.joint import MotionType
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.evaluation_files import TREES, test_shapes
+from kinmo.pipeline.evaluation_folder import TREES, test_shapes
 from kinmo.pipeline.stage import Observer
 from kinmo.prediction import JointEstimate
 from kinmo.splits import Split

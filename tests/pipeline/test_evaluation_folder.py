@@ -11,7 +11,7 @@ import pytest
 from whole_road import METHODS, Listener, Road
 
 from kinmo.pipeline.evaluate import Evaluate
-from kinmo.pipeline.evaluation_files import ALL, Choice, evaluations, is_current, stage_of
+from kinmo.pipeline.evaluation_folder import ALL, Choice, evaluations, is_current, stage_of
 from kinmo.pipeline.report import OUTDATED, Report
 from kinmo.workspace import Workspace
 

@@ -13,7 +13,7 @@ from kinmo.evaluation.urdf_files import FilesReport, score_files, summarise
 from kinmo.evaluation.urdf_files.figures import FIGURES
 from kinmo.evaluation.urdf_files.files import write_json
 from kinmo.formats import Layout, discover, read_found
-from kinmo.pipeline.evaluation_files import URDF_FILES
+from kinmo.pipeline.evaluation_folder import URDF_FILES
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.workspace import Workspace
 
@@ -23,7 +23,7 @@ DECIMALS = {"share": 3, "degrees": 2, "diagonals": 4, "length": 4}
 
 
 @dataclass(frozen=True)
-class EvaluateFiles:
+class ScoreUrdfs:
     """Score the URDFs below `predictions` for the annotated shapes below `truth`, all or those of one category."""
 
     predictions: Path
