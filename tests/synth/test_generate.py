@@ -11,10 +11,11 @@ from kinmo.categories import canonical_category
 from kinmo.errors import InputError
 from kinmo.formats import discover, read_dsg_net, read_partnet, read_partnet_mobility
 from kinmo.joint import JointKind
+from kinmo.splits import Split, split_of
 from kinmo.synth import generate as generating
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.families import family_names
-from kinmo.synth.generate import MOST_SHAPES, Layout, Order, build, generate, orders, write
+from kinmo.synth.generate import MOST_SHAPES, SPLITS, Layout, Order, build, generate, orders, write
 from kinmo.synth.model import JointName
 
 SOME = ("safe", "microwave", "bottle", "window")
@@ -132,3 +133,23 @@ def test_unlabelled_layouts_can_be_read(name: str, tmp_path: Path) -> None:
 def test_a_hierarchys_root_names_a_category_as_the_labelled_shapes_spell_it() -> None:
     built = [build(Order(name, 0, 0, Layout.PARTNET, ParameterRange.BOTH)) for name in family_names()]
     assert {canonical_category(shape.root.name) for shape in built} <= {shape.category for shape in built}
+
+
+def test_of_every_family_there_are_shapes_to_train_on_to_choose_by_and_to_test() -> None:
+    for count, fewest in ((4, 1), (12, 1), (20, 2)):
+        found: dict[str, list[Split]] = {}
+        for order in orders(count, layouts=[Layout.PARTNET_MOBILITY]):
+            found.setdefault(order.family, []).append(split_of(order.shape_id))
+        for splits in found.values():
+            assert min(splits.count(split) for split in Split) >= fewest
+            assert splits == [SPLITS[index % len(SPLITS)] for index in range(count)]
+
+
+def test_ids_depend_neither_on_how_many_there_are_nor_on_what_was_asked_before() -> None:
+    many = [order.shape_id for order in orders(30, families=["safe"], seed=3)]
+    generating._numbers.cache_clear()
+    alone = Order("safe", 29, 3, Layout.PARTNET_MOBILITY, ParameterRange.LABELLED, chooses_split=True)
+    assert alone.shape_id in many
+    assert len(set(many)) == len(many)
+    few = {order.shape_id for order in orders(3, families=["safe"], seed=3)}
+    assert few <= set(many)

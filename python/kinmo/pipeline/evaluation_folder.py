@@ -77,7 +77,12 @@ def test_shapes(dataset: Dataset) -> tuple[IndexEntry, ...]:
     """The test shapes that have a joint. Raises InputError if there are none."""
     entries = tuple(entry for entry in dataset.labelled[Split.TEST] if entry.joint_count)
     if not entries:
-        raise InputError(dataset.store.folder, "expected at least one labelled test shape with a joint")
+        of = f" of {dataset.category}" if dataset.category else ""
+        others = sum(len(some) for some in dataset.labelled.values())
+        problem = (
+            f"expected a labelled test shape{of} with a joint; hashes of ids, which decide, have none of {others} for tests"
+        )
+        raise InputError(dataset.store.folder, problem)
     return entries
 
 

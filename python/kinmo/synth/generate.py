@@ -7,13 +7,14 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 
 from kinmo.errors import InputError
+from kinmo.splits import Split, split_of
 from kinmo.synth.draw import Draw, ParameterRange
 from kinmo.synth.families import family, family_names
 from kinmo.synth.hierarchy_style import arrange
@@ -24,7 +25,9 @@ from kinmo.synth.writers import dsg_net, partnet, partnet_mobility
 from kinmo.workers import Crashed, map_unordered
 
 MOST_SHAPES = 100_000
-"""Of a family and layout: ids have five digits."""
+"""Of a family and layout."""
+SPLITS = tuple(map(Split, ["train", "test", "train", "validation", "train", "train", "test", "train", "train", "train"]))
+"""What every ten shapes of a family are for, where ids are chosen by that: a dozen are too few to leave it to their hashes."""
 
 
 class Layout(str, Enum):
@@ -45,24 +48,50 @@ class Layout(str, Enum):
 
 @dataclass(frozen=True)
 class Order:
-    """One shape to be made. The shape depends on these fields and on nothing else."""
+    """One shape to be made. The shape depends on these fields and on nothing else.
+
+    With `chooses_split` its id, which decides what it is for, is chosen so that `SPLITS` says that too.
+    """
 
     family: str
     index: int
     seed: int
     layout: Layout
     parameter_range: ParameterRange
+    chooses_split: bool = False
 
     @property
     def shape_id(self) -> str:
         """Unique over families, ranges, layouts and seeds, and no id that a real object has."""
-        return f"{self.family}-{self.seed}-{self.layout.letter}{self.parameter_range.value[0]}{self.index:05d}"
+        stem = f"{self.family}-{self.seed}-{self.layout.letter}{self.parameter_range.value[0]}"
+        return f"{stem}{_numbers(stem).of(self.index) if self.chooses_split else self.index:05d}"
 
     def draw(self, purpose: str) -> Draw:
         """Random values for one purpose, independent of those for others."""
         key = zlib.crc32(f"{self.family}/{self.layout.value}/{self.parameter_range.value}/{purpose}".encode())
         rng = np.random.default_rng([self.seed, key, self.index])
         return Draw(rng, self.parameter_range if purpose == "shape" else ParameterRange.BOTH)
+
+
+class _Numbers:
+    """The lowest numbers with which ids are in the splits of `SPLITS`."""
+
+    def __init__(self, stem: str) -> None:
+        self._stem, self._tried = stem, 0
+        self._found: dict[Split, list[int]] = {split: [] for split in Split}
+
+    def of(self, index: int) -> int:
+        """That of the shape at `index`."""
+        rounds, place = divmod(index, len(SPLITS))
+        split = SPLITS[place]
+        before = rounds * SPLITS.count(split) + SPLITS[:place].count(split)
+        while len(self._found[split]) <= before:
+            self._found[split_of(f"{self._stem}{self._tried:05d}")].append(self._tried)
+            self._tried += 1
+        return self._found[split][before]
+
+
+_numbers = cache(_Numbers)
 
 
 def build(order: Order) -> SynthObject:
@@ -89,8 +118,9 @@ def orders(
 ) -> Iterator[Order]:
     """`count` shapes a family and layout; a third of that, at least one, in DSG-Net's layout.
 
-    Without a `parameter_range`, labelled and unlabelled layouts take the range that is meant for them. Raises InputError for an
-    unknown family or a count out of range.
+    Without a `parameter_range`, labelled and unlabelled layouts take the range that is meant for them, and ids are such that of
+    every family there are shapes to train on, to choose by and to test (`SPLITS`). Raises InputError for an unknown family or a
+    count out of range.
     """
     if not 1 <= count <= MOST_SHAPES:
         raise InputError("count", f"expected 1 to {MOST_SHAPES}, got {count}")
@@ -103,7 +133,7 @@ def orders(
         number = max(1, count // 3) if layout is Layout.DSG_NET else count
         for name in chosen:
             for index in range(number):
-                yield Order(name, index, seed, layout, parameter_range or fitting)
+                yield Order(name, index, seed, layout, parameter_range or fitting, chooses_split=parameter_range is None)
 
 
 def generate(
