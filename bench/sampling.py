@@ -92,7 +92,7 @@ def main() -> None:
     """Prints the table and the JSON line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="fewer rounds")
-    rounds = 3 if parser.parse_args().quick else 15
+    rounds = 3 if parser.parse_args().quick else 100
     print(f"{'triangles':>9} {'kinmo, ms':>12} {'Open3D, ms':>12} {'ratio':>8} {'goal':>6}")
     small, large = (compare(triangles, rounds) for triangles in GOALS)
     claim = f"sampling {PARTS} parts x {POINTS} points, one thread, against Open3D (2k triangles; 50k below)"

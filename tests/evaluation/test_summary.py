@@ -169,6 +169,13 @@ def test_no_table_of_ours_averages_the_papers_dashes():
     assert rows["mean of the paper's categories"][-1] == pytest.approx(0.1319, abs=5e-5)
 
 
+def test_a_table_of_one_category_has_no_rows_of_others():
+    table = by_category({"OBB_fine": Scores(doors(8))}, "axis", CAPTION, whole=False)
+    own = by_category({"OBB_fine": Scores(doors(8))}, "axis", CAPTION)
+    assert [row[0] for row in table.rows] == ["Door", "mean of joints", "median of joints"]
+    assert set(table.rows) <= set(own.rows)
+
+
 def test_table_1_comes_with_and_without_controls():
     scores = {"kinmo": [*doors(8), *(shape(f"t{i}", "Toaster", record(f"t{i}", "Toaster", name="knob")) for i in range(8))]}
     tables = table1({name: Scores(shapes) for name, shapes in scores.items()}, CAPTION)

@@ -48,10 +48,11 @@ def caption_for(scores: Sequence[ShapeScore], caption: Caption) -> Caption:
     return replace(caption, shapes=len({score.shape_id for score in scores}), joints=len(joints))
 
 
-def by_category(methods: Rows, figure: str, caption: Caption) -> Table:
+def by_category(methods: Rows, figure: str, caption: Caption, *, whole: bool = True) -> Table:
     """One figure of every method a category, with means, beside the paper's where it prints the figure.
 
-    A category that only the paper has keeps its row: what was not run is to be seen. The counts of the caption are filled in.
+    If it is the `whole` table, a category that only the paper has keeps its row: what was not run is to be seen; else there are
+    the rows of what was run alone, and no means over categories. The counts of the caption are filled in.
     """
     summaries = {name: scores.summary for name, scores in methods.items()}
     paper = table1_figures(PAPER_MEASURE[figure]) if figure in PAPER_MEASURE else {}
@@ -60,27 +61,29 @@ def by_category(methods: Rows, figure: str, caption: Caption) -> Table:
     columns += [Column(f"{name} ({MARK})", decimals) for name in METHODS] if paper else []
     spellings = {canonical_category(name): name for summary in summaries.values() for name in summary.categories}
     rows: list[tuple[Cell, ...]] = []
-    for category in sorted({*spellings, *paper}):
+    for category in sorted({*spellings, *paper} if whole else spellings):
         found = {name: summary.categories.get(spellings.get(category, "")) for name, summary in summaries.items()}
         first = next(filter(None, found.values()), None)
         figures = (None if group is None else _value(group.micro, figure) for group in found.values())
         counts = (0, 0) if first is None else (first.objects, first.joints)
         rows.append((category, *counts, *figures, *(paper.get(category, (None,) * len(METHODS)) if paper else ())))
     means = table1_means(PAPER_MEASURE[figure]) if paper else ()
-    rows += _mean_rows(summaries, figure, means)
+    rows += _mean_rows(summaries, figure, means, whole)
     return Table(caption_for(_most(methods), caption), tuple(columns), tuple(rows))
 
 
-def _mean_rows(summaries: Mapping[str, Summary], figure: str, paper: tuple[float | None, ...]) -> list[tuple[Cell, ...]]:
+def _mean_rows(
+    summaries: Mapping[str, Summary], figure: str, paper: tuple[float | None, ...], whole: bool
+) -> list[tuple[Cell, ...]]:
     absent = (None,) * len(paper)
     rows: list[tuple[Cell, ...]] = []
-    for least in LEAST_OBJECTS:
+    for least in LEAST_OBJECTS if whole else ():
         values = [summary.macro[least].get(figure) for summary in summaries.values()]
         counts = [value.count for value in values if value is not None]
         title = f"mean of {max(counts, default=0)} categories with >= {least} objects"
         rows.append((title, None, None, *map(_plain, values), *absent))
     rows.append(("mean of joints", None, None, *(_value(summary.micro, figure) for summary in summaries.values()), *absent))
-    if paper:
+    if paper and whole:
         rows.append(("mean of the paper's categories", None, None, *([None] * len(summaries)), *paper))
     if figure in ("axis", "line"):
         medians = (summary.medians[figure] for summary in summaries.values())
@@ -111,19 +114,20 @@ def overview(
     return Table(replace(caption_for(_most(kept), caption), note=note), columns, tuple(rows))
 
 
-def table1(methods: Rows, caption: Caption) -> dict[str, Table]:
+def table1(methods: Rows, caption: Caption, *, whole: bool = True) -> dict[str, Table]:
     """All tables of one setting by name: angle and distance by category, and overviews of all rows.
 
     `methods` holds the paper's four rows and whatever rows belong beside them (frame rows, ablations), in the order of
-    printing.
+    printing. `whole` is as in `by_category`.
     """
+    by_figure = {
+        "angle": ("axis", "axis error in degrees"),
+        "angle_type_given": ("typed_axis", "axis error in degrees, the true type given"),
+        "distance": ("raw_line", "distance of the axis lines in the files' lengths"),
+        "distance_over_diagonal": ("line", "distance of the axis lines over the diagonal"),
+    }
     tables = {
-        "angle": by_category(methods, "axis", _titled(caption, "axis error in degrees")),
-        "angle_type_given": by_category(methods, "typed_axis", _titled(caption, "axis error in degrees, the true type given")),
-        "distance": by_category(methods, "raw_line", _titled(caption, "distance of the axis lines in the files' lengths")),
-        "distance_over_diagonal": by_category(
-            methods, "line", _titled(caption, "distance of the axis lines over the diagonal")
-        ),
+        name: by_category(methods, figure, _titled(caption, title), whole=whole) for name, (figure, title) in by_figure.items()
     }
     for suffix, controls in (("", True), ("_without_controls", False)):
         for kind, least in (("micro", None), *((f"macro{least}", least) for least in LEAST_OBJECTS)):

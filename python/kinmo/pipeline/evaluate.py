@@ -114,7 +114,7 @@ class Evaluate:
         for setting in SETTINGS:
             caption = Caption(f"Table 1, {_words(setting)}", data, 0, 0, "test split by hashed id", (self.seed,), note)
             scores = _scores(judged, setting)
-            for name, table in _tables(scores, setting, caption).items():
+            for name, table in _tables(scores, setting, caption, whole=choice.category is None).items():
                 write_table(table, folder / setting, name)
             found = {name: row.summary.to_json() for name, row in scores.items()}
             write_text_atomically(
@@ -132,11 +132,14 @@ def _outcome(folder: Path) -> Outcome:
     return Outcome(folder, data, text)
 
 
-def _tables(scores: Rows, setting: str, caption: Caption) -> Mapping[str, Table]:
-    """All tables of one setting. Those by category have no columns for ablations, whose names hold a comma."""
+def _tables(scores: Rows, setting: str, caption: Caption, *, whole: bool) -> Mapping[str, Table]:
+    """All tables of one setting, of all categories or of one.
+
+    Those by category have no columns for ablations, whose names hold a comma.
+    """
     tables = {name: table for name, table in table1(scores, caption).items() if name.startswith("overview")}
     headline = {name: found for name, found in scores.items() if "," not in name}
-    tables |= {name: table for name, table in table1(headline, caption).items() if not name.startswith("overview")}
+    tables |= {name: table for name, table in table1(headline, caption, whole=whole).items() if not name.startswith("overview")}
     for name, ways in LABELLERS.items():
         if name in scores:
             title = replace(
