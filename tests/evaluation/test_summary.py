@@ -12,7 +12,7 @@ from kinmo.evaluation.aggregate import macro, micro, ratios
 from kinmo.evaluation.paper_tables import METHODS, mean, paper_tables, table1_figures, table1_means
 from kinmo.evaluation.records import FalseAlarm, JointRecord, ShapeScore
 from kinmo.evaluation.summary import FIGURES, summarise, without_controls
-from kinmo.evaluation.table1 import Scores, by_category, overview, table1
+from kinmo.evaluation.table1 import Scores, by_category, overview, overviews
 from kinmo.evaluation.tables import WRITERS, Caption, Column, Table, as_latex, as_markdown, as_text, write_table
 from kinmo.joint import CoarseType, MotionType
 
@@ -178,7 +178,7 @@ def test_a_table_of_one_category_has_no_rows_of_others():
 
 def test_table_1_comes_with_and_without_controls():
     scores = {"kinmo": [*doors(8), *(shape(f"t{i}", "Toaster", record(f"t{i}", "Toaster", name="knob")) for i in range(8))]}
-    tables = table1({name: Scores(shapes) for name, shapes in scores.items()}, CAPTION)
+    tables = overviews({name: Scores(shapes) for name, shapes in scores.items()}, CAPTION)
     assert tables["overview_micro"].rows[0][1:3] == (16, 16)
     assert tables["overview_micro_without_controls"].rows[0][1:3] == (8, 8)
     assert "Without buttons" in str(tables["overview_micro_without_controls"].caption)

@@ -114,11 +114,10 @@ def overview(
     return Table(replace(caption_for(_most(kept), caption), note=note), columns, tuple(rows))
 
 
-def table1(methods: Rows, caption: Caption, *, whole: bool = True) -> dict[str, Table]:
-    """All tables of one setting by name: angle and distance by category, and overviews of all rows.
+def category_tables(methods: Rows, caption: Caption, *, whole: bool = True) -> dict[str, Table]:
+    """Angle and distance of one setting by category, by name of the table; `whole` is as in `by_category`.
 
-    `methods` holds the paper's four rows and whatever rows belong beside them (frame rows, ablations), in the order of
-    printing. `whole` is as in `by_category`.
+    `methods` holds the paper's four rows and whatever rows belong beside them, in the order of printing.
     """
     by_figure = {
         "angle": ("axis", "axis error in degrees"),
@@ -126,9 +125,14 @@ def table1(methods: Rows, caption: Caption, *, whole: bool = True) -> dict[str, 
         "distance": ("raw_line", "distance of the axis lines in the files' lengths"),
         "distance_over_diagonal": ("line", "distance of the axis lines over the diagonal"),
     }
-    tables = {
+    return {
         name: by_category(methods, figure, _titled(caption, title), whole=whole) for name, (figure, title) in by_figure.items()
     }
+
+
+def overviews(methods: Rows, caption: Caption) -> dict[str, Table]:
+    """All rows of one setting (frame rows and ablations too) in overviews, by name of the table."""
+    tables = {}
     for suffix, controls in (("", True), ("_without_controls", False)):
         for kind, least in (("micro", None), *((f"macro{least}", least) for least in LEAST_OBJECTS)):
             figures = (*OVERVIEW, *DISTANCES, *GROUPING)

@@ -10,7 +10,7 @@ from typing import Any
 
 from kinmo.evaluation.label_truth import RANKING_WEIGHTS, WEIGHTS, curves, label_truth_table
 from kinmo.evaluation.records import ShapeScore
-from kinmo.evaluation.table1 import Rows, Scores, caption_for, table1
+from kinmo.evaluation.table1 import Rows, Scores, caption_for, category_tables, overviews
 from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_table
 from kinmo.export.folders import whole_folder
 from kinmo.pipeline.dataset import open_dataset
@@ -137,9 +137,8 @@ def _tables(scores: Rows, setting: str, caption: Caption, *, whole: bool) -> Map
 
     Those by category have no columns for ablations, whose names hold a comma.
     """
-    tables = {name: table for name, table in table1(scores, caption).items() if name.startswith("overview")}
     headline = {name: found for name, found in scores.items() if "," not in name}
-    tables |= {name: table for name, table in table1(headline, caption, whole=whole).items() if not name.startswith("overview")}
+    tables = overviews(scores, caption) | category_tables(headline, caption, whole=whole)
     for name, ways in LABELLERS.items():
         if name in scores:
             title = replace(

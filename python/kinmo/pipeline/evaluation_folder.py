@@ -78,10 +78,8 @@ def test_shapes(dataset: Dataset) -> tuple[IndexEntry, ...]:
     entries = tuple(entry for entry in dataset.labelled[Split.TEST] if entry.joint_count)
     if not entries:
         of = f" of {dataset.category}" if dataset.category else ""
-        others = sum(len(some) for some in dataset.labelled.values())
-        problem = (
-            f"expected a labelled test shape{of} with a joint; hashes of ids, which decide, have none of {others} for tests"
-        )
+        tests, known = len(dataset.labelled[Split.TEST]), sum(map(len, dataset.labelled.values()))
+        problem = f"expected a labelled test shape{of} with a joint; hashes of ids make {tests} of {known} test shapes"
         raise InputError(dataset.store.folder, problem)
     return entries
 
