@@ -24,6 +24,7 @@ mod point_tree;
 pub mod probes;
 pub mod proximity;
 mod quickhull;
+pub mod raster;
 mod rectangle;
 mod revolution;
 mod sample_elimination;
