@@ -191,3 +191,14 @@ def closest_points(meshes: Meshes, group: Sequence[int], points: F64) -> tuple[F
     Returns `(distances [N], places [N, 3], normals [N, 3])`: the nearest places and the unit normals of their triangles (zero
     for a triangle without area).
     """
+
+def render(
+    meshes: Meshes, transforms: F64, size: tuple[int, int], focal: F64, center: F64, *, near: float, far: float
+) -> tuple[F32, NDArray[np.int32]]:
+    """What a pinhole camera sees: depths [F, height, width] (0 where nothing is), and parts (-1 where nothing is).
+
+    `transforms` [F, P, 4, 4] bring every mesh into the camera's frame, once a picture: x to the right, y down, z forward. `size` is
+    width and height, `focal` [2] and `center` [2] are in pixels; the point (x, y, z) is seen at column focal[0] x / z + center[0] and
+    row focal[1] y / z + center[1], and the middle of the pixel (i, j) is at (i + 1/2, j + 1/2). Depths are distances along z, and
+    what is nearer than `near` or farther than `far` is not seen. Both sides of a triangle are.
+    """

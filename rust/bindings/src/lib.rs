@@ -15,6 +15,7 @@ mod motion;
 mod numbers;
 mod obb;
 mod proximity;
+mod raster;
 mod sampling;
 mod sweep;
 mod symmetry;
@@ -32,6 +33,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         motion::register,
         obb::register,
         proximity::register,
+        raster::register,
         sampling::register,
         sweep::register,
         symmetry::register,
