@@ -1,0 +1,199 @@
+//! Similarity transforms that take one set of points to another.
+
+use nalgebra::{Matrix2, Matrix3, Point3, Rotation3, Vector3};
+
+/// Of the largest singular value or squared extent: less than this is none.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// A turn, a uniform scale and a shift: `target = scale * rotation * source + translation`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Similarity {
+    /// The turn.
+    pub rotation: Rotation3<f64>,
+    /// The scale, above zero.
+    pub scale: f64,
+    /// The shift.
+    pub translation: Vector3<f64>,
+}
+
+impl Similarity {
+    /// Where a source point goes.
+    pub fn apply(&self, source: &Point3<f64>) -> Point3<f64> {
+        self.rotation * source * self.scale + self.translation
+    }
+
+    /// The least-squares fit to pairs of points; `None` where they do not determine it (points on a line, fewer than three).
+    ///
+    /// Umeyama, Least-squares estimation of transformation parameters between two point patterns, 1991.
+    pub fn fit(pairs: &[(Point3<f64>, Point3<f64>)]) -> Option<Self> {
+        let moments = Moments::of(pairs)?;
+        let svd = moments.covariance.svd(true, true);
+        let (u, v_t) = (svd.u?, svd.v_t?);
+        let values = svd.singular_values;
+        if values[1] <= NEGLIGIBLE * values[0] || moments.spread == 0.0 {
+            return None;
+        }
+        let mirror = (u * v_t).determinant().signum();
+        let signs = Vector3::new(1.0, 1.0, mirror);
+        let rotation = Rotation3::from_matrix_unchecked(u * Matrix3::from_diagonal(&signs) * v_t);
+        moments.similarity(rotation, values.dot(&signs) / moments.spread)
+    }
+
+    /// The least-squares fit to three pairs, in closed form: both triangles are flat, so that the best turn takes one plane to
+    /// the other, and what is left is the polar factor of a matrix of two by two. `None` where a triangle has no area.
+    pub fn of_triangles(source: &[Point3<f64>; 3], target: &[Point3<f64>; 3]) -> Option<Self> {
+        let (from, to) = (Frame::of(source)?, Frame::of(target)?);
+        let products = from.corners.iter().zip(&to.corners).map(|(p, q)| q * p.transpose());
+        let mixed: Matrix2<f64> = products.sum();
+        let turned = (mixed.m11 + mixed.m22, mixed.m21 - mixed.m12);
+        let mirrored = (mixed.m11 - mixed.m22, mixed.m21 + mixed.m12);
+        let (as_turned, as_mirrored) = (turned.0.hypot(turned.1), mirrored.0.hypot(mirrored.1));
+        let largest = as_turned.max(as_mirrored);
+        let spread: f64 = from.corners.iter().map(|p| p.norm_squared()).sum();
+        if largest <= NEGLIGIBLE * spread.max(f64::MIN_POSITIVE) {
+            return None;
+        }
+        // Mirrored within the plane, the other side of it is up.
+        let ((cosine, sine), side) =
+            if as_turned >= as_mirrored { (turned, 1.0) } else { ((mirrored.0, mirrored.1), -1.0) };
+        let (cosine, sine) = (cosine / largest, sine / largest);
+        let within = Matrix3::new(cosine, -sine * side, 0.0, sine, cosine * side, 0.0, 0.0, 0.0, side);
+        let rotation = Rotation3::from_matrix_unchecked(to.axes * within * from.axes.transpose());
+        let scale = largest / spread;
+        Some(Self { rotation, scale, translation: to.middle - rotation * from.middle * scale })
+    }
+}
+
+/// What least squares need to know of pairs of points.
+struct Moments {
+    source: Vector3<f64>,
+    target: Vector3<f64>,
+    covariance: Matrix3<f64>,
+    /// Sum of the squared distances of the source points from their middle.
+    spread: f64,
+}
+
+impl Moments {
+    fn of(pairs: &[(Point3<f64>, Point3<f64>)]) -> Option<Self> {
+        if pairs.len() < 3 {
+            return None;
+        }
+        let share = 1.0 / pairs.len() as f64;
+        let source = pairs.iter().map(|(a, _)| a.coords).sum::<Vector3<f64>>() * share;
+        let target = pairs.iter().map(|(_, b)| b.coords).sum::<Vector3<f64>>() * share;
+        let (mut covariance, mut spread) = (Matrix3::zeros(), 0.0);
+        for (a, b) in pairs {
+            let from = a.coords - source;
+            covariance += (b.coords - target) * from.transpose();
+            spread += from.norm_squared();
+        }
+        Some(Self { source, target, covariance, spread })
+    }
+
+    fn similarity(&self, rotation: Rotation3<f64>, scale: f64) -> Option<Similarity> {
+        let translation = self.target - rotation * self.source * scale;
+        (scale > 0.0 && scale.is_finite()).then_some(Similarity { rotation, scale, translation })
+    }
+}
+
+/// A triangle in its own plane.
+struct Frame {
+    middle: Vector3<f64>,
+    /// Columns: two directions of the plane and its normal, right-handed.
+    axes: Matrix3<f64>,
+    /// The corners about the middle, along the first two axes.
+    corners: [nalgebra::Vector2<f64>; 3],
+}
+
+impl Frame {
+    fn of(corners: &[Point3<f64>; 3]) -> Option<Self> {
+        let [a, b, c] = corners;
+        let (side, other) = (b - a, c - a);
+        let normal = side.cross(&other);
+        let area = normal.norm();
+        if area <= NEGLIGIBLE.sqrt() * side.norm_squared().max(other.norm_squared()) {
+            return None;
+        }
+        let (first, normal) = (side.normalize(), normal / area);
+        let second = normal.cross(&first);
+        let middle = (a.coords + b.coords + c.coords) / 3.0;
+        let within = |corner: &Point3<f64>| {
+            let offset = corner.coords - middle;
+            nalgebra::Vector2::new(first.dot(&offset), second.dot(&offset))
+        };
+        Some(Self {
+            middle,
+            axes: Matrix3::from_columns(&[first, second, normal]),
+            corners: [within(a), within(b), within(c)],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn vector(reach: f64) -> impl Strategy<Value = Vector3<f64>> {
+        prop::array::uniform3(-reach..reach).prop_map(Vector3::from)
+    }
+
+    fn similarities() -> impl Strategy<Value = Similarity> {
+        (vector(3.0), 0.1..5.0, vector(2.0)).prop_map(|(turn, scale, translation)| Similarity {
+            rotation: Rotation3::new(turn),
+            scale,
+            translation,
+        })
+    }
+
+    fn points(count: usize) -> impl Strategy<Value = Vec<Point3<f64>>> {
+        prop::collection::vec(vector(1.0).prop_map(Point3::from), count)
+    }
+
+    fn squares(similarity: &Similarity, pairs: &[(Point3<f64>, Point3<f64>)]) -> f64 {
+        pairs.iter().map(|(a, b)| (similarity.apply(a) - b).norm_squared()).sum()
+    }
+
+    proptest! {
+        #[test]
+        fn exact_pairs_give_the_similarity_back(true_one in similarities(), cloud in points(8)) {
+            let pairs: Vec<_> = cloud.iter().map(|a| (*a, true_one.apply(a))).collect();
+            prop_assume!((cloud[1] - cloud[0]).cross(&(cloud[2] - cloud[0])).norm() > 0.01);
+            let found = Similarity::fit(&pairs).expect("determined");
+            prop_assert!((found.rotation.matrix() - true_one.rotation.matrix()).norm() < 1e-6);
+            prop_assert!((found.scale - true_one.scale).abs() < 1e-9 * true_one.scale);
+            prop_assert!((found.translation - true_one.translation).norm() < 1e-7);
+        }
+
+        #[test]
+        fn three_pairs_fit_as_well_in_closed_form_as_by_singular_values(a in points(3), b in points(3)) {
+            let (a, b) = ([a[0], a[1], a[2]], [b[0], b[1], b[2]]);
+            let pairs: Vec<_> = a.into_iter().zip(b).collect();
+            if let (Some(closed), Some(found)) = (Similarity::of_triangles(&a, &b), Similarity::fit(&pairs)) {
+                prop_assert!((closed.rotation.matrix().determinant() - 1.0).abs() < 1e-9);
+                let (ours, theirs) = (squares(&closed, &pairs), squares(&found, &pairs));
+                prop_assert!((ours - theirs).abs() < 1e-9 * (1.0 + theirs), "{ours} {theirs}");
+            }
+        }
+
+        #[test]
+        fn no_other_similarity_near_it_fits_better(a in points(6), b in points(6), near in vector(0.01), by in 0.99..1.01) {
+            let pairs: Vec<_> = a.into_iter().zip(b).collect();
+            if let Some(found) = Similarity::fit(&pairs) {
+                let rotation = Rotation3::new(near) * found.rotation;
+                let other = Similarity { rotation, scale: found.scale * by, ..found };
+                prop_assert!(squares(&found, &pairs) <= squares(&other, &pairs) + 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn points_on_a_line_determine_nothing() {
+        let line: Vec<_> = (0..5).map(|i| Point3::new(i as f64, 2.0 * i as f64, 0.0)).map(|p| (p, p)).collect();
+        assert_eq!(Similarity::fit(&line), None);
+        assert_eq!(Similarity::fit(&line[..2]), None);
+        let corners = [line[0].0, line[1].0, line[2].0];
+        assert_eq!(Similarity::of_triangles(&corners, &corners), None);
+    }
+}
