@@ -34,7 +34,9 @@ impl Coupling {
         match self.kind {
             // Half of the squared difference of two turns is, for small ones, that of their rotation vectors.
             JointKind::Prismatic => Matrix3::identity() * (0.5 * self.weight),
-            JointKind::Revolute | JointKind::Screw => self.direction.as_ref() * self.direction.transpose() * self.weight,
+            JointKind::Revolute | JointKind::Screw => {
+                self.direction.as_ref() * self.direction.transpose() * self.weight
+            }
         }
     }
 }

@@ -5,6 +5,7 @@
 
 pub mod aabb;
 pub mod adjacency;
+pub mod articulated_pose;
 mod box_search;
 pub mod bvh;
 mod clearance;

@@ -14,6 +14,9 @@ const BLOCKS_A_LOOK: usize = 4;
 /// A fit to the inliers of a fit is repeated at most so often.
 const MOST_FITS: usize = 20;
 
+/// A point and where it is seen.
+pub type Pair = (Point3<f64>, Point3<f64>);
+
 /// How to look for a similarity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Search {
@@ -31,7 +34,7 @@ pub struct Search {
 /// is fitted anew to its inliers until they stay the same. `None` where no triple determines a similarity.
 ///
 /// Torr and Zisserman, MLESAC, 2000.
-pub fn find_similarity(pairs: &[(Point3<f64>, Point3<f64>)], search: &Search) -> Option<Similarity> {
+pub fn find_similarity(pairs: &[Pair], search: &Search) -> Option<Similarity> {
     if pairs.len() < 3 {
         return None;
     }
@@ -50,7 +53,8 @@ pub fn find_similarity(pairs: &[(Point3<f64>, Point3<f64>)], search: &Search) ->
     }
     let (mut cost, mut similarity) = best?;
     for _ in 0..MOST_FITS {
-        let kept: Vec<_> = pairs.iter().copied().filter(|pair| is_inlier(&similarity, pair, search.threshold)).collect();
+        let kept: Vec<_> =
+            pairs.iter().copied().filter(|pair| is_inlier(&similarity, pair, search.threshold)).collect();
         let Some(found) = Similarity::fit(&kept) else { break };
         let Some(lower) = residuals.cost_below(&found, cost) else { break };
         (cost, similarity) = (lower, found);
@@ -59,12 +63,12 @@ pub fn find_similarity(pairs: &[(Point3<f64>, Point3<f64>)], search: &Search) ->
 }
 
 /// Whether a pair's residual is below the threshold.
-pub fn is_inlier(similarity: &Similarity, (source, target): &(Point3<f64>, Point3<f64>), threshold: f64) -> bool {
+pub fn is_inlier(similarity: &Similarity, (source, target): &Pair, threshold: f64) -> bool {
     (similarity.apply(source) - target).norm_squared() < threshold * threshold
 }
 
 /// Three different numbers below `count`.
-fn three_of(count: usize, rng: &mut ChaCha8Rng) -> [usize; 3] {
+pub(crate) fn three_of(count: usize, rng: &mut ChaCha8Rng) -> [usize; 3] {
     let mut drawn = [0; 3];
     for place in 0..3 {
         // The draw skips the smaller ones among those drawn before.
@@ -89,7 +93,7 @@ struct Residuals {
 }
 
 impl Residuals {
-    fn new(pairs: &[(Point3<f64>, Point3<f64>)], threshold: f64, rng: &mut ChaCha8Rng) -> Self {
+    fn new(pairs: &[Pair], threshold: f64, rng: &mut ChaCha8Rng) -> Self {
         let share = 1.0 / pairs.len() as f64;
         let source = pairs.iter().map(|(a, _)| a.coords).sum::<Vector3<f64>>() * share;
         let target = pairs.iter().map(|(_, b)| b.coords).sum::<Vector3<f64>>() * share;
@@ -153,7 +157,7 @@ mod tests {
         prop::array::uniform3(-reach..reach).prop_map(Vector3::from)
     }
 
-    fn problem() -> impl Strategy<Value = (Similarity, Vec<(Point3<f64>, Point3<f64>)>, Vec<bool>)> {
+    fn problem() -> impl Strategy<Value = (Similarity, Vec<Pair>, Vec<bool>)> {
         let similarity = (vector(3.0), 0.5..1.5, vector(1.0)).prop_map(|(turn, scale, translation)| Similarity {
             rotation: Rotation3::new(turn),
             scale,
