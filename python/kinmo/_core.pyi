@@ -197,8 +197,64 @@ def render(
 ) -> tuple[F32, NDArray[np.int32]]:
     """What a pinhole camera sees: depths [F, height, width] (0 where nothing is), and parts (-1 where nothing is).
 
-    `transforms` [F, P, 4, 4] bring every mesh into the camera's frame, once a picture: x to the right, y down, z forward. `size` is
-    width and height, `focal` [2] and `center` [2] are in pixels; the point (x, y, z) is seen at column focal[0] x / z + center[0] and
-    row focal[1] y / z + center[1], and the middle of the pixel (i, j) is at (i + 1/2, j + 1/2). Depths are distances along z, and
-    what is nearer than `near` or farther than `far` is not seen. Both sides of a triangle are.
+    `transforms` [F, P, 4, 4] bring every mesh into the camera's frame, once a picture: x to the right, y down, z forward.
+    `size` is width and height, `focal` [2] and `center` [2] are in pixels; the point (x, y, z) is seen at column focal[0] x /
+    z + center[0] and row focal[1] y / z + center[1], and the middle of the pixel (i, j) is at (i + 1/2, j + 1/2). Depths are
+    distances along z, and what is nearer than `near` or farther than `far` is not seen. Both sides of a triangle are.
+    """
+
+Poses = tuple[F64, F64, F64]
+"""Rotations [N, 3, 3], scales [N] and translations [N, 3]: target = scale * rotation @ source + translation."""
+
+def find_similarities(
+    source: F64, target: F64, starts: NDArray[np.int64], *, hypotheses: int, threshold: float, seed: int
+) -> tuple[Poses, NDArray[np.bool_]]:
+    """Similarities of P parts from pairs of points of which many are wrong, and which pairs are inliers [T].
+
+    The pairs `source` [T, 3] and `target` [T, 3] from `starts[i]` up to `starts[i + 1]` are those of part i; `starts` [P + 1]
+    rises from 0 to T. Of so many fits to three pairs drawn at random the one with the smallest sum of squared residuals, each
+    counted up to the squared `threshold`, is taken, and fitted anew to its inliers (residual below `threshold`) until they
+    stay the same. NaN for a part whose pairs do not determine it: fewer than three, or all on a line.
+    """
+
+def tie_poses(
+    source: F64,
+    target: F64,
+    starts: NDArray[np.int64],
+    pairs: U32,
+    kinds: NDArray[np.uint8],
+    directions: F64,
+    rotations: F64,
+    scales: F64,
+    translations: F64,
+    *,
+    frames: NDArray[np.int64],
+    threshold: float,
+) -> Poses:
+    """The poses of P parts that fit their inliers and their joints best, from poses near them; scales stay as they are.
+
+    Pairs of points as in `find_similarities`. Joint j ties the parts `pairs[j]` [J, 2]; by its kind [J] (0 revolute, 1
+    prismatic, 2 screw) both turn its direction [J, 3] (unit, where no part has moved) alike, or all directions. It weighs as
+    much as the smaller number of inliers. Parts from `frames[f]` up to `frames[f + 1]` are one object; no joint ties two
+    objects. A part without inliers keeps its translation.
+    """
+
+def find_tied_poses(
+    source: F64,
+    target: F64,
+    starts: NDArray[np.int64],
+    pairs: U32,
+    kinds: NDArray[np.uint8],
+    directions: F64,
+    scales: F64,
+    *,
+    hypotheses: int,
+    threshold: float,
+    seed: int,
+) -> tuple[Poses, Poses]:
+    """The poses of the two parts of each of J joints, looked for joint by joint, with the scales [P] of the parts.
+
+    Arguments as in `tie_poses`. Of so many fits to three pairs of either part and the joint, the one with the largest mean of
+    the two shares of inliers is taken, and fitted anew to them. NaN where nothing determines it. Li et al., Category-Level
+    Articulated Object Pose Estimation, 2020, section 4.3.
     """

@@ -16,7 +16,9 @@ NEAR, FAR = 0.1, 20.0
 
 
 def picture(meshes: list[trimesh.Trimesh], transforms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    core = _core.Meshes([m.vertices.view(np.ndarray).astype(float) for m in meshes], [m.faces.astype(np.uint32) for m in meshes])
+    core = _core.Meshes(
+        [m.vertices.view(np.ndarray).astype(float) for m in meshes], [m.faces.astype(np.uint32) for m in meshes]
+    )
     return _core.render(core, transforms, SIZE, FOCAL, CENTER, near=NEAR, far=FAR)
 
 

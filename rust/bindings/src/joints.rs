@@ -2,7 +2,7 @@
 
 use kinmo_geometry::motion::{JointAxis, JointKind};
 use kinmo_geometry::{GeometryError, Result};
-use nalgebra::Unit;
+use nalgebra::{Unit, Vector3};
 
 use crate::arrays::{Array, check_shape, points_of, vectors_of};
 
@@ -15,24 +15,35 @@ pub fn joints_of(
     directions: &Array<'_, f64>,
     pivots: &Array<'_, f64>,
 ) -> Result<Vec<JointAxis>> {
-    let kinds = kinds.view();
-    let count = kinds.shape().first().copied().unwrap_or(0);
-    check_shape("kinds", &kinds, &[count])?;
-    let directions = vectors_of("directions", directions.view(), count)?;
+    let count = kinds.view().shape().first().copied().unwrap_or(0);
+    let kinds = kinds_of(kinds, count)?;
+    let directions = unit_vectors_of("directions", directions, count)?;
     let pivots = points_of("pivots", pivots.view(), count)?;
-    let mut joints = Vec::with_capacity(count);
-    for (row, ((&kind, direction), pivot)) in kinds.iter().zip(directions).zip(pivots).enumerate() {
-        let kind = match kind {
-            0 => JointKind::Revolute,
-            1 => JointKind::Prismatic,
-            2 => JointKind::Screw,
-            _ => return Err(GeometryError::new("kinds", format!("row {row} is {kind}, expected 0, 1 or 2"))),
-        };
-        let length = direction.norm();
+    let rows = kinds.into_iter().zip(directions).zip(pivots);
+    Ok(rows.map(|((kind, direction), pivot)| JointAxis { kind, direction, pivot }).collect())
+}
+
+/// `len` kinds of joints: 0 revolute, 1 prismatic, 2 screw.
+pub fn kinds_of(kinds: &Array<'_, u8>, len: usize) -> Result<Vec<JointKind>> {
+    let kinds = kinds.view();
+    check_shape("kinds", &kinds, &[len])?;
+    let kind = |(row, kind): (usize, &u8)| match kind {
+        0 => Ok(JointKind::Revolute),
+        1 => Ok(JointKind::Prismatic),
+        2 => Ok(JointKind::Screw),
+        _ => Err(GeometryError::new("kinds", format!("row {row} is {kind}, expected 0, 1 or 2"))),
+    };
+    kinds.iter().enumerate().map(kind).collect()
+}
+
+/// `len` unit vectors `[len, 3]`.
+pub fn unit_vectors_of(name: &str, vectors: &Array<'_, f64>, len: usize) -> Result<Vec<Unit<Vector3<f64>>>> {
+    let unit = |(row, vector): (usize, Vector3<f64>)| {
+        let length = vector.norm();
         if (length - 1.0).abs() > UNIT_LENGTH {
-            return Err(GeometryError::new("directions", format!("row {row} has length {length}, expected 1")));
+            return Err(GeometryError::new(name, format!("row {row} has length {length}, expected 1")));
         }
-        joints.push(JointAxis { kind, direction: Unit::new_normalize(direction), pivot });
-    }
-    Ok(joints)
+        Ok(Unit::new_normalize(vector))
+    };
+    vectors_of(name, vectors.view(), len)?.into_iter().enumerate().map(unit).collect()
 }

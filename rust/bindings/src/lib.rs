@@ -14,6 +14,7 @@ mod meshes;
 mod motion;
 mod numbers;
 mod obb;
+mod poses;
 mod proximity;
 mod raster;
 mod sampling;
@@ -32,6 +33,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         iou::register,
         motion::register,
         obb::register,
+        poses::register,
         proximity::register,
         raster::register,
         sampling::register,

@@ -1,0 +1,1 @@
+"""Depth scans of articulated objects: cameras, poses of the parts, renderers, and the labelled frames they give."""

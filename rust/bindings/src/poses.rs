@@ -1,0 +1,237 @@
+//! `find_similarities`, `tie_poses` and `find_tied_poses`.
+
+use kinmo_geometry::articulated_pose::{self, Tie};
+use kinmo_geometry::ransac::{self, Pair, Search, is_inlier};
+use kinmo_geometry::similarity::Similarity;
+use kinmo_geometry::{GeometryError, Result};
+use nalgebra::{Rotation3, Vector3};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::{Array, matrices_of, points_of, values_of, vectors_of};
+use crate::batches::map_in_batches;
+use crate::boxes::is_orthonormal;
+use crate::convert::value_error;
+use crate::groups::pairs_of;
+use crate::joints::{kinds_of, unit_vectors_of};
+use crate::numbers::{count_of, integer, seed as seed_of};
+
+/// Hypotheses of a search.
+const MOST_HYPOTHESES: usize = 10_000_000;
+
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(find_similarities, module)?)?;
+    module.add_function(wrap_pyfunction!(tie_poses, module)?)?;
+    module.add_function(wrap_pyfunction!(find_tied_poses, module)?)
+}
+
+/// Rotations, scales, translations.
+type Poses<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
+
+#[pyfunction]
+#[pyo3(signature = (source, target, starts, *, hypotheses, threshold, seed))]
+#[allow(clippy::too_many_arguments)]
+fn find_similarities<'py>(
+    py: Python<'py>,
+    source: Array<'py, f64>,
+    target: Array<'py, f64>,
+    starts: Array<'py, i64>,
+    hypotheses: Bound<'py, PyAny>,
+    threshold: f64,
+    seed: Bound<'py, PyAny>,
+) -> PyResult<(Poses<'py>, Bound<'py, PyArray1<bool>>)> {
+    let parts = Parts::of(&source, &target, &starts).map_err(value_error)?;
+    let search = search_of(&hypotheses, threshold, &seed)?;
+    let found = map_in_batches(py, (0..parts.len()).map(|part| (part, parts.pairs(part))), |(part, pairs)| {
+        ransac::find_similarity(pairs, &Search { seed: own_seed(search.seed, part), ..search })
+    })?;
+    let inliers = found.iter().enumerate().flat_map(|(part, found)| {
+        parts.pairs(part).iter().map(move |pair| found.is_some_and(|found| is_inlier(&found, pair, threshold)))
+    });
+    let inliers = PyArray1::from_iter(py, inliers);
+    Ok((to_arrays(py, &found)?, inliers))
+}
+
+#[pyfunction]
+#[pyo3(signature = (source, target, starts, pairs, kinds, directions, rotations, scales, translations, *, frames, threshold))]
+#[allow(clippy::too_many_arguments)]
+fn tie_poses<'py>(
+    py: Python<'py>,
+    source: Array<'py, f64>,
+    target: Array<'py, f64>,
+    starts: Array<'py, i64>,
+    pairs: Array<'py, u32>,
+    kinds: Array<'py, u8>,
+    directions: Array<'py, f64>,
+    rotations: Array<'py, f64>,
+    scales: Array<'py, f64>,
+    translations: Array<'py, f64>,
+    frames: Array<'py, i64>,
+    threshold: f64,
+) -> PyResult<Poses<'py>> {
+    check_threshold(threshold).map_err(value_error)?;
+    let parts = Parts::of(&source, &target, &starts).map_err(value_error)?;
+    let ties = ties_of(parts.len(), &pairs, &kinds, &directions).map_err(value_error)?;
+    let poses = poses_of(parts.len(), &rotations, &scales, &translations).map_err(value_error)?;
+    let frames = ranges_of("frames", &frames, parts.len()).map_err(value_error)?;
+    let mut by_frame: Vec<Vec<Tie>> = vec![Vec::new(); frames.len()];
+    for (row, tie) in ties.iter().enumerate() {
+        let [first, second] = tie.parts;
+        let frame = frames.iter().position(|frame| frame.contains(&first)).unwrap_or(0);
+        let start = frames[frame].start;
+        if !frames[frame].contains(&second) {
+            let problem = format!("row {row} ties parts of two frames");
+            return Err(value_error(GeometryError::new("pairs", problem)));
+        }
+        by_frame[frame].push(Tie { parts: [first - start, second - start], ..*tie });
+    }
+    let found = map_in_batches(py, frames.into_iter().zip(&by_frame), |(frame, ties)| {
+        let pairs: Vec<&[Pair]> = frame.clone().map(|part| parts.pairs(part)).collect();
+        articulated_pose::tie_poses(&pairs, ties, &poses[frame], threshold)
+    })?;
+    to_arrays(py, &found.into_iter().flatten().map(Some).collect::<Vec<_>>())
+}
+
+#[pyfunction]
+#[pyo3(signature = (source, target, starts, pairs, kinds, directions, scales, *, hypotheses, threshold, seed))]
+#[allow(clippy::too_many_arguments)]
+fn find_tied_poses<'py>(
+    py: Python<'py>,
+    source: Array<'py, f64>,
+    target: Array<'py, f64>,
+    starts: Array<'py, i64>,
+    pairs: Array<'py, u32>,
+    kinds: Array<'py, u8>,
+    directions: Array<'py, f64>,
+    scales: Array<'py, f64>,
+    hypotheses: Bound<'py, PyAny>,
+    threshold: f64,
+    seed: Bound<'py, PyAny>,
+) -> PyResult<(Poses<'py>, Poses<'py>)> {
+    let parts = Parts::of(&source, &target, &starts).map_err(value_error)?;
+    let search = search_of(&hypotheses, threshold, &seed)?;
+    let ties = ties_of(parts.len(), &pairs, &kinds, &directions).map_err(value_error)?;
+    let scales = positive_of("scales", &scales, parts.len()).map_err(value_error)?;
+    let found = map_in_batches(py, ties.iter().enumerate(), |(row, tie)| {
+        let (clouds, scales) = (tie.parts.map(|part| parts.pairs(part)), tie.parts.map(|part| scales[part]));
+        let search = Search { seed: own_seed(search.seed, row), ..search };
+        articulated_pose::find_tied_poses(clouds, scales, tie.kind, tie.direction, &search)
+    })?;
+    let side = |place: usize| found.iter().map(|found| found.map(|poses| poses[place])).collect::<Vec<_>>();
+    Ok((to_arrays(py, &side(0))?, to_arrays(py, &side(1))?))
+}
+
+/// Pairs of points, part after part.
+struct Parts {
+    pairs: Vec<Pair>,
+    ranges: Vec<std::ops::Range<usize>>,
+}
+
+impl Parts {
+    fn of(source: &Array<'_, f64>, target: &Array<'_, f64>, starts: &Array<'_, i64>) -> Result<Self> {
+        let count = source.view().shape().first().copied().unwrap_or(0);
+        let source = points_of("source", source.view(), count)?;
+        let target = points_of("target", target.view(), count)?;
+        let ranges = ranges_of("starts", starts, count)?;
+        Ok(Self { pairs: source.into_iter().zip(target).collect(), ranges })
+    }
+
+    fn len(&self) -> usize {
+        self.ranges.len()
+    }
+
+    fn pairs(&self, part: usize) -> &[Pair] {
+        &self.pairs[self.ranges[part].clone()]
+    }
+}
+
+/// Ranges between numbers that do not fall, from 0 to `count`.
+fn ranges_of(name: &str, bounds: &Array<'_, i64>, count: usize) -> Result<Vec<std::ops::Range<usize>>> {
+    let bounds: Vec<i64> = bounds.view().iter().copied().collect();
+    let ends = bounds.first() == Some(&0) && bounds.last() == i64::try_from(count).ok().as_ref();
+    if !ends || bounds.windows(2).any(|two| two[0] > two[1]) {
+        return Err(GeometryError::new(name, format!("expected numbers that rise from 0 to {count}")));
+    }
+    Ok(bounds.windows(2).map(|two| two[0] as usize..two[1] as usize).collect())
+}
+
+fn ties_of(
+    parts: usize,
+    pairs: &Array<'_, u32>,
+    kinds: &Array<'_, u8>,
+    directions: &Array<'_, f64>,
+) -> Result<Vec<Tie>> {
+    let pairs = pairs_of(parts, pairs)?;
+    let kinds = kinds_of(kinds, pairs.len())?;
+    let directions = unit_vectors_of("directions", directions, pairs.len())?;
+    let rows = pairs.into_iter().zip(kinds).zip(directions);
+    Ok(rows.map(|(((first, second), kind), direction)| Tie { parts: [first, second], kind, direction }).collect())
+}
+
+fn poses_of(
+    count: usize,
+    rotations: &Array<'_, f64>,
+    scales: &Array<'_, f64>,
+    translations: &Array<'_, f64>,
+) -> Result<Vec<Similarity>> {
+    let matrices = matrices_of("rotations", rotations.view(), count)?;
+    if let Some(row) = matrices.iter().position(|matrix| !is_orthonormal(matrix) || matrix.determinant() < 0.0) {
+        return Err(GeometryError::new("rotations", format!("row {row} is no rotation")));
+    }
+    let scales = positive_of("scales", scales, count)?;
+    let translations = vectors_of("translations", translations.view(), count)?;
+    let rows = matrices.into_iter().zip(scales).zip(translations);
+    Ok(rows
+        .map(|((matrix, scale), translation)| Similarity {
+            rotation: Rotation3::from_matrix_unchecked(matrix),
+            scale,
+            translation,
+        })
+        .collect())
+}
+
+fn positive_of(name: &str, values: &Array<'_, f64>, count: usize) -> Result<Vec<f64>> {
+    let values: Vec<f64> = values_of(name, values.view(), count)?.to_vec();
+    match values.iter().position(|value| *value <= 0.0) {
+        Some(row) => Err(GeometryError::new(name, format!("row {row} is {}, expected more than 0", values[row]))),
+        None => Ok(values),
+    }
+}
+
+fn search_of(hypotheses: &Bound<'_, PyAny>, threshold: f64, seed: &Bound<'_, PyAny>) -> PyResult<Search> {
+    check_threshold(threshold).map_err(value_error)?;
+    let hypotheses = count_of("hypotheses", integer(hypotheses)?, MOST_HYPOTHESES).map_err(value_error)?;
+    Ok(Search { hypotheses, threshold, seed: seed_of(seed)? })
+}
+
+fn check_threshold(threshold: f64) -> Result<()> {
+    if threshold > 0.0 && threshold.is_finite() {
+        return Ok(());
+    }
+    Err(GeometryError::new("threshold", format!("{threshold}, expected a length above 0")))
+}
+
+/// What one item draws does not depend on which others there are before it.
+fn own_seed(seed: u64, item: usize) -> u64 {
+    seed.wrapping_add((item as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15))
+}
+
+/// The poses as arrays; what was not found is NaN.
+fn to_arrays<'py>(py: Python<'py>, poses: &[Option<Similarity>]) -> PyResult<Poses<'py>> {
+    let count = poses.len();
+    let nowhere = [f64::NAN; 3];
+    let rotations = poses.iter().flat_map(|pose| match pose {
+        // nalgebra lies column after column
+        Some(pose) => pose.rotation.matrix().transpose().data.0,
+        None => [nowhere; 3],
+    });
+    let scales = poses.iter().map(|pose| pose.map_or(f64::NAN, |pose| pose.scale));
+    let shifts = poses.iter().flat_map(|pose| pose.map_or(nowhere, |Similarity { translation, .. }| row(&translation)));
+    let rotations = PyArray1::from_iter(py, rotations.flatten()).reshape([count, 3, 3])?;
+    let translations = PyArray1::from_iter(py, shifts).reshape([count, 3])?;
+    Ok((rotations, PyArray1::from_iter(py, scales), translations))
+}
+
+fn row(vector: &Vector3<f64>) -> [f64; 3] {
+    vector.data.0[0]
+}
