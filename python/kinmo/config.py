@@ -186,6 +186,47 @@ class RankingConfig:
 
 
 @dataclass(frozen=True)
+class AncshWeights:
+    """Weights of the losses of ANCSH; the defaults are those of its release."""
+
+    parts: Amount = 1.0
+    npcs: Amount = 10.0
+    naocs: Amount = 1.0
+    joints: Amount = 1.0
+    heatmap: Amount = 5.0
+    toward: Amount = 5.0
+    axes: Amount = 0.2
+
+
+@dataclass(frozen=True)
+class AncshConfig:
+    """The networks of ANCSH (the paper, section 3.4; Li 2020).
+
+    `centers`, `radii` and `neighbours` of the two levels of PointNet++, and the `width` of its layers over the printed ones;
+    features are interpolated with weights 1 / distance ** `distance_power`. `normalised`: scans are brought to the true size of
+    the whole `object`, as in the release, or to that of the visible `scan`, which is all that a user has. `joint_labels`: a
+    point near to two joints tells of the `nearest`, or as in the `release` of the last, where joints without a place have one
+    too. An epoch has `batches_per_epoch` batches of `batch_frames` scans of `points` points; `validation_frames` an object
+    choose the best.
+    """
+
+    training: TrainingConfig
+    weights: AncshWeights = field(default_factory=AncshWeights)
+    points: Count = 1024
+    centers: Annotated[tuple[Count, ...], Within(2, 2)] = (512, 128)
+    radii: Annotated[tuple[Positive, ...], Within(2, 2)] = (0.2, 0.4)
+    neighbours: Count = 64
+    width: Positive = 1.0
+    distance_power: Annotated[int, Within(1, 2)] = 2
+    dropout: Share = 0.5
+    normalised: Literal["object", "scan"] = "scan"
+    joint_labels: Literal["nearest", "release"] = "nearest"
+    batch_frames: Count = 16
+    batches_per_epoch: Count = 100
+    validation_frames: Count = 4
+
+
+@dataclass(frozen=True)
 class RefinementConfig:
     """From edges to joints (paper, section 3.3).
 
@@ -213,6 +254,7 @@ class Config:
     gnn: GnnConfig
     axis: AxisConfig
     ranking: RankingConfig
+    ancsh: AncshConfig
     refinement: RefinementConfig = field(default_factory=RefinementConfig)
 
 

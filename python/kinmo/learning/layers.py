@@ -48,9 +48,9 @@ def nearest_neighbours(points: Tensor, count: int) -> Tensor:
 
 
 def gather_points(features: Tensor, index: Tensor) -> Tensor:
-    """Features [B, n, k, C] of the points `index` [B, n, k] of `features` [B, n, C]."""
-    width = features.shape[2]
-    return features.reshape(-1, width).index_select(0, _rows(index).flatten()).view(*index.shape, width)
+    """Features [B, m, k, C] of the points `index` [B, m, k] of `features` [B, n, C]."""
+    _, size, width = features.shape
+    return features.reshape(-1, width).index_select(0, _rows(index, size).flatten()).view(*index.shape, width)
 
 
 def neighbour_max(features: Tensor, index: Tensor) -> Tensor:
@@ -58,14 +58,13 @@ def neighbour_max(features: Tensor, index: Tensor) -> Tensor:
     if not (features.is_cpu and torch.is_grad_enabled()):
         return gather_points(features, index).amax(2)
     # a bag knows which neighbour its maximum comes from, so that nothing of the size of all pairs goes backward
-    bags = _rows(index).flatten(0, 1)
+    bags = _rows(index, features.shape[1]).flatten(0, 1)
     return nn.functional.embedding_bag(bags, features.flatten(0, 1), mode="max").view(features.shape)
 
 
-def _rows(index: Tensor) -> Tensor:
-    """Indices [B, n, k] of points of each cloud as indices into the points of all clouds."""
-    batch, count = index.shape[:2]
-    return index + torch.arange(batch, device=index.device).view(-1, 1, 1) * count
+def _rows(index: Tensor, size: int) -> Tensor:
+    """Indices [B, m, k] of points of each cloud of `size` points as indices into the points of all clouds."""
+    return index + torch.arange(len(index), device=index.device).view(-1, 1, 1) * size
 
 
 def channel_norm(kind: str, width: int) -> nn.Module:

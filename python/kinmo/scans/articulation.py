@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -11,13 +12,21 @@ import numpy as np
 from kinmo.joint import Joint, JointKind
 from kinmo.mobility import Mobility
 
-Articulation = Literal["independent", "lockstep", "release"]
-"""How joints are set: each to a value of its own, all to the same share of their ranges, or all to the same angle."""
+Sampling = Literal["independent", "lockstep", "release"]
+"""How joints are set: each to a value of its own, all to the same share of their ranges, or as `RELEASE_ANGLES` says."""
 
 UNLIMITED = (-0.5 * math.pi, 0.5 * math.pi)
-"""Radians to either side of the rest of a hinge without limits."""
+"""Radians to either side of the rest of a hinge without limits, and of the turn of a screw."""
 RELEASE_ANGLES, RELEASE_SHIFTS = (math.radians(-90.0), math.radians(30.0)), (0.0, 0.4)
-"""What the paper's release gives every hinge and every slider, whatever its limits (lengths are shares of the diagonal)."""
+"""What the paper's release gives all hinges and all sliders, whatever their limits; lengths are shares of the diagonal."""
+
+
+@dataclass(frozen=True)
+class Articulation:
+    """A state of all joints, by index of the body, as `kinmo.kinematics.forward` takes it."""
+
+    values: Mapping[int, float]
+    turns: Mapping[int, float]
 
 
 def joint_range(joint: Joint) -> tuple[float, float]:
@@ -29,19 +38,22 @@ def joint_range(joint: Joint) -> tuple[float, float]:
     return joint.rest, joint.rest
 
 
-def articulations(
-    mobility: Mobility, count: int, how: Articulation, diagonal: float, rng: np.random.Generator
-) -> Iterator[Mapping[int, float]]:
-    """`count` settings of all joints: values by index of the body.
+def articulations(mobility: Mobility, count: int, how: Sampling, rng: np.random.Generator) -> Iterator[Articulation]:
+    """`count` states of the joints of `mobility`, which is in the normalised frame.
 
-    In lockstep the ranges are gone through in equal steps, as in the paper's pipeline; else values are drawn.
+    In lockstep, as in the paper's pipeline, all joints go through their ranges in equal steps; else each value is drawn.
     """
     joints = {index: body.joint for index, body in mobility.movable() if body.joint is not None}
     ranges = {index: joint_range(joint) for index, joint in joints.items()}
     if how == "release":
-        low, high = RELEASE_SHIFTS
-        shifts = low * diagonal, high * diagonal
-        ranges = {i: RELEASE_ANGLES if joint.kind is JointKind.REVOLUTE else shifts for i, joint in joints.items()}
-    for share in np.linspace(0.0, 1.0, count):
-        shares = {index: rng.uniform() if how == "independent" else share for index in ranges}
-        yield {index: (1.0 - shares[index]) * low + shares[index] * high for index, (low, high) in ranges.items()}
+        limits = {i: RELEASE_ANGLES if j.kind is JointKind.REVOLUTE else RELEASE_SHIFTS for i, j in joints.items()}
+        ranges = {i: (low + joints[i].rest, high + joints[i].rest) for i, (low, high) in limits.items()}
+    screws = [index for index, joint in joints.items() if joint.kind is JointKind.SCREW]
+    for step in np.linspace(0.0, 1.0, count):
+
+        def drawn(low: float, high: float, step: float = step) -> float:
+            share = float(rng.uniform() if how == "independent" else step)
+            return (1.0 - share) * low + share * high
+
+        values = {index: drawn(*limits) for index, limits in ranges.items()}
+        yield Articulation(values, {index: drawn(*UNLIMITED) for index in screws})

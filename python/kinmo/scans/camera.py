@@ -21,7 +21,8 @@ class Camera:
     """A pinhole camera without distortion.
 
     The point (x, y, z) of its frame is seen at column `focal[0]` x / z + `center[0]` and row `focal[1]` y / z + `center[1]`, in
-    pixels; the middle of the pixel (i, j) is at (i + 1/2, j + 1/2). What is nearer than `near` or farther than `far` is not seen.
+    pixels; the middle of the pixel (i, j) is at (i + 1/2, j + 1/2). What is nearer than `near` or farther than `far` is not
+    seen.
     """
 
     width: int
@@ -37,15 +38,20 @@ class Camera:
         focal = 0.5 * height / np.tan(np.radians(0.5 * degrees))
         return cls(width, height, np.full(2, focal), 0.5 * np.array([width, height], float), near, far)
 
-    def rays(self) -> F64:
-        """Directions [height, width, 3] through the middles of the pixels, with z = 1."""
-        columns, rows = np.meshgrid(np.arange(self.width) + 0.5, np.arange(self.height) + 0.5)
-        x, y = (columns - self.center[0]) / self.focal[0], (rows - self.center[1]) / self.focal[1]
+    def rays(self, pixels: NDArray[np.intp] | None = None) -> F64:
+        """Directions [..., 3] through the middles of `pixels` [...], with z = 1; a pixel is row * width + column.
+
+        Without `pixels` those of all, [height, width, 3].
+        """
+        if pixels is None:
+            pixels = np.arange(self.height * self.width).reshape(self.height, self.width)
+        rows, columns = np.divmod(pixels, self.width)
+        x, y = (columns + 0.5 - self.center[0]) / self.focal[0], (rows + 0.5 - self.center[1]) / self.focal[1]
         return np.stack([x, y, np.ones_like(x)], axis=-1)
 
-    def points(self, depths: NDArray[np.floating]) -> F64:
-        """Points [..., height, width, 3] of the camera's frame that are seen at `depths` [..., height, width] (along z)."""
-        return self.rays() * np.asarray(depths, np.float64)[..., None]
+    def points(self, depths: NDArray[np.floating], pixels: NDArray[np.intp] | None = None) -> F64:
+        """Points [..., 3] of the camera's frame that `pixels` [...] (as in `rays`) see at `depths` [...] along z."""
+        return self.rays(pixels) * np.asarray(depths, np.float64)[..., None]
 
 
 def look_at(eye: Vector, target: Vector, up: Vector) -> Pose:
@@ -69,8 +75,9 @@ class Viewpoints:
     """Where cameras stand, drawn at random about an object of a given radius (half the diagonal of its box).
 
     `yaw` and `pitch` are ranges in degrees; a pitch of -90 looks straight down, and above 0 the camera stands below the middle.
-    What `distance` (a range) and `aside` (how far the target may lie off the middle, along each axis) count in is the distance
-    from which a ball with the object's radius, seen across, just fits into half of the field of view: radius * tan(`field` / 2).
+    What `distance` (a range) and `aside` (how far the target may lie off the middle, along each axis) count in is the
+    distance from which a ball with the object's radius, seen across, just fits into half of the field of view: radius *
+    tan(`field` / 2).
 
     The defaults are those of the pipeline that the paper renders with.
     """

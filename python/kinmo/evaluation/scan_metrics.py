@@ -1,0 +1,105 @@
+"""How far the parts and joints that were found in a scan are from the true ones (paper, section 4.2; docs/metrics.md)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from kinmo import _core
+from kinmo.evaluation.metrics import axis_error, line_distance
+from kinmo.joint import Joint, JointKind
+from kinmo.scans.articulated_object import Extents, Structure
+from kinmo.scans.estimate import MIDDLE, PartPoses, ScanEstimate
+
+F64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class FrameScore:
+    """Errors of one scan with K parts; NaN where the part or the joint was not found.
+
+    By part [K]: `rotation` (radians), `translation` of the part's middle, `corner` that of the origin of its NPCS (which is
+    what the public code of ANCSH takes), `iou` of the amodal boxes. By joint [K - 1]: `state` (radians, or diagonals where it
+    slides), `axis` (radians) and `line`, the distance of the two axes (NaN too for a joint without a pivot). Lengths are
+    diagonals of the object.
+    """
+
+    rotation: F64
+    translation: F64
+    corner: F64
+    iou: F64
+    state: F64
+    axis: F64
+    line: F64
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether every part was found."""
+        return bool(np.isfinite(self.rotation).all())
+
+
+def truth(poses: F64, values: F64, joints: Sequence[Joint], structure: Structure, extents: Extents) -> ScanEstimate:
+    """What there is to find in a scan with these `poses` [K, 4, 4] and `values` [K - 1] (`kinmo.scans.scan.Scans`)."""
+    turns, sizes = poses[:, :3, :3], extents.diagonals
+    corners = extents.centers - MIDDLE * sizes[:, None]
+    shifts = np.einsum("kij,kj->ki", turns, corners) + poses[:, :3, 3]
+    above = poses[list(structure.parents)]
+    directions = np.stack([pose[:3, :3] @ joint.direction for pose, joint in zip(above, joints, strict=True)])
+    pivots = np.stack([pose[:3, :3] @ joint.pivot + pose[:3, 3] for pose, joint in zip(above, joints, strict=True)])
+    states = values - np.array([joint.rest for joint in joints])
+    return ScanEstimate(PartPoses(turns, sizes, shifts), 0.5 * extents.sizes, np.ones(len(sizes)), directions, pivots, states)
+
+
+def score_frame(found: ScanEstimate, true: ScanEstimate, structure: Structure) -> FrameScore:
+    """Errors of `found`; both in the camera's frame, in diagonals of the object."""
+    turned = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
+    state = [
+        _state_error(found, true, row, kind) if np.isfinite(found.states[row]) else math.nan
+        for row, kind in enumerate(structure.kinds)
+    ]
+    known = np.asarray(np.isfinite(found.directions).all(axis=1))
+    axis = [axis_error(found.directions[row], true.directions[row]) if known[row] else math.nan for row in range(len(known))]
+    line = [_line(found, true, row, kind) if known[row] else math.nan for row, kind in enumerate(structure.kinds)]
+    return FrameScore(
+        np.array(turned),
+        np.linalg.norm(found.centers - true.centers, axis=1),
+        np.linalg.norm(found.poses.translations - true.poses.translations, axis=1),
+        _overlaps(found, true),
+        np.array(state),
+        np.array(axis),
+        np.array(line),
+    )
+
+
+def _angle(rotation: F64) -> float:
+    return float(Rotation.from_matrix(rotation).magnitude()) if np.isfinite(rotation).all() else math.nan
+
+
+def _state_error(found: ScanEstimate, true: ScanEstimate, row: int, kind: JointKind) -> float:
+    """States count along the axis, of which a network may have the other direction."""
+    sign = 1.0 if found.directions[row] @ true.directions[row] >= 0.0 else -1.0
+    off = sign * found.states[row] - true.states[row]
+    return abs(math.remainder(off, 2.0 * math.pi)) if kind is JointKind.REVOLUTE else abs(float(off))
+
+
+def _line(found: ScanEstimate, true: ScanEstimate, row: int, kind: JointKind) -> float:
+    if kind is JointKind.PRISMATIC:
+        return math.nan
+    mine, right = (Joint(kind, said.directions[row], said.pivots[row]) for said in (found, true))
+    return line_distance(right, mine, true.centers[row + 1])
+
+
+def _overlaps(found: ScanEstimate, true: ScanEstimate) -> F64:
+    overlaps = np.full(len(found.half_extents), np.nan)
+    known = np.flatnonzero(found.poses.found & np.isfinite(found.half_extents).all(axis=1))
+    boxes = [
+        (said.centers[known], np.swapaxes(said.poses.rotations[known], 1, 2).copy(), said.half_extents[known])
+        for said in (found, true)
+    ]
+    overlaps[known] = _core.box_iou(*boxes[0], *boxes[1])
+    return overlaps

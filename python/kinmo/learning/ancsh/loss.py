@@ -1,0 +1,78 @@
+"""The losses of ANCSH."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from kinmo.config import AncshConfig
+from kinmo.learning.ancsh.network import JointAnswers, PartAnswers
+
+
+@dataclass(frozen=True, eq=False)
+class ScanBatch:
+    """B labelled scans of n points each.
+
+    `points` [B, n, 3] as the network sees them; `parts` [B, n] (C - 1 for a point of none), `npcs` and `naocs` [B, n, 3] of the
+    part that the point is of, `joints` [B, n] the joint that it is near to, 0 for none. Where it is near to one, `heatmap`
+    [B, n], `toward` and `axes` [B, n, 3] are as in `JointAnswers`, and `has_pivot` [B, n] says that its axis has a place.
+    """
+
+    points: Tensor
+    parts: Tensor
+    npcs: Tensor
+    naocs: Tensor
+    joints: Tensor
+    heatmap: Tensor
+    toward: Tensor
+    axes: Tensor
+    has_pivot: Tensor
+
+    def to(self, device: torch.device | str) -> ScanBatch:
+        return ScanBatch(*(value.to(device) for value in vars(self).values()))
+
+
+def relaxed_iou_loss(logarithms: Tensor, truth: Tensor) -> Tensor:
+    """1 - the mean relaxed IoU of the classes: `logarithms` [B, n, C] of probabilities, `truth` [B, n]."""
+    probabilities = logarithms.exp()
+    marked = torch.nn.functional.one_hot(truth, logarithms.shape[-1]).to(probabilities.dtype)
+    shared = (probabilities * marked).sum(1)
+    union = probabilities.sum(1) + marked.sum(1) - shared
+    return 1.0 - (shared / (union + 1e-6)).mean()
+
+
+def part_losses(answers: PartAnswers, batch: ScanBatch) -> dict[str, Tensor]:
+    """`parts` and `npcs`."""
+    return {
+        "parts": relaxed_iou_loss(answers.parts, batch.parts),
+        "npcs": _apart(answers.npcs, batch.npcs, batch.parts),
+    }
+
+
+def joint_losses(parts: PartAnswers, answers: JointAnswers, batch: ScanBatch) -> dict[str, Tensor]:
+    """`naocs`, `joints`, `heatmap`, `toward` and `axes`, the last three over all points though few are near to a joint."""
+    near = (batch.joints > 0).to(batch.points.dtype)
+    placed = near * batch.has_pivot
+    return {
+        "naocs": _apart(answers.naocs(parts.npcs), batch.naocs, batch.parts),
+        "joints": relaxed_iou_loss(answers.joints, batch.joints),
+        "heatmap": ((answers.heatmap - batch.heatmap).abs() * placed).mean(),
+        "toward": (torch.linalg.vector_norm(answers.toward - batch.toward, dim=-1) * placed).mean(),
+        "axes": (torch.linalg.vector_norm(answers.axes - batch.axes, dim=-1) * near).mean(),
+    }
+
+
+def total(losses: dict[str, Tensor], config: AncshConfig) -> Tensor:
+    """The weighted sum."""
+    return torch.stack([getattr(config.weights, name) * loss for name, loss in losses.items()]).sum()
+
+
+def _apart(found: Tensor, truth: Tensor, parts: Tensor) -> Tensor:
+    """Mean distance of `found` [B, n, K, 3], at the true part, from `truth` [B, n, 3]; points of no part count as zero."""
+    known = parts < found.shape[2]
+    index = torch.where(known, parts, 0).view(*parts.shape, 1, 1).expand(-1, -1, 1, 3)
+    own = torch.gather(found, 2, index).squeeze(2)
+    distances: Tensor = torch.linalg.vector_norm(own - truth, dim=-1)
+    return (distances * known).mean()

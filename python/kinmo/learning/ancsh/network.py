@@ -1,0 +1,94 @@
+"""The two networks of ANCSH (Li 2020, section 4; the paper, section 3.4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor, nn
+
+from kinmo.config import AncshConfig
+from kinmo.learning.ancsh.point_sets import PointNetPlusPlus, SharedLayers
+
+KIND = "ancsh"
+
+
+@dataclass(frozen=True, eq=False)
+class PartAnswers:
+    """For n points of B scans: `parts` [B, n, C] log-probabilities of the part, `npcs` [B, n, K, 3] in [0, 1]."""
+
+    parts: Tensor
+    npcs: Tensor
+
+
+@dataclass(frozen=True, eq=False)
+class JointAnswers:
+    """For n points of B scans.
+
+    `scales` [B, n, K] in [0, 1] and `shifts` [B, n, K, 3] in [-1, 1] take NPCS to NAOCS. `joints` [B, n, K] are
+    log-probabilities of the joint that a point is near to (0: none), `heatmap` [B, n] is 1 on its axis and 0 where that is
+    `reach` away, `toward` [B, n, 3] the unit vector to the axis and `axes` [B, n, 3] its direction, in NAOCS.
+    """
+
+    scales: Tensor
+    shifts: Tensor
+    joints: Tensor
+    heatmap: Tensor
+    toward: Tensor
+    axes: Tensor
+
+    def naocs(self, npcs: Tensor) -> Tensor:
+        """Places [B, n, K, 3] on the whole object of NPCS [B, n, K, 3]."""
+        return npcs * self.scales.unsqueeze(-1) + self.shifts
+
+
+class PartNetwork(nn.Module):
+    """Which part every point is of, and where on it: the network that is called `npcs`."""
+
+    def __init__(self, config: AncshConfig, parts: int, classes: int) -> None:
+        """`classes` are the `parts`, and one more where points may be of none."""
+        super().__init__()
+        self.parts = parts
+        self.backbone = PointNetPlusPlus(
+            config.centers, config.radii, config.neighbours, config.width, config.distance_power, config.dropout
+        )
+        features = self.backbone.features
+        self.part = nn.Linear(features, classes)
+        self.npcs = nn.Sequential(nn.Linear(features, features), nn.Linear(features, 3 * parts))
+
+    def forward(self, points: Tensor) -> PartAnswers:
+        """`points` [B, n, 3]."""
+        return self._of(self.backbone(points))
+
+    def _of(self, features: Tensor) -> PartAnswers:
+        npcs = torch.sigmoid(self.npcs(features)).view(*features.shape[:2], self.parts, 3)
+        return PartAnswers(torch.log_softmax(self.part(features), -1), npcs)
+
+
+class AncshNetwork(PartNetwork):
+    """All that ANCSH predicts: the network that is called `ancsh`."""
+
+    def __init__(self, config: AncshConfig, parts: int, classes: int) -> None:
+        super().__init__(config, parts, classes)
+        features = self.backbone.features
+        self.scale = nn.Linear(features, parts)
+        self.shift = nn.Linear(features, 3 * parts)
+        self.near_joints = nn.Sequential(SharedLayers((features, features, features)), nn.Dropout(config.dropout))
+        self.axis = nn.Linear(features, 3)
+        self.toward = nn.Linear(features, 3)
+        self.heatmap = nn.Linear(features, 1)
+        self.joint = nn.Linear(features, parts)
+
+    def forward_all(self, points: Tensor) -> tuple[PartAnswers, JointAnswers]:
+        """`points` [B, n, 3]."""
+        features = self.backbone(points)
+        near = self.near_joints(features)
+        joints = JointAnswers(
+            scales=torch.sigmoid(self.scale(features)),
+            shifts=torch.tanh(self.shift(features)).view(*features.shape[:2], self.parts, 3),
+            joints=torch.log_softmax(self.joint(near), -1),
+            heatmap=torch.sigmoid(self.heatmap(near)).squeeze(-1),
+            toward=torch.tanh(self.toward(near)),
+            axes=torch.tanh(self.axis(near)),
+        )
+        return self._of(features), joints

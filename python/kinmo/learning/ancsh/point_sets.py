@@ -1,0 +1,130 @@
+"""PointNet++ (Qi 2017) in plain torch: points are sampled, grouped and interpolated without compiled extensions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import torch
+from torch import Tensor, nn
+
+from kinmo.learning.layers import channel_norm, gather_points
+
+INTERPOLATED = 3
+"""Nearest points that features are interpolated from."""
+
+
+def farthest_points(points: Tensor, count: int) -> Tensor:
+    """Indices [B, count] of points of `points` [B, n, 3], from the first on always the one farthest from those before."""
+    batch, _, _ = points.shape
+    chosen = torch.zeros(batch, count, dtype=torch.long, device=points.device)
+    nearest = torch.full(points.shape[:2], torch.inf, dtype=points.dtype, device=points.device)
+    rows = torch.arange(batch, device=points.device)
+    for step in range(1, count):
+        last = points[rows, chosen[:, step - 1]].unsqueeze(1)
+        nearest = torch.minimum(nearest, (points - last).square().sum(-1))
+        chosen[:, step] = nearest.argmax(1)
+    return chosen
+
+
+def within_radius(points: Tensor, centers: Tensor, radius: float, count: int) -> Tensor:
+    """Indices [B, m, count] of the first points of `points` [B, n, 3] within `radius` of each of `centers` [B, m, 3].
+
+    Where there are fewer the first one is repeated; where there is none it is the last point.
+    """
+    size = points.shape[1]
+    near = torch.cdist(centers, points) <= radius
+    order = torch.arange(size, dtype=torch.int32, device=points.device)
+    first = torch.where(near, order, size).topk(min(count, size), dim=-1, largest=False).values.long()
+    return torch.where(first == size, first[..., :1], first).clamp(max=size - 1)
+
+
+def interpolated(features: Tensor, places: Tensor, at: Tensor, power: int) -> Tensor:
+    """Features [B, n, C] at `at` [B, n, 3], of the nearest of `features` [B, m, C] at `places` [B, m, 3].
+
+    Their weights are 1 / distance ** `power`.
+    """
+    distances, index = torch.cdist(at, places).topk(min(INTERPOLATED, places.shape[1]), dim=-1, largest=False)
+    weights = distances.clamp(min=1e-6) ** -power
+    weights = weights / weights.sum(-1, keepdim=True)
+    return (gather_points(features, index) * weights.unsqueeze(-1)).sum(2)
+
+
+class SharedLayers(nn.Sequential):
+    """Linear layers without a bias, each with a batch norm and a ReLU, over the last axis."""
+
+    def __init__(self, widths: Sequence[int]) -> None:
+        layers: list[nn.Module] = []
+        for before, after in pairwise(widths):
+            layers += [nn.Linear(before, after, bias=False), channel_norm("batch", after), nn.ReLU()]
+        super().__init__(*layers)
+
+
+class SetAbstraction(nn.Module):
+    """Features of `centers` points from those of their surroundings; of all points together if `centers` is 0."""
+
+    def __init__(self, before: int, widths: Sequence[int], centers: int = 0, radius: float = 0.0, neighbours: int = 0) -> None:
+        super().__init__()
+        self.centers, self.radius, self.neighbours = centers, radius, neighbours
+        self.layers = SharedLayers((3 + before, *widths))
+
+    def forward(self, points: Tensor, features: Tensor | None) -> tuple[Tensor, Tensor]:
+        """`points` [B, n, 3], `features` [B, n, C] -> places [B, m, 3] and features [B, m, C']."""
+        if not self.centers:
+            seen = points if features is None else torch.cat([points, features], -1)
+            return torch.zeros_like(points[:, :1]), self.layers(seen).amax(1, keepdim=True)
+        chosen = farthest_points(points, min(self.centers, points.shape[1]))
+        places = torch.gather(points, 1, chosen.unsqueeze(-1).expand(-1, -1, 3))
+        index = within_radius(points, places, self.radius, self.neighbours)
+        seen = gather_points(points, index) - places.unsqueeze(2)
+        if features is not None:
+            seen = torch.cat([seen, gather_points(features, index)], -1)
+        return places, self.layers(seen).amax(2)
+
+
+class FeaturePropagation(nn.Module):
+    """Features of many points from their own and from those of few, interpolated with weights 1 / distance ** `power`."""
+
+    def __init__(self, before: int, widths: Sequence[int], power: int) -> None:
+        super().__init__()
+        self.power = power
+        self.layers = SharedLayers((before, *widths))
+
+    def forward(self, points: Tensor, own: Tensor, places: Tensor, features: Tensor) -> Tensor:
+        """`own` [B, n, C] at `points` [B, n, 3], `features` [B, m, D] at `places` [B, m, 3] -> [B, n, C']."""
+        spread = interpolated(features, places, points, self.power)
+        return self.layers(torch.cat([spread, own], -1))  # type: ignore[no-any-return]
+
+
+class PointNetPlusPlus(nn.Module):
+    """Points [B, n, 3] -> features [B, n, `features`], as ANCSH's backbone.
+
+    `width` is the share of the printed widths; `centers`, `radii` and `neighbours` are those of the two levels.
+    """
+
+    def __init__(
+        self, centers: Sequence[int], radii: Sequence[float], neighbours: int, width: float, power: int, dropout: float
+    ) -> None:
+        super().__init__()
+
+        def wide(*widths: int) -> tuple[int, ...]:
+            return tuple(max(1, round(width * each)) for each in widths)
+
+        near, far, whole = wide(64, 64, 128), wide(128, 128, 256), wide(256, 512, 1024)
+        self.near = SetAbstraction(0, near, centers[0], radii[0], neighbours)
+        self.far = SetAbstraction(near[-1], far, centers[1], radii[1], neighbours)
+        self.whole = SetAbstraction(far[-1], whole)
+        to_far, to_near, to_all = wide(256, 256), wide(256, 128), wide(128, 128, 128)
+        self.to_far = FeaturePropagation(whole[-1] + far[-1], to_far, power)
+        self.to_near = FeaturePropagation(to_far[-1] + near[-1], to_near, power)
+        self.to_all = FeaturePropagation(to_near[-1] + 3, to_all, power)
+        self.features = to_all[-1]
+        self.last = nn.Sequential(SharedLayers((self.features, self.features)), nn.Dropout(dropout))
+
+    def forward(self, points: Tensor) -> Tensor:
+        near, near_features = self.near(points, None)
+        far, far_features = self.far(near, near_features)
+        whole, whole_features = self.whole(far, far_features)
+        far_features = self.to_far(far, far_features, whole, whole_features)
+        near_features = self.to_near(near, near_features, far, far_features)
+        return self.last(self.to_all(points, points, near, near_features))  # type: ignore[no-any-return]

@@ -1,0 +1,128 @@
+"""Asking the trained networks of ANCSH."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from kinmo.config import AncshConfig
+from kinmo.errors import InputError
+from kinmo.joint import JointKind
+from kinmo.learning.ancsh.network import KIND, AncshNetwork, PartNetwork
+from kinmo.learning.ancsh.targets import REACH
+from kinmo.learning.weights import Weights, load_weights, pick_device
+from kinmo.scans.articulated_object import Structure
+from kinmo.scans.estimate import PointAnswers
+from kinmo.scans.input_frame import InputFrame
+from kinmo.typed_tables import from_table
+
+SCANS_AT_ONCE = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Ancsh:
+    """Both networks of one kind of object; the one called `npcs` has the say on parts, where there is one."""
+
+    joints: AncshNetwork
+    parts: PartNetwork
+    config: AncshConfig
+    structure: Structure
+    device: str
+
+    @classmethod
+    def load(cls, weights: Path, part_weights: Path | None = None, device: str = "auto") -> Ancsh:
+        """Read what `train_ancsh` wrote. Raises InputError if it is not that, not whole, or the two do not go together."""
+        device = pick_device(device)
+        loaded = load_weights(weights, KIND)
+        config, structure = _config_of(loaded), _structure_of(loaded)
+        joints = AncshNetwork(config, structure.part_count, int(loaded.facts["classes"]))
+        loaded.fill(joints)
+        parts: PartNetwork = joints
+        if part_weights is not None:
+            own = load_weights(part_weights, KIND)
+            if (_config_of(own).normalised, _structure_of(own)) != (config.normalised, structure):
+                raise InputError(part_weights, f"is for other objects than {weights}")
+            parts = PartNetwork(_config_of(own), structure.part_count, int(own.facts["classes"]))
+            own.fill(parts)
+        return cls(joints.to(device).eval(), parts.to(device).eval(), config, structure, device)
+
+    @torch.inference_mode()
+    def answer(self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None) -> list[PointAnswers]:
+        """What the networks say of scans [n, 3] in a camera's frame.
+
+        `diagonals` are those of the objects, without which networks that were trained with `normalised = "object"` take the
+        lengths of the scans for diagonals. All scans must have as many points.
+        """
+        frames = [
+            InputFrame.of(points, self.config.normalised, 1.0 if diagonals is None else diagonals[row])
+            for row, points in enumerate(scans)
+        ]
+        answers: list[PointAnswers] = []
+        for start in range(0, len(scans), SCANS_AT_ONCE):
+            some = slice(start, start + SCANS_AT_ONCE)
+            seen = np.stack([frame.apply(points) for frame, points in zip(frames[some], scans[some], strict=True)])
+            answers += self._answer(seen, frames[some])
+        return answers
+
+    def _answer(self, seen: NDArray[np.float32], frames: Sequence[InputFrame]) -> list[PointAnswers]:
+        points = torch.from_numpy(seen).to(self.device)
+        own, joints = self.joints.forward_all(points)
+        parts = own if self.parts is self.joints else self.parts(points)
+        naocs = joints.naocs(own.npcs)
+        said = parts.parts.argmax(-1)
+        home = own.parts.argmax(-1).clamp(max=self.structure.part_count - 1)
+        arrays = [
+            values.double().cpu().numpy()
+            for values in (
+                _of_part(parts.npcs, said),
+                _of_part(naocs, home) + joints.toward * ((1.0 - joints.heatmap) * REACH).unsqueeze(-1),
+                joints.axes,
+                joints.scales,
+                joints.shifts,
+            )
+        ]
+        labels, told = said.cpu().numpy(), joints.joints.argmax(-1).cpu().numpy()
+        labels = np.where(labels >= self.structure.part_count, -1, labels)
+        answers = []
+        for row, frame in enumerate(frames):
+            npcs, pivots, axes, scales, shifts = (array[row] for array in arrays)
+            owners = [labels[row] == part for part in range(self.structure.part_count)]
+            owners = [own if own.any() else np.ones_like(own) for own in owners]
+            part_scales = np.array([np.median(scales[own, part]) for part, own in enumerate(owners)])
+            part_shifts = np.array([np.median(shifts[own, part], axis=0) for part, own in enumerate(owners)])
+            answers.append(
+                PointAnswers(
+                    frame,
+                    seen[row].astype(np.float64),
+                    labels[row],
+                    npcs,
+                    part_scales,
+                    part_shifts,
+                    told[row],
+                    axes,
+                    pivots,
+                )
+            )
+        return answers
+
+
+def _of_part(values: torch.Tensor, parts: torch.Tensor) -> torch.Tensor:
+    """Values [B, n, 3] of [B, n, K, 3] at `parts` [B, n]."""
+    index = parts.clamp(max=values.shape[2] - 1).view(*parts.shape, 1, 1).expand(-1, -1, 1, 3)
+    return torch.gather(values, 2, index).squeeze(2)
+
+
+def _config_of(loaded: Weights) -> AncshConfig:
+    return from_table(AncshConfig, loaded.config, loaded.path.with_suffix(".json"), "config.")
+
+
+def _structure_of(loaded: Weights) -> Structure:
+    try:
+        return Structure(tuple(JointKind(kind) for kind in loaded.facts["kinds"]), tuple(loaded.facts["parents"]))
+    except (KeyError, TypeError, ValueError):
+        raise InputError(loaded.path.with_suffix(".json"), "expected the joints of the objects it is for", "facts") from None

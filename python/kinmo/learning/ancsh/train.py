@@ -1,0 +1,104 @@
+"""Training the networks of ANCSH."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import torch
+
+from kinmo.config import AncshConfig
+from kinmo.errors import InputError
+from kinmo.learning.ancsh.data import ScanData
+from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, total
+from kinmo.learning.ancsh.network import KIND, AncshNetwork, PartNetwork
+from kinmo.learning.training import FitResult, Learner, Progress, fit
+from kinmo.learning.weights import save_weights
+from kinmo.scans.articulated_object import Structure
+from kinmo.scans.renderers import NOTHING
+from kinmo.scans.scan_file import ScanFile
+from kinmo.typed_tables import to_table
+
+Network = Literal["ancsh", "npcs"]
+"""All heads, or those of parts and NPCS alone."""
+
+
+def train_ancsh(
+    training: Sequence[ScanFile],
+    validation: Sequence[ScanFile],
+    config: AncshConfig,
+    run_dir: Path,
+    *,
+    which: Network,
+    seed: int = 0,
+    device: str = "auto",
+    fingerprint: str = "",
+    on_progress: Callable[[Progress], None] | None = None,
+) -> FitResult:
+    """Train on scans of objects of one structure; leaves `weights.safetensors` and `.json` of the best epoch in `run_dir`.
+
+    Resumes what was cut off (`training.fit`). Raises InputError if either set is empty, or structures differ.
+    """
+    structure = structure_of([*training, *validation])
+    for name, files in (("training", training), ("validation", validation)):
+        if not any(file.frames for file in files):
+            raise InputError(f"{name} scans", "expected at least one frame")
+    torch.manual_seed(seed)
+    used = [[file for file in files if file.frames] for files in (training, validation)]
+    sees_more = any(bool(np.any(file.read("parts") == NOTHING)) for file in used[0])
+    learner = AncshLearner(config, which, structure.part_count, structure.part_count + int(sees_more))
+    data = ScanData(used[0], used[1], config)
+    result = fit(learner, data, run_dir, seed=seed, device=device, fingerprint=fingerprint, on_progress=on_progress)
+    facts = {
+        "network": which,
+        "kinds": [kind.value for kind in structure.kinds],
+        "parents": list(structure.parents),
+        "classes": learner.classes,
+        "seed": seed,
+        "objects": len(used[0]),
+        "frames": sum(file.frames for file in used[0]),
+        "epochs": len(result.history),
+        "error": result.best_error,
+    }
+    save_weights(run_dir / "weights.safetensors", learner.network, KIND, to_table(config), facts)
+    return result
+
+
+def structure_of(files: Sequence[ScanFile]) -> Structure:
+    """The structure that all `files` have. Raises InputError for none, or for one that differs."""
+    if not files:
+        raise InputError("scans", "expected those of at least one object")
+    for file in files:
+        if file.structure != files[0].structure:
+            raise InputError(file.path, f"has {file.structure}, expected {files[0].structure}")
+    return files[0].structure
+
+
+class AncshLearner(Learner):
+    """The weighted sum of the losses; the best epoch has the least of it on validation."""
+
+    def __init__(self, config: AncshConfig, which: Network, parts: int, classes: int) -> None:
+        super().__init__(config.training)
+        self.config, self.classes = config, classes
+        self.network = (AncshNetwork if which == "ancsh" else PartNetwork)(config, parts, classes)
+
+    def training_step(self, batch: ScanBatch, index: int) -> torch.Tensor:
+        losses = self._losses(batch)
+        loss = total(losses, self.config)
+        logged = {"training/loss": loss} | {f"training/{name}": value for name, value in losses.items()}
+        self.log_dict(logged, on_step=False, on_epoch=True, batch_size=len(batch.points))
+        return loss
+
+    def validation_step(self, batch: ScanBatch, index: int) -> None:
+        losses = self._losses(batch)
+        logged = {"validation/error": total(losses, self.config)}
+        logged |= {f"validation/{name}": value for name, value in losses.items()}
+        self.log_dict(logged, batch_size=len(batch.points))
+
+    def _losses(self, batch: ScanBatch) -> dict[str, torch.Tensor]:
+        if isinstance(self.network, AncshNetwork):
+            parts, joints = self.network.forward_all(batch.points)
+            return part_losses(parts, batch) | joint_losses(parts, joints, batch)
+        return part_losses(self.network(batch.points), batch)

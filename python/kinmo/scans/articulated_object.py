@@ -1,0 +1,180 @@
+"""Objects as a depth camera sees them move: one mesh a rigid part, the parts in an order that is the same for all shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.errors import InputError
+from kinmo.frames import z_up_rotation
+from kinmo.joint import Joint, JointKind
+from kinmo.links import Link, links_of
+from kinmo.mobility import Body, Mobility
+from kinmo.normalisation import Normalisation
+from kinmo.shape import Mesh, Shape, Vector
+
+F64 = NDArray[np.float64]
+
+SMALLEST_PART = 0.15
+"""Diagonal of a part's box, in the object's, below which the part goes with what it moves against (knobs, buttons)."""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """How the parts of an object hang together.
+
+    Part 0 is the base; `kinds[i]` is the kind of joint of part i + 1 and `parents[i]` the part that it moves against.
+    """
+
+    kinds: tuple[JointKind, ...]
+    parents: tuple[int, ...]
+
+    @property
+    def part_count(self) -> int:
+        return len(self.kinds) + 1
+
+    def __str__(self) -> str:
+        joints = (f"{kind.value} on {parent}" for kind, parent in zip(self.kinds, self.parents, strict=True))
+        return f"{self.part_count} parts ({', '.join(joints)})"
+
+
+@dataclass(frozen=True, eq=False)
+class Extents:
+    """Axis-aligned boxes of N things in the normalised frame: middles `centers` and `sizes`, both [N, 3]."""
+
+    centers: F64
+    sizes: F64
+
+    @cached_property
+    def diagonals(self) -> F64:
+        """[N]."""
+        return np.asarray(np.linalg.norm(self.sizes, axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class ArticulatedObject:
+    """An object in the *normalised frame* (`kinmo.prepared`), ready to be scanned.
+
+    The bodies of `mobility` are its K parts, part 0 the base without a joint, every other one with a joint and after the part
+    it moves against; `meshes` are theirs, where the file shows them. `up` [3] is a unit vector.
+    """
+
+    id: str
+    category: str
+    up: Vector
+    mobility: Mobility
+    meshes: tuple[Mesh, ...]
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """Those of parts 1 and up."""
+        return tuple(body.joint for _, body in self.mobility.movable() if body.joint is not None)
+
+    @cached_property
+    def structure(self) -> Structure:
+        parents = (body.parent for _, body in self.mobility.movable())
+        return Structure(tuple(joint.kind for joint in self.joints), tuple(parent or 0 for parent in parents))
+
+    @cached_property
+    def part_extents(self) -> Extents:
+        """Of the K parts, where the file shows them."""
+        return _extents(mesh.vertices[np.unique(mesh.faces)] for mesh in self.meshes)
+
+
+def articulated_object(shape: Shape, mobility: Mobility | None = None, *, smallest: float = SMALLEST_PART) -> ArticulatedObject:
+    """The parts of `shape` that move by `mobility` (in its frame; its own by default), in canonical order.
+
+    What is fastened together is one part, and a part smaller than `smallest` is fastened to what it moves against. Below one
+    part come those with equal kinds of joints and equal parts below in a row, from the top down where that is how they lie,
+    else from one side to the other, else from front to back: the order depends neither on the file nor on who labelled it.
+
+    Raises InputError where nothing moves, or nothing that the rest could move against is there.
+    """
+    mobility = shape.mobility if mobility is None else mobility
+    if mobility is None:
+        raise InputError(shape.source, "no joints are known of it")
+    frame = Normalisation.of(shape)
+    mobility = frame.mobility(mobility)
+    up = np.asarray(shape.up, np.float64)
+    meshes = {leaf: frame.mesh(mesh) for leaf, mesh in zip(shape.leaves, shape.meshes(), strict=True)}
+    links = _without_small(links_of(mobility), meshes, smallest)
+    if len(links) == 1:
+        raise InputError(shape.source, "no part of it moves that is large enough to be seen")
+    if not all(link.leaves for link in links):
+        raise InputError(shape.source, "nothing stands still that its parts could move against")
+    joined = [_joined(meshes[leaf] for leaf in link.leaves) for link in links]
+    order = _canonical_order(links, _extents(mesh.vertices for mesh in joined).centers @ z_up_rotation(up).T)
+    place = {index: position for position, index in enumerate(order)}
+    bodies = []
+    for position, link in enumerate(links[index] for index in order):
+        parent = None if link.parent is None else place[link.parent]
+        bodies.append(Body(position, link.name, link.leaves, parent, link.joint))
+    return ArticulatedObject(shape.id, shape.category, up, Mobility(tuple(bodies)), tuple(joined[index] for index in order))
+
+
+def _without_small(links: Sequence[Link], meshes: dict[int, Mesh], smallest: float) -> list[Link]:
+    """The links, those that are too small joined to their parents; a link still stands after its parent."""
+    keeper: list[int] = []
+    for index, link in enumerate(links):
+        is_small = link.parent is not None and (
+            not link.leaves
+            or _extents([np.concatenate([meshes[leaf].vertices for leaf in link.leaves])]).diagonals[0] < smallest
+        )
+        keeper.append(keeper[link.parent] if is_small and link.parent is not None else index)
+    kept = sorted(set(keeper))
+    place = {index: position for position, index in enumerate(kept)}
+    result = []
+    for index in kept:
+        leaves = sorted(leaf for other, link in enumerate(links) if keeper[other] == index for leaf in link.leaves)
+        parent = links[index].parent
+        result.append(replace(links[index], leaves=tuple(leaves), parent=None if parent is None else place[keeper[parent]]))
+    return result
+
+
+def _canonical_order(links: Sequence[Link], centers: F64) -> list[int]:
+    """Indices of the links, parents first. `centers` [N, 3] are in a frame with z up and the front at -x."""
+    below: list[list[int]] = [[i for i, link in enumerate(links) if link.parent == index] for index in range(len(links))]
+
+    def form(index: int) -> tuple[object, ...]:
+        joint = links[index].joint
+        return ("" if joint is None else joint.kind.value, tuple(sorted(map(form, below[index]), key=repr)))
+
+    order = [0]
+    for index in order:
+        groups: dict[str, list[int]] = {}
+        for child in below[index]:
+            groups.setdefault(repr(form(child)), []).append(child)
+        for _, group in sorted(groups.items()):
+            order += [group[row] for row in _in_a_row(centers[group])]
+    return order
+
+
+HEIGHT_FIRST = 1.2
+"""Parts count as lying side by side only where they lie this much farther apart sideways than upwards."""
+
+
+def _in_a_row(centers: F64) -> NDArray[np.intp]:
+    """Order of places [N, 3] along the direction in which they spread most: from the top, from the left, from the front."""
+    x, y, z = np.ptp(centers, axis=0)
+    along = -centers[:, 2] if HEIGHT_FIRST * z >= max(x, y) else -centers[:, 1] if y >= x else centers[:, 0]
+    return np.argsort(along, kind="stable")
+
+
+def _extents(clouds: Iterable[F64]) -> Extents:
+    corners = np.array([(cloud.min(axis=0), cloud.max(axis=0)) for cloud in clouds])
+    return Extents(corners.mean(axis=1), corners[:, 1] - corners[:, 0])
+
+
+def _joined(meshes: Iterable[Mesh]) -> Mesh:
+    vertices: list[F64] = []
+    faces: list[NDArray[np.uint32]] = []
+    count = 0
+    for mesh in meshes:
+        vertices.append(mesh.vertices)
+        faces.append(mesh.faces + np.uint32(count))
+        count += len(mesh.vertices)
+    return Mesh(np.concatenate(vertices), np.concatenate(faces))

@@ -1,0 +1,246 @@
+"""From what a network says of every point of a scan to the poses of the parts, the joints and their states."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from kinmo import _core
+from kinmo.joint import JointKind
+from kinmo.scans.articulated_object import Structure
+from kinmo.scans.input_frame import InputFrame
+
+F64 = NDArray[np.float64]
+I64 = NDArray[np.int64]
+
+MIDDLE = np.full(3, 0.5)
+"""Of a part in NPCS, and of the object in NAOCS."""
+
+
+@dataclass(frozen=True, eq=False)
+class PointAnswers:
+    """What is said of the n points of one scan of an object with K parts.
+
+    `points` [n, 3] are those of the camera as `frame` brings them to networks. `parts` [n] is the part of each (-1: of none),
+    `npcs` [n, 3] its place on that. `part_scales` [K] and `part_shifts` [K, 3] take NPCS to NAOCS. `joints` [n] is the joint
+    that a point tells of (0: none, j: that of part j), and `axes` and `pivots` [n, 3] in NAOCS what it says of its axis.
+    """
+
+    frame: InputFrame
+    points: F64
+    parts: I64
+    npcs: F64
+    part_scales: F64
+    part_shifts: F64
+    joints: I64
+    axes: F64
+    pivots: F64
+
+
+@dataclass(frozen=True)
+class PoseOptions:
+    """`hypotheses` of the search of each part; pairs count as right within `threshold`, where the object (or
+    what is seen of it) has the diagonal 1.
+
+    `ties`: the joints tie the parts of the `tree` to each other all at once, or as in the release joint by joint (`pairs`,
+    with `pair_hypotheses` of each), or not at all.
+    """
+
+    hypotheses: int = 10_000
+    threshold: float = 0.1
+    ties: str = "tree"
+    pair_hypotheses: int = 200
+    seed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class PartPoses:
+    """Similarities of K parts from NPCS to the camera's frame; NaN for a part that was not found.
+
+    camera = `scales` * `rotations` @ npcs + `translations`; [K], [K, 3, 3], [K, 3].
+    """
+
+    rotations: F64
+    scales: F64
+    translations: F64
+
+    def apply(self, part: int, npcs: F64) -> F64:
+        """Places [..., 3] in the camera's frame."""
+        return np.asarray(self.scales[part] * npcs @ self.rotations[part].T + self.translations[part])
+
+    @property
+    def found(self) -> NDArray[np.bool_]:
+        """[K]."""
+        return np.isfinite(self.scales)
+
+
+@dataclass(frozen=True, eq=False)
+class ScanEstimate:
+    """Parts, joints and joint states of one scan, in the camera's frame and lengths.
+
+    `half_extents` [K, 3] are those of the parts' amodal boxes, whose middles are at (0.5, 0.5, 0.5) of NPCS; `inliers` [K] the
+    shares of points that fit. `directions` and `pivots` [K - 1, 3] are the axes of the joints of parts 1 and up where they now
+    are, `states` [K - 1] how far these are from where the canonical frame has them: radians, or lengths. NaN where unknown.
+    """
+
+    poses: PartPoses
+    half_extents: F64
+    inliers: F64
+    directions: F64
+    pivots: F64
+    states: F64
+
+    @property
+    def centers(self) -> F64:
+        """Middles [K, 3] of the boxes."""
+        return np.stack([self.poses.apply(part, MIDDLE) for part in range(len(self.half_extents))])
+
+
+def estimate(answers: Sequence[PointAnswers], structure: Structure, options: PoseOptions) -> list[ScanEstimate]:
+    """Poses by RANSAC, joints by the medians of what points say, and poses again that fit the joints (Li 2020, section 4.3)."""
+    count = structure.part_count
+    clouds = [_by_part(answer, count) for answer in answers]
+    source, target = (np.concatenate([cloud[place] for frame in clouds for cloud in frame]) for place in (0, 1))
+    starts = np.cumsum([0, *(len(cloud[0]) for frame in clouds for cloud in frame)], dtype=np.int64)
+    free, right = _core.find_similarities(
+        source, target, starts, hypotheses=options.hypotheses, threshold=options.threshold, seed=options.seed
+    )
+    shares = np.array([right[a:b].mean() if b > a else np.nan for a, b in pairwise(starts)])
+    joints = [_said_joints(answer, structure) for answer in answers]
+    tied = _tied(free, source, target, starts, joints, structure, options)
+    estimates = []
+    for frame, answer in enumerate(answers):
+        own = slice(frame * count, (frame + 1) * count)
+        rotations, scales, translations = (values[own] for values in tied)
+        poses = PartPoses(rotations, scales / answer.frame.scale, answer.frame.undo(translations))
+        half_extents = np.array([_half_extents(npcs) for npcs, _ in clouds[frame]]) * poses.scales[:, None]
+        estimates.append(_with_joints(poses, half_extents, shares[own], answer, joints[frame], structure))
+    return estimates
+
+
+def _by_part(answer: PointAnswers, count: int) -> list[tuple[F64, F64]]:
+    return [(answer.npcs[own], answer.points[own]) for own in (answer.parts == part for part in range(count))]
+
+
+def _half_extents(npcs: F64) -> F64:
+    return np.abs(npcs - MIDDLE).max(axis=0) if len(npcs) else np.full(3, np.nan)
+
+
+def _said_joints(answer: PointAnswers, structure: Structure) -> tuple[F64, F64]:
+    """Directions (unit) and pivots [K - 1, 3] in NAOCS.
+
+    The medians over the points that tell of a joint; where none does, over those of the part that it moves, and NaN where there
+    is none of those either.
+    """
+    directions, pivots = (np.full((structure.part_count - 1, 3), np.nan) for _ in range(2))
+    for joint in range(1, structure.part_count):
+        telling = answer.joints == joint
+        if not telling.any():
+            telling = answer.parts == joint
+        if telling.any():
+            direction = np.median(answer.axes[telling], axis=0)
+            directions[joint - 1] = direction / max(float(np.linalg.norm(direction)), 1e-12)
+            pivots[joint - 1] = np.median(answer.pivots[telling], axis=0)
+    return directions, pivots
+
+
+def _tied(
+    free: tuple[F64, F64, F64],
+    source: F64,
+    target: F64,
+    starts: I64,
+    joints: Sequence[tuple[F64, F64]],
+    structure: Structure,
+    options: PoseOptions,
+) -> tuple[F64, F64, F64]:
+    """The poses, those of parts that were found and that joints with known axes tie, changed to fit these."""
+    if options.ties == "none":
+        return free
+    count = structure.part_count
+    pairs, kinds, directions = [], [], []
+    for frame, (said, _) in enumerate(joints):
+        for part, (kind, parent) in enumerate(zip(structure.kinds, structure.parents, strict=True), start=1):
+            two = (frame * count + parent, frame * count + part)
+            if np.isfinite(said[part - 1]).all() and np.isfinite(free[1][list(two)]).all():
+                pairs.append(two)
+                kinds.append(KIND_CODES[kind])
+                directions.append(said[part - 1])
+    if not pairs:
+        return free
+    ties = np.array(pairs, np.uint32), np.array(kinds, np.uint8), np.array(directions)
+    rotations, scales, translations = (values.copy() for values in free)
+    if options.ties == "tree":
+        # parts that were not found have no say, and stay as they are
+        lost = ~np.isfinite(scales)
+        rotations[lost], scales[lost], translations[lost] = np.eye(3), 1.0, 0.0
+        frames = np.arange(len(joints) + 1, dtype=np.int64) * count
+        found = _core.tie_poses(
+            source, target, starts, *ties, rotations, scales, translations, frames=frames, threshold=options.threshold
+        )
+        for values in found:
+            values[lost] = np.nan
+        return found
+    known = np.where(np.isfinite(scales), scales, 1.0)
+    both = _core.find_tied_poses(
+        source,
+        target,
+        starts,
+        *ties,
+        known,
+        hypotheses=options.pair_hypotheses,
+        threshold=options.threshold,
+        seed=options.seed,
+    )
+    seen: set[int] = set()
+    for row, two in enumerate(pairs):
+        for place, part in enumerate(two):
+            # as in the release, the first joint of a part decides where that is
+            if part not in seen and np.isfinite(both[place][1][row]):
+                rotations[part], translations[part] = both[place][0][row], both[place][2][row]
+                seen.add(part)
+    return rotations, scales, translations
+
+
+KIND_CODES = {JointKind.REVOLUTE: 0, JointKind.PRISMATIC: 1, JointKind.SCREW: 2}
+"""Of `_core`."""
+
+
+def _with_joints(
+    poses: PartPoses,
+    half_extents: F64,
+    inliers: F64,
+    answer: PointAnswers,
+    said: tuple[F64, F64],
+    structure: Structure,
+) -> ScanEstimate:
+    """Axes and states of the joints, seen with the part that each moves against."""
+    directions, pivots = (np.full((structure.part_count - 1, 3), np.nan) for _ in range(2))
+    states = np.full(structure.part_count - 1, np.nan)
+    for row, (kind, parent) in enumerate(zip(structure.kinds, structure.parents, strict=True)):
+        scale, shift = answer.part_scales[parent], answer.part_shifts[parent]
+        directions[row] = poses.rotations[parent] @ said[0][row]
+        pivots[row] = poses.apply(parent, (said[1][row] - shift) / scale)
+        states[row] = _state(poses, row + 1, parent, kind, said[0][row], answer)
+    return ScanEstimate(poses, half_extents, inliers, directions, pivots, states)
+
+
+def _state(poses: PartPoses, part: int, parent: int, kind: JointKind, direction: F64, answer: PointAnswers) -> float:
+    if not (poses.found[part] and poses.found[parent] and np.isfinite(direction).all()):
+        return float("nan")
+    if kind is JointKind.REVOLUTE:
+        return turn_about(poses.rotations[parent].T @ poses.rotations[part], direction)
+    # where the middle of the part is, and where it would be if it had gone along with its parent
+    middle = answer.part_scales[part] * MIDDLE + answer.part_shifts[part]
+    along = poses.apply(parent, (middle - answer.part_shifts[parent]) / answer.part_scales[parent])
+    return float((poses.apply(part, MIDDLE) - along) @ (poses.rotations[parent] @ direction))
+
+
+def turn_about(rotation: F64, direction: F64) -> float:
+    """The angle in (-pi, pi] about the unit vector `direction` [3] that comes nearest to `rotation` [3, 3]."""
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
+    return float(np.pi - (np.pi - 2.0 * np.arctan2(np.dot([x, y, z], direction), w)) % (2.0 * np.pi))

@@ -1,0 +1,170 @@
+"""Labelled frames: what a depth camera saw of an object, and where every point of it belongs."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.kinematics import forward
+from kinmo.scans.articulated_object import ArticulatedObject
+from kinmo.scans.articulation import Articulation, Sampling, articulations
+from kinmo.scans.camera import Camera, Viewpoints
+from kinmo.scans.renderers import NOTHING, DepthImages, Renderer, RendererName, open_renderer
+from kinmo.scans.sensor import Sensor
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ScanOptions:
+    """How an object is scanned: `states` of its joints, `views` of each.
+
+    Pictures have `size` pixels a side, frames `points` points; the defaults are those of the pipeline that the paper renders
+    with, but for the ranges of the joints. A frame in which a part has fewer than `least_pixels` is refused.
+    """
+
+    states: int = 31
+    views: int = 30
+    sampling: Sampling = "independent"
+    viewpoints: Viewpoints = field(default_factory=Viewpoints)
+    sensor: Sensor = field(default_factory=Sensor)
+    renderer: RendererName = "raster"
+    size: int = 512
+    near: float = 0.01
+    far: float = 10.0
+    points: int = 1024
+    least_pixels: int = 10
+
+    @property
+    def camera(self) -> Camera:
+        return Camera.of_field(self.size, self.size, self.viewpoints.field, self.near, self.far)
+
+
+@dataclass(frozen=True, eq=False)
+class Scans:
+    """F frames of one object with K parts, n points each. Lengths are diagonals of the object.
+
+    `points` [F, n, 3] are in the camera's frame (`kinmo.scans.camera`), `parts` [F, n] the part that each is of (`NOTHING` for
+    what is not of the object), `places` [F, n, 3] where it is on the object as the file shows it, in the normalised frame.
+    `poses` [F, K, 4, 4] take every part from there to the camera's frame. `values` and `turns` [F, K - 1] are the states of the
+    joints of parts 1 and up (`kinmo.kinematics.joint_motion`). `refused` counts frames that are not here, by reason.
+    """
+
+    points: F32
+    parts: NDArray[np.int8]
+    places: F32
+    poses: F64
+    values: F64
+    turns: F64
+    refused: Counter[str]
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+def scan(target: ArticulatedObject, options: ScanOptions, seed: int) -> Scans:
+    """Frames of `target` from cameras and in states drawn at random."""
+    rng = np.random.default_rng(seed)
+    camera, refused = options.camera, Counter[str]()
+    frames: list[_Frame] = []
+    with open_renderer(options.renderer, target.meshes) as renderer:
+        for state in articulations(target.mobility, options.states, options.sampling, rng):
+            for frame in _frames_in_state(target, state, renderer, camera, options, rng):
+                if isinstance(frame, str):
+                    refused[frame] += 1
+                else:
+                    frames.append(frame)
+    return _stacked(frames, options.points, len(target.meshes), refused)
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    points: F64
+    parts: NDArray[np.int64]
+    places: F64
+    poses: F64
+    state: Articulation
+
+
+def _frames_in_state(
+    target: ArticulatedObject,
+    state: Articulation,
+    renderer: Renderer,
+    camera: Camera,
+    options: ScanOptions,
+    rng: np.random.Generator,
+) -> Iterator[_Frame | str]:
+    moved = forward(target.mobility, state.values, state.turns)
+    low, high = _bounds(target, moved)
+    center, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
+    cameras = np.stack([options.viewpoints.draw(rng, center, radius, target.up) for _ in range(options.views)])
+    poses = cameras[:, None] @ moved
+    seen = renderer.render(poses, camera)
+    floor = min(float(vertices.min()) for vertices in _heights(target, moved))
+    floors = np.array([_plane_in(pose, target.up, floor) for pose in cameras])
+    sensed = options.sensor.see(seen, camera, floors, rng)
+    for row in range(options.views):
+        counts = np.bincount(sensed.parts[row][sensed.parts[row] >= 0], minlength=len(target.meshes))
+        if counts.min() < options.least_pixels:
+            yield f"part {counts.argmin()} has fewer than {options.least_pixels} pixels"
+            continue
+        yield _frame(seen, sensed, row, camera, poses[row], state, options.points, rng)
+
+
+def _frame(
+    seen: DepthImages,
+    sensed: DepthImages,
+    row: int,
+    camera: Camera,
+    poses: F64,
+    state: Articulation,
+    count: int,
+    rng: np.random.Generator,
+) -> _Frame:
+    """Points drawn from one picture; their places are those of what was truly seen, whatever the sensor made of it."""
+    pixels = np.flatnonzero(sensed.depths[row].ravel() > 0.0)
+    chosen = rng.choice(pixels, count, replace=len(pixels) < count)
+    parts = sensed.parts[row].ravel()[chosen].astype(np.int64)
+    points = camera.points(sensed.depths[row].ravel()[chosen], chosen)
+    true = camera.points(seen.depths[row].ravel()[chosen], chosen)
+    back = np.linalg.inv(poses)[np.maximum(parts, 0)]
+    places = np.einsum("nij,nj->ni", back[:, :3, :3], true) + back[:, :3, 3]
+    places[parts == NOTHING] = 0.0
+    return _Frame(points, parts, places, poses, state)
+
+
+def _bounds(target: ArticulatedObject, moved: F64) -> tuple[F64, F64]:
+    """Corners of the box along the axes about the moved parts."""
+    clouds = [mesh.vertices @ pose[:3, :3].T + pose[:3, 3] for mesh, pose in zip(target.meshes, moved, strict=True)]
+    return np.min([c.min(axis=0) for c in clouds], axis=0), np.max([c.max(axis=0) for c in clouds], axis=0)
+
+
+def _heights(target: ArticulatedObject, moved: F64) -> Iterator[F64]:
+    for mesh, pose in zip(target.meshes, moved, strict=True):
+        yield mesh.vertices @ (target.up @ pose[:3, :3]) + target.up @ pose[:3, 3]
+
+
+def _plane_in(pose: F64, up: F64, height: float) -> F64:
+    """The plane up . x = height, in the frame that `pose` takes to."""
+    normal = pose[:3, :3] @ up
+    return np.array([*normal, height + normal @ pose[:3, 3]])
+
+
+def _stacked(frames: list[_Frame], count: int, parts: int, refused: Counter[str]) -> Scans:
+    joints = range(1, parts)
+    values = [[frame.state.values[joint] for joint in joints] for frame in frames]
+    turns = [[frame.state.turns.get(joint, 0.0) for joint in joints] for frame in frames]
+    return Scans(
+        np.array([frame.points for frame in frames], np.float32).reshape(-1, count, 3),
+        np.array([frame.parts for frame in frames], np.int8).reshape(-1, count),
+        np.array([frame.places for frame in frames], np.float32).reshape(-1, count, 3),
+        np.array([frame.poses for frame in frames], np.float64).reshape(-1, parts, 4, 4),
+        np.array(values, np.float64).reshape(-1, parts - 1),
+        np.array(turns, np.float64).reshape(-1, parts - 1),
+        refused,
+    )

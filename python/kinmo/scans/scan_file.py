@@ -1,0 +1,99 @@
+"""Scans on disk: one memory-mapped safetensors file an object, frames stacked."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save
+
+from kinmo.errors import InputError
+from kinmo.joint import Joint
+from kinmo.scans.articulated_object import ArticulatedObject, Extents, Structure
+from kinmo.scans.scan import Scans
+from kinmo.store import joint_from_data, joint_to_data
+from kinmo.workspace import write_bytes_atomically
+
+FORMAT = 1
+_HEADER_KEY = "kinmo"
+_ARRAYS = tuple(field.name for field in fields(Scans) if field.name != "refused")
+
+
+@dataclass(frozen=True, eq=False)
+class ScanFile:
+    """The frames of one object; arrays stay on disk until they are asked for.
+
+    `joints` are those of parts 1 and up and `extents` the boxes of the parts, in the normalised frame; `provenance` is what the
+    file was made from.
+    """
+
+    path: Path
+    id: str
+    category: str
+    structure: Structure
+    joints: tuple[Joint, ...]
+    extents: Extents
+    frames: int
+    refused: Mapping[str, int]
+    provenance: Mapping[str, Any]
+
+    def read(self, name: str, frames: slice | int = slice(None)) -> NDArray[Any]:
+        """The array of that name of `Scans`, of all `frames` or of some."""
+        try:
+            with safe_open(self.path, framework="numpy") as file:
+                array: NDArray[Any] = file.get_slice(name)[frames]
+                return array
+        except (SafetensorError, OSError) as error:
+            raise InputError(self.path, f"not whole any more ({error}): run kinmo render again") from None
+
+    def scans(self) -> Scans:
+        """All frames."""
+        return Scans(**{name: self.read(name) for name in _ARRAYS}, refused=Counter(self.refused))
+
+
+def write_scans(path: Path, target: ArticulatedObject, scans: Scans, provenance: Mapping[str, Any]) -> None:
+    """Write the frames of `target`, whole or not at all; the same frames give the same bytes. `provenance` is plain data."""
+    tensors = {name: np.ascontiguousarray(getattr(scans, name)) for name in _ARRAYS}
+    tensors |= {"centers": target.part_extents.centers, "sizes": target.part_extents.sizes}
+    header = {
+        "format": FORMAT,
+        "id": target.id,
+        "category": target.category,
+        "kinds": [kind.value for kind in target.structure.kinds],
+        "parents": target.structure.parents,
+        "joints": [joint_to_data(joint) for joint in target.joints],
+        "frames": len(scans),
+        "refused": scans.refused,
+        "provenance": provenance,
+    }
+    write_bytes_atomically(path, save(tensors, {_HEADER_KEY: json.dumps(header, sort_keys=True)}))
+
+
+def open_scans(path: Path) -> ScanFile:
+    """What `write_scans` wrote, without its frames. Raises InputError for anything else."""
+    try:
+        with safe_open(path, framework="numpy") as file:
+            data = json.loads(file.metadata()[_HEADER_KEY])
+            if data["format"] != FORMAT:
+                raise ValueError(f"of format {data['format']}, expected {FORMAT}")
+            joints = tuple(joint_from_data(joint) for joint in data["joints"])
+            return ScanFile(
+                path,
+                data["id"],
+                data["category"],
+                Structure(tuple(joint.kind for joint in joints), tuple(data["parents"])),
+                joints,
+                Extents(file.get_tensor("centers"), file.get_tensor("sizes")),
+                data["frames"],
+                data["refused"],
+                data["provenance"],
+            )
+    except (SafetensorError, OSError, KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(path, f"not a file of scans ({error}): run kinmo render again") from None
