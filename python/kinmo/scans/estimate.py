@@ -144,7 +144,8 @@ def _said_joints(answer: PointAnswers, structure: Structure) -> tuple[F64, F64]:
             telling = answer.parts == joint
         if telling.any():
             direction = np.median(answer.axes[telling], axis=0)
-            directions[joint - 1] = direction / max(float(np.linalg.norm(direction)), 1e-12)
+            length = float(np.linalg.norm(direction))
+            directions[joint - 1] = direction / length if length > LEAST_LENGTH else np.nan
             pivots[joint - 1] = np.median(answer.pivots[telling], axis=0)
     return directions, pivots
 
@@ -206,6 +207,8 @@ def _tied(
     return rotations, scales, translations
 
 
+LEAST_LENGTH = 1e-6
+"""Of the median of said axes, below which it is no direction."""
 KIND_CODES = {JointKind.REVOLUTE: 0, JointKind.PRISMATIC: 1, JointKind.SCREW: 2}
 """Of `_core`."""
 

@@ -65,54 +65,69 @@ class PybulletRenderer(Renderer):
 
     def __init__(self, meshes: Sequence[Mesh]) -> None:
         import pybullet
-        from pybullet_utils.bullet_client import BulletClient
 
-        self._client = BulletClient(pybullet.DIRECT)
+        self._bullet = pybullet
+        self._client = pybullet.connect(pybullet.DIRECT)
         self._bodies = [self._body(mesh) for mesh in meshes]
 
     def _body(self, mesh: Mesh) -> int:
-        bullet = self._client
-        visual = bullet.createVisualShape(
-            bullet.GEOM_MESH,
+        visual = self._bullet.createVisualShape(
+            self._bullet.GEOM_MESH,
             vertices=mesh.vertices.tolist(),
             indices=mesh.faces.ravel().tolist(),
-            flags=bullet.VISUAL_SHAPE_DOUBLE_SIDED,
+            flags=self._bullet.VISUAL_SHAPE_DOUBLE_SIDED,
+            physicsClientId=self._client,
         )
-        return int(bullet.createMultiBody(baseMass=0.0, baseVisualShapeIndex=visual))
+        return int(self._bullet.createMultiBody(0.0, baseVisualShapeIndex=visual, physicsClientId=self._client))
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self._client.disconnect()
+        self._bullet.disconnect(self._client)
 
     def render(self, poses: F64, camera: Camera) -> DepthImages:
         shape = (len(poses), camera.height, camera.width)
         images = DepthImages(np.zeros(shape, np.float32), np.full(shape, NOTHING, np.int32))
+        view, projection = self._matrices(camera)
         for frame, parts in enumerate(poses):
             for body, pose in zip(self._bodies, parts, strict=True):
                 turn = Rotation.from_matrix(pose[:3, :3]).as_quat()
-                self._client.resetBasePositionAndOrientation(body, pose[:3, 3].tolist(), turn.tolist())
-            images.depths[frame], images.parts[frame] = self._picture(camera)
+                self._bullet.resetBasePositionAndOrientation(
+                    body, pose[:3, 3].tolist(), turn.tolist(), physicsClientId=self._client
+                )
+            images.depths[frame], images.parts[frame] = self._picture(camera, view, projection)
         return images
 
-    def _picture(self, camera: Camera) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    def _matrices(self, camera: Camera) -> tuple[list[float], list[float]]:
         """The camera stands at the origin of the world, and looks along +z with -y up."""
-        bullet = self._client
-        left, bottom = -camera.center[0] / camera.focal[0], (camera.center[1] - camera.height) / camera.focal[1]
-        right, top = (camera.width - camera.center[0]) / camera.focal[0], camera.center[1] / camera.focal[1]
-        _, _, _, buffer, seen = bullet.getCameraImage(
+        # TinyRenderer's pixel (column i, row j) shows what is seen at (i, j + 1), not at (i + 1/2, j + 1/2)
+        middle = camera.center + TINY_RENDERERS_SHIFT
+        left, right = -middle[0] / camera.focal[0], (camera.width - middle[0]) / camera.focal[0]
+        bottom, top = (middle[1] - camera.height) / camera.focal[1], middle[1] / camera.focal[1]
+        sides = (camera.near * side for side in (left, right, bottom, top))
+        projection = self._bullet.computeProjectionMatrix(*sides, camera.near, camera.far)
+        return self._bullet.computeViewMatrix([0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]), projection
+
+    def _picture(
+        self, camera: Camera, view: list[float], projection: list[float]
+    ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+        _, _, _, buffer, seen = self._bullet.getCameraImage(
             camera.width,
             camera.height,
-            viewMatrix=bullet.computeViewMatrix([0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]),
-            projectionMatrix=bullet.computeProjectionMatrix(
-                left * camera.near, right * camera.near, bottom * camera.near, top * camera.near, camera.near, camera.far
-            ),
-            renderer=bullet.ER_TINY_RENDERER,
-            flags=bullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX,
+            viewMatrix=view,
+            projectionMatrix=projection,
+            renderer=self._bullet.ER_TINY_RENDERER,
+            flags=self._bullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX,
             shadow=0,
+            physicsClientId=self._client,
         )
         shape = (camera.height, camera.width)
-        bodies = np.asarray(seen, np.int64).reshape(shape) & ((1 << 24) - 1)
-        parts = np.where(np.asarray(seen).reshape(shape) < 0, NOTHING, np.searchsorted(self._bodies, bodies))
+        ids = np.asarray(seen, np.int64).reshape(shape)
+        parts = np.where(ids < 0, NOTHING, np.searchsorted(self._bodies, ids & BODY_OF_ID))
         share = np.asarray(buffer, np.float64).reshape(shape)
-        near, far = camera.near, camera.far
-        depths = near * far / (far - (far - near) * share)
+        depths = camera.near * camera.far / (camera.far - (camera.far - camera.near) * share)
         return np.where(parts < 0, 0.0, depths).astype(np.float32), parts.astype(np.int32)
+
+
+TINY_RENDERERS_SHIFT = np.array([-0.5, 0.5])
+"""Pixels, to the right and down."""
+BODY_OF_ID = (1 << 24) - 1
+"""The bits of an id in the mask that are the body; those above are its link."""

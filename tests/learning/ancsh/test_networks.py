@@ -1,0 +1,153 @@
+"""The networks of ANCSH: their sizes, their losses, and that they learn."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from kinmo.config import AncshConfig, TrainingConfig, load_config
+from kinmo.errors import InputError
+from kinmo.learning.ancsh.data import collate
+from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
+from kinmo.learning.ancsh.network import AncshNetwork, JointAnswers, PartAnswers, PartNetwork
+from kinmo.learning.ancsh.predict import Ancsh
+from kinmo.learning.ancsh.train import train_ancsh
+from kinmo.scans.estimate import PoseOptions, estimate
+from kinmo.scans.scan import ScanOptions, scan
+from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
+from scanned import cupboard_object
+
+TINY = AncshConfig(
+    training=TrainingConfig(epochs=2, learning_rate=3e-3, weight_decay=0.0, decay_epochs=0, threads=1),
+    points=128,
+    centers=(32, 16),
+    neighbours=8,
+    width=0.125,
+    dropout=0.0,
+    batch_frames=8,
+    batches_per_epoch=3,
+)
+
+
+def shared(*widths: int) -> int:
+    """Parameters of layers without a bias, each with a batch norm."""
+    return sum(before * after + 2 * after for before, after in pairwise(widths))
+
+
+def linear(before: int, after: int) -> int:
+    return before * after + after
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> ScanFile:
+    target = cupboard_object()
+    path = tmp_path_factory.mktemp("scans") / "cupboard.safetensors"
+    write_scans(path, target, scan(target, ScanOptions(states=6, views=4, size=128, points=256), 0), {"seed": 0})
+    return open_scans(path)
+
+
+@pytest.mark.parametrize("parts", [2, 3, 5])
+def test_the_paper_networks_have_as_many_parameters_as_the_printed_sizes_say(parts: int) -> None:
+    backbone = shared(3, 64, 64, 128) + shared(3 + 128, 128, 128, 256) + shared(3 + 256, 256, 512, 1024)
+    backbone += shared(1024 + 256, 256, 256) + shared(256 + 128, 256, 128) + shared(128 + 3, 128, 128, 128)
+    backbone += shared(128, 128)
+    own = linear(128, parts) + linear(128, 128) + linear(128, 3 * parts)
+    joints = linear(128, parts) + linear(128, 3 * parts) + shared(128, 128, 128)
+    joints += linear(128, 3) + linear(128, 3) + linear(128, 1) + linear(128, parts)
+    config = load_config("paper").ancsh
+    count = [sum(p.numel() for p in kind(config, parts, parts).parameters()) for kind in (PartNetwork, AncshNetwork)]
+    assert count == [backbone + own, backbone + own + joints]
+
+
+def test_the_loss_of_right_answers_is_zero(file: ScanFile) -> None:
+    batch = collate([(file, 0), (file, 3)], TINY, np.random.default_rng(0))
+    parts = file.structure.part_count
+
+    def sure(labels: torch.Tensor) -> torch.Tensor:
+        return torch.log(torch.nn.functional.one_hot(labels, parts).float().clamp(min=1e-12))
+
+    scales = torch.from_numpy(file.extents.diagonals).float().expand(2, TINY.points, -1)
+    shifts = torch.from_numpy(file.extents.centers).float() + 0.5 - 0.5 * scales.unsqueeze(-1)
+    said = PartAnswers(sure(batch.parts), batch.npcs.unsqueeze(2).expand(-1, -1, parts, -1))
+    joints = JointAnswers(scales, shifts, sure(batch.joints), batch.heatmap, batch.toward, batch.axes)
+    losses = part_losses(said, batch) | joint_losses(said, joints, batch)
+    # classes that do not occur have no IoU to speak of
+    absent = len(set(range(parts)) - set(batch.joints.unique().tolist()))
+    assert absent == 0 or losses["joints"] < 1.0
+    for name, loss in losses.items():
+        if name != "joints":
+            assert loss.item() == pytest.approx(0.0, abs=1e-5), name
+
+
+def test_the_relaxed_iou_is_that_of_sets_for_sure_answers() -> None:
+    truth = torch.tensor([[0, 0, 0, 1]])
+    said = torch.log(torch.tensor([[[1.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]]]).clamp(min=1e-12))
+    assert relaxed_iou_loss(said, truth).item() == pytest.approx(1.0 - 0.5 * (2 / 3 + 1 / 2), abs=1e-5)
+
+
+def test_points_of_no_part_teach_nothing_but_that() -> None:
+    torch.manual_seed(0)
+    network = PartNetwork(TINY, 2, 3)
+    points = torch.rand(1, 64, 3)
+    answers = network(points)
+    labels = torch.full((1, 64), 2)
+    nowhere = torch.zeros(1, 64, 3)
+    none, never = torch.zeros(1, 64, dtype=torch.long), torch.zeros(1, 64)
+    batch = ScanBatch(points, labels, nowhere, nowhere, none, never, nowhere, nowhere, never > 0)
+    losses = part_losses(answers, batch)
+    assert losses["npcs"].item() == 0.0
+    assert losses["parts"].item() > 0.0
+
+
+def test_training_makes_the_loss_smaller_and_what_is_written_answers_scans(file: ScanFile, tmp_path: Path) -> None:
+    config = replace(TINY, training=replace(TINY.training, epochs=8, learning_rate=1e-2), batches_per_epoch=8)
+    for which in ("ancsh", "npcs"):
+        result = train_ancsh([file], [file], config, tmp_path / which, which=which, device="cpu")
+        assert result.best_error < 0.95 * result.history[0]["validation/error"]
+    networks = Ancsh.load(tmp_path / "ancsh" / "weights.safetensors", tmp_path / "npcs" / "weights.safetensors", "cpu")
+    assert networks.structure == file.structure
+    answers = networks.answer(list(file.read("points", slice(0, 3))))
+    found = estimate(answers, networks.structure, PoseOptions(hypotheses=50))
+    assert len(found) == 3
+    assert all(len(said.parts) == 256 and said.npcs.shape == (256, 3) for said in answers)
+    again = networks.answer(list(file.read("points", slice(0, 3))))
+    np.testing.assert_array_equal(answers[0].npcs, again[0].npcs)
+
+
+def test_where_a_scan_lies_does_not_matter_to_networks_that_see_the_scan_alone(file: ScanFile) -> None:
+    torch.manual_seed(0)
+    parts = file.structure.part_count
+    network = AncshNetwork(replace(TINY, normalised="scan"), parts, parts)
+    networks = Ancsh(network.eval(), network, replace(TINY, normalised="scan"), file.structure, "cpu")
+    points = file.read("points", 0).astype(np.float64)
+    here, there = (networks.answer([cloud])[0] for cloud in (points, 2.5 * points + [1.0, 2.0, -3.0]))
+    np.testing.assert_allclose(here.npcs, there.npcs, atol=1e-4)
+
+
+def test_the_paper_networks_take_a_step(file: ScanFile) -> None:
+    config = replace(load_config("paper").ancsh, batch_frames=2)
+    batch = collate([(file, 0), (file, 1)], config, np.random.default_rng(0))
+    network = AncshNetwork(config, file.structure.part_count, file.structure.part_count)
+    optimizer = torch.optim.Adam(network.parameters(), lr=1e-3)
+    before = [p.detach().clone() for p in network.parameters()]
+    for _ in range(2):
+        parts, joints = network.forward_all(batch.points)
+        loss = total(part_losses(parts, batch) | joint_losses(parts, joints, batch), config)
+        optimizer.zero_grad()
+        loss.backward()
+        optimizer.step()
+    assert torch.isfinite(loss)
+    assert all(not torch.equal(old, new) for old, new in zip(before, network.parameters(), strict=True))
+
+
+def test_objects_of_two_structures_are_not_trained_together(file: ScanFile) -> None:
+    other = replace(file, structure=replace(file.structure, parents=(0, 1, 0)))
+    with pytest.raises(InputError, match="expected 4 parts"):
+        train_ancsh([file, other], [file], TINY, Path("nowhere"), which="ancsh")
+    with pytest.raises(InputError, match="at least one object"):
+        train_ancsh([], [], TINY, Path("nowhere"), which="ancsh")

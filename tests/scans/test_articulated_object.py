@@ -1,0 +1,92 @@
+"""Which rigid parts a camera sees, and in what order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from articulated import shape_of_boxes
+from kinmo.errors import InputError
+from kinmo.joint import JointKind
+from kinmo.mobility import Body, Mobility
+from kinmo.scans.articulated_object import articulated_object
+from kinmo.shape import Shape
+from scanned import FRONT, cupboard, cupboard_object, hinge, slider
+
+
+def rack(columns: int, rows: int) -> Shape:
+    """A board with drawers in columns and rows, in a shuffled order."""
+    boxes = [((0.0, 0.0, 0.0), (columns, rows, 0.2))]
+    boxes += [((x + 0.1, y + 0.1, 0.2), (x + 0.9, y + 0.9, 1.0)) for x in range(columns) for y in range(rows)]
+    leaves = np.random.default_rng(0).permutation(np.arange(2, len(boxes) + 1))
+    bodies = [Body(0, "board", (1,)), *(Body(i, "drawer", (int(leaf),), 0, slider()) for i, leaf in enumerate(leaves, 1))]
+    return shape_of_boxes(boxes, bodies)
+
+
+def test_small_parts_go_with_what_they_move_against() -> None:
+    target = cupboard_object()
+    assert [body.name for body in target.mobility.bodies] == ["base", "drawer", "lid", "door"]
+    assert target.structure.kinds == (JointKind.PRISMATIC, JointKind.SCREW, JointKind.REVOLUTE)
+    assert target.structure.parents == (0, 0, 0)
+    assert len(target.meshes[3].vertices) == 16, "the door has the knob's vertices too"
+    assert len(articulated_object(cupboard(), smallest=0.0).meshes) == 5
+
+
+def test_lengths_are_diagonals_and_the_middle_is_the_origin() -> None:
+    target = cupboard_object()
+    corners = np.concatenate([mesh.vertices for mesh in target.meshes])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    assert np.linalg.norm(high - low) == pytest.approx(1.0)
+    assert low + high == pytest.approx(np.zeros(3), abs=1e-12)
+    assert target.joints[0].upper == pytest.approx(0.6 / np.linalg.norm([2.0, 2.4, 2.0]), rel=0.03)
+
+
+@pytest.mark.parametrize(("columns", "rows", "axis", "sign"), [(1, 3, 1, -1), (3, 1, 0, 1), (2, 2, 1, -1)])
+def test_parts_alike_come_from_the_top_down_else_from_one_side_to_the_other(columns, rows, axis, sign) -> None:
+    target = articulated_object(rack(columns, rows))
+    places = sign * target.part_extents.centers[1:, axis]
+    assert (np.diff(places) >= -1e-12).all()
+    if min(columns, rows) == 1:
+        assert (np.diff(places) > 0.1).all()
+
+
+def test_the_order_does_not_depend_on_that_of_the_file() -> None:
+    shape = cupboard()
+    assert shape.mobility is not None
+    expected = articulated_object(shape)
+    order = [4, 2, 0, 3, 1]
+    place = {old: new for new, old in enumerate(order)}
+    bodies = [shape.mobility.bodies[old] for old in order]
+    bodies = [replace(body, parent=None if body.parent is None else place[body.parent]) for body in bodies]
+    found = articulated_object(replace(shape, mobility=Mobility(tuple(bodies))))
+    assert found.structure == expected.structure
+    np.testing.assert_array_equal(found.part_extents.centers, expected.part_extents.centers)
+
+
+def test_a_part_on_a_moving_part_comes_after_it() -> None:
+    boxes = [((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), ((0.0, 0.0, 1.0), (1.0, 1.0, 1.1)), ((0.2, 0.2, 1.1), (0.8, 0.8, 1.2))]
+    bodies = [
+        Body(0, "flap", (3,), 1, hinge((0.2, 0.2, 1.1))),
+        Body(1, "door", (2,), 2, hinge((0.0, 0.0, 1.0))),
+        Body(2, "frame", (1,)),
+    ]
+    target = articulated_object(shape_of_boxes(boxes, bodies))
+    assert target.structure.parents == (0, 1)
+    assert str(target.structure) == "3 parts (R on 0, R on 1)"
+
+
+@pytest.mark.parametrize(
+    ("bodies", "message"),
+    [
+        ([Body(0, "all", (1, 2))], "no part of it moves"),
+        ([Body(0, "a", (1,), None, hinge((0.0, 0.0, 0.0))), Body(1, "b", (2,), 0, slider(FRONT))], "nothing stands still"),
+    ],
+)
+def test_what_cannot_be_told_apart_is_refused(bodies, message) -> None:
+    boxes = [((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), ((1.0, 0.0, 0.0), (2.0, 1.0, 1.0))]
+    with pytest.raises(InputError, match=message):
+        articulated_object(shape_of_boxes(boxes, bodies))
+    with pytest.raises(InputError, match="no joints are known"):
+        articulated_object(replace(shape_of_boxes(boxes, bodies), mobility=None))

@@ -1,0 +1,118 @@
+"""Poses, joints and states from what is said of points."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from articulated import shape_of_boxes
+from kinmo.evaluation.scan_metrics import score_frame
+from kinmo.mobility import Body
+from kinmo.scans.articulated_object import ArticulatedObject, articulated_object
+from kinmo.scans.estimate import PoseOptions, estimate, turn_about
+from kinmo.scans.input_frame import InputFrame
+from kinmo.scans.scan import ScanOptions, scan
+from scanned import UP, cupboard_object, hinge, screw, slider, true_answers, true_estimate
+
+OPTIONS = ScanOptions(states=3, views=4, size=160, points=600, least_pixels=150)
+SEARCH = PoseOptions(hypotheses=300, pair_hypotheses=100)
+DEGREE = np.pi / 180
+
+
+def row_of_boxes(kinds: list[str], on_each_other: bool) -> ArticulatedObject:
+    """Boxes in a row with a joint each, on the first box or each on the one before."""
+    boxes = [((float(i), 0.0, 0.0), (i + 0.9, 1.0 + 0.1 * i, 0.7)) for i in range(len(kinds) + 1)]
+    bodies = [Body(0, "base", (1,))]
+    for index, kind in enumerate(kinds, start=1):
+        joint = {"R": hinge((index, 0.0, 0.0)), "P": slider(UP), "PR": screw((index + 0.45, 0.0, 0.35))}[kind]
+        bodies.append(Body(index, f"part {index}", (index + 1,), index - 1 if on_each_other else 0, joint))
+    return articulated_object(shape_of_boxes(boxes, bodies), smallest=0.0)
+
+
+@pytest.mark.parametrize("ties", ["tree", "pairs", "none"])
+@settings(max_examples=8, deadline=None)
+@given(st.lists(st.sampled_from(["R", "P", "PR"]), min_size=1, max_size=5), st.booleans(), st.integers(0, 1000))
+def test_answers_without_error_give_poses_joints_and_states_back(ties, kinds, on_each_other, seed) -> None:
+    target = row_of_boxes(kinds, on_each_other)
+    scans = scan(target, OPTIONS, seed)
+    answers = [true_answers(target, scans, row) for row in range(len(scans))]
+    for row, found in enumerate(estimate(answers, target.structure, replace(SEARCH, ties=ties))):
+        score = score_frame(found, true_estimate(target, scans, row), target.structure)
+        assert score.is_whole
+        assert score.rotation.max() < 1e-4
+        assert score.translation.max() < 1e-4
+        told = np.isin(np.arange(1, target.structure.part_count), answers[row].joints)  # the others' axes are out of sight
+        assert (score.axis[told] < 0.01 * DEGREE).all()
+        assert np.nanmax(score.line[told], initial=0.0) < 1e-4
+        turning = np.array([kind.value == "R" for kind in target.structure.kinds])
+        assert (score.state < np.where(turning, 0.01 * DEGREE, 1e-4))[told].all()
+
+
+def test_where_a_scan_lies_and_how_large_it_is_for_the_network_does_not_matter() -> None:
+    target = cupboard_object()
+    scans = scan(target, OPTIONS, 0)
+    true = true_estimate(target, scans, 0)
+    for frame in (InputFrame(np.zeros(3), 1.0), InputFrame(np.array([0.1, -0.2, 1.0]), 1.7)):
+        (found,) = estimate([true_answers(target, scans, 0, frame)], target.structure, SEARCH)
+        score = score_frame(found, true, target.structure)
+        assert score.rotation.max() < 1e-4
+        assert score.corner.max() < 1e-4
+        assert np.nanmax(score.line) < 1e-4
+
+
+def test_joints_make_a_part_right_of_which_little_is_seen() -> None:
+    target = row_of_boxes(["R"], on_each_other=False)
+    scans = scan(target, OPTIONS, 5)
+    rng = np.random.default_rng(0)
+    off = {"none": [], "tree": []}
+    for row in range(len(scans)):
+        answers = true_answers(target, scans, row)
+        few = np.flatnonzero(answers.parts == 1)[8:]
+        kept = np.setdiff1d(np.arange(len(answers.parts)), few)
+        noisy = answers.npcs + rng.normal(scale=0.02, size=answers.npcs.shape)
+        answers = replace(
+            answers, points=answers.points[kept], parts=answers.parts[kept], npcs=noisy[kept],
+            joints=answers.joints[kept], axes=answers.axes[kept], pivots=answers.pivots[kept],
+        )  # fmt: skip
+        for ties in off:
+            (found,) = estimate([answers], target.structure, replace(SEARCH, ties=ties))
+            off[ties].append(score_frame(found, true_estimate(target, scans, row), target.structure).rotation[1])
+    assert np.median(off["tree"]) < np.median(off["none"])
+
+
+def test_a_part_of_which_nothing_is_said_is_nan_and_the_others_are_found() -> None:
+    target = cupboard_object()
+    scans = scan(target, OPTIONS, 0)
+    answers = true_answers(target, scans, 0)
+    lost = 1
+    answers = replace(answers, parts=np.where(answers.parts == lost, -1, answers.parts))
+    for ties in ("tree", "pairs", "none"):
+        (found,) = estimate([answers], target.structure, replace(SEARCH, ties=ties))
+        assert list(found.poses.found) == [True, False, True, True]
+        score = score_frame(found, true_estimate(target, scans, 0), target.structure)
+        assert not score.is_whole
+        assert np.nanmax(score.rotation) < 1e-4
+        assert np.isnan(score.state[lost - 1])
+        assert np.isnan(score.iou[lost])
+
+
+def test_amodal_boxes_are_as_large_as_what_is_seen_reaches_from_their_middle() -> None:
+    target = cupboard_object()
+    scans = scan(target, OPTIONS, 0)
+    (found,) = estimate([true_answers(target, scans, 0)], target.structure, SEARCH)
+    true = true_estimate(target, scans, 0)
+    assert (found.half_extents <= true.half_extents + 1e-4).all()
+    score = score_frame(found, true, target.structure)
+    assert (score.iou > 0.5).all()
+    assert score_frame(true, true, target.structure).iou == pytest.approx(np.ones(4))
+
+
+@given(st.floats(-3.1, 3.1), st.integers(0, 100))
+def test_the_turn_about_an_axis_is_read_off_a_rotation(angle, seed) -> None:
+    axis = Rotation.random(random_state=seed).as_matrix()[0]
+    assert turn_about(Rotation.from_rotvec(angle * axis).as_matrix(), axis) == pytest.approx(angle, abs=1e-9)

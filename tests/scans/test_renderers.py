@@ -1,0 +1,40 @@
+"""The two renderers see the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kinmo.kinematics import forward
+from kinmo.scans.articulation import articulations
+from kinmo.scans.camera import Camera, Viewpoints
+from kinmo.scans.renderers import NOTHING, open_renderer
+from scanned import cupboard_object
+
+CAMERA = Camera(160, 120, np.array([110.0, 115.0]), np.array([77.0, 66.0]), 0.01, 10.0)
+
+
+def test_pybullet_and_the_z_buffer_give_equal_pictures() -> None:
+    target, rng = cupboard_object(), np.random.default_rng(0)
+    states = list(articulations(target.mobility, 6, "independent", rng))
+    cameras = [Viewpoints(aside=0.0).draw(rng, np.zeros(3), 0.5, target.up) for _ in states]
+    poses = np.stack([pose @ forward(target.mobility, s.values, s.turns) for s, pose in zip(states, cameras, strict=True)])
+    with open_renderer("raster", target.meshes) as ours, open_renderer("pybullet", target.meshes) as theirs:
+        mine, reference = ours.render(poses, CAMERA), theirs.render(poses, CAMERA)
+    assert (mine.parts != NOTHING).mean() > 0.05
+    assert (mine.parts == reference.parts).mean() >= 0.999
+    both = (mine.parts == reference.parts) & (mine.parts != NOTHING)
+    assert np.abs(mine.depths - reference.depths)[both].max() < 1e-4 * (CAMERA.far - CAMERA.near)
+    assert (mine.depths[mine.parts == NOTHING] == 0.0).all()
+    assert {int(part) for part in np.unique(mine.parts)} == {NOTHING, 0, 1, 2, 3}
+
+
+def test_two_renderers_of_one_kind_do_not_see_each_others_parts() -> None:
+    target = cupboard_object()
+    pose = Viewpoints().draw(np.random.default_rng(1), np.zeros(3), 0.5, target.up)
+    poses = np.tile(pose, (1, 1, 1, 1))
+    with open_renderer("pybullet", target.meshes) as whole, open_renderer("pybullet", target.meshes[:1]) as base:
+        assert base.render(poses, CAMERA).parts.max() == 0
+        assert whole.render(np.tile(pose, (1, 4, 1, 1)), CAMERA).parts.max() > 0
+    with pytest.raises(ValueError, match="transforms"), open_renderer("raster", target.meshes) as raster:
+        raster.render(poses, CAMERA)

@@ -1,0 +1,72 @@
+"""Labelled frames."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinmo.scans.renderers import NOTHING
+from kinmo.scans.scan import ScanOptions, scan
+from kinmo.scans.sensor import Sensor
+from scanned import cupboard_object
+
+OPTIONS = ScanOptions(states=4, views=3, size=96, points=300)
+
+
+def test_points_lie_where_the_pose_of_their_part_puts_their_places() -> None:
+    target = cupboard_object()
+    scans = scan(target, OPTIONS, seed=0)
+    assert len(scans) + scans.refused.total() == 12
+    for row in range(len(scans)):
+        poses = scans.poses[row][scans.parts[row]]
+        moved = np.einsum("nij,nj->ni", poses[:, :3, :3], scans.places[row]) + poses[:, :3, 3]
+        np.testing.assert_allclose(moved, scans.points[row], atol=2e-6)
+    for part, mesh in enumerate(target.meshes):
+        places = scans.places[scans.parts == part]
+        assert (places > mesh.vertices.min(axis=0) - 1e-5).all()
+        assert (places < mesh.vertices.max(axis=0) + 1e-5).all()
+
+
+def test_the_same_seed_gives_the_same_frames() -> None:
+    target = cupboard_object()
+    one, same, other = (scan(target, OPTIONS, seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(one.points, same.points)
+    assert one.points.shape != other.points.shape or not np.array_equal(one.points, other.points)
+
+
+def test_frames_in_which_a_part_is_not_seen_are_refused_and_counted() -> None:
+    scans = scan(cupboard_object(), replace(OPTIONS, least_pixels=100_000), seed=0)
+    assert len(scans) == 0
+    assert scans.refused.total() == 12
+    assert all("fewer than 100000 pixels" in reason for reason in scans.refused)
+
+
+@pytest.mark.parametrize(
+    ("sensor", "moves"),
+    [(Sensor(noise=0.02), True), (Sensor(holes=0.3), False), (Sensor(steep=True), False), (Sensor(crop=0.5), False)],
+)
+def test_a_sensor_changes_points_and_never_where_they_belong(sensor: Sensor, moves: bool) -> None:
+    target = cupboard_object()
+    scans = scan(target, replace(OPTIONS, sensor=sensor), seed=3)
+    assert len(scans)
+    poses = np.take_along_axis(scans.poses, scans.parts.astype(np.int64)[..., None, None], axis=1)
+    moved = np.einsum("fnij,fnj->fni", poses[..., :3, :3], scans.places) + poses[..., :3, 3]
+    off = np.linalg.norm(moved - scans.points, axis=-1)
+    assert (off.max() > 1e-3) == moves
+    for part, mesh in enumerate(target.meshes):
+        places = scans.places[scans.parts == part]
+        assert (places < mesh.vertices.max(axis=0) + 1e-5).all()
+
+
+def test_the_floor_is_seen_below_the_object_and_belongs_to_none_of_its_parts() -> None:
+    target = cupboard_object()
+    scans = scan(target, replace(OPTIONS, sensor=Sensor(floor=True)), seed=4)
+    floor = scans.parts == NOTHING
+    assert 0.1 < floor.mean() < 0.9
+    lowest = min(mesh.vertices[:, 1].min() for mesh in target.meshes)
+    for row in range(len(scans)):
+        back = np.linalg.inv(scans.poses[row, 0])
+        heights = (scans.points[row][floor[row]] @ back[:3, :3].T + back[:3, 3])[:, 1]
+        np.testing.assert_allclose(heights, lowest, atol=2e-5)
