@@ -186,6 +186,47 @@ class RankingConfig:
 
 
 @dataclass(frozen=True)
+class SensorConfig:
+    """A depth camera; lengths are diagonals of the object. The default sees everything as it is.
+
+    `noise` is the standard deviation of depths at a distance of one, and grows with the square of the distance, as that of
+    cameras that triangulate. `holes` is the share of the pixels that see nothing, in patches; with `steep`, surfaces seen under
+    a sharp angle are not seen either. `crop` is the largest share of the object's part of the picture that is cut away, to one
+    side. With `floor`, a plane below the object is seen too.
+    """
+
+    noise: Amount = 0.0
+    holes: Share = 0.0
+    steep: bool = False
+    crop: Share = 0.0
+    floor: bool = False
+
+
+@dataclass(frozen=True)
+class ScansConfig:
+    """How objects are scanned.
+
+    An object to train on is seen in `states` of its joints, from `views` cameras each; one to choose or test by in
+    `test_states` and from `test_views`. `sampling`: every joint has a value of its own out of its range, or all go through
+    theirs in `lockstep`, or as in the `release` all through the same angles. Pictures have `size` pixels a side, frames
+    `points` points; a frame in which a part has fewer than `least_pixels` is refused. A part smaller than `smallest_part`
+    diagonals goes with what it moves against. `pybullet` is the paper's renderer.
+    """
+
+    states: Count = 31
+    views: Count = 30
+    test_states: Count = 31
+    test_views: Count = 6
+    sampling: Literal["independent", "lockstep", "release"] = "independent"
+    size: Count = 512
+    points: Count = 1024
+    least_pixels: Number = 10
+    smallest_part: Share = 0.15
+    renderer: Literal["raster", "pybullet"] = "raster"
+    sensor: SensorConfig = field(default_factory=SensorConfig)
+
+
+@dataclass(frozen=True)
 class AncshWeights:
     """Weights of the losses of ANCSH; the defaults are those of its release."""
 
@@ -255,6 +296,7 @@ class Config:
     axis: AxisConfig
     ranking: RankingConfig
     ancsh: AncshConfig
+    scans: ScansConfig = field(default_factory=ScansConfig)
     refinement: RefinementConfig = field(default_factory=RefinementConfig)
 
 

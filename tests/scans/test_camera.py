@@ -35,9 +35,7 @@ def test_a_camera_looks_at_its_target_with_up_above(eye, target, up) -> None:
     pose = look_at(eye, target, up)
     np.testing.assert_allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-9)
     assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)
-    np.testing.assert_allclose(
-        pose[:3, :3] @ target + pose[:3, 3], [0.0, 0.0, np.linalg.norm(target - eye)], atol=1e-9
-    )
+    np.testing.assert_allclose(pose[:3, :3] @ target + pose[:3, 3], [0.0, 0.0, np.linalg.norm(target - eye)], atol=1e-9)
     np.testing.assert_allclose(pose[:3, :3] @ eye + pose[:3, 3], np.zeros(3), atol=1e-9)
     shown = pose[:3, :3] @ up
     assert shown[1] <= 1e-6, "y points down in the picture"

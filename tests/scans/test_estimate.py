@@ -11,15 +11,16 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from articulated import shape_of_boxes
+from kinmo.config import ScansConfig
 from kinmo.evaluation.scan_metrics import score_frame
 from kinmo.mobility import Body
 from kinmo.scans.articulated_object import ArticulatedObject, articulated_object
 from kinmo.scans.estimate import PoseOptions, estimate, turn_about
 from kinmo.scans.input_frame import InputFrame
-from kinmo.scans.scan import ScanOptions, scan
+from kinmo.scans.scan import scan
 from scanned import UP, cupboard_object, hinge, screw, slider, true_answers, true_estimate
 
-OPTIONS = ScanOptions(states=3, views=4, size=160, points=600, least_pixels=150)
+OPTIONS = ScansConfig(states=3, views=4, size=160, points=600, least_pixels=150)
 SEARCH = PoseOptions(hypotheses=300, pair_hypotheses=100)
 DEGREE = np.pi / 180
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinmo.config import ScansConfig, SensorConfig
 from kinmo.scans.renderers import NOTHING
-from kinmo.scans.scan import ScanOptions, scan
-from kinmo.scans.sensor import Sensor
+from kinmo.scans.scan import scan
 from scanned import cupboard_object
 
-OPTIONS = ScanOptions(states=4, views=3, size=96, points=300)
+OPTIONS = ScansConfig(states=4, views=3, size=96, points=300)
 
 
 def test_points_lie_where_the_pose_of_their_part_puts_their_places() -> None:
@@ -45,9 +45,14 @@ def test_frames_in_which_a_part_is_not_seen_are_refused_and_counted() -> None:
 
 @pytest.mark.parametrize(
     ("sensor", "moves"),
-    [(Sensor(noise=0.02), True), (Sensor(holes=0.3), False), (Sensor(steep=True), False), (Sensor(crop=0.5), False)],
+    [
+        (SensorConfig(noise=0.02), True),
+        (SensorConfig(holes=0.3), False),
+        (SensorConfig(steep=True), False),
+        (SensorConfig(crop=0.5), False),
+    ],
 )
-def test_a_sensor_changes_points_and_never_where_they_belong(sensor: Sensor, moves: bool) -> None:
+def test_a_sensor_changes_points_and_never_where_they_belong(sensor: SensorConfig, moves: bool) -> None:
     target = cupboard_object()
     scans = scan(target, replace(OPTIONS, sensor=sensor), seed=3)
     assert len(scans)
@@ -62,7 +67,7 @@ def test_a_sensor_changes_points_and_never_where_they_belong(sensor: Sensor, mov
 
 def test_the_floor_is_seen_below_the_object_and_belongs_to_none_of_its_parts() -> None:
     target = cupboard_object()
-    scans = scan(target, replace(OPTIONS, sensor=Sensor(floor=True)), seed=4)
+    scans = scan(target, replace(OPTIONS, sensor=SensorConfig(floor=True)), seed=4)
     floor = scans.parts == NOTHING
     assert 0.1 < floor.mean() < 0.9
     lowest = min(mesh.vertices[:, 1].min() for mesh in target.meshes)

@@ -4,45 +4,26 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinmo.config import ScansConfig
 from kinmo.kinematics import forward
 from kinmo.scans.articulated_object import ArticulatedObject
-from kinmo.scans.articulation import Articulation, Sampling, articulations
+from kinmo.scans.articulation import Articulation, articulations
 from kinmo.scans.camera import Camera, Viewpoints
-from kinmo.scans.renderers import NOTHING, DepthImages, Renderer, RendererName, open_renderer
-from kinmo.scans.sensor import Sensor
+from kinmo.scans.renderers import NOTHING, DepthImages, Renderer, open_renderer
+from kinmo.scans.sensor import sense
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class ScanOptions:
-    """How an object is scanned: `states` of its joints, `views` of each.
-
-    Pictures have `size` pixels a side, frames `points` points; the defaults are those of the pipeline that the paper renders
-    with, but for the ranges of the joints. A frame in which a part has fewer than `least_pixels` is refused.
-    """
-
-    states: int = 31
-    views: int = 30
-    sampling: Sampling = "independent"
-    viewpoints: Viewpoints = field(default_factory=Viewpoints)
-    sensor: Sensor = field(default_factory=Sensor)
-    renderer: RendererName = "raster"
-    size: int = 512
-    near: float = 0.01
-    far: float = 10.0
-    points: int = 1024
-    least_pixels: int = 10
-
-    @property
-    def camera(self) -> Camera:
-        return Camera.of_field(self.size, self.size, self.viewpoints.field, self.near, self.far)
+VIEWPOINTS = Viewpoints()
+NEAR, FAR = 0.01, 10.0
+"""Diagonals between which a camera sees, as in the pipeline that the paper renders with."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,19 +48,20 @@ class Scans:
         return len(self.points)
 
 
-def scan(target: ArticulatedObject, options: ScanOptions, seed: int) -> Scans:
-    """Frames of `target` from cameras and in states drawn at random."""
+def scan(target: ArticulatedObject, config: ScansConfig, seed: int, *, to_train: bool = True) -> Scans:
+    """Frames of `target` from cameras and in states drawn at random, as many as an object to train on, or to test, gets."""
+    states, views = (config.states, config.views) if to_train else (config.test_states, config.test_views)
     rng = np.random.default_rng(seed)
-    camera, refused = options.camera, Counter[str]()
+    camera, refused = Camera.of_field(config.size, config.size, VIEWPOINTS.field, NEAR, FAR), Counter[str]()
     frames: list[_Frame] = []
-    with open_renderer(options.renderer, target.meshes) as renderer:
-        for state in articulations(target.mobility, options.states, options.sampling, rng):
-            for frame in _frames_in_state(target, state, renderer, camera, options, rng):
+    with open_renderer(config.renderer, target.meshes) as renderer:
+        for state in articulations(target.mobility, states, config.sampling, rng):
+            for frame in _frames_in_state(target, state, views, renderer, camera, config, rng):
                 if isinstance(frame, str):
                     refused[frame] += 1
                 else:
                     frames.append(frame)
-    return _stacked(frames, options.points, len(target.meshes), refused)
+    return _stacked(frames, config.points, len(target.meshes), refused)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,26 +76,27 @@ class _Frame:
 def _frames_in_state(
     target: ArticulatedObject,
     state: Articulation,
+    views: int,
     renderer: Renderer,
     camera: Camera,
-    options: ScanOptions,
+    config: ScansConfig,
     rng: np.random.Generator,
 ) -> Iterator[_Frame | str]:
     moved = forward(target.mobility, state.values, state.turns)
     low, high = _bounds(target, moved)
     center, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
-    cameras = np.stack([options.viewpoints.draw(rng, center, radius, target.up) for _ in range(options.views)])
+    cameras = np.stack([VIEWPOINTS.draw(rng, center, radius, target.up) for _ in range(views)])
     poses = cameras[:, None] @ moved
     seen = renderer.render(poses, camera)
     floor = min(float(vertices.min()) for vertices in _heights(target, moved))
     floors = np.array([_plane_in(pose, target.up, floor) for pose in cameras])
-    sensed = options.sensor.see(seen, camera, floors, rng)
-    for row in range(options.views):
+    sensed = sense(seen, config.sensor, camera, floors, rng)
+    for row in range(views):
         counts = np.bincount(sensed.parts[row][sensed.parts[row] >= 0], minlength=len(target.meshes))
-        if counts.min() < options.least_pixels:
-            yield f"part {counts.argmin()} has fewer than {options.least_pixels} pixels"
+        if counts.min() < config.least_pixels:
+            yield f"part {counts.argmin()} has fewer than {config.least_pixels} pixels"
             continue
-        yield _frame(seen, sensed, row, camera, poses[row], state, options.points, rng)
+        yield _frame(seen, sensed, row, camera, poses[row], state, config.points, rng)
 
 
 def _frame(

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from kinmo.config import SensorConfig
 from kinmo.scans.camera import Camera
 from kinmo.scans.renderers import NOTHING, DepthImages
 
@@ -21,48 +20,34 @@ STEEP = 0.2
 """Cosine of the angle between a ray and the normal of a surface below which nothing comes back."""
 
 
-@dataclass(frozen=True)
-class Sensor:
-    """A depth camera; lengths are diagonals of the object. The default sees everything as it is.
+def sense(
+    images: DepthImages, sensor: SensorConfig, camera: Camera, floors: NDArray[np.float64], rng: np.random.Generator
+) -> DepthImages:
+    """The pictures as the sensor takes them.
 
-    `noise` is the standard deviation of depths at a distance of one, and grows with the square of the distance, as that of
-    cameras that triangulate. `holes` is the share of the pixels that see nothing, in patches; with `steep`, surfaces seen under
-    a sharp angle are not seen either. `crop` is the largest share of the object's part of the picture that is cut away, to one
-    side. With `floor`, a plane below the object is seen too.
+    `floors` [F, 4] are the planes below the object in the camera's frame: n . x = d for (n, d). What stands there is the part
+    `NOTHING`, as what is not seen is; that one has no depth.
     """
-
-    noise: float = 0.0
-    holes: float = 0.0
-    steep: bool = False
-    crop: float = 0.0
-    floor: bool = False
-
-    def see(self, images: DepthImages, camera: Camera, floors: NDArray[np.float64], rng: np.random.Generator) -> DepthImages:
-        """The pictures as this sensor takes them.
-
-        `floors` [F, 4] are the planes below the object in the camera's frame: n . x = d for (n, d). What stands there is the
-        part `NOTHING`, as what is not seen is; that one has no depth.
-        """
-        if self == Sensor():
-            return images
-        depths, parts = images.depths.copy(), images.parts.copy()
-        for depth, part, floor in zip(depths, parts, floors, strict=True):
-            if self.floor:
-                _put_floor(depth, part, camera, floor)
-            lost = np.zeros(depth.shape, bool)
-            if self.steep:
-                lost |= _facing(depth, camera) < STEEP
-            if self.holes > 0.0:
-                field = gaussian_filter(rng.normal(size=depth.shape), HOLE_PATCH)
-                lost |= field > np.quantile(field, 1.0 - self.holes)
-            if self.crop > 0.0:
-                lost |= _beyond_crop(part, self.crop * rng.uniform(), rng)
-            if self.noise > 0.0:
-                field = gaussian_filter(rng.normal(size=depth.shape), NOISE_PATCH)
-                seen = depth > 0.0
-                depth[seen] += (self.noise / field.std() * field * depth**2)[seen]
-            depth[lost], part[lost] = 0.0, NOTHING
-        return DepthImages(depths, parts)
+    if sensor == SensorConfig():
+        return images
+    depths, parts = images.depths.copy(), images.parts.copy()
+    for depth, part, floor in zip(depths, parts, floors, strict=True):
+        if sensor.floor:
+            _put_floor(depth, part, camera, floor)
+        lost = np.zeros(depth.shape, bool)
+        if sensor.steep:
+            lost |= _facing(depth, camera) < STEEP
+        if sensor.holes > 0.0:
+            field = gaussian_filter(rng.normal(size=depth.shape), HOLE_PATCH)
+            lost |= field > np.quantile(field, 1.0 - sensor.holes)
+        if sensor.crop > 0.0:
+            lost |= _beyond_crop(part, sensor.crop * rng.uniform(), rng)
+        if sensor.noise > 0.0:
+            field = gaussian_filter(rng.normal(size=depth.shape), NOISE_PATCH)
+            seen = depth > 0.0
+            depth[seen] += (sensor.noise / field.std() * field * depth**2)[seen]
+        depth[lost], part[lost] = 0.0, NOTHING
+    return DepthImages(depths, parts)
 
 
 def _put_floor(depth: F32, part: NDArray[np.int32], camera: Camera, floor: NDArray[np.float64]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import torch
 
-from kinmo.config import AncshConfig, TrainingConfig, load_config
+from kinmo.config import AncshConfig, ScansConfig, TrainingConfig, load_config
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.data import collate
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
@@ -18,7 +18,7 @@ from kinmo.learning.ancsh.network import AncshNetwork, JointAnswers, PartAnswers
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.scans.estimate import PoseOptions, estimate
-from kinmo.scans.scan import ScanOptions, scan
+from kinmo.scans.scan import scan
 from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
 from scanned import cupboard_object
 
@@ -47,7 +47,7 @@ def linear(before: int, after: int) -> int:
 def file(tmp_path_factory: pytest.TempPathFactory) -> ScanFile:
     target = cupboard_object()
     path = tmp_path_factory.mktemp("scans") / "cupboard.safetensors"
-    write_scans(path, target, scan(target, ScanOptions(states=6, views=4, size=128, points=256), 0), {"seed": 0})
+    write_scans(path, target, scan(target, ScansConfig(states=6, views=4, size=128, points=256), 0), {"seed": 0})
     return open_scans(path)
 
 
