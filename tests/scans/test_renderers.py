@@ -9,6 +9,7 @@ from kinmo.kinematics import forward
 from kinmo.scans.articulation import articulations
 from kinmo.scans.camera import Camera, Viewpoints
 from kinmo.scans.renderers import NOTHING, open_renderer
+from kinmo.shape import Mesh
 from scanned import cupboard_object
 
 CAMERA = Camera(160, 120, np.array([110.0, 115.0]), np.array([77.0, 66.0]), 0.01, 10.0)
@@ -27,6 +28,18 @@ def test_pybullet_and_the_z_buffer_give_equal_pictures() -> None:
     assert np.abs(mine.depths - reference.depths)[both].max() < 1e-4 * (CAMERA.far - CAMERA.near)
     assert (mine.depths[mine.parts == NOTHING] == 0.0).all()
     assert {int(part) for part in np.unique(mine.parts)} == {NOTHING, 0, 1, 2, 3}
+
+
+def test_triangles_are_seen_from_both_sides() -> None:
+    plate = Mesh(np.array([[-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [0.0, 1.0, 2.0]]), np.array([[0, 1, 2]], np.uint32))
+    back = Mesh(plate.vertices, plate.faces[:, ::-1].copy())
+    for name in ("raster", "pybullet"):
+        seen = []
+        for mesh in (plate, back):
+            with open_renderer(name, [mesh]) as renderer:
+                seen.append(renderer.render(np.eye(4)[None, None], CAMERA).parts)
+        assert (seen[0] == 0).sum() > 1000
+        np.testing.assert_array_equal(*seen)
 
 
 def test_two_renderers_of_one_kind_do_not_see_each_others_parts() -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import Literal, Protocol
 
@@ -13,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from kinmo import _core
+from kinmo.export.obj import write_obj
 from kinmo.scans.camera import Camera
 from kinmo.shape import Mesh
 
@@ -61,23 +64,28 @@ class RasterRenderer(Renderer):
 
 
 class PybulletRenderer(Renderer):
-    """PyBullet's TinyRenderer, as the paper's pipeline uses it: the reference that `RasterRenderer` is checked against."""
+    """PyBullet's TinyRenderer, as the paper's pipeline uses it: the reference that `RasterRenderer` is checked against.
 
-    def __init__(self, meshes: Sequence[Mesh]) -> None:
+    It sees triangles from the front alone, whatever its flags; with `both_sides` it is given each of them twice.
+    """
+
+    def __init__(self, meshes: Sequence[Mesh], both_sides: bool = True) -> None:
         import pybullet
 
         self._bullet = pybullet
         self._client = pybullet.connect(pybullet.DIRECT)
-        self._bodies = [self._body(mesh) for mesh in meshes]
+        self._bodies = [self._body(_from_both_sides(mesh) if both_sides else mesh) for mesh in meshes]
 
     def _body(self, mesh: Mesh) -> int:
-        visual = self._bullet.createVisualShape(
-            self._bullet.GEOM_MESH,
-            vertices=mesh.vertices.tolist(),
-            indices=mesh.faces.ravel().tolist(),
-            flags=self._bullet.VISUAL_SHAPE_DOUBLE_SIDED,
-            physicsClientId=self._client,
-        )
+        # by a file: what is handed over in memory may not be large
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "part.obj"
+            write_obj(path, mesh)
+            visual = self._bullet.createVisualShape(
+                self._bullet.GEOM_MESH,
+                fileName=str(path),
+                physicsClientId=self._client,
+            )
         return int(self._bullet.createMultiBody(0.0, baseVisualShapeIndex=visual, physicsClientId=self._client))
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
@@ -125,6 +133,10 @@ class PybulletRenderer(Renderer):
         share = np.asarray(buffer, np.float64).reshape(shape)
         depths = camera.near * camera.far / (camera.far - (camera.far - camera.near) * share)
         return np.where(parts < 0, 0.0, depths).astype(np.float32), parts.astype(np.int32)
+
+
+def _from_both_sides(mesh: Mesh) -> Mesh:
+    return Mesh(mesh.vertices, np.concatenate([mesh.faces, mesh.faces[:, ::-1]]))
 
 
 TINY_RENDERERS_SHIFT = np.array([-0.5, 0.5])

@@ -53,9 +53,7 @@ fn render<'py>(
             frame.axis_iter(Axis(0)).map(|part| Matrix3x4::from_fn(|i, j| part[[i, j]])).collect::<Vec<_>>()
         });
         map_in_batches(py, images.zip(poses), |((depths, parts), poses)| {
-            let image = raster::render(&meshes.parts, &poses, &camera);
-            depths.copy_from_slice(&image.depths);
-            parts.copy_from_slice(&image.parts);
+            raster::render(&meshes.parts, &poses, &camera, depths, parts);
         })?;
     }
     Ok((depths, parts))
