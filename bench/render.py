@@ -36,7 +36,11 @@ UP = np.array([0.0, 0.0, 1.0])
 
 def cupboard(triangles: int) -> ArticulatedObject:
     """A carcass, a door and a drawer with about so many triangles in all."""
-    boxes = [((0.5, 0.5, 0.7), (0.0, 0.0, 0.0)), ((0.02, 0.25, 0.35), (-0.26, 0.12, 0.15)), ((0.2, 0.4, 0.2), (-0.2, 0.0, -0.2))]
+    boxes = [
+        ((0.5, 0.5, 0.7), (0.0, 0.0, 0.0)),
+        ((0.02, 0.25, 0.35), (-0.26, 0.12, 0.15)),
+        ((0.2, 0.4, 0.2), (-0.2, 0.0, -0.2)),
+    ]
     steps = max(1, round((triangles / 36) ** 0.5))
     meshes = [_divided_box(np.array(size), np.array(center), steps) for size, center in boxes]
     joints = [

@@ -29,6 +29,9 @@ pub struct Pinhole {
 /// In single precision, as what large meshes take is the time to read and write their corners.
 type Corner = Vector3<f32>;
 
+/// Up to so many pixels are tried one by one; the triangles of large meshes have no more.
+const FEW_PIXELS: i32 = 6;
+
 /// The corner of a vertex that is too near to be on the image.
 const NOWHERE: Corner = Corner::new(f32::NAN, f32::NAN, f32::NAN);
 
@@ -42,7 +45,8 @@ pub fn render(parts: &[Mesh], transforms: &[Matrix3x4<f64>], camera: &Pinhole, d
     let mut canvas = Canvas { camera, nearness: depths, shown };
     let mut corners: Vec<Corner> = Vec::new();
     for (index, (part, transform)) in parts.iter().zip(transforms).enumerate() {
-        let place = |vertex: &Point3<f64>| transform * vertex.to_homogeneous();
+        let (linear, shift) = (transform.fixed_columns::<3>(0).into_owned(), transform.column(3).into_owned());
+        let place = |vertex: &Point3<f64>| linear * vertex.coords + shift;
         corners.clear();
         corners.extend(part.vertices().iter().map(|vertex| canvas.corner(&place(vertex))));
         for face in part.faces() {
@@ -109,11 +113,19 @@ impl Canvas<'_> {
             return;
         }
         let [a, b, c] = [a, b, c].map(|corner| corner.cast::<f64>());
-        let area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        let area = area(&a, &b, &c);
         if area == 0.0 || !area.is_finite() {
             return;
         }
         let (b, c) = if area > 0.0 { (b, c) } else { (c, b) };
+        if (right - left + 1) * (bottom - top + 1) <= FEW_PIXELS {
+            for row in top..=bottom {
+                for column in left..=right {
+                    self.fill_pixel([a, b, c], column, row, part);
+                }
+            }
+            return;
+        }
         let per_area = 1.0 / area.abs();
         let slope_x = ((b.z - a.z) * (c.y - a.y) - (c.z - a.z) * (b.y - a.y)) * per_area;
         let slope_y = ((c.z - a.z) * (b.x - a.x) - (b.z - a.z) * (c.x - a.x)) * per_area;
@@ -142,6 +154,27 @@ impl Canvas<'_> {
             }
         }
     }
+
+    /// Draws one pixel of a triangle if its middle is inside, without what is worth its time for many pixels alone.
+    fn fill_pixel(&mut self, [a, b, c]: [Vector3<f64>; 3], column: i32, row: i32, part: i32) {
+        let middle = Vector3::new(f64::from(column) + 0.5, f64::from(row) + 0.5, 0.0);
+        let shares = [area(&middle, &b, &c), area(&a, &middle, &c), area(&a, &b, &middle)];
+        if shares.iter().any(|&share| share < 0.0) {
+            return;
+        }
+        let sum: f64 = shares.iter().sum();
+        let here = ((shares[0] * a.z + shares[1] * b.z + shares[2] * c.z) / sum) as f32;
+        let pixel = row as usize * self.camera.width + column as usize;
+        if here > self.nearness[pixel] {
+            self.nearness[pixel] = here;
+            self.shown[pixel] = part;
+        }
+    }
+}
+
+/// Twice the area of a triangle of the image; above zero where its corners go round as the axes do.
+fn area(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> f64 {
+    (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
 }
 
 /// A side of a triangle of the image: where it goes down the inside is to its left, where it goes up to its right.
