@@ -36,6 +36,7 @@ LAYERS = (
     ("formats",),
     ("synth",),
     ("prepared", "workspace", "store", "prepare", "hypotheses", "evidence"),
+    ("scans",),
     ("candidates", "limits"),
     ("learning",),
     ("mobility_tree", "part_geometry", "scoring", "refinement", "ranked_mobility"),

@@ -11,11 +11,11 @@ from types import TracebackType
 from typing import Literal, Protocol
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from kinmo import _core
-from kinmo.export.obj import write_obj
 from kinmo.scans.camera import Camera
 from kinmo.shape import Mesh
 
@@ -80,7 +80,7 @@ class PybulletRenderer(Renderer):
         # by a file: what is handed over in memory may not be large
         with TemporaryDirectory() as folder:
             path = Path(folder) / "part.obj"
-            write_obj(path, mesh)
+            trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(path, digits=16)
             visual = self._bullet.createVisualShape(
                 self._bullet.GEOM_MESH,
                 fileName=str(path),
