@@ -1,42 +1,45 @@
-"""Training the networks of a workspace."""
+"""Training the networks that see whole shapes."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from kinmo.config import Config, load_config
-from kinmo.errors import InputError, expecting
-from kinmo.learning.training import Progress, remove_checkpoints
-from kinmo.learning.weights import Weights, load_weights, pick_device
+from kinmo.config import Config, TrainingConfig, load_config
+from kinmo.errors import InputError
+from kinmo.learning.training import FitResult, Progress
+from kinmo.learning.weights import Weights, load_weights
 from kinmo.pipeline.dataset import Dataset, open_dataset
-from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.model_files import CONFIG, HEADER, METRICS, WEIGHTS, model_folder
+from kinmo.pipeline.fitting import Fitter, result_of
+from kinmo.pipeline.journal import seconds_per_unit
+from kinmo.pipeline.model_files import CONFIG, WEIGHTS, model_folder
 from kinmo.pipeline.models import CONTINUED, GROUPS, TRAINERS
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
-from kinmo.workers import Crashed, map_unordered, may_be_cut_off, tell
-from kinmo.workspace import StageRecord, Workspace, remove_leftovers, write_text_atomically
+from kinmo.workspace import Workspace, remove_leftovers, write_text_atomically
 
 SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.02, "ranking": 0.02, "gnn_contact": 0.004}
 """Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
 
 
 @dataclass(frozen=True)
-class Task:
-    """One network to be trained on the shapes of `training`, chosen by those of `validation`."""
+class ShapeFitting:
+    """One network to be trained on some shapes, and chosen by others."""
 
+    workspace: Workspace
     model: str
     category: str | None
     training: tuple[IndexEntry, ...]
     validation: tuple[IndexEntry, ...]
+    section: Any
     inputs: dict[str, Any]
+    seed: int
+    device: str
     start: Path | None = None
 
     @property
@@ -47,13 +50,44 @@ class Task:
     def stage(self) -> str:
         return f"train-{self.model}-{self.category}" if self.category else f"train-{self.model}"
 
+    @property
+    def folder(self) -> Path:
+        return model_folder(self.workspace, self.model, self.category)
+
+    @property
+    def schedule(self) -> TrainingConfig:
+        chosen: TrainingConfig = (self.section if self.start is None else self.section.continued).training
+        return chosen
+
+    @property
+    def units(self) -> int:
+        return len(self.training)
+
+    @property
+    def seconds(self) -> float:
+        each = seconds_per_unit(self.workspace, self.stage, SECONDS_PER_SHAPE[self.model])
+        return self.units * self.schedule.epochs * each
+
+    def fit(self, on_progress: Callable[[Progress], None]) -> FitResult:
+        dataset = open_dataset(self.workspace, self.category)
+        trainer = TRAINERS[self.model][1] if self.start is None else CONTINUED[self.model][1](self.start)
+        return trainer(
+            dataset.load(self.training),
+            dataset.load(self.validation),
+            self.section,
+            self.folder,
+            seed=self.seed,
+            device=self.device,
+            fingerprint=json.dumps(self.inputs["data"]),
+            on_progress=on_progress,
+        )
+
 
 @dataclass(frozen=True)
 class Train:
     """Train the networks of `group` (`models.GROUPS`), on all categories or on one.
 
-    Those that can (`models.CONTINUED`) go on from the trained ones of the workspace `start` where it is given. On a CPU as many
-    are trained at once as `workers` and the configuration's threads allow; what comes out does not depend on it.
+    Those that can (`models.CONTINUED`) go on from the trained ones of the workspace `start` where it is given.
     """
 
     group: str
@@ -66,36 +100,34 @@ class Train:
     start: Workspace | None = None
 
     def plan(self) -> Plan:
-        config = self._config()
-        tasks = list(self._tasks(open_dataset(self.workspace, self.category), config))
-        pending = [task for task in tasks if not self.workspace.is_current(task.stage, task.inputs)]
+        fittings = list(self._fittings(open_dataset(self.workspace, self.category), self._config()))
+        pending = self._fitter.pending(fittings)
         steps = tuple(
-            f"train {task.name} on {len(task.training)} shapes for {self._epochs(task, config)} epochs, "
-            f"choose by {len(task.validation)}"
-            for task in pending
+            f"train {each.name} on {len(each.training)} shapes for {each.schedule.epochs} epochs, "
+            f"choose by {len(each.validation)}"
+            for each in fittings
+            if each in pending
         )
-        alone = [self._seconds(task, config) for task in pending]
-        return Plan(steps, max([sum(alone) / max(self._workers(pending, config), 1), *alone], default=0.0))
+        return Plan(steps, self._fitter.seconds(pending))
 
     def run(self, observer: Observer) -> Outcome:
         config = self._config()
         dataset = open_dataset(self.workspace, self.category)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
-            tasks = list(self._tasks(dataset, config))  # whatever cannot be trained is said before anything is
-            pending = [task for task in tasks if not self.workspace.is_current(task.stage, task.inputs)]
-            for task in tasks:
-                if task not in pending:
-                    observer.note(f"{task.name}: trained already")
-                    remove_checkpoints(self._folder(task))
-            self._train_all(pending, config, observer)
+            fittings = list(self._fittings(dataset, config))  # whatever cannot be trained is said before anything is
+            self._fitter.run(fittings, observer)
             write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
-        results = {task.name: _result(self._folder(task)) for task in tasks}
+        results = {each.name: result_of(each.folder) for each in fittings}
         lines = [
             f"{name}: {result['epochs']} epochs, kept {result['kept']}, error {result['error']:.4f}"
             for name, result in results.items()
         ]
         return Outcome(self.workspace.models, results, "\n".join(lines))
+
+    @property
+    def _fitter(self) -> Fitter:
+        return Fitter(self.workspace, self.device, self.workers)
 
     def _config(self) -> Config:
         """Raises InputError for several devices: each would run the command anew, and find the workspace locked."""
@@ -105,7 +137,7 @@ class Train:
                 raise InputError(self.config, "kinmo train uses one device, expected 1", f"{section}.training.devices")
         return config
 
-    def _tasks(self, dataset: Dataset, config: Config) -> Iterator[Task]:
+    def _fittings(self, dataset: Dataset, config: Config) -> Iterator[ShapeFitting]:
         if self.start is not None and not CONTINUED.keys() & set(GROUPS[self.group]):
             able = ", ".join(name for name, models in GROUPS.items() if CONTINUED.keys() & set(models))
             raise InputError("--from", f"{self.group} goes on from nothing, expected it with one of {able}")
@@ -127,7 +159,18 @@ class Train:
                 inputs = {"model": model, "config": to_table(section), "seed": self.seed, "data": data}
                 if start is not None:
                     inputs["start"] = start.sha256
-                yield Task(model, category, training, validation, inputs, None if start is None else start.path)
+                yield ShapeFitting(
+                    self.workspace,
+                    model,
+                    category,
+                    training,
+                    validation,
+                    section,
+                    inputs,
+                    self.seed,
+                    self.device,
+                    None if start is None else start.path,
+                )
 
     def _start_of(self, model: str) -> Weights | None:
         """The weights that a model is to go on from. Raises InputError if they were never trained, or cannot be read."""
@@ -139,74 +182,3 @@ class Train:
                 weights, "expected the weights to go on from: run kinmo train all in that workspace first", "--from"
             )
         return load_weights(weights, CONTINUED[model][0])
-
-    def _train_all(self, tasks: list[Task], config: Config, observer: Observer) -> None:
-        """Side by side where each says how many threads it takes; those that take longest first."""
-
-        def on_progress(told: tuple[str, Progress]) -> None:
-            name, progress = told
-            shown = [f"{key} {value:.3f}" for key, value in progress.metrics.items() if key.endswith(("loss", "/error"))]
-            observer.progress(f"training {name}", progress.epoch, progress.epochs, " ".join(shown))
-
-        workers = self._workers(tasks, config)
-        if workers > 1:
-            tasks = sorted(tasks, key=lambda task: -self._seconds(task, config))
-        for task, answer in map_unordered(partial(self._train_one, config), tasks, workers, on_progress):
-            if isinstance(answer, Crashed):
-                raise ChildProcessError(f"the process that trained {task.name} died: too little memory?")
-
-    def _workers(self, tasks: list[Task], config: Config) -> int:
-        threads: list[int] = [self._section(task, config).training.threads for task in tasks]
-        if not tasks or 0 in threads or pick_device(self.device) != "cpu":
-            return 1
-        return min(len(tasks), self.workers // max(threads))
-
-    def _train_one(self, config: Config, task: Task) -> None:
-        """Train one network. Progress is told (`workers.tell`) as the task's name and a `Progress`."""
-        may_be_cut_off()  # what is on the disk is whole at any moment
-        dataset, section = open_dataset(self.workspace, self.category), self._section(task, config)
-        training, validation = dataset.load(task.training), dataset.load(task.validation)
-        folder = self._folder(task)
-        self.workspace.forget(task.stage)
-        trainer = TRAINERS[task.model][1] if task.start is None else CONTINUED[task.model][1](task.start)
-        with timed(self.workspace, task.stage) as watch:
-            result = trainer(
-                training,
-                validation,
-                section,
-                folder,
-                seed=self.seed,
-                device=self.device,
-                fingerprint=json.dumps(task.inputs["data"]),
-                on_progress=lambda progress: tell((task.name, progress)),
-            )
-            watch.amount = len(result.history) * len(task.training)
-            watch.what = f"{task.name} on {len(task.training)} shapes for {len(result.history)} epochs"
-        outputs = tuple(str((folder / name).relative_to(self.workspace.path)) for name in (WEIGHTS, HEADER, METRICS))
-        self.workspace.write_record(task.stage, StageRecord(task.inputs, outputs))
-        remove_checkpoints(folder)
-
-    def _folder(self, task: Task) -> Path:
-        return model_folder(self.workspace, task.model, task.category)
-
-    def _section(self, task: Task, config: Config) -> Any:
-        return getattr(config, TRAINERS[task.model][0])
-
-    def _epochs(self, task: Task, config: Config) -> int:
-        section = self._section(task, config)
-        return int((section.training if task.start is None else section.continued.training).epochs)
-
-    def _seconds(self, task: Task, config: Config) -> float:
-        """About how long a network takes alone."""
-        a_shape = seconds_per_unit(self.workspace, task.stage, SECONDS_PER_SHAPE[task.model])
-        return len(task.training) * self._epochs(task, config) * a_shape
-
-
-def _result(folder: Path) -> dict[str, Any]:
-    with expecting("one entry an epoch", folder / METRICS):
-        errors = [row["validation/error"] for row in json.loads((folder / METRICS).read_text(encoding="utf-8"))]
-    with expecting("what weights are for", folder / HEADER):
-        header = json.loads((folder / HEADER).read_text(encoding="utf-8"))
-        digest, error = header["sha256"], header["facts"]["error"]
-        kept = min(range(len(errors)), key=lambda epoch: abs(errors[epoch] - error))
-    return {"weights": str(folder / WEIGHTS), "sha256": digest, "epochs": len(errors), "kept": kept, "error": error}

@@ -1,0 +1,121 @@
+"""Networks that are trained side by side, each once for the same inputs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Protocol
+
+from kinmo.config import TrainingConfig
+from kinmo.errors import expecting
+from kinmo.learning.training import FitResult, Progress, remove_checkpoints
+from kinmo.learning.weights import pick_device
+from kinmo.pipeline.journal import timed
+from kinmo.pipeline.model_files import HEADER, METRICS, WEIGHTS
+from kinmo.pipeline.stage import Observer
+from kinmo.workers import Crashed, map_unordered, may_be_cut_off, tell
+from kinmo.workspace import StageRecord, Workspace
+
+
+class Fitting(Protocol):
+    """One network to be trained: what it is called, the record of its training, and how it is done."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def stage(self) -> str: ...
+
+    @property
+    def folder(self) -> Path: ...
+
+    @property
+    def inputs(self) -> dict[str, Any]: ...
+
+    @property
+    def schedule(self) -> TrainingConfig: ...
+
+    @property
+    def units(self) -> int:
+        """What an epoch goes through, in the journal's unit of the stage."""
+
+    @property
+    def seconds(self) -> float:
+        """About how long it takes alone."""
+
+    def fit(self, on_progress: Callable[[Progress], None]) -> FitResult:
+        """Train it into its folder. Runs in another process."""
+
+
+@dataclass(frozen=True)
+class Fitter:
+    """Trains what is not trained yet; on a CPU as many at once as `workers` and the networks' threads allow.
+
+    What comes out does not depend on how many are trained at once.
+    """
+
+    workspace: Workspace
+    device: str
+    workers: int
+
+    def pending(self, fittings: Sequence[Fitting]) -> list[Fitting]:
+        """Those that were not trained from the same inputs."""
+        return [each for each in fittings if not self.workspace.is_current(each.stage, each.inputs)]
+
+    def seconds(self, fittings: Sequence[Fitting]) -> float:
+        """About how long all of them take."""
+        alone = [each.seconds for each in fittings]
+        return max([sum(alone) / max(self._at_once(fittings), 1), *alone], default=0.0)
+
+    def run(self, fittings: Sequence[Fitting], observer: Observer) -> None:
+        """Train those that are pending, the ones that take longest first."""
+        pending = self.pending(fittings)
+        for each in fittings:
+            if each not in pending:
+                observer.note(f"{each.name}: trained already")
+                remove_checkpoints(each.folder)
+
+        def on_progress(told: tuple[str, Progress]) -> None:
+            name, progress = told
+            shown = [f"{key} {value:.3f}" for key, value in progress.metrics.items() if key.endswith(("loss", "/error"))]
+            observer.progress(f"training {name}", progress.epoch, progress.epochs, " ".join(shown))
+
+        at_once = self._at_once(pending)
+        if at_once > 1:
+            pending = sorted(pending, key=lambda each: -each.seconds)
+        for each, answer in map_unordered(partial(_fit, self.workspace), pending, at_once, on_progress):
+            if isinstance(answer, Crashed):
+                raise ChildProcessError(f"the process that trained {each.name} died: too little memory?")
+
+    def _at_once(self, fittings: Sequence[Fitting]) -> int:
+        threads = [each.schedule.threads for each in fittings]
+        if not fittings or 0 in threads or pick_device(self.device) != "cpu":
+            return 1
+        return min(len(fittings), self.workers // max(threads))
+
+
+def _fit(workspace: Workspace, fitting: Fitting) -> None:
+    """Train one network. Progress is told (`workers.tell`) as its name and a `Progress`."""
+    may_be_cut_off()  # what is on the disk is whole at any moment
+    workspace.forget(fitting.stage)
+    with timed(workspace, fitting.stage) as watch:
+        result = fitting.fit(lambda progress: tell((fitting.name, progress)))
+        watch.amount = len(result.history) * fitting.units
+        watch.what = f"{fitting.name} for {len(result.history)} epochs"
+    outputs = tuple(str((fitting.folder / name).relative_to(workspace.path)) for name in (WEIGHTS, HEADER, METRICS))
+    workspace.write_record(fitting.stage, StageRecord(fitting.inputs, outputs))
+    remove_checkpoints(fitting.folder)
+
+
+def result_of(folder: Path) -> dict[str, Any]:
+    """What a training left in its folder, as plain data."""
+    with expecting("one entry an epoch", folder / METRICS):
+        errors = [row["validation/error"] for row in json.loads((folder / METRICS).read_text(encoding="utf-8"))]
+    with expecting("what weights are for", folder / HEADER):
+        header = json.loads((folder / HEADER).read_text(encoding="utf-8"))
+        digest, error = header["sha256"], header["facts"]["error"]
+        kept = min(range(len(errors)), key=lambda epoch: abs(errors[epoch] - error))
+    return {"weights": str(folder / WEIGHTS), "sha256": digest, "epochs": len(errors), "kept": kept, "error": error}
