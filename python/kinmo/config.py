@@ -239,6 +239,10 @@ class AncshWeights:
     axes: Amount = 0.2
 
 
+AncshNetworkName = Literal["ancsh", "npcs"]
+"""The one with all heads, and that with those of parts and NPCS alone."""
+
+
 @dataclass(frozen=True)
 class AncshConfig:
     """The networks of ANCSH (the paper, section 3.4; Li 2020).
@@ -248,7 +252,8 @@ class AncshConfig:
     the whole `object`, as in the release, or to that of the visible `scan`, which is all that a user has. `joint_labels`: a
     point near to two joints tells of the `nearest`, or as in the `release` of the last, where joints without a place have one
     too. An epoch has `batches_per_epoch` batches of `batch_frames` scans of `points` points; `validation_frames` an object
-    choose the best.
+    choose the best. What networks say of a scan is a label for others where of every part at least the share `confidence` of
+    its points agrees on where that is.
     """
 
     training: TrainingConfig
@@ -265,6 +270,7 @@ class AncshConfig:
     batch_frames: Count = 16
     batches_per_epoch: Count = 100
     validation_frames: Count = 4
+    confidence: Share = 0.8
 
 
 @dataclass(frozen=True)

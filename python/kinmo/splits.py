@@ -60,6 +60,23 @@ def is_validation_in_fold(shape_id: str, fold: int, folds: int = 5) -> bool:
     return fold_of(shape_id, folds) != fold and _position(shape_id, f"validation {fold}") < _VALIDATION_SHARE
 
 
+def within_share(shapes: Iterable[tuple[str, str]], share: float) -> list[bool]:
+    """For every shape, given as its id and its category, whether it is among the `share` of labelled ones.
+
+    Of each category that share is kept, at least one shape; a smaller share is part of any larger one.
+    """
+    known = list(shapes)
+    ranked: dict[str, list[tuple[float, str]]] = {}
+    for shape_id, category in known:
+        ranked.setdefault(category, []).append((_position(shape_id, "share"), shape_id))
+    kept = {
+        (shape_id, category)
+        for category, ids in ranked.items()
+        for _, shape_id in sorted(ids)[: max(1, round(share * len(ids)))]
+    }
+    return [shape in kept for shape in known]
+
+
 def leaks(unlabelled: Iterable[Identified], labelled: Iterable[Identified], hidden: Collection[str]) -> list[bool]:
     """For every unlabelled shape, whether a pseudo label for it must not be trained on.
 

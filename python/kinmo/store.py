@@ -52,7 +52,10 @@ _PLAIN = (
 
 @dataclass(frozen=True, slots=True)
 class IndexEntry:
-    """One line of the index. `file` is relative to the store; `source` is what was read, `repairs` what the reader mended."""
+    """One line of the index. `file` is relative to the store; `source` is what was read, `repairs` what the reader mended.
+
+    The labels of a shape that `is_held_back` are for tests, and to measure what labels are worth: nothing is trained on them.
+    """
 
     id: str
     layout: str
@@ -66,6 +69,7 @@ class IndexEntry:
     joint_count: int
     is_labelled: bool
     repairs: tuple[str, ...] = ()
+    is_held_back: bool = False
 
 
 def file_name(layout: str, shape_id: str) -> str:

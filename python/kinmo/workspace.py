@@ -115,14 +115,22 @@ class StageRecord:
 
 
 class Workspace:
-    """A workspace. `prepared`, `models`, `pseudo`, `scans`, `evaluation` and `report` are the folders of the stages."""
+    """A workspace. `prepared`, `models`, `pseudo`, `scans`, `evaluation` and `report` are the folders of the stages.
 
-    def __init__(self, path: Path | str) -> None:
-        self.path = Path(path)
-        self.prepared = self.path / "prepared"
+    `labels` is the share of the labelled shapes for training whose labels count. A workspace with fewer than all of them lies
+    in another one, its `root`: it has that one's prepared shapes and scans, and everything that labels decide is its own, such
+    as scans of what has no label (`own_scans`).
+    """
+
+    def __init__(self, path: Path | str, labels: float = 1.0) -> None:
+        self.root = Path(path)
+        self.labels = labels
+        self.path = self.root if labels == 1.0 else self.root / f"labels-{100.0 * labels:g}"
+        self.prepared = self.root / "prepared"
+        self.scans = self.root / "scans"
         self.models = self.path / "models"
         self.pseudo = self.path / "pseudo"
-        self.scans = self.path / "scans"
+        self.own_scans = self.path / "own-scans"
         self.evaluation = self.path / "eval"
         self.report = self.path / "report"
         self._records = self.path / "records"
@@ -130,7 +138,7 @@ class Workspace:
     @contextmanager
     def locked(self) -> Iterator[None]:
         """Keeps other kinmo processes from writing here (`locked`)."""
-        with locked(self.path):
+        with locked(self.root):
             yield
 
     def record(self, stage: str) -> StageRecord | None:

@@ -15,7 +15,7 @@ from kinmo.splits import Split, split_of
 from kinmo.synth import generate as generating
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.families import family_names
-from kinmo.synth.generate import MOST_SHAPES, SPLITS, Layout, Order, build, generate, orders, write
+from kinmo.synth.generate import HELD_BACK, MOST_SHAPES, SPLITS, Layout, Order, build, generate, orders, write
 from kinmo.synth.model import JointName
 
 SOME = ("safe", "microwave", "bottle", "window")
@@ -153,3 +153,16 @@ def test_ids_depend_neither_on_how_many_there_are_nor_on_what_was_asked_before()
     assert len(set(many)) == len(many)
     few = {order.shape_id for order in orders(3, families=["safe"], seed=3)}
     assert few <= set(many)
+
+
+def test_shapes_that_are_held_back_are_those_of_partnet_with_their_joints(tmp_path):
+    generate(tmp_path, count=2, families=SOME[:2], layouts=[Layout.PARTNET], held_back=True)
+    shown, bare = (sorted((tmp_path / name).iterdir()) for name in (HELD_BACK, "partnet"))
+    assert [path.name for path in shown] == [path.name for path in bare]
+    for one, other in zip(shown, bare, strict=True):
+        annotated, plain = read_partnet_mobility(one), read_partnet(other)
+        assert annotated.mobility is not None
+        assert plain.mobility is None
+        assert annotated.partnet_id == plain.partnet_id
+        boxes = [np.sort([np.ptp(mesh.vertices, axis=0) for mesh in shape.meshes()], axis=0) for shape in (annotated, plain)]
+        np.testing.assert_allclose(*boxes, atol=1e-6)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from typer import Argument
+from typer import Argument, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions
@@ -14,6 +14,10 @@ from kinmo.cli.options import CommonOptions
 def prepare(
     options: CommonOptions,
     folder: Annotated[Path, Argument(help="Folder with shapes anywhere below it.", show_default=False)],
+    hold_back: Annotated[
+        list[Path] | None,
+        Option(help="Folder whose labels are for tests and comparison alone; may be repeated.", show_default=False),
+    ] = None,
 ) -> None:
     """Find, check and convert every shape below a folder.
 
@@ -24,9 +28,10 @@ def prepare(
     For example:
 
         kinmo prepare partnet/
+        kinmo prepare partnet/ --hold-back partnet/held_back
         kinmo prepare partnet/ --json > what_was_wrong.json
     """
     from kinmo.pipeline.prepare import Prepare
     from kinmo.workspace import Workspace
 
-    execute(options, Prepare(folder, Workspace(options.workspace), options.worker_count, options.seed))
+    execute(options, Prepare(folder, Workspace(options.workspace), options.worker_count, options.seed, tuple(hold_back or ())))

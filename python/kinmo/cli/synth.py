@@ -32,6 +32,10 @@ def synth(
         list[LayoutName] | None,
         Option(help="Only this layout; may be repeated.", show_default=False),
     ] = None,
+    held_back: Annotated[
+        bool,
+        Option("--held-back", help="Write PartNet's shapes with their joints too, into held_back/."),
+    ] = False,
 ) -> None:
     """Write procedural shapes, for when there is no PartNet yet.
 
@@ -46,4 +50,4 @@ def synth(
     from kinmo.pipeline.synth import Synth
 
     layouts = tuple(name.value for name in layout or ())
-    execute(options, Synth(folder, count, tuple(family or ()), layouts, None, options.seed, options.worker_count))
+    execute(options, Synth(folder, count, tuple(family or ()), layouts, None, held_back, options.seed, options.worker_count))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
 from kinmo.prepared import PreparedShape
-from kinmo.splits import Split, leaks, split_of
+from kinmo.splits import Split, leaks, split_of, within_share
 from kinmo.store import IndexEntry, PreparedStore, read_header
 from kinmo.workspace import Workspace, digest
 
@@ -17,7 +17,9 @@ from kinmo.workspace import Workspace, digest
 class Dataset:
     """The prepared shapes of a workspace by their use. `copies` are unlabelled copies of labelled ones, left alone.
 
-    `category` is what all of them are, as the index spells it, or None.
+    `category` is what all of them are, as the index spells it, or None. `hidden` are shapes that could be trained on, had their
+    labels not been held back, or left out by the workspace's share of labels. They are `unlabelled` too, unless they have an
+    unlabelled copy, which then is.
     """
 
     store: PreparedStore
@@ -25,6 +27,7 @@ class Dataset:
     labelled: Mapping[Split, tuple[IndexEntry, ...]]
     unlabelled: tuple[IndexEntry, ...]
     copies: tuple[IndexEntry, ...]
+    hidden: tuple[IndexEntry, ...] = ()
 
     def load(self, entries: Iterable[IndexEntry]) -> list[PreparedShape]:
         return [self.store.load(entry) for entry in entries]
@@ -52,12 +55,30 @@ def open_dataset(workspace: Workspace, category: str | None = None) -> Dataset:
         near = did_you_mean(category or "", known)
         raise InputError(workspace.prepared, f"no prepared shape of {category}{near}; there are {', '.join(known)}")
     labelled = [entry for entry in entries if entry.is_labelled]
-    by_split = {split: tuple(entry for entry in labelled if split_of(entry.id) is split) for split in Split}
+    hidden = _hidden(store.entries, workspace.labels)
+    by_split = {
+        split: tuple(entry for entry in labelled if split_of(entry.id) is split and entry not in hidden) for split in Split
+    }
     unlabelled = [entry for entry in entries if not entry.is_labelled]
-    is_copy = leaks(unlabelled, (entry for entry in store.entries if entry.is_labelled), frozenset())
+    names = {entry.id for entry in hidden}
+    is_copy = leaks(unlabelled, (entry for entry in store.entries if entry.is_labelled), names)
     originals, copies = (
         tuple(entry for entry, leaking in zip(unlabelled, is_copy, strict=True) if leaking is wanted)
         for wanted in (False, True)
     )
+    own_hidden = tuple(entry for entry in labelled if entry in hidden)
+    counted = (*(entry for entry in store.entries if entry.is_labelled and entry not in hidden), *originals)
+    alone = tuple(entry for entry, copied in zip(own_hidden, leaks(own_hidden, counted, ()), strict=True) if not copied)
     spelling = None if category is None else min(entry.category for entry in entries)
-    return Dataset(store, spelling, by_split, originals, copies)
+    return Dataset(store, spelling, by_split, originals + alone, copies, own_hidden)
+
+
+def _hidden(entries: Iterable[IndexEntry], share: float) -> frozenset[IndexEntry]:
+    """Labelled shapes that are not for tests and whose labels nothing may be learnt from: those that are held back, and all but
+    a `share` of those to train on, of each category.
+    """
+    labelled = [entry for entry in entries if entry.is_labelled]
+    hidden = {entry for entry in labelled if entry.is_held_back and split_of(entry.id) is not Split.TEST}
+    training = [entry for entry in labelled if entry not in hidden and split_of(entry.id) is Split.TRAIN]
+    kept = within_share(((entry.id, entry.category) for entry in training), share)
+    return frozenset(hidden | {entry for entry, keep in zip(training, kept, strict=True) if not keep})

@@ -50,6 +50,15 @@ def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:
     return digest(found)
 
 
+def weights_hashes(paths: tuple[Path, ...]) -> list[str]:
+    """The hash of every one of some files of weights."""
+    found = []
+    for path in (path.with_suffix(".json") for path in paths):
+        with expecting("what weights are for", path):
+            found.append(json.loads(path.read_text(encoding="utf-8"))["sha256"])
+    return found
+
+
 def trained_config(workspace: Workspace) -> Config:
     """The configuration that the workspace's networks were trained with; `small` if none was trained."""
     path = workspace.models / CONFIG

@@ -28,12 +28,13 @@ LINES = 40
 
 @dataclass(frozen=True)
 class Prepare:
-    """Prepare every shape below `root`."""
+    """Prepare every shape below `root`; no network learns from the labels of those below `hold_back`."""
 
     root: Path
     workspace: Workspace
     workers: int = 1
     seed: int = 0
+    hold_back: tuple[Path, ...] = ()
 
     def plan(self) -> Plan:
         count = sum(1 for _ in discover(self.root, skip=(self.workspace.path,)))
@@ -48,6 +49,7 @@ class Prepare:
                 self.workspace,
                 workers=self.workers,
                 seed=self.seed,
+                hold_back=self.hold_back,
                 on_progress=lambda done, total, name: observer.progress("preparing shapes", done, total, name),
             )
             watch.amount, watch.what = report.made, f"{report.made} shapes below {shown(self.root)}"

@@ -157,7 +157,12 @@ class Labelling:
             return self.refused(job, str(error))
         judgement = judge(prediction, entry.layout, self.threshold)
         if judgement.is_accepted:
-            made_by = {"score": judgement.score, "method": prediction.method, "weights": self.predictor.weights}
+            made_by = {
+                "layout": entry.layout,
+                "score": judgement.score,
+                "method": prediction.method,
+                "weights": self.predictor.weights,
+            }
             write_partnet_mobility(shape, prediction.mobility, job.folder, meta={"pseudo_label": made_by})
         else:
             shutil.rmtree(job.folder, ignore_errors=True)

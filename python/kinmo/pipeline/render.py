@@ -1,40 +1,40 @@
-"""Scans of the labelled shapes of a workspace, and of those with pseudo labels."""
+"""Scans of the shapes of a workspace: of those with joints, by them, of those with pseudo labels, by these."""
 
 from __future__ import annotations
 
+import json
 import zlib
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 from urllib.parse import quote
 
 from kinmo import __version__
 from kinmo.categories import same_category
 from kinmo.config import ScansConfig, load_config
-from kinmo.errors import InputError
+from kinmo.errors import InputError, expecting
 from kinmo.formats import Found, Layout, discover, read_found
-from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.pseudo_label import DECISIONS
+from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, Role, scans_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.scans.articulated_object import articulated_object
+from kinmo.scans.articulated_object import articulated_object, still_object
 from kinmo.scans.scan import scan
 from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
 from kinmo.workers import Crashed, map_unordered
-from kinmo.workspace import Workspace, digest, remove_leftovers
+from kinmo.workspace import Workspace, digest, remove_leftovers, write_text_atomically
 
 STAGE = "render"
-PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
-"""Of the paper's Table 2."""
 SECONDS_PER_FRAME = 0.012
-
-Labels = Literal["train", "validation", "test", "pseudo"]
-"""Where an object's joints come from, and what it is for; those with pseudo labels are for training."""
+"""On one core, until the journal knows better."""
+REFUSED = ".refused.json"
+"""Ending of what stands in place of the scans of an object that cannot be scanned, and says why."""
 
 
 @dataclass(frozen=True)
@@ -43,16 +43,22 @@ class Job:
 
     found: Found
     category: str
-    labels: Labels
+    role: Role
+    layout: str
     path: Path
     made_from: str
+
+    @property
+    def refusal(self) -> Path:
+        return self.path.with_suffix(REFUSED)
 
 
 @dataclass(frozen=True)
 class Render:
     """Scan the objects of a category, or of those of the paper's five that there are labelled shapes of.
 
-    Frames that were made from the same files in the same way stay as they are.
+    Every labelled shape is scanned as its joints move it, and every one with a pseudo label as that says; with `unlabelled`,
+    those without joints too, as they stand. Frames that were made from the same files in the same way stay as they are.
     """
 
     workspace: Workspace
@@ -60,11 +66,12 @@ class Render:
     category: str | None = None
     seed: int = 0
     workers: int = 1
+    unlabelled: bool = False
 
     def plan(self) -> Plan:
         config = load_config(self.config).scans
         pending = [job for job in self._jobs(config) if not _is_done(job)]
-        frames = sum(_frames(config, job.labels) for job in pending)
+        frames = sum(_frames(config, job.role) for job in pending)
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
         steps = (f"scan {len(pending)} objects, {frames} frames",) if pending else ()
         return Plan(steps, frames * each)
@@ -72,86 +79,139 @@ class Render:
     def run(self, observer: Observer) -> Outcome:
         config = load_config(self.config).scans
         with self.workspace.locked():
-            remove_leftovers(self.workspace.scans)
+            for folder in (self.workspace.scans, self.workspace.own_scans):
+                remove_leftovers(folder)
             jobs = list(self._jobs(config))
             self._remove_stale(jobs)
             pending = [job for job in jobs if not _is_done(job)]
-            refused = {}
+            if jobs and not pending:
+                observer.note("scanned already")
             with timed(self.workspace, STAGE) as watch:
                 for done, (job, problem) in enumerate(map_unordered(Rendering(config), pending, self.workers), start=1):
-                    if problem:
-                        refused[job.found.id] = "its process died" if isinstance(problem, Crashed) else problem
+                    if isinstance(problem, Crashed):
+                        _refuse(job, "the process that scanned it died")
                     observer.progress("scanning objects", done, len(pending), job.found.id)
-                watch.amount = sum(_frames(config, job.labels) for job in pending)
+                watch.amount = sum(_frames(config, job.role) for job in pending)
                 watch.what = f"{len(pending)} objects"
             files = [open_scans(job.path) for job in jobs if job.path.exists()]
+            refused = {job.found.id: _reason(job) for job in jobs if job.refusal.exists()}
         data = {"categories": summary(files), "refused": refused}
         return Outcome(self.workspace.scans, data, _text(data))
 
     def _jobs(self, config: ScansConfig) -> Iterator[Job]:
         """Raises InputError where there is no labelled shape of the categories."""
-        dataset = open_dataset(self.workspace, self.category)
-        labelled = {split: _chosen(dataset.labelled[split], self.category) for split in Split}
-        if not any(labelled.values()):
-            wanted = self.category or f"one of {', '.join(PAPER_CATEGORIES)}"
-            raise InputError(self.workspace.prepared, f"expected labelled shapes of {wanted}; --category names another")
+        whole = open_dataset(Workspace(self.workspace.root), self.category)
+        own = open_dataset(self.workspace, self.category)
         way = {"scans": to_table(config), "seed": self.seed, "kinmo": __version__}
-        for split, entries in labelled.items():
+        roles: dict[Role, Sequence[IndexEntry]] = {split.value: whole.labelled[split] for split in Split}
+        roles["hidden"] = whole.hidden
+        labelled = {role: _chosen(entries, self.category) for role, entries in roles.items()}
+        if not labelled["train"]:
+            wanted = self.category or f"one of {', '.join(PAPER_CATEGORIES)}"
+            problem = f"expected labelled shapes of {wanted} to train on; --category names another"
+            raise InputError(self.workspace.prepared, problem)
+        if self.unlabelled:
+            labelled["unlabelled"] = _chosen(own.unlabelled, self.category)
+        for role, entries in labelled.items():
             for entry in entries:
                 found = Found(Path(entry.source), Layout(entry.layout), entry.id)
-                yield self._job(found, entry.category, split.value, digest([dataset.fingerprint([entry]), way]))
-        categories = {entry.category for entries in labelled.values() for entry in entries}
-        yield from self._pseudo_jobs(dataset, categories, way)
+                made_from = digest([whole.fingerprint([entry]), way, role])
+                yield _job(self.workspace, found, entry.category, role, entry.layout, made_from)
+        yield from self._pseudo_jobs({entry.category for entry in labelled["train"]}, way)
 
-    def _pseudo_jobs(self, dataset: Dataset, categories: set[str], way: dict[str, Any]) -> Iterator[Job]:
+    def _pseudo_jobs(self, categories: set[str], way: dict[str, Any]) -> Iterator[Job]:
         if not self.workspace.pseudo.exists():
             return
         for found in discover(self.workspace.pseudo, skip=(self.workspace.pseudo / DECISIONS,)):
-            label = (found.path / "mobility_v2.json").read_bytes()
+            meta = found.path / "meta.json"
+            with expecting("what kinmo pseudo-label writes", meta):
+                layout = json.loads(meta.read_text(encoding="utf-8"))["pseudo_label"]["layout"]
             category = read_found(found).category
             if category in categories:
-                yield self._job(found, category, "pseudo", digest([zlib.crc32(label), way]))
-
-    def _job(self, found: Found, category: str, labels: Labels, made_from: str) -> Job:
-        name = f"{quote(found.id, safe=' ')}-{found.layout.value}.safetensors"
-        return Job(found, category, labels, self.workspace.scans / category / labels / name, made_from)
+                label = (found.path / "mobility_v2.json").read_bytes()
+                yield _job(self.workspace, found, category, "pseudo", layout, digest([zlib.crc32(label), way]))
 
     def _remove_stale(self, jobs: Sequence[Job]) -> None:
-        """Remove scans, of the categories at hand, of objects that are no longer there or are for something else now."""
-        wanted = {job.path for job in jobs}
-        for category in {job.category for job in jobs}:
-            for path in (self.workspace.scans / category).rglob("*.safetensors"):
+        """Remove scans, of the categories and roles at hand, of objects that are no longer there or have another role."""
+        wanted = {path for job in jobs for path in (job.path, job.refusal)}
+        for folder in {job.path.parent for job in jobs}:
+            for path in folder.glob("*.*"):
                 if path not in wanted:
                     path.unlink()
 
 
 @dataclass(frozen=True)
 class Rendering:
-    """Scans an object, in whatever process. The answer says why nothing came of it, empty if something did."""
+    """Scans an object, in whatever process."""
 
     config: ScansConfig
 
-    def __call__(self, job: Job) -> str:
-        try:
-            target = articulated_object(read_found(job.found), smallest=self.config.smallest_part)
-        except ValueError as error:
-            return str(error)
-        seed = zlib.crc32(f"{job.found.id} {job.made_from}".encode())
-        scans = scan(target, self.config, seed, to_train=job.labels in ("train", "pseudo"))
+    def __call__(self, job: Job) -> None:
         job.path.parent.mkdir(parents=True, exist_ok=True)
-        write_scans(job.path, target, scans, {"made_from": job.made_from, "labels": job.labels})
-        return ""
+        try:
+            shape = read_found(job.found)
+            moves = job.role != "unlabelled"
+            target = articulated_object(shape, smallest=self.config.smallest_part) if moves else still_object(shape)
+        except ValueError as error:
+            _refuse(job, str(error))
+            return
+        seed = zlib.crc32(f"{job.found.id} {job.made_from}".encode())
+        scans = scan(target, self.config, seed, to_train=job.role not in ("validation", "test"))
+        write_scans(job.path, target, scans, {"made_from": job.made_from, "role": job.role, "layout": job.layout})
+        job.refusal.unlink(missing_ok=True)
+
+
+def _job(workspace: Workspace, found: Found, category: str, role: Role, layout: str, made_from: str) -> Job:
+    name = f"{quote(found.id, safe=' ')}-{layout}.safetensors"
+    return Job(found, category, role, layout, scans_of(workspace, category, role) / name, made_from)
+
+
+def _refuse(job: Job, reason: str) -> None:
+    job.path.unlink(missing_ok=True)
+    write_text_atomically(job.refusal, json.dumps({"made_from": job.made_from, "reason": reason}, ensure_ascii=False) + "\n")
+
+
+def _refused(job: Job) -> dict[str, str]:
+    """What `_refuse` wrote; empty if that is not there, or not whole."""
+    try:
+        data = json.loads(job.refusal.read_text(encoding="utf-8"))
+        return {"made_from": str(data["made_from"]), "reason": str(data["reason"])}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+
+
+def _reason(job: Job) -> str:
+    return _refused(job).get("reason", "")
+
+
+def _is_done(job: Job) -> bool:
+    if _refused(job).get("made_from") == job.made_from:
+        return True
+    try:
+        return bool(open_scans(job.path).provenance["made_from"] == job.made_from)
+    except (InputError, KeyError):
+        return False
+
+
+def _frames(config: ScansConfig, role: Role) -> int:
+    return config.test_states * config.test_views if role in ("validation", "test") else config.states * config.views
+
+
+def _chosen(entries: Sequence[IndexEntry], category: str | None) -> list[IndexEntry]:
+    wanted = PAPER_CATEGORIES if category is None else (category,)
+    return [entry for entry in entries if any(same_category(entry.category, name) for name in wanted)]
 
 
 def summary(files: Sequence[ScanFile]) -> dict[str, Any]:
-    """By category: objects and frames by what they are for, structures, and frames refused by reason."""
+    """By category: objects and frames by role, structures, and frames refused by reason."""
     found: dict[str, Any] = {}
     for category in sorted({file.category for file in files}):
         own = [file for file in files if file.category == category]
+        moving = [file for file in own if file.provenance["role"] != "unlabelled"]
         found[category] = {
-            "objects": dict(Counter(file.provenance["labels"] for file in own)),
+            "objects": dict(Counter(file.provenance["role"] for file in own)),
             "frames": sum(file.frames for file in own),
-            "structures": dict(Counter(str(file.structure) for file in own)),
+            "structures": dict(Counter(str(file.structure) for file in moving)),
             "refused": dict(sum((Counter(file.refused) for file in own), Counter())),
         }
     return found
@@ -160,24 +220,8 @@ def summary(files: Sequence[ScanFile]) -> dict[str, Any]:
 def _text(data: dict[str, Any]) -> str:
     lines = []
     for category, found in data["categories"].items():
-        objects = ", ".join(f"{count} {labels}" for labels, count in found["objects"].items())
+        objects = ", ".join(f"{count} {role}" for role, count in found["objects"].items())
         lines.append(f"{category}: {found['frames']} frames of {objects} objects; {sum(found['refused'].values())} refused")
         lines += [f"    {count:5} {structure}" for structure, count in found["structures"].items()]
     lines += [f"left out  {reason}" for reason in data["refused"].values()]
     return "\n".join(lines)
-
-
-def _chosen(entries: Sequence[IndexEntry], category: str | None) -> list[IndexEntry]:
-    wanted = PAPER_CATEGORIES if category is None else (category,)
-    return [entry for entry in entries if any(same_category(entry.category, name) for name in wanted)]
-
-
-def _frames(config: ScansConfig, labels: Labels) -> int:
-    return config.states * config.views if labels in ("train", "pseudo") else config.test_states * config.test_views
-
-
-def _is_done(job: Job) -> bool:
-    try:
-        return bool(open_scans(job.path).provenance["made_from"] == job.made_from)
-    except (InputError, KeyError):
-        return False

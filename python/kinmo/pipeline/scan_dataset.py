@@ -5,31 +5,61 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
 
 from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
-from kinmo.pipeline.render import Labels
+from kinmo.formats import Layout
+from kinmo.pipeline.dataset import open_dataset
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import ScanFile, open_scans
+from kinmo.splits import Split
 from kinmo.workspace import Workspace, digest
+
+PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
+"""Of the paper's Table 2."""
+
+Role = Literal["train", "validation", "test", "hidden", "unlabelled", "pseudo"]
+"""What an object is for. Joints of the first four are true, those of `hidden` held back; `unlabelled` ones have none."""
+Setting = Literal["supervised", "semi", "semi-weakly", "dsg-net", "ceiling"]
+"""What networks are trained on beside the labelled shapes (paper, section 4.2): nothing; scans of unlabelled shapes with what
+networks that were trained so far say of them; shapes with pseudo labels, in PartNet's layouts or in DSG-Net's; shapes whose
+true labels were held back, which is the best that pseudo labels could do."""
+
+
+def scans_of(workspace: Workspace, category: str, role: Role) -> Path:
+    """The folder of the scans with a role."""
+    return (workspace.own_scans if role in ("unlabelled", "pseudo") else workspace.scans) / category / role
 
 
 @dataclass(frozen=True)
 class ScanDataset:
-    """The scans of a category's objects of one structure, by what they are for.
+    """The scans of a category's objects of one structure, by role; those of `unlabelled` objects have no structure.
 
-    `others` counts objects that were scanned but have another structure, by that and by what they are for: no network of
-    this structure can say what they are.
+    `others` counts objects that were scanned but have another structure, by that and by role: no network of this structure can
+    say what they are.
     """
 
     category: str
     structure: Structure
-    files: Mapping[Labels, tuple[ScanFile, ...]]
-    others: Mapping[tuple[str, Labels], int]
+    files: Mapping[Role, tuple[ScanFile, ...]]
+    others: Mapping[tuple[str, Role], int]
 
-    def fingerprint(self, files: Sequence[ScanFile]) -> str:
-        """Changes whenever one of the files would be made anew."""
-        return digest([[file.id, file.provenance["made_from"]] for file in files])
+    def training(self, setting: Setting) -> tuple[ScanFile, ...]:
+        """The files to train on in a setting; those of `semi`, which networks label, are not among them."""
+        more: tuple[ScanFile, ...] = ()
+        if setting == "ceiling":
+            more = self.files["hidden"]
+        elif setting in ("semi-weakly", "dsg-net"):
+            is_wanted = {"semi-weakly": False, "dsg-net": True}[setting]
+            more = tuple(f for f in self.files["pseudo"] if (f.provenance["layout"] == Layout.DSG_NET.value) is is_wanted)
+        return self.files["train"] + more
+
+
+def fingerprint(files: Sequence[ScanFile]) -> str:
+    """Changes whenever one of the files would be made anew."""
+    return digest([[file.id, file.provenance["made_from"]] for file in files])
 
 
 def scanned_categories(workspace: Workspace) -> tuple[str, ...]:
@@ -40,7 +70,8 @@ def scanned_categories(workspace: Workspace) -> tuple[str, ...]:
 def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     """The scans of a category, however it is spelled, of the structure that most objects to train on have.
 
-    Where as many have another, that with fewer parts is taken. Raises InputError if nothing of it was scanned.
+    Where as many have another, that with fewer parts is taken. What is trained on and what is hidden is as the workspace's
+    share of labels has it; the structure does not depend on that. Raises InputError if nothing of it was scanned.
     """
     known = scanned_categories(workspace)
     spelling = next((name for name in known if same_category(name, category)), None)
@@ -48,18 +79,29 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         near = did_you_mean(category, known)
         there = f"; there are {', '.join(known)}" if known else ""
         raise InputError(workspace.scans, f"no scans of {category}{near}{there}: run kinmo render first")
-    files = [open_scans(path) for path in sorted((workspace.scans / spelling).rglob("*.safetensors"))]
-    structures = Counter(file.structure for file in files if file.provenance["labels"] == "train" and file.frames)
+    roles: tuple[Role, ...] = ("train", "validation", "test", "hidden", "unlabelled", "pseudo")
+    found = {role: _open_all(scans_of(workspace, spelling, role)) for role in roles}
+    structures = Counter(file.structure for file in found["train"] if file.frames)
     if not structures:
         raise InputError(workspace.scans / spelling, "expected scans of a labelled shape to train on")
     most = max(structures.values())
     structure = min((s for s, count in structures.items() if count == most), key=lambda s: (s.part_count, str(s)))
-    own: dict[Labels, list[ScanFile]] = {"train": [], "validation": [], "test": [], "pseudo": []}
-    others: Counter[tuple[str, Labels]] = Counter()
-    for file in files:
-        labels: Labels = file.provenance["labels"]
-        if file.structure == structure and file.frames:
-            own[labels].append(file)
-        else:
-            others[str(file.structure) if file.frames else "no frame", labels] += 1
-    return ScanDataset(spelling, structure, {name: tuple(some) for name, some in own.items()}, others)
+    dataset = open_dataset(workspace, spelling)
+    counted = {entry.id for entry in dataset.labelled[Split.TRAIN]}
+    found["hidden"] += [file for file in found["train"] if file.id not in counted]
+    found["train"] = [file for file in found["train"] if file.id in counted]
+    files: dict[Role, tuple[ScanFile, ...]] = {}
+    others: Counter[tuple[str, Role]] = Counter()
+    for role, some in found.items():
+        fitting = [file.frames > 0 and (role == "unlabelled" or file.structure == structure) for file in some]
+        files[role] = tuple(file for file, fits in zip(some, fitting, strict=True) if fits)
+        others.update(
+            (str(file.structure) if file.frames else "no frame", role)
+            for file, fits in zip(some, fitting, strict=True)
+            if not fits
+        )
+    return ScanDataset(spelling, structure, files, others)
+
+
+def _open_all(folder: Path) -> list[ScanFile]:
+    return [open_scans(path) for path in sorted(folder.glob("*.safetensors"))]

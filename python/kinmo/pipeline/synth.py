@@ -18,7 +18,8 @@ SECONDS_PER_SHAPE = 0.05
 class Synth:
     """Write `count` shapes a family and layout (a third of that in DSG-Net's) below `folder`.
 
-    Empty `families` and `layouts` mean all; without a `parameter_range` labelled and unlabelled shapes take their own.
+    With `held_back` the shapes in PartNet's layout are written with their joints too, into a folder of that name. Empty
+    `families` and `layouts` mean all; without a `parameter_range` labelled and unlabelled shapes take their own.
     """
 
     folder: Path
@@ -26,6 +27,7 @@ class Synth:
     families: tuple[str, ...] = ()
     layouts: tuple[str, ...] = ()
     parameter_range: ParameterRange | None = None
+    held_back: bool = False
     seed: int = 0
     workers: int = 1
 
@@ -55,6 +57,7 @@ class Synth:
             "layouts": tuple(map(Layout, self.layouts)) or tuple(Layout),
             "seed": self.seed,
             "parameter_range": self.parameter_range,
+            "held_back": self.held_back,
         }
 
     def _counts(self) -> tuple[int, int]:
@@ -62,5 +65,5 @@ class Synth:
         total = there = 0
         for order in orders(**self._wish()):
             total += 1
-            there += (self.folder / order.layout.value / order.shape_id).exists()
+            there += (self.folder / order.folder / order.shape_id).exists()
         return total, there

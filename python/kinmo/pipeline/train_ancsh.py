@@ -5,23 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
-from kinmo.config import AncshConfig, Config, TrainingConfig, load_config
+from kinmo.config import AncshConfig, AncshNetworkName, Config, TrainingConfig, load_config
 from kinmo.errors import InputError
-from kinmo.learning.ancsh.train import Network, train_ancsh
+from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.learning.training import FitResult, Progress
+from kinmo.pipeline.ancsh_files import NETWORKS, Cell
 from kinmo.pipeline.fitting import Fitter, result_of
 from kinmo.pipeline.journal import seconds_per_unit
-from kinmo.pipeline.scan_dataset import ScanDataset, open_scan_dataset, scanned_categories
+from kinmo.pipeline.scan_dataset import ScanDataset, Setting, fingerprint, open_scan_dataset, scanned_categories
+from kinmo.pipeline.self_label import SelfLabel, self_labels
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import ScanFile, open_scans
 from kinmo.typed_tables import to_table
 from kinmo.workspace import Workspace, remove_leftovers
 
-Setting = Literal["supervised", "semi-weakly"]
-"""Trained on the labelled shapes alone, or on those with pseudo labels too (paper, section 4.2)."""
-NETWORKS: tuple[Network, ...] = ("ancsh", "npcs")
 SECONDS_PER_FRAME = 0.014
 """On one CPU core with the configuration `small`, until the journal knows better."""
 
@@ -31,27 +30,25 @@ class ScanFitting:
     """One network to be trained on some scans, and chosen by others."""
 
     workspace: Workspace
-    category: str
-    setting: Setting
-    network: Network
+    cell: Cell
+    network: AncshNetworkName
     training: tuple[Path, ...]
     validation: tuple[Path, ...]
     section: AncshConfig
     inputs: dict[str, Any]
-    seed: int
     device: str
 
     @property
     def name(self) -> str:
-        return f"{self.network} ({self.category}, {self.setting})"
+        return f"{self.network} ({self.cell})"
 
     @property
     def stage(self) -> str:
-        return f"train-{self.network}-{self.category}-{self.setting}"
+        return f"train-{self.network}-{self.cell.key}"
 
     @property
     def folder(self) -> Path:
-        return ancsh_folder(self.workspace, self.category, self.setting, self.network)
+        return self.cell.folder(self.workspace, self.network)
 
     @property
     def schedule(self) -> TrainingConfig:
@@ -72,7 +69,7 @@ class ScanFitting:
             self.section,
             self.folder,
             which=self.network,
-            seed=self.seed,
+            seed=self.cell.seed,
             device=self.device,
             fingerprint=str(self.inputs["data"]),
             on_progress=on_progress,
@@ -81,7 +78,10 @@ class ScanFitting:
 
 @dataclass(frozen=True)
 class TrainAncsh:
-    """Train both networks of a category, or of all that there are scans of, in a setting."""
+    """Train both networks of a category, or of all that there are scans of, in a setting.
+
+    In the setting `semi` those of `supervised` come first, which then label the scans of unlabelled objects.
+    """
 
     workspace: Workspace
     config: str
@@ -92,18 +92,27 @@ class TrainAncsh:
     workers: int = 1
 
     def plan(self) -> Plan:
-        fittings = list(self._fittings(self._config()))
+        config = self._config()
+        steps: list[str] = []
+        seconds = 0.0
+        for stage in self._before(config):
+            plan = stage.plan()
+            steps += plan.steps
+            seconds += plan.seconds
+        fittings = list(self._fittings(config))
         pending = self._fitter.pending(fittings)
-        steps = tuple(
+        steps += [
             f"train {each.name} on scans of {len(each.training)} objects for {each.schedule.epochs} epochs, "
             f"choose by {len(each.validation)}"
             for each in fittings
             if each in pending
-        )
-        return Plan(steps, self._fitter.seconds(pending))
+        ]
+        return Plan(tuple(steps), seconds + self._fitter.seconds(pending))
 
     def run(self, observer: Observer) -> Outcome:
         config = self._config()
+        for stage in self._before(config):
+            stage.run(observer)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
             fittings = list(self._fittings(config))
@@ -125,38 +134,39 @@ class TrainAncsh:
             raise InputError(self.config, "kinmo train uses one device, expected 1", "ancsh.training.devices")
         return config
 
-    def _fittings(self, config: Config) -> Iterator[ScanFitting]:
+    def _categories(self) -> tuple[str, ...]:
         categories = (self.category,) if self.category else scanned_categories(self.workspace)
         if not categories:
             raise InputError(self.workspace.scans, "no scans: run kinmo render first")
-        for category in categories:
+        return categories
+
+    def _before(self, config: Config) -> Iterator[TrainAncsh | SelfLabel]:
+        """What has to be done first."""
+        if self.setting == "semi":
+            teachers = TrainAncsh(
+                self.workspace, self.config, self.category, "supervised", self.seed, self.device, self.workers
+            )
+            yield teachers
+            for category in self._categories():
+                yield SelfLabel(self.workspace, category, config.ancsh.confidence, self.seed, self.device)
+
+    def _fittings(self, config: Config) -> Iterator[ScanFitting]:
+        for category in self._categories():
             yield from self._of(open_scan_dataset(self.workspace, category), config.ancsh)
 
     def _of(self, dataset: ScanDataset, section: AncshConfig) -> Iterator[ScanFitting]:
-        training = dataset.files["train"] + (dataset.files["pseudo"] if self.setting == "semi-weakly" else ())
-        validation = dataset.files["validation"]
-        if not validation:
-            raise InputError(self.workspace.scans / dataset.category, f"no object with {dataset.structure} to choose by")
-        data = {"training": dataset.fingerprint(training), "validation": dataset.fingerprint(validation)}
+        cell = Cell(dataset.category, self.setting, self.seed)
+        training, validation = dataset.training(self.setting), dataset.files["validation"]
+        if self.setting == "semi":
+            training += tuple(self_labels(self.workspace, dataset.category, self.seed))
+        for files, role in ((training, "train"), (validation, "choose by")):
+            if not files:
+                folder = self.workspace.scans / dataset.category
+                raise InputError(folder, f"expected scans of an object of {dataset.structure} to {role}")
+        data = {"training": fingerprint(training), "validation": fingerprint(validation)}
         for network in NETWORKS:
             inputs = {"network": network, "config": to_table(section), "seed": self.seed, "data": data}
-            yield ScanFitting(
-                self.workspace,
-                dataset.category,
-                self.setting,
-                network,
-                _paths(training),
-                _paths(validation),
-                section,
-                inputs,
-                self.seed,
-                self.device,
-            )
-
-
-def ancsh_folder(workspace: Workspace, category: str, setting: Setting, network: Network) -> Path:
-    """Where a network lies."""
-    return workspace.models / "ancsh" / category / setting / network
+            yield ScanFitting(self.workspace, cell, network, _paths(training), _paths(validation), section, inputs, self.device)
 
 
 def _paths(files: tuple[ScanFile, ...]) -> tuple[Path, ...]:

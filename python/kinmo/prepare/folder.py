@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -75,14 +75,16 @@ def prepare_folder(
     workers: int = 1,
     seed: int = 0,
     points: int = POINTS,
+    hold_back: Sequence[Path] = (),
     on_progress: Progress = lambda done, total, name: None,
 ) -> PrepareReport:
     """Prepares all shapes below `root` into `workspace.prepared`, and lists them in its index.
 
     Shapes that were prepared before from the same files, with the same seed, number of points and version of kinmo, are not
-    prepared again. Index and files do not depend on `workers`, nor on how often a run was cut off. Of copies of one shape
-    the first by path is taken. Raises InputError if `root` is no folder, nothing in it is a shape, or another process works in
-    the workspace; then the index stays as it was.
+    prepared again. Those below the folders of `hold_back` are held back (`store.IndexEntry`). Index and files do not depend
+    on `workers`, nor on how often a run was cut off. Of copies of one shape the first by path is taken. Raises InputError
+    if `root` or what is to be held back is no folder, nothing in `root` is a shape, or another process works in the
+    workspace; then the index stays as it was.
     """
     root = Path(root)
     with workspace.locked():
@@ -93,7 +95,7 @@ def prepare_folder(
         if not total:
             seen = f"; {problems[0]}" if problems else ""
             raise InputError(root, f"expected at least one shape at or below it (docs/formats.md says what is one){seen}")
-        run = _Run(store)
+        run = _Run(store, _folders(hold_back))
         jobs = (
             Job(found, store / file_name(found.layout.value, found.id), points, seed) for found in run.choose(root, workspace)
         )
@@ -109,6 +111,7 @@ class _Run:
     """The state of one run, in the process that writes the files."""
 
     store: Path
+    held_back: tuple[Path, ...] = ()
     entries: list[IndexEntry] = field(default_factory=list)
     left_out: list[Entry] = field(default_factory=list)
     copies: dict[str, list[str]] = field(default_factory=dict)
@@ -146,7 +149,8 @@ class _Run:
         if result.data is not None:
             write_bytes_atomically(job.target, result.data)
             self.made += 1
-        self.entries.append(result.entry)
+        is_held_back = any(folder in found.path.resolve().parents for folder in self.held_back)
+        self.entries.append(replace(result.entry, is_held_back=is_held_back))
         return found.id
 
     def report(self) -> PrepareReport:
@@ -156,6 +160,14 @@ class _Run:
             row = Entry(entry.id, shown(entry.source), entry.repairs + copies)
             (report.repaired if entry.repairs else report.taken).append(row)
         return report
+
+
+def _folders(paths: Sequence[Path]) -> tuple[Path, ...]:
+    """The folders without links. Raises InputError for what is none."""
+    for path in paths:
+        if not path.is_dir():
+            raise InputError(path, "expected a folder with shapes to hold back", "--hold-back")
+    return tuple(path.resolve() for path in paths)
 
 
 def work(job: Job) -> Result:

@@ -116,6 +116,14 @@ def articulated_object(shape: Shape, mobility: Mobility | None = None, *, smalle
     return ArticulatedObject(shape.id, shape.category, up, Mobility(tuple(bodies)), tuple(joined[index] for index in order))
 
 
+def still_object(shape: Shape) -> ArticulatedObject:
+    """All of `shape` as one part that nothing moves, whatever is known of its joints."""
+    frame = Normalisation.of(shape)
+    base = Body(0, "base", tuple(shape.leaves), None, None)
+    mesh = _joined(frame.mesh(mesh) for mesh in shape.meshes())
+    return ArticulatedObject(shape.id, shape.category, np.asarray(shape.up, np.float64), Mobility((base,)), (mesh,))
+
+
 def _without_small(links: Sequence[Link], meshes: dict[int, Mesh], smallest: float) -> list[Link]:
     """The links, those that are too small joined to their parents; a link still stands after its parent."""
     keeper: list[int] = []

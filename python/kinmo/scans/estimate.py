@@ -111,7 +111,7 @@ def estimate(answers: Sequence[PointAnswers], structure: Structure, options: Pos
         source, target, starts, hypotheses=options.hypotheses, threshold=options.threshold, seed=options.seed
     )
     shares = np.array([right[a:b].mean() if b > a else np.nan for a, b in pairwise(starts)])
-    joints = [_said_joints(answer, structure) for answer in answers]
+    joints = [said_joints(answer, structure) for answer in answers]
     tied = _tied(free, source, target, starts, joints, structure, options)
     estimates = []
     for frame, answer in enumerate(answers):
@@ -131,7 +131,7 @@ def _half_extents(npcs: F64) -> F64:
     return np.abs(npcs - MIDDLE).max(axis=0) if len(npcs) else np.full(3, np.nan)
 
 
-def _said_joints(answer: PointAnswers, structure: Structure) -> tuple[F64, F64]:
+def said_joints(answer: PointAnswers, structure: Structure) -> tuple[F64, F64]:
     """Directions (unit) and pivots [K - 1, 3] in NAOCS.
 
     The medians over the points that tell of a joint; where none does, over those of the part that it moves, and NaN where there

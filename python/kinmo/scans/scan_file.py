@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from safetensors.numpy import save
 
 from kinmo.errors import InputError
 from kinmo.joint import Joint
-from kinmo.scans.articulated_object import ArticulatedObject, Extents, Structure
+from kinmo.scans.articulated_object import Extents, Structure
 from kinmo.scans.scan import Scans
 from kinmo.store import joint_from_data, joint_to_data
 from kinmo.workspace import write_bytes_atomically
@@ -58,7 +58,29 @@ class ScanFile:
         return Scans(**{name: self.read(name) for name in _ARRAYS}, refused=Counter(self.refused))
 
 
-def write_scans(path: Path, target: ArticulatedObject, scans: Scans, provenance: Mapping[str, Any]) -> None:
+class Described(Protocol):
+    """What is known of an object whose frames are written: an `ArticulatedObject`, or what networks think of one.
+
+    `joints` and `part_extents` are in the normalised frame.
+    """
+
+    @property
+    def id(self) -> str: ...
+
+    @property
+    def category(self) -> str: ...
+
+    @property
+    def structure(self) -> Structure: ...
+
+    @property
+    def joints(self) -> tuple[Joint, ...]: ...
+
+    @property
+    def part_extents(self) -> Extents: ...
+
+
+def write_scans(path: Path, target: Described, scans: Scans, provenance: Mapping[str, Any]) -> None:
     """Write the frames of `target`, whole or not at all; the same frames give the same bytes. `provenance` is plain data."""
     tensors = {name: np.ascontiguousarray(getattr(scans, name)) for name in _ARRAYS}
     tensors |= {"centers": target.part_extents.centers, "sizes": target.part_extents.sizes}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache, partial
 from pathlib import Path
@@ -28,6 +28,8 @@ MOST_SHAPES = 100_000
 """Of a family and layout."""
 SPLITS = tuple(map(Split, ["train", "test", "train", "validation", "train", "train", "test", "train", "train", "train"]))
 """What every ten shapes of a family are for, where ids are chosen by that: a dozen are too few to leave it to their hashes."""
+HELD_BACK = "held_back"
+"""Subfolder of annotated copies of the shapes in PartNet's layout."""
 
 
 class Layout(str, Enum):
@@ -51,6 +53,7 @@ class Order:
     """One shape to be made. The shape depends on these fields and on nothing else.
 
     With `chooses_split` its id, which decides what it is for, is chosen so that `SPLITS` says that too.
+    One that `shows_joints` is written with them, in PartNet-Mobility's layout, whatever layout it has without.
     """
 
     family: str
@@ -59,6 +62,16 @@ class Order:
     layout: Layout
     parameter_range: ParameterRange
     chooses_split: bool = False
+    shows_joints: bool = False
+
+    @property
+    def folder(self) -> str:
+        """The subfolder that it is written to."""
+        return HELD_BACK if self.shows_joints else self.layout.value
+
+    @property
+    def writer(self) -> ModuleType:
+        return partnet_mobility if self.shows_joints else self.layout.writer
 
     @property
     def shape_id(self) -> str:
@@ -115,12 +128,13 @@ def orders(
     layouts: Sequence[Layout] = tuple(Layout),
     seed: int = 0,
     parameter_range: ParameterRange | None = None,
+    held_back: bool = False,
 ) -> Iterator[Order]:
     """`count` shapes a family and layout; a third of that, at least one, in DSG-Net's layout.
 
     Without a `parameter_range`, labelled and unlabelled layouts take the range that is meant for them, and ids are such that of
-    every family there are shapes to train on, to choose by and to test (`SPLITS`). Raises InputError for an unknown family or a
-    count out of range.
+    every family there are shapes to train on, to choose by and to test (`SPLITS`). With `held_back` every shape in PartNet's
+    layout comes once more, with its joints. Raises InputError for an unknown family or a count out of range.
     """
     if not 1 <= count <= MOST_SHAPES:
         raise InputError("count", f"expected 1 to {MOST_SHAPES}, got {count}")
@@ -133,7 +147,10 @@ def orders(
         number = max(1, count // 3) if layout is Layout.DSG_NET else count
         for name in chosen:
             for index in range(number):
-                yield Order(name, index, seed, layout, parameter_range or fitting, chooses_split=parameter_range is None)
+                order = Order(name, index, seed, layout, parameter_range or fitting, chooses_split=parameter_range is None)
+                yield order
+                if held_back and layout is Layout.PARTNET:
+                    yield replace(order, shows_joints=True)
 
 
 def generate(
@@ -144,6 +161,7 @@ def generate(
     layouts: Sequence[Layout] = tuple(Layout),
     seed: int = 0,
     parameter_range: ParameterRange | None = None,
+    held_back: bool = False,
     workers: int = 1,
     on_written: Callable[[Path], None] | None = None,
 ) -> int:
@@ -152,7 +170,7 @@ def generate(
     Every shape is whole or absent, and the same whatever `workers` is. `on_written` hears of each new one.
     Raises InputError for an unknown family or a count out of range.
     """
-    todo = orders(count, families=families, layouts=layouts, seed=seed, parameter_range=parameter_range)
+    todo = orders(count, families=families, layouts=layouts, seed=seed, parameter_range=parameter_range, held_back=held_back)
     jobs = (order for order in todo if not _target(order, out).exists())
     written = 0
     for order, path in map_unordered(partial(write, out=out), jobs, workers):
@@ -171,7 +189,7 @@ def write(order: Order, out: Path) -> Path:
     shutil.rmtree(unfinished, ignore_errors=True)
     unfinished.mkdir(parents=True)
     try:
-        order.layout.writer.write(build(order), order.shape_id, unfinished, order.draw("files"))
+        order.writer.write(build(order), order.shape_id, unfinished, order.draw("files"))
         unfinished.rename(target)
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
@@ -179,4 +197,4 @@ def write(order: Order, out: Path) -> Path:
 
 
 def _target(order: Order, out: Path) -> Path:
-    return out / order.layout.value / order.shape_id
+    return out / order.folder / order.shape_id

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import torch
 
-from kinmo.config import AncshConfig
+from kinmo.config import AncshConfig, AncshNetworkName
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.data import ScanData
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, total
@@ -21,9 +20,6 @@ from kinmo.scans.renderers import NOTHING
 from kinmo.scans.scan_file import ScanFile
 from kinmo.typed_tables import to_table
 
-Network = Literal["ancsh", "npcs"]
-"""All heads, or those of parts and NPCS alone."""
-
 
 def train_ancsh(
     training: Sequence[ScanFile],
@@ -31,7 +27,7 @@ def train_ancsh(
     config: AncshConfig,
     run_dir: Path,
     *,
-    which: Network,
+    which: AncshNetworkName,
     seed: int = 0,
     device: str = "auto",
     fingerprint: str = "",
@@ -79,7 +75,7 @@ def structure_of(files: Sequence[ScanFile]) -> Structure:
 class AncshLearner(Learner):
     """The weighted sum of the losses; the best epoch has the least of it on validation."""
 
-    def __init__(self, config: AncshConfig, which: Network, parts: int, classes: int) -> None:
+    def __init__(self, config: AncshConfig, which: AncshNetworkName, parts: int, classes: int) -> None:
         super().__init__(config.training)
         self.config, self.classes = config, classes
         self.network = (AncshNetwork if which == "ancsh" else PartNetwork)(config, parts, classes)

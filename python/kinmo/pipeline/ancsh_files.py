@@ -1,0 +1,52 @@
+"""Where the networks that see scans lie. Nothing here needs torch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from kinmo.config import AncshNetworkName
+from kinmo.pipeline.model_files import WEIGHTS
+from kinmo.pipeline.scan_dataset import Setting
+from kinmo.workspace import Workspace
+
+NETWORKS: tuple[AncshNetworkName, ...] = ("ancsh", "npcs")
+
+
+@dataclass(frozen=True, order=True)
+class Cell:
+    """What a pair of networks was trained for, on and with."""
+
+    category: str
+    setting: Setting
+    seed: int
+
+    def __str__(self) -> str:
+        return f"{self.category}, {self.setting}, seed {self.seed}"
+
+    @property
+    def key(self) -> str:
+        """For names of records."""
+        return f"{self.category}-{self.setting}-{self.seed}"
+
+    def folder(self, workspace: Workspace, network: AncshNetworkName) -> Path:
+        """That of one of the two networks."""
+        return workspace.models / "ancsh" / self.category / self.setting / str(self.seed) / network
+
+    def weights(self, workspace: Workspace) -> tuple[Path, Path] | None:
+        """The weights of both networks, once they are trained."""
+        ancsh, npcs = (self.folder(workspace, network) / WEIGHTS for network in NETWORKS)
+        return (ancsh, npcs) if ancsh.exists() and npcs.exists() else None
+
+
+def trained_cells(workspace: Workspace) -> list[Cell]:
+    """Those whose networks are there."""
+    found = []
+    for folder in sorted((workspace.models / "ancsh").glob("*/*/*")):
+        category, setting, seed = folder.parts[-3:]
+        if seed.isdecimal():
+            cell: Any = Cell(category, setting, int(seed))  # type: ignore[arg-type]
+            if cell.weights(workspace):
+                found.append(cell)
+    return found

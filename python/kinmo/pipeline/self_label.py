@@ -1,0 +1,109 @@
+"""Labels that trained networks give to scans of unlabelled objects: the setting `semi`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from kinmo.errors import InputError
+from kinmo.learning.ancsh.predict import Ancsh
+from kinmo.pipeline.ancsh_files import Cell
+from kinmo.pipeline.journal import seconds_per_unit, timed
+from kinmo.pipeline.model_files import weights_hashes
+from kinmo.pipeline.scan_dataset import ScanDataset, fingerprint, open_scan_dataset
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.scans.estimate import PoseOptions, estimate
+from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
+from kinmo.scans.self_label import self_labelled
+from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers
+
+SECONDS_PER_FRAME = 0.1
+
+
+@dataclass(frozen=True)
+class SelfLabel:
+    """Label the scans of the unlabelled objects of a category by its networks of the setting `supervised`."""
+
+    workspace: Workspace
+    category: str
+    confidence: float
+    seed: int = 0
+    device: str = "auto"
+
+    def plan(self) -> Plan:
+        dataset = open_scan_dataset(self.workspace, self.category)
+        frames = sum(file.frames for file in dataset.files["unlabelled"])
+        if self._cell(dataset).weights(self.workspace) and self._is_current(dataset):
+            return Plan((), 0.0)
+        each = seconds_per_unit(self.workspace, self._stage, SECONDS_PER_FRAME)
+        return Plan((f"label {frames} scans of {self.category} by what networks say",), frames * each)
+
+    def run(self, observer: Observer) -> Outcome:
+        dataset = open_scan_dataset(self.workspace, self.category)
+        folder = self_labels_folder(self.workspace, dataset.category, self.seed)
+        if self._is_current(dataset):
+            observer.note(f"{dataset.category}: scans are labelled already")
+            return Outcome(folder)
+        weights = self._cell(dataset).weights(self.workspace)
+        if weights is None:
+            raise InputError(self.workspace.models, f"no networks to label scans of {self.category} by")
+        files = dataset.files["unlabelled"]
+        if not files:
+            problem = f"no scans of unlabelled objects of {dataset.category}: run kinmo render --unlabelled first"
+            raise InputError(self.workspace.own_scans, problem)
+        inputs = self._inputs(dataset)
+        with self.workspace.locked():
+            self.workspace.forget(self._stage)
+            remove_leftovers(folder)
+            for path in folder.glob("*.safetensors"):
+                path.unlink()
+            network = Ancsh.load(*weights, device=self.device)
+            with timed(self.workspace, self._stage) as watch:
+                for done, file in enumerate(files, start=1):
+                    self._label(file, network, folder, digest([inputs, file.id]))
+                    observer.progress("labelling scans", done, len(files), file.id)
+                watch.amount = sum(file.frames for file in files)
+                watch.what = f"{watch.amount} scans of {dataset.category}"
+            outputs = tuple(str(path.relative_to(self.workspace.path)) for path in sorted(folder.glob("*.safetensors")))
+            self.workspace.write_record(self._stage, StageRecord(inputs, outputs))
+        return Outcome(folder, {"objects": len(outputs), "of": len(files)})
+
+    def _label(self, file: ScanFile, network: Ancsh, folder: Path, made_from: str) -> None:
+        points = file.read("points")
+        answers = network.answer(list(points), [1.0] * len(points))
+        estimates = estimate(answers, network.structure, PoseOptions(seed=self.seed))
+        made = self_labelled((file.id, file.category), points, answers, estimates, network.structure, self.confidence)
+        if made is not None:
+            folder.mkdir(parents=True, exist_ok=True)
+            provenance = {"made_from": made_from, "role": "unlabelled", "layout": file.provenance["layout"]}
+            write_scans(folder / f"{quote(file.path.stem, safe=' ')}.safetensors", *made, provenance)
+
+    @property
+    def _stage(self) -> str:
+        return f"self-label-{self.category}-{self.seed}"
+
+    def _cell(self, dataset: ScanDataset) -> Cell:
+        return Cell(dataset.category, "supervised", self.seed)
+
+    def _inputs(self, dataset: ScanDataset) -> dict[str, Any]:
+        weights = self._cell(dataset).weights(self.workspace)
+        return {
+            "data": fingerprint(dataset.files["unlabelled"]),
+            "weights": weights_hashes(weights or ()),
+            "confidence": self.confidence,
+        }
+
+    def _is_current(self, dataset: ScanDataset) -> bool:
+        return self.workspace.is_current(self._stage, self._inputs(dataset))
+
+
+def self_labels_folder(workspace: Workspace, category: str, seed: int) -> Path:
+    """Where the scans that networks of a seed labelled lie."""
+    return workspace.own_scans / category / f"semi-{seed}"
+
+
+def self_labels(workspace: Workspace, category: str, seed: int) -> list[ScanFile]:
+    """Those scans."""
+    return [open_scans(path) for path in sorted(self_labels_folder(workspace, category, seed).glob("*.safetensors"))]

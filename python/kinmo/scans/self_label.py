@@ -1,0 +1,87 @@
+"""Labels for scans of which nothing is known, from what networks say of them (the paper's ANCSH (Semi))."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.joint import Joint
+from kinmo.scans.articulated_object import Extents, Structure
+from kinmo.scans.estimate import MIDDLE, PointAnswers, ScanEstimate, said_joints
+from kinmo.scans.scan import Scans
+
+F64 = NDArray[np.float64]
+
+UNSURE = "networks were not sure of it"
+
+
+@dataclass(frozen=True, eq=False)
+class SaidObject:
+    """What networks say of one object: its `joints` and the boxes of its parts in the normalised frame."""
+
+    id: str
+    category: str
+    structure: Structure
+    joints: tuple[Joint, ...]
+    part_extents: Extents
+
+
+def is_sure(found: ScanEstimate, confidence: float) -> bool:
+    """Whether every part was found, and at least the share `confidence` of the points of each fits where it is."""
+    return bool(found.poses.found.all() and np.isfinite(found.directions).all() and found.inliers.min() >= confidence)
+
+
+def self_labelled(
+    name: tuple[str, str],
+    points: NDArray[np.float32],
+    answers: Sequence[PointAnswers],
+    estimates: Sequence[ScanEstimate],
+    structure: Structure,
+    confidence: float,
+) -> tuple[SaidObject, Scans] | None:
+    """The frames of one object that networks are sure of, labelled; None where there is none.
+
+    `name` is the object's id and category, `points` [F, n, 3] its scans in the camera's frame. Boxes and joints are the medians
+    of what the frames say; a point's place on its part is where the part's pose, not the point alone, has it. The states of
+    joints are not known (NaN), nor are poses as labelled scans have them.
+    """
+    sure = [row for row, found in enumerate(estimates) if is_sure(found, confidence)]
+    if not sure:
+        return None
+    extents = _extents([answers[row] for row in sure], [estimates[row] for row in sure])
+    said = SaidObject(*name, structure, _joints([answers[row] for row in sure], structure), extents)
+    places = np.zeros((len(sure), *points.shape[1:]), np.float32)
+    for frame, row in enumerate(sure):
+        poses, parts = estimates[row].poses, answers[row].parts
+        for part in range(structure.part_count):
+            own = parts == part
+            npcs = (points[row][own] - poses.translations[part]) @ poses.rotations[part] / poses.scales[part]
+            places[frame, own] = (npcs - MIDDLE) * extents.diagonals[part] + extents.centers[part]
+    count, parts_of = structure.part_count, np.stack([answers[row].parts for row in sure]).astype(np.int8)
+    unknown = np.full((len(sure), count - 1), np.nan)
+    refused = Counter({UNSURE: len(estimates) - len(sure)})
+    poses_of = np.full((len(sure), count, 4, 4), np.nan)
+    return said, Scans(points[sure], parts_of, places, poses_of, unknown, unknown.copy(), refused)
+
+
+def _extents(answers: Sequence[PointAnswers], estimates: Sequence[ScanEstimate]) -> Extents:
+    """Boxes whose diagonals are the sizes of the parts in NAOCS, and whose proportions are those seen."""
+    scales = np.median([answer.part_scales for answer in answers], axis=0)
+    shifts = np.median([answer.part_shifts for answer in answers], axis=0)
+    shapes = np.median([found.half_extents / found.poses.scales[:, None] for found in estimates], axis=0)
+    sizes = shapes / np.linalg.norm(shapes, axis=1, keepdims=True) * scales[:, None]
+    return Extents(shifts + MIDDLE * scales[:, None] - MIDDLE, sizes)
+
+
+def _joints(answers: Sequence[PointAnswers], structure: Structure) -> tuple[Joint, ...]:
+    said = [said_joints(answer, structure) for answer in answers]
+    directions, pivots = (np.median([frame[place] for frame in said], axis=0) for place in (0, 1))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return tuple(
+        Joint(kind, direction, pivot - MIDDLE)
+        for kind, direction, pivot in zip(structure.kinds, directions, pivots, strict=True)
+    )
