@@ -12,7 +12,7 @@ from typing import Annotated, Any
 from typer import Exit, Option, Typer
 
 from kinmo.cli import eval as evaluation
-from kinmo.cli import predict, prepare, pseudo_label, report, synth, train
+from kinmo.cli import predict, prepare, pseudo_label, render, report, synth, table, train
 from kinmo.cli.execute import one_line_errors
 from kinmo.cli.options import with_common_options
 
@@ -81,7 +81,9 @@ _register("synth", synth.synth)
 _register("prepare", prepare.prepare)
 _register("train", train.train)
 _register("pseudo-label", pseudo_label.pseudo_label)
+_register("render", render.render)
 _register("eval", evaluation.evaluate)
+_register("table", table.table)
 _register("predict", predict.predict)
 _register("report", report.report, without=["workers"])
 

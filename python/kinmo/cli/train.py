@@ -9,16 +9,28 @@ from typing import Annotated
 from typer import Argument, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions
+from kinmo.cli.options import CommonOptions, Method
+from kinmo.errors import InputError
 
 
 class What(str, Enum):
-    """The groups of `kinmo.pipeline.models`, without importing it."""
+    """The groups of `kinmo.pipeline.models`, without importing it, and the networks that see scans."""
 
     GNN = "gnn"
     AXIS = "axis"
+    ANCSH = "ancsh"
     ALL = "all"
     CONTACT_EDGES = "contact-edges"
+
+
+class SettingName(str, Enum):
+    """The settings of `kinmo.pipeline.scan_dataset`, without importing it."""
+
+    SUPERVISED = "supervised"
+    SEMI = "semi"
+    SEMI_WEAKLY = "semi-weakly"
+    DSG_NET = "dsg-net"
+    CEILING = "ceiling"
 
 
 def train(
@@ -31,12 +43,20 @@ def train(
     start: Annotated[
         Path | None, Option("--from", help="A workspace whose ranking networks to go on from.", show_default=False)
     ] = None,
+    setting: Annotated[
+        SettingName, Option(help="ancsh: which labels count beside those of the labelled shapes.")
+    ] = SettingName.SEMI_WEAKLY,
+    method: Annotated[Method, Option(help="all: which method gives pseudo labels.")] = Method.KINMO,
 ) -> None:
-    """Train the networks on the labelled shapes.
+    """Train the networks.
+
+    all goes the whole way: gnn and axis on the labelled shapes, pseudo labels for the others (kinmo pseudo-label), scans of
+    both (kinmo render), and ancsh, for --category or for those of the paper that there are labelled shapes of.
 
     gnn predicts how neighbouring parts move against each other (with ten motion types, and with five). axis trains what
     chooses among candidate axes: the paper's axis selection and kinmo's own ranking. contact-edges, no part of all, is the
-    gnn on edges between touching parts alone, for a row of kinmo eval --ablations. The best epoch is chosen on validation
+    gnn on edges between touching parts alone, for a row of kinmo eval --ablations. ancsh finds parts, poses and joints in one
+    depth scan; it is trained on scans, for a category at a time. The best epoch is chosen on validation
     shapes (with --from the last one is kept, halfway to what it went on from); test shapes are never looked at. Training
     that was stopped goes on from its last epoch. On a CPU, networks that take one thread each, as those of small do, are
     trained side by side.
@@ -47,21 +67,22 @@ def train(
 
         kinmo train all
         kinmo train gnn --config paper --device cuda
-        kinmo train axis --category refrigerator
+        kinmo train axis --category laptop
+        kinmo train ancsh --category refrigerator --setting supervised
         kinmo train all --workspace real --from procedural
     """
     from kinmo.pipeline.train import Train
+    from kinmo.pipeline.train_all import TrainAll
+    from kinmo.pipeline.train_ancsh import TrainAncsh
     from kinmo.workspace import Workspace
 
-    continued = None if start is None else Workspace(start)
-    stage = Train(
-        what.value,
-        Workspace(options.workspace),
-        config,
-        category,
-        options.seed,
-        options.device,
-        options.worker_count,
-        continued,
-    )
-    execute(options, stage)
+    workspace, continued = Workspace(options.workspace), None if start is None else Workspace(start)
+    how = (options.seed, options.device, options.worker_count)
+    if what is What.ALL:
+        execute(options, TrainAll(workspace, config, method.value, category, *how, continued))
+    elif what is What.ANCSH:
+        if continued is not None:
+            raise InputError("--from", "ancsh goes on from nothing, expected it with all or axis")
+        execute(options, TrainAncsh(workspace, config, category, setting.value, *how))
+    else:
+        execute(options, Train(what.value, workspace, config, category, *how, continued))

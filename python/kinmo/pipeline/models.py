@@ -14,6 +14,7 @@ from kinmo.learning.joint_ranking.network import KIND as RANKING
 from kinmo.learning.joint_ranking.train import train_joint_ranking
 from kinmo.learning.motion_gnn.train import train_motion_gnn
 from kinmo.learning.training import FitResult, Progress
+from kinmo.pipeline.model_files import METHOD_MODELS
 from kinmo.prepared import PreparedShape
 
 
@@ -59,5 +60,6 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "gnn": ("gnn_fine", "gnn_coarse"),
     "axis": ("axis", "ranking"),
     "contact-edges": ("gnn_contact",),
+    **METHOD_MODELS,
 }
-"""What `kinmo train` calls them; `all` is what the two methods need, the rest is for ablations."""
+"""What `kinmo train` calls them: `all` is what both methods need, one of them what has its name; the rest is for ablations."""

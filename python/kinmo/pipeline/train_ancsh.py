@@ -171,3 +171,9 @@ class TrainAncsh:
 
 def _paths(files: tuple[ScanFile, ...]) -> tuple[Path, ...]:
     return tuple(file.path for file in files)
+
+
+def training_seconds(section: AncshConfig, workers: int) -> float:
+    """About how long both networks of a category take to train on a CPU."""
+    frames = section.training.epochs * section.batches_per_epoch * section.batch_frames
+    return len(NETWORKS) * frames * SECONDS_PER_FRAME / min(workers, len(NETWORKS))

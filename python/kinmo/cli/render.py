@@ -1,0 +1,35 @@
+"""kinmo render."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from typer import Option
+
+from kinmo.cli.execute import execute
+from kinmo.cli.options import CommonOptions
+
+
+def render(
+    options: CommonOptions,
+    config: Annotated[str, Option("--config", "-c", help="small, paper, or a TOML file; its [scans] says how.")] = "small",
+    category: Annotated[
+        str | None, Option(help="Only shapes of this category.", show_default="those of the paper that are there")
+    ] = None,
+    unlabelled: Annotated[bool, Option("--unlabelled", help="Scan shapes without joints too, as they stand.")] = False,
+) -> None:
+    """Scan shapes with a virtual depth camera.
+
+    Every shape with joints, or with pseudo labels, is seen in many states from many sides; each frame is 1024 points with the
+    part that every one is of and where on it. What is too small to be seen goes with what it moves against, and frames that
+    show too little of a part are refused and counted. Sensor noise, holes, crops and a floor can be asked for in a TOML file.
+
+    For example:
+
+        kinmo render
+        kinmo render --category laptop
+    """
+    from kinmo.pipeline.render import Render
+    from kinmo.workspace import Workspace
+
+    execute(options, Render(Workspace(options.workspace), config, category, options.seed, options.worker_count, unlabelled))

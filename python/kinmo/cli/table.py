@@ -1,0 +1,62 @@
+"""kinmo table."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Annotated
+
+from typer import Argument, Option
+
+from kinmo.cli.execute import execute
+from kinmo.cli.options import CommonOptions, Method
+
+
+class Number(str, Enum):
+    """The tables of `kinmo.pipeline.scan_tables`, without importing it."""
+
+    SETTINGS = "2"
+    RATIOS = "3"
+    DSG_NET = "4"
+
+
+def table(
+    options: CommonOptions,
+    number: Annotated[Number, Argument(help="Which of the paper's tables.", show_default=False)],
+    config: Annotated[str, Option("--config", "-c", help="small (a CPU), paper (a GPU), or a TOML file.")] = "small",
+    category: Annotated[
+        str | None, Option(help="Only this category.", show_default="those of the paper that are there")
+    ] = None,
+    seeds: Annotated[
+        int | None, Option(min=1, max=100, help="How often every cell is trained.", show_default="3 or 1, by category")
+    ] = None,
+    hours: Annotated[float | None, Option(min=0.0, help="Begin nothing that would end later.", show_default=False)] = None,
+    method: Annotated[Method, Option(help="Which method labels.")] = Method.KINMO,
+) -> None:
+    """Train and judge all that one of the paper's tables of partial scans is about.
+
+    2 compares networks that see labelled shapes alone (supervised), their own labels of unlabelled scans too (semi), pseudo
+    labels of unlabelled shapes (semi-weakly), and true ones. 3 has fewer labels: 100, 80, 50 and 30 %. 4 takes shapes in the
+    layout of DSG-Net for the unlabelled ones. Cells are done one after the other and kept: the same command goes on where it
+    stopped, and what was not run is shown as such.
+
+    For example:
+
+        kinmo table 2 --category refrigerator
+        kinmo table 3 --hours 4
+    """
+    from kinmo.pipeline.scan_tables import MakeTable
+    from kinmo.workspace import Workspace
+
+    stage = MakeTable(
+        int(number.value),
+        Workspace(options.workspace),
+        config,
+        method.value,
+        category,
+        seeds,
+        hours,
+        options.seed,
+        options.device,
+        options.worker_count,
+    )
+    execute(options, stage)

@@ -1,0 +1,109 @@
+"""Errors of the frames of test objects, and the figures that they sum up to (docs/metrics.md, "Scans")."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kinmo.errors import InputError
+from kinmo.evaluation.aggregate import Figure, Unit
+from kinmo.evaluation.scan_metrics import FrameScore
+from kinmo.joint import JointKind
+from kinmo.scans.articulated_object import Structure
+from kinmo.workspace import write_text_atomically
+
+_NAMES = tuple(field.name for field in fields(FrameScore))
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectScans:
+    """What was found in the frames of one test object, by networks of one seed or of several."""
+
+    id: str
+    frames: tuple[FrameScore, ...]
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A column of the paper's tables. `of_joints`: of joints 1 and up, else of parts 0 and up."""
+
+    key: str
+    title: str
+    unit: Unit
+    of_joints: bool
+    factor: float = 1.0
+    decimals: int = 2
+    kinds: tuple[JointKind, ...] = tuple(JointKind)
+
+
+MEASURES: tuple[Measure, ...] = (
+    Measure("rotation", "rotation (deg)", Unit.DEGREES, False, math.degrees(1.0)),
+    Measure("translation", "translation", Unit.DIAGONALS, False, decimals=3),
+    Measure("iou", "3D IoU (%)", Unit.SHARE, False, 100.0, 1),
+    Measure("state", "state (deg)", Unit.DEGREES, True, math.degrees(1.0), kinds=(JointKind.REVOLUTE,)),
+    Measure("state", "state (diag.)", Unit.DIAGONALS, True, decimals=3, kinds=(JointKind.PRISMATIC, JointKind.SCREW)),
+    Measure("axis", "axis (deg)", Unit.DEGREES, True, math.degrees(1.0)),
+    Measure("line", "line", Unit.DIAGONALS, True, decimals=3, kinds=(JointKind.REVOLUTE, JointKind.SCREW)),
+)
+"""Lengths are diagonals of the object."""
+
+
+def failed() -> Figure[ObjectScans]:
+    """The share of frames in which a part was not found; they count in no mean."""
+    return Figure(
+        "failed",
+        "failed (%)",
+        Unit.SHARE,
+        lambda scored: (100.0 * sum(not frame.is_whole for frame in scored.frames), len(scored.frames)),
+    )
+
+
+def of_rows(measure: Measure, rows: Sequence[int]) -> Figure[ObjectScans]:
+    """The mean of a measure over frames and over the parts (or joints) with the places `rows` in `FrameScore`."""
+    return Figure(measure.key, measure.title, measure.unit, _sums(measure, list(rows)))
+
+
+def rows_of(measure: Measure, structure: Structure) -> dict[int, int]:
+    """The parts that a measure is of, and their places in `FrameScore`."""
+    if not measure.of_joints:
+        return {part: part for part in range(structure.part_count)}
+    return {row + 1: row for row, kind in enumerate(structure.kinds) if kind in measure.kinds}
+
+
+def _sums(measure: Measure, rows: list[int]) -> Callable[[ObjectScans], tuple[float, float]]:
+    def sums(scored: ObjectScans) -> tuple[float, float]:
+        values = [float(getattr(frame, measure.key)[row]) for frame in scored.frames if frame.is_whole for row in rows]
+        known = [value for value in values if math.isfinite(value)]
+        return measure.factor * sum(known), len(known)
+
+    return sums
+
+
+def write_scores(path: Path, scores: Iterable[tuple[str, FrameScore]]) -> None:
+    """Write one JSON line a frame, with the id of its object; what was not found is null."""
+    lines = (json.dumps({"id": name, **{key: _plain(getattr(score, key)) for key in _NAMES}}) + "\n" for name, score in scores)
+    write_text_atomically(path, "".join(lines))
+
+
+def read_scores(paths: Sequence[Path]) -> list[ObjectScans]:
+    """The objects of some files of `write_scores`, with the frames of all. Raises InputError for anything else."""
+    found: dict[str, list[FrameScore]] = {}
+    for path in paths:
+        try:
+            for line in path.read_text(encoding="utf-8").splitlines():
+                data: Mapping[str, Any] = json.loads(line)
+                score = FrameScore(**{key: np.array(data[key], np.float64) for key in _NAMES})
+                found.setdefault(data["id"], []).append(score)
+        except (OSError, ValueError, TypeError, KeyError) as error:
+            raise InputError(path, f"expected errors of scans, as kinmo eval writes them ({error})") from None
+    return [ObjectScans(name, tuple(frames)) for name, frames in sorted(found.items())]
+
+
+def _plain(values: Any) -> list[float | None]:
+    return [float(value) if math.isfinite(value) else None for value in values]

@@ -1,0 +1,113 @@
+"""The paper's tables of partial scans (Tables 2 to 4)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from kinmo.evaluation.aggregate import Estimate, micro, sums_of
+from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed, of_rows, rows_of
+from kinmo.evaluation.tables import Caption, Cell, Column, Table
+from kinmo.scans.articulated_object import Structure
+
+NOT_RUN = "not run"
+PaperRow = Sequence[Sequence[float | None]]
+"""What the paper prints of a row: a list a measure (rotation, translation, IoU, state, axis, line), in it a value a part."""
+
+
+@dataclass(frozen=True)
+class ScanRow:
+    """One row of a table: the objects that were judged (none if it was not run), and what the paper prints there."""
+
+    name: str
+    objects: tuple[ObjectScans, ...]
+    printed: PaperRow | None = None
+
+
+def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> Table:
+    """A line a part, its joint beside it, for every row; the paper's figures below the row's own."""
+    measures = _measures(structure)
+    columns = (Column("trained on"), Column("part"), *(Column(m.title, m.decimals) for m in measures), Column("failed (%)", 1))
+    lines: list[tuple[Cell, ...]] = []
+    for row in rows:
+        if not row.objects:
+            lines.append((row.name, NOT_RUN, *([None] * (len(measures) + 1))))
+        else:
+            for part in range(structure.part_count):
+                figures = [of_rows(m, [place]) for m in measures if (place := rows_of(m, structure).get(part)) is not None]
+                found = iter(micro(sums_of(row.objects, [*figures, failed()]), draws=1))
+                cells = [_value(next(found)) if part in rows_of(m, structure) else None for m in measures]
+                lines.append((row.name, str(part), *cells, _value(next(found))))
+        if row.printed is not None:
+            for part in range(max(map(len, row.printed))):
+                lines.append((f"{row.name}, authors' data", str(part), *_printed(row.printed, part, measures, structure), None))
+    return Table(_counted(caption, rows), columns, tuple(lines))
+
+
+def over_parts(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> Table:
+    """Means over all parts, or joints, with their 95 % intervals over the objects."""
+    measures = _measures(structure)
+    columns = [Column("trained on")]
+    for measure in measures:
+        columns += [Column(measure.title, measure.decimals), Column("95 %")]
+    lines: list[tuple[Cell, ...]] = []
+    for row in rows:
+        cells: list[Cell] = [row.name]
+        for measure, estimate in zip(measures, summary(row.objects, structure), strict=True):
+            cells += [_value(estimate), _interval(estimate, measure.decimals) if row.objects else NOT_RUN]
+        lines.append(tuple(cells))
+    return Table(_counted(caption, rows), tuple(columns), tuple(lines))
+
+
+def gap_closed(
+    less: Sequence[ObjectScans], more: Sequence[ObjectScans], best: Sequence[ObjectScans], structure: Structure
+) -> list[float | None]:
+    """A measure each: the share of the way from the errors of `less` to those of `best` that `more` has gone."""
+    shares: list[float | None] = []
+    for low, mid, high in zip(*(summary(objects, structure) for objects in (less, more, best)), strict=True):
+        if low is None or mid is None or high is None or low.value == high.value:
+            shares.append(None)
+        else:
+            shares.append((low.value - mid.value) / (low.value - high.value))
+    return shares
+
+
+def summary(objects: Sequence[ObjectScans], structure: Structure) -> list[Estimate | None]:
+    """Means over all parts, or joints, of the measures that the structure has."""
+    figures = [of_rows(measure, list(rows_of(measure, structure).values())) for measure in _measures(structure)]
+    return micro(sums_of(objects, figures))
+
+
+def measure_titles(structure: Structure) -> list[str]:
+    """Titles of what `summary` gives."""
+    return [measure.title for measure in _measures(structure)]
+
+
+def _measures(structure: Structure) -> list[Measure]:
+    return [measure for measure in MEASURES if rows_of(measure, structure)]
+
+
+def _value(estimate: Estimate | None) -> float | None:
+    return None if estimate is None else estimate.value
+
+
+def _interval(estimate: Estimate | None, decimals: int) -> Cell:
+    return None if estimate is None else f"{estimate.low:.{decimals}f} to {estimate.high:.{decimals}f}"
+
+
+PAPER_COLUMNS: Mapping[str, int] = {"rotation": 0, "translation": 1, "iou": 2, "state": 3, "axis": 4, "line": 5}
+
+
+def _printed(row: PaperRow, part: int, measures: Sequence[Measure], structure: Structure) -> list[Cell]:
+    cells: list[Cell] = []
+    for measure in measures:
+        values = row[PAPER_COLUMNS[measure.key]]
+        place = part - 1 if measure.of_joints else part
+        fits = part in rows_of(measure, structure) and 0 <= place < len(values)
+        cells.append(values[place] if fits else None)
+    return cells
+
+
+def _counted(caption: Caption, rows: Sequence[ScanRow]) -> Caption:
+    objects = max((len(row.objects) for row in rows), default=0)
+    return replace(caption, shapes=objects)

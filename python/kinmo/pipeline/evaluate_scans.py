@@ -1,0 +1,102 @@
+"""Errors of trained networks on the test scans of a category."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from kinmo.errors import InputError
+from kinmo.evaluation.scan_metrics import FrameScore, score_frame, truth
+from kinmo.evaluation.scan_records import write_scores
+from kinmo.learning.ancsh.predict import Ancsh
+from kinmo.pipeline.ancsh_files import Cell
+from kinmo.pipeline.journal import seconds_per_unit, timed
+from kinmo.pipeline.model_files import weights_hashes
+from kinmo.pipeline.scan_dataset import fingerprint, open_scan_dataset
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.scans.estimate import PoseOptions, estimate
+from kinmo.scans.scan_file import ScanFile
+from kinmo.workspace import StageRecord, Workspace
+
+SECONDS_PER_FRAME = 0.1
+
+
+@dataclass(frozen=True)
+class EvaluateScans:
+    """Judge what the networks of a cell find in every test scan of their category."""
+
+    workspace: Workspace
+    cell: Cell
+    device: str = "auto"
+
+    def plan(self) -> Plan:
+        if self._is_current():
+            return Plan((), 0.0)
+        files = self._files()
+        frames = sum(file.frames for file in files)
+        each = seconds_per_unit(self.workspace, self._stage, SECONDS_PER_FRAME)
+        return Plan((f"judge {self.cell} on {frames} scans of {len(files)} test objects",), frames * each)
+
+    def run(self, observer: Observer) -> Outcome:
+        path = scores_path(self.workspace, self.cell)
+        with self.workspace.locked():
+            if self._is_current():
+                observer.note(f"{self.cell}: judged already")
+                return Outcome(path)
+            weights = self.cell.weights(self.workspace)
+            if weights is None:
+                raise InputError(self.workspace.models, f"no networks for {self.cell}: run kinmo train ancsh first")
+            inputs, files = self._inputs(), self._files()
+            self.workspace.forget(self._stage)
+            network = Ancsh.load(*weights, device=self.device)
+            with timed(self.workspace, self._stage) as watch:
+                scores = []
+                for done, file in enumerate(files, start=1):
+                    scores += [(file.id, score) for score in judged(file, network, self.cell.seed)]
+                    observer.progress(f"judging {self.cell}", done, len(files), file.id)
+                watch.amount, watch.what = len(scores), f"{len(scores)} scans of {self.cell.category}"
+            write_scores(path, scores)
+            self.workspace.write_record(self._stage, StageRecord(inputs, (str(path.relative_to(self.workspace.path)),)))
+        return Outcome(path)
+
+    @property
+    def _stage(self) -> str:
+        return f"eval-scans-{self.cell.key}"
+
+    def _files(self) -> tuple[ScanFile, ...]:
+        """Raises InputError if no test object has the structure that the networks know."""
+        dataset = open_scan_dataset(self.workspace, self.cell.category)
+        if not dataset.files["test"]:
+            folder = self.workspace.scans / self.cell.category
+            raise InputError(folder, f"expected scans of a test object of {dataset.structure}")
+        return dataset.files["test"]
+
+    def _inputs(self) -> dict[str, Any]:
+        return {"test": fingerprint(self._files()), "weights": weights_hashes(self.cell.weights(self.workspace) or ())}
+
+    def _is_current(self) -> bool:
+        return self.cell.weights(self.workspace) is not None and self.workspace.is_current(self._stage, self._inputs())
+
+
+def judged(file: ScanFile, network: Ancsh, seed: int) -> Sequence[FrameScore]:
+    """The errors of every frame of an object."""
+    if file.structure != network.structure:
+        raise InputError(file.path, f"has {file.structure}, expected {network.structure}")
+    points, poses, values = (file.read(name) for name in ("points", "poses", "values"))
+    answers = network.answer(list(points), [1.0] * len(points))
+    found = estimate(answers, network.structure, PoseOptions(seed=seed))
+    return [
+        score_frame(
+            found[row],
+            truth(poses[row], values[row], file.joints, file.structure, file.extents),
+            file.structure,
+        )
+        for row in range(len(points))
+    ]
+
+
+def scores_path(workspace: Workspace, cell: Cell) -> Path:
+    """Where the errors of a cell are written."""
+    return workspace.evaluation / "scans" / f"{cell.key}.jsonl"

@@ -1,0 +1,89 @@
+"""The whole way: motion networks, pseudo labels, scans, and the networks that see scans."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from kinmo.categories import same_category
+from kinmo.config import load_config
+from kinmo.errors import InputError
+from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo.pipeline.pseudo_label import SECONDS_PER_SHAPE, PseudoLabel
+from kinmo.pipeline.render import Render
+from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES
+from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
+from kinmo.pipeline.train import Train
+from kinmo.pipeline.train_ancsh import TrainAncsh, training_seconds
+from kinmo.splits import Split
+from kinmo.workspace import Workspace
+
+NO_CATEGORY = f"no labelled shapes of {', '.join(PAPER_CATEGORIES)}: networks for scans are trained for --category NAME"
+
+
+@dataclass(frozen=True)
+class TrainAll:
+    """Train the motion networks on all categories, label what has no joints, and do all that scans need for one category.
+
+    Without a category it is done for those of the paper's five that there are labelled shapes of.
+    """
+
+    workspace: Workspace
+    config: str
+    method: str
+    category: str | None = None
+    seed: int = 0
+    device: str = "auto"
+    workers: int = 1
+    start: Workspace | None = None
+
+    def plan(self) -> Plan:
+        """What is still to do. Of a stage whose input is not made yet this is what it will be at most."""
+        steps: list[str] = []
+        seconds = 0.0
+        for stage, otherwise in self._stages(open_dataset(self.workspace)):
+            try:
+                plan = stage.plan()
+            except InputError:
+                plan = otherwise()
+            steps += plan.steps
+            seconds += plan.seconds
+        return Plan(tuple(steps), seconds)
+
+    def run(self, observer: Observer) -> Outcome:
+        stages = [stage for stage, _ in self._stages(open_dataset(self.workspace))]
+        outcomes = [stage.run(observer) for stage in stages]
+        texts = [outcome.text for outcome in outcomes if outcome.text]
+        if not any(isinstance(stage, TrainAncsh) for stage in stages):
+            observer.note(NO_CATEGORY)
+        results = {
+            name: found
+            for stage, outcome in zip(stages, outcomes, strict=True)
+            if isinstance(stage, (Train, TrainAncsh))
+            for name, found in outcome.data.items()
+        }
+        return Outcome(self.workspace.models, results, "\n".join(texts))
+
+    def _stages(self, dataset: Dataset) -> Iterator[tuple[Stage, Callable[[], Plan]]]:
+        """Each with a guess at its plan for when what comes before it is not done."""
+        nothing = Plan((), 0.0)
+        yield Train("all", self.workspace, self.config, None, self.seed, self.device, self.workers, self.start), lambda: nothing
+        count = len(dataset.unlabelled)
+        if count:
+            labelling = Plan((f"label {count} shapes by {self.method}",), count * SECONDS_PER_SHAPE / self.workers)
+            yield PseudoLabel(self.workspace, self.method, None, None, self.device, self.workers), lambda: labelling
+        for category in self._categories(dataset):
+            yield Render(self.workspace, self.config, category, self.seed, self.workers), lambda: nothing
+        for category in self._categories(dataset):
+            seconds = training_seconds(load_config(self.config).ancsh, self.workers)
+            training = Plan((f"train ancsh and npcs ({category})",), seconds)
+            stage = TrainAncsh(self.workspace, self.config, category, "semi-weakly", self.seed, self.device, self.workers)
+            yield stage, lambda training=training: training  # type: ignore[misc]
+
+    def _categories(self, dataset: Dataset) -> list[str]:
+        known = sorted({entry.category for entry in dataset.labelled[Split.TRAIN]})
+        wanted = PAPER_CATEGORIES if self.category is None else (self.category,)
+        found = [name for want in wanted for name in known if same_category(name, want)]
+        if self.category is not None and not found:
+            raise InputError(self.workspace.prepared, f"expected a labelled shape of {self.category} to train on")
+        return found
