@@ -5,31 +5,68 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from typer import Argument, Option
+from typer import Argument, BadParameter, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions, Method
 
+SCANS = "Options for scans"
+
 
 def predict(
     options: CommonOptions,
-    shape: Annotated[Path, Argument(help="A shape's folder, or a folder with shapes anywhere below it.", show_default=False)],
+    shape: Annotated[
+        Path,
+        Argument(help="A shape's folder, a folder with shapes anywhere below it, or the file of a scan.", show_default=False),
+    ],
     out: Annotated[Path, Option("--out", "-o", help="Folder for the results, one folder a shape.", show_default=False)],
     method: Annotated[Method, Option(help="Which method answers.")] = Method.KINMO,
+    category: Annotated[
+        str | None, Option(help="What is seen in the scan, however it is spelled.", show_default=False, rich_help_panel=SCANS)
+    ] = None,
+    intrinsics: Annotated[
+        str | None,
+        Option(
+            metavar="FX,FY,CX,CY",
+            help="Of the camera, in pixels: for a depth image.",
+            show_default=False,
+            rich_help_panel=SCANS,
+        ),
+    ] = None,
+    depth_scale: Annotated[
+        float, Option(min=1e-9, help="Depths are divided by it; 1000 for millimetres.", rich_help_panel=SCANS)
+    ] = 1.0,
 ) -> None:
-    """Predict the joints of your own shapes.
+    """Predict the joints of your own shapes, or of what a depth scan shows.
 
     A shape is a hierarchy of named parts with meshes (docs/own-shapes.md). Each gets a folder with joints.json (every joint
     with its score and the alternatives that lost) and a URDF with its meshes. A shape that cannot be read is reported, the
     others go on, and the exit code is 1.
 
+    A scan is an .npz or .npy file with points or depths, a .ply, or a depth image (.png, .tif), of one object of a --category
+    that kinmo train ancsh knows (docs/scans.md). It gives a JSON file with parts, boxes, poses, joints and their states in the
+    camera's frame, and a picture.
+
     For example:
 
         kinmo predict my_shapes/cabinet -o out/
         kinmo predict my_shapes/ -o out/ --json > out.json
+        kinmo predict scan.npz --category refrigerator -o out/
+        kinmo predict depth.png --category refrigerator --intrinsics 525,525,319.5,239.5 --depth-scale 1000 -o out/
     """
-    from kinmo.pipeline.predict import Predict
     from kinmo.workspace import Workspace
 
     workspace = Workspace(options.workspace)
+    if category is not None:
+        from kinmo.pipeline.predict_scan import PredictScan
+        from kinmo.scans.scan_input import Intrinsics
+
+        camera = None if intrinsics is None else Intrinsics.parse(intrinsics)
+        scan = PredictScan(shape, out, workspace, category, camera, depth_scale, options.seed, options.device)
+        execute(options, scan)
+        return
+    if shape.is_file():
+        raise BadParameter("a scan needs --category: what is to be seen in it", param_hint="--category")
+    from kinmo.pipeline.predict import Predict
+
     execute(options, Predict(shape, out, workspace, method.value, options.seed, options.device, options.worker_count))

@@ -55,7 +55,7 @@ MEASURES: tuple[Measure, ...] = (
 
 
 def failed() -> Figure[ObjectScans]:
-    """The share of frames in which a part was not found; they count in no mean."""
+    """The share of frames in which a part was not found; what was not found counts in no mean."""
     return Figure(
         "failed",
         "failed (%)",
@@ -78,7 +78,7 @@ def rows_of(measure: Measure, structure: Structure) -> dict[int, int]:
 
 def _sums(measure: Measure, rows: list[int]) -> Callable[[ObjectScans], tuple[float, float]]:
     def sums(scored: ObjectScans) -> tuple[float, float]:
-        values = [float(getattr(frame, measure.key)[row]) for frame in scored.frames if frame.is_whole for row in rows]
+        values = [float(getattr(frame, measure.key)[row]) for frame in scored.frames for row in rows]
         known = [value for value in values if math.isfinite(value)]
         return measure.factor * sum(known), len(known)
 

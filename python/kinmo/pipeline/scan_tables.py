@@ -262,4 +262,4 @@ def _gaps(rows: Sequence[ScanRow], structure: Structure) -> str:
     texts = [
         f"{title} {share:.0%}" for title, share in zip(measure_titles(structure), shares, strict=True) if share is not None
     ]
-    return f"Share of the gap to true labels that pseudo labels close: {', '.join(texts)}."
+    return f"Share of the gap to true labels that pseudo labels close: {', '.join(texts)}." if texts else ""

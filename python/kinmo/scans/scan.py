@@ -139,15 +139,15 @@ def _plane_in(pose: F64, up: F64, height: float) -> F64:
 
 
 def _stacked(frames: list[_Frame], count: int, parts: int, refused: Counter[str]) -> Scans:
-    joints = range(1, parts)
+    joints, rows = range(1, parts), len(frames)
     values = [[frame.state.values[joint] for joint in joints] for frame in frames]
     turns = [[frame.state.turns.get(joint, 0.0) for joint in joints] for frame in frames]
     return Scans(
-        np.array([frame.points for frame in frames], np.float32).reshape(-1, count, 3),
-        np.array([frame.parts for frame in frames], np.int8).reshape(-1, count),
-        np.array([frame.places for frame in frames], np.float32).reshape(-1, count, 3),
-        np.array([frame.poses for frame in frames], np.float64).reshape(-1, parts, 4, 4),
-        np.array(values, np.float64).reshape(-1, parts - 1),
-        np.array(turns, np.float64).reshape(-1, parts - 1),
+        np.array([frame.points for frame in frames], np.float32).reshape(rows, count, 3),
+        np.array([frame.parts for frame in frames], np.int8).reshape(rows, count),
+        np.array([frame.places for frame in frames], np.float32).reshape(rows, count, 3),
+        np.array([frame.poses for frame in frames], np.float64).reshape(rows, parts, 4, 4),
+        np.array(values, np.float64).reshape(rows, parts - 1),
+        np.array(turns, np.float64).reshape(rows, parts - 1),
         refused,
     )

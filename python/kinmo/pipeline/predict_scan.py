@@ -1,0 +1,163 @@
+"""Parts, joints and their states in a user's own depth scan."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo import __version__
+from kinmo.categories import same_category
+from kinmo.errors import InputError, did_you_mean
+from kinmo.joint import JointKind
+from kinmo.learning.ancsh.predict import Ancsh
+from kinmo.pipeline.ancsh_files import Cell, trained_cells
+from kinmo.pipeline.model_files import weights_hashes
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.report.scan_picture import ScanView, scan_picture
+from kinmo.scans.articulated_object import Structure
+from kinmo.scans.estimate import PointAnswers, PoseOptions, ScanEstimate, estimate
+from kinmo.scans.scan_input import Intrinsics, read_scan
+from kinmo.workspace import Workspace, digest, write_text_atomically
+
+SCHEMA_VERSION = 1
+PREFERRED = ("semi-weakly", "dsg-net", "semi", "supervised", "ceiling")
+"""Settings whose networks answer, the first that there is."""
+SECONDS = 5.0
+
+
+@dataclass(frozen=True)
+class PredictScan:
+    """Find the parts of an object of `category` in a scan, and write them as JSON and as a picture into `out`."""
+
+    source: Path
+    out: Path
+    workspace: Workspace
+    category: str
+    intrinsics: Intrinsics | None = None
+    depth_scale: float = 1.0
+    seed: int = 0
+    device: str = "auto"
+
+    def plan(self) -> Plan:
+        cell = self._cell()
+        return Plan((f"find the parts of a {cell.category} in {self.source} by the networks of {cell}",), SECONDS)
+
+    def run(self, observer: Observer) -> Outcome:
+        cell = self._cell()
+        points = read_scan(self.source, self.intrinsics, self.depth_scale)
+        weights = cell.weights(self.workspace)
+        assert weights is not None, "trained_cells has those with weights"
+        network = Ancsh.load(*weights, device=self.device)
+        rng = np.random.default_rng(self.seed)
+        chosen = rng.choice(len(points), network.config.points, replace=len(points) < network.config.points)
+        seen = points[chosen]
+        if network.config.normalised == "object":
+            observer.note("these networks want to know how large the whole object is; what is seen of it is taken for that")
+        diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
+        answer = network.answer([seen], [diagonal])[0]
+        found = estimate([answer], network.structure, PoseOptions(seed=self.seed))[0]
+        document = scan_document(found, answer, network.structure, self.source, cell, digest(weights_hashes(weights)))
+        self.out.mkdir(parents=True, exist_ok=True)
+        name = self.source.stem
+        target = self.out / f"{name}.json"
+        write_text_atomically(target, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+        write_text_atomically(self.out / f"{name}.svg", scan_picture(view_of(seen, answer, found, network.structure), name))
+        return Outcome(target, document, _text(document))
+
+    def _cell(self) -> Cell:
+        """Raises InputError if nothing was trained for the category."""
+        cells = trained_cells(self.workspace)
+        fitting = [cell for cell in cells if same_category(cell.category, self.category)]
+        if not fitting:
+            known = sorted({cell.category for cell in cells})
+            near = did_you_mean(self.category, known)
+            there = f"; there are those of {', '.join(known)}" if known else ""
+            problem = f"no networks that find a {self.category} in scans{near}{there}: run kinmo train all --category first"
+            raise InputError(self.workspace.models, problem)
+        return min(fitting, key=lambda cell: (cell.seed != self.seed, PREFERRED.index(cell.setting), cell.seed))
+
+
+def scan_document(
+    found: ScanEstimate, answer: PointAnswers, structure: Structure, source: Path, cell: Cell, weights: str
+) -> dict[str, Any]:
+    """What was found, in the frame and the lengths of the scan (x to the right, y down, z forward); null where unknown."""
+    parts = [
+        {
+            "id": part,
+            "points": int((answer.parts == part).sum()),
+            "inliers": _number(found.inliers[part]),
+            "box": {
+                "center": _list(found.centers[part]),
+                "axes": _list(found.poses.rotations[part].T),
+                "half_sizes": _list(found.half_extents[part]),
+            },
+            "pose": {
+                "rotation": _list(found.poses.rotations[part]),
+                "scale": _number(found.poses.scales[part]),
+                "translation": _list(found.poses.translations[part]),
+            },
+        }
+        for part in range(structure.part_count)
+    ]
+    joints = [
+        {
+            "part": row + 1,
+            "parent": structure.parents[row],
+            "kind": kind.value,
+            "direction": _list(found.directions[row]),
+            "pivot": None if kind is JointKind.PRISMATIC else _list(found.pivots[row]),
+            "state": _number(found.states[row]),
+            "unit": "radians" if kind is JointKind.REVOLUTE else "lengths of the scan",
+        }
+        for row, kind in enumerate(structure.kinds)
+    ]
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "kinmo": __version__,
+        "weights": weights,
+        "trained": str(cell),
+        "scan": source.name,
+        "category": cell.category,
+        "parts": parts,
+        "joints": joints,
+    }
+
+
+def view_of(points: NDArray[np.floating], answer: PointAnswers, found: ScanEstimate, structure: Structure) -> ScanView:
+    """What is drawn of an estimate."""
+    return ScanView(
+        points,
+        answer.parts,
+        found.centers,
+        found.poses.rotations,
+        found.half_extents,
+        structure.kinds,
+        found.directions,
+        found.pivots,
+    )
+
+
+def _text(document: dict[str, Any]) -> str:
+    lines = [f"{document['category']}: {len(document['parts'])} parts"]
+    for joint in document["joints"]:
+        state = joint["state"]
+        shown = "not found"
+        if state is not None:
+            shown = f"{np.degrees(state):.1f}°" if joint["unit"] == "radians" else f"{state:.3f}"
+        lines.append(f"  part {joint['part']} on part {joint['parent']}: {joint['kind']}, state {shown}")
+    return "\n".join(lines)
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _list(values: NDArray[np.float64] | Sequence[float]) -> Any:
+    array = np.asarray(values, np.float64)
+    return array.tolist() if np.isfinite(array).all() else None

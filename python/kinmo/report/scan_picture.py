@@ -1,0 +1,112 @@
+"""A scan as its camera sees it: points in the colours of their parts, boxes and axes over them (the paper's figure 5)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.joint import JointKind
+
+F64 = NDArray[np.float64]
+
+SIZE = 300
+"""Pixels along a side of a picture."""
+MARGIN = 0.08
+COLOURS = ("#8a8a86", "#3b7dd8", "#d9822b", "#3f9c55", "#8e5bc0", "#c2454e", "#2a9aa5", "#a6882a")
+"""Of parts 0 and up, over and over; points of none are pale."""
+NO_PART = "#d8d8d4"
+EDGES = ((0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 6), (5, 7), (6, 7))
+
+
+@dataclass(frozen=True, eq=False)
+class ScanView:
+    """What is drawn, all in the camera's frame: K boxes (`centers`, `half_extents` [K, 3], `rotations` [K, 3, 3]) and the axes
+    of the joints of parts 1 and up; what is not known is NaN and not drawn.
+    """
+
+    points: NDArray[np.floating]
+    parts: NDArray[np.integer]
+    centers: F64
+    rotations: F64
+    half_extents: F64
+    kinds: tuple[JointKind, ...]
+    directions: F64
+    pivots: F64
+
+
+def scan_picture(view: ScanView, label: str, around: NDArray[np.floating] | None = None, size: int = SIZE) -> str:
+    """An SVG of a scan. `around` [n, 3] are the points that the picture is fitted to, so that several can be alike."""
+    frame = _Frame.of(view.points if around is None else around, size)
+    pieces = [_dots(frame, view.points[view.parts == part], _colour(part)) for part in np.unique(view.parts)]
+    for part in range(len(view.centers)):
+        if np.isfinite(view.centers[part]).all() and np.isfinite(view.half_extents[part]).all():
+            pieces.append(_box(frame, view, part))
+    for row, kind in enumerate(view.kinds):
+        if np.isfinite(view.directions[row]).all():
+            pieces.append(_axis(frame, view, row, kind))
+    head = f'<svg class="scan" viewBox="0 0 {size} {size}" role="img" aria-label="{escape(label, quote=True)}"'
+    return f'{head} xmlns="http://www.w3.org/2000/svg">{"".join(pieces)}</svg>'
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """From the camera's frame to the picture."""
+
+    scale: float
+    shift: tuple[float, float]
+
+    @classmethod
+    def of(cls, points: NDArray[np.floating], size: int) -> _Frame:
+        seen = points[:, :2] / points[:, 2:]
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        scale = (1.0 - 2.0 * MARGIN) * size / max(float(np.max(high - low)), 1e-9)
+        x, y = (0.5 * size - scale * 0.5 * (low + high)).tolist()
+        return cls(scale, (x, y))
+
+    def place(self, points: NDArray[np.floating]) -> F64:
+        depth = np.maximum(points[..., 2:], 1e-6)
+        return np.asarray(points[..., :2] / depth * self.scale + np.array(self.shift), np.float64)
+
+
+def _colour(part: int) -> str:
+    return NO_PART if part < 0 else COLOURS[part % len(COLOURS)]
+
+
+def _dots(frame: _Frame, points: NDArray[np.floating], colour: str) -> str:
+    path = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in frame.place(points))
+    return f'<path d="{path}" stroke="{colour}" stroke-width="2.6" stroke-linecap="round" fill="none" opacity="0.75"/>'
+
+
+def _box(frame: _Frame, view: ScanView, part: int) -> str:
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float64)
+    corners = view.centers[part] + (signs * view.half_extents[part]) @ view.rotations[part].T
+    seen = frame.place(corners)
+    path = "".join(f"M{seen[a][0]:.1f} {seen[a][1]:.1f}L{seen[b][0]:.1f} {seen[b][1]:.1f}" for a, b in EDGES)
+    return f'<path d="{path}" stroke="{_colour(part)}" stroke-width="1.6" fill="none"/>'
+
+
+def _axis(frame: _Frame, view: ScanView, row: int, kind: JointKind) -> str:
+    """A line through the pivot (of a slider, through the middle of its part), as long as its part's box, with a head."""
+    part = row + 1
+    middle, direction = view.centers[part], view.directions[row]
+    if not np.isfinite(middle).all():
+        middle = np.median(view.points, axis=0)
+    through = middle if kind is JointKind.PRISMATIC else view.pivots[row]
+    through = through + (middle - through) @ direction * direction
+    half = view.half_extents[part]
+    reach = 1.2 * float(np.linalg.norm(half)) if np.isfinite(half).all() else 0.3
+    (x0, y0), (x1, y1) = frame.place(np.stack([through - reach * direction, through + reach * direction])).tolist()
+    line = f'x1="{x0:.1f}" y1="{y0:.1f}" x2="{x1:.1f}" y2="{y1:.1f}"'
+    return (
+        f'<line {line} stroke="#ffffff" stroke-width="5"/><line {line} stroke="#111111" stroke-width="2.2"/>'
+        f'<circle cx="{x1:.1f}" cy="{y1:.1f}" r="4" fill="#111111"/>'
+    )
+
+
+def views_extent(views: Sequence[ScanView]) -> NDArray[np.floating]:
+    """The points of several views, to fit pictures of them to."""
+    return np.concatenate([view.points for view in views])

@@ -1,0 +1,140 @@
+"""A user's own depth scan, from whatever file it is in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.errors import InputError
+
+F64 = NDArray[np.float64]
+
+CLOUDS = (".npz", ".npy", ".ply")
+IMAGES = (".png", ".tif", ".tiff")
+LEAST_POINTS = 32
+
+
+@dataclass(frozen=True)
+class Intrinsics:
+    """Of a camera: focal lengths and principal point, in pixels (the middle of the first pixel is at (0, 0))."""
+
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+
+    @classmethod
+    def parse(cls, text: str) -> Intrinsics:
+        """From "fx,fy,cx,cy". Raises InputError for anything else."""
+        try:
+            values = [float(value) for value in text.split(",")]
+            return cls._checked(values, "--intrinsics")
+        except ValueError:
+            raise InputError("--intrinsics", f"expected fx,fy,cx,cy in pixels, got {text!r}") from None
+
+    @classmethod
+    def of_matrix(cls, matrix: NDArray[np.generic], source: Path) -> Intrinsics:
+        """From [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], or from (fx, fy, cx, cy)."""
+        values = np.asarray(matrix, np.float64)
+        if values.shape == (3, 3):
+            values = values[[0, 1, 0, 1], [0, 1, 2, 2]]
+        try:
+            return cls._checked(values.tolist() if values.ndim == 1 else [], str(source))
+        except ValueError:
+            raise InputError(source, "expected a matrix [3, 3], or fx, fy, cx, cy", "intrinsics") from None
+
+    @classmethod
+    def _checked(cls, values: list[float], where: str) -> Intrinsics:
+        if len(values) != 4 or not np.isfinite(values).all() or min(values[:2]) <= 0.0:
+            raise ValueError(where)
+        return cls(*values)
+
+
+def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: float = 1.0) -> F64:
+    """Points [n, 3] in the frame of the camera: x to the right, y down, z forward.
+
+    An .npz has `points` [n, 3], or `depth` [height, width] along z, with `intrinsics` beside it if they are not given here;
+    an .npy has one of the two, a .ply points, and a .png or .tif depths. Depths are divided by `depth_scale`; those that are
+    zero or no number are left out. Raises InputError, naming file and field, for what is none of this or has too few points.
+    """
+    if not path.is_file():
+        raise InputError(path, "expected a scan: there is no such file")
+    ending = path.suffix.lower()
+    if ending == ".ply":
+        points = _ply(path)
+    elif ending in IMAGES:
+        points = _back_projected(_image(path), intrinsics, depth_scale, path)
+    elif ending in CLOUDS:
+        points = _arrays(path, intrinsics, depth_scale)
+    else:
+        raise InputError(path, f"expected a scan: one of {', '.join(CLOUDS + IMAGES)}")
+    points = points[np.isfinite(points).all(axis=1)]
+    if len(points) < LEAST_POINTS:
+        raise InputError(path, f"expected at least {LEAST_POINTS} points that are seen, got {len(points)}")
+    if not np.ptp(points, axis=0).any():
+        raise InputError(path, "expected points at more than one place")
+    return points
+
+
+def _arrays(path: Path, intrinsics: Intrinsics | None, depth_scale: float) -> F64:
+    try:
+        loaded = np.load(path, allow_pickle=False)
+        arrays = {"": loaded} if isinstance(loaded, np.ndarray) else {name: loaded[name] for name in loaded.files}
+    except (OSError, ValueError, EOFError, BadZipFile) as error:
+        raise InputError(path, f"expected arrays of NumPy ({error})") from None
+    for name, array in arrays.items():
+        if array.dtype.kind not in "fiu":
+            raise InputError(path, f"expected numbers, got {array.dtype}", name or None)
+    if "" in arrays:
+        name = "points" if arrays[""].ndim == 2 and arrays[""].shape[1] == 3 else "depth"
+        arrays = {name: arrays[""]}
+    if "points" in arrays:
+        points = np.asarray(arrays["points"], np.float64)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise InputError(path, f"expected [n, 3], got {list(points.shape)}", "points")
+        return points
+    if "depth" not in arrays:
+        raise InputError(path, f"expected points or depth, got {', '.join(arrays) or 'nothing'}")
+    if intrinsics is None and "intrinsics" in arrays:
+        intrinsics = Intrinsics.of_matrix(arrays["intrinsics"], path)
+    return _back_projected(arrays["depth"], intrinsics, depth_scale, path)
+
+
+def _back_projected(depth: NDArray[np.generic], intrinsics: Intrinsics | None, scale: float, path: Path) -> F64:
+    depths = np.squeeze(np.asarray(depth, np.float64)) / scale
+    if depths.ndim != 2:
+        raise InputError(path, f"expected one depth a pixel, [height, width], got {list(np.shape(depth))}", "depth")
+    if intrinsics is None:
+        raise InputError(path, "a depth image needs the camera's intrinsics: --intrinsics fx,fy,cx,cy")
+    rows, columns = np.nonzero(np.isfinite(depths) & (depths > 0.0))
+    z = depths[rows, columns]
+    return np.stack(
+        [(columns - intrinsics.cx) / intrinsics.fx * z, (rows - intrinsics.cy) / intrinsics.fy * z, z],
+        axis=1,
+    )
+
+
+def _image(path: Path) -> NDArray[np.generic]:
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with Image.open(path) as image:
+            return np.asarray(image)
+    except (OSError, UnidentifiedImageError, ValueError) as error:
+        raise InputError(path, f"expected a depth image ({error})") from None
+
+
+def _ply(path: Path) -> F64:
+    import trimesh
+
+    try:
+        points = np.asarray(getattr(trimesh.load(path, process=False), "vertices", ()), np.float64)
+    except Exception as error:  # trimesh raises whatever its parsers do
+        raise InputError(path, f"expected a PLY file with points ({error})") from None
+    if points.ndim != 2 or points.shape[1:] != (3,):
+        raise InputError(path, "expected a PLY file with points")
+    return points

@@ -1,0 +1,73 @@
+"""Figures and tables of scans."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kinmo.errors import InputError
+from kinmo.evaluation.scan_metrics import FrameScore
+from kinmo.evaluation.scan_records import ObjectScans, read_scores, write_scores
+from kinmo.evaluation.scan_tables import NOT_RUN, ScanRow, by_part, gap_closed, measure_titles, over_parts, summary
+from kinmo.evaluation.tables import Caption, as_text
+from kinmo.joint import JointKind
+from kinmo.scans.articulated_object import Structure
+
+STRUCTURE = Structure((JointKind.REVOLUTE, JointKind.PRISMATIC), (0, 0))
+CAPTION = Caption("Table 2", "made up", 0, 0, "test", (0,))
+
+
+def frame(rotation=(0.1, 0.2, 0.3), iou=(0.9, 0.8, 0.7), state=(0.2, 0.05), axis=(0.01, 0.02), line=(0.03, np.nan)):
+    three = np.array([0.01, 0.02, 0.03])
+    return FrameScore(np.array(rotation), three, three, np.array(iou), np.array(state), np.array(axis), np.array(line))
+
+
+def objects(*frames):
+    return tuple(ObjectScans(f"object-{i}", tuple(own)) for i, own in enumerate(frames))
+
+
+def test_scores_come_back_as_they_were_written(tmp_path):
+    path = tmp_path / "scores.jsonl"
+    write_scores(path, [("b", frame()), ("a", frame(rotation=(np.nan, 0.2, 0.3))), ("b", frame(iou=(1.0, 1.0, 1.0)))])
+    found = read_scores([path])
+    assert [(scored.id, len(scored.frames)) for scored in found] == [("a", 1), ("b", 2)]
+    np.testing.assert_array_equal(found[0].frames[0].rotation, [np.nan, 0.2, 0.3])
+    assert len(read_scores([path, path])[1].frames) == 4, "seeds are frames of the same object"
+    path.write_text('{"id": "a"}\n')
+    with pytest.raises(InputError, match=r"scores\.jsonl: expected errors of scans"):
+        read_scores([path])
+
+
+def test_units_are_apart_and_what_was_not_found_is_no_zero():
+    lost = frame(rotation=(np.nan,) * 3, iou=(np.nan,) * 3, state=(np.nan,) * 2, axis=(np.nan,) * 2, line=(np.nan,) * 2)
+    values = dict(zip(measure_titles(STRUCTURE), summary(objects([frame(), lost]), STRUCTURE), strict=True))
+    assert values["rotation (deg)"].value == pytest.approx(np.degrees(0.2))
+    assert values["3D IoU (%)"].value == pytest.approx(80.0)
+    assert values["state (deg)"].value == pytest.approx(np.degrees(0.2)), "of the hinge alone"
+    assert values["state (diag.)"].value == pytest.approx(0.05), "of the slider alone"
+    assert values["line"].value == pytest.approx(0.03)
+    table = by_part([ScanRow("ours", objects([frame(), lost]))], STRUCTURE, CAPTION)
+    failed = [column.title for column in table.columns].index("failed (%)")
+    assert [row[failed] for row in table.rows] == [50.0] * 3
+
+
+def test_a_row_that_was_not_run_says_so_and_the_papers_figures_stand_beside():
+    printed = [[12.0, 18.0, 21.0], [0.1, 0.7, 0.6], [73.0, 3.0, 5.0], [16.0, 0.3], [1.75, 1.78], [0.035]]
+    rows = [ScanRow("supervised", objects([frame()]), printed), ScanRow("semi", ())]
+    table = by_part(rows, STRUCTURE, CAPTION)
+    text = as_text(table)
+    assert "supervised, authors' data" in text
+    assert NOT_RUN in text
+    titles = [column.title for column in table.columns]
+    authors = [dict(zip(titles, row, strict=True)) for row in table.rows if "authors" in str(row[0])]
+    assert [row["rotation (deg)"] for row in authors] == [12.0, 18.0, 21.0]
+    assert [row["state (deg)"] for row in authors] == [None, 16.0, None]
+    assert [row["state (diag.)"] for row in authors] == [None, None, 0.3]
+    assert NOT_RUN in as_text(over_parts(rows, STRUCTURE, CAPTION))
+
+
+def test_the_share_of_the_gap_is_how_far_errors_have_gone_from_the_worse_to_the_best():
+    worse, between, best = (objects([frame(rotation=(value,) * 3)]) for value in (0.4, 0.2, 0.1))
+    shares = dict(zip(measure_titles(STRUCTURE), gap_closed(worse, between, best, STRUCTURE), strict=True))
+    assert shares["rotation (deg)"] == pytest.approx(2.0 / 3.0)
+    assert shares["3D IoU (%)"] is None, "there is no gap"

@@ -1,0 +1,102 @@
+"""Scans of users, from all kinds of files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from kinmo.errors import InputError
+from kinmo.scans.camera import Camera
+from kinmo.scans.scan_input import Intrinsics, read_scan
+
+POINTS = np.random.default_rng(0).uniform(0.5, 1.5, (100, 3))
+CAMERA = Intrinsics(100.0, 110.0, 15.5, 11.5)
+
+
+def test_points_come_back_from_arrays_and_from_ply(tmp_path):
+    np.save(tmp_path / "a.npy", POINTS)
+    np.savez(tmp_path / "b.npz", points=POINTS.astype(np.float32))
+    trimesh.PointCloud(POINTS).export(tmp_path / "c.ply")
+    for name in ("a.npy", "b.npz", "c.ply"):
+        np.testing.assert_allclose(read_scan(tmp_path / name), POINTS, atol=1e-6)
+
+
+def test_a_depth_image_gives_the_points_that_its_camera_sees(tmp_path):
+    camera = Camera(32, 24, np.array([100.0, 110.0]), np.array([16.0, 12.0]), 0.1, 10.0)
+    depth = np.random.default_rng(1).uniform(1.0, 2.0, (24, 32))
+    depth[3, 4], depth[5, 6] = 0.0, np.nan
+    seen = np.flatnonzero(np.nan_to_num(depth.ravel()) > 0.0)
+    expected = camera.points(depth.ravel()[seen], seen)
+    matrix = [[100.0, 0.0, 15.5], [0.0, 110.0, 11.5], [0.0, 0.0, 1.0]]
+    np.savez(tmp_path / "with.npz", depth=depth, intrinsics=matrix)
+    np.save(tmp_path / "bare.npy", depth)
+    Image.fromarray(np.round(np.nan_to_num(depth) * 1000.0).astype(np.uint16)).save(tmp_path / "image.png")
+    np.testing.assert_allclose(read_scan(tmp_path / "with.npz"), expected)
+    np.testing.assert_allclose(read_scan(tmp_path / "bare.npy", CAMERA), expected)
+    np.testing.assert_allclose(read_scan(tmp_path / "image.png", CAMERA, 1000.0), expected, atol=2e-3)
+
+
+def test_intrinsics_are_four_numbers():
+    assert Intrinsics.parse("100,110,15.5,11.5") == CAMERA
+    for text in ("", "1,2,3", "a,b,c,d", "0,1,2,3", "1,1,nan,0"):
+        with pytest.raises(InputError, match="--intrinsics: expected fx,fy,cx,cy"):
+            Intrinsics.parse(text)
+
+
+def written(folder: Path, what: str) -> Path:
+    path = folder / what
+    if what == "objects.npy":
+        np.save(path, np.array([{"a": 1}], dtype=object), allow_pickle=True)
+    elif what == "words.npy":
+        np.save(path, np.array(["a", "b"]))
+    elif what == "few.npy":
+        np.save(path, POINTS[:5])
+    elif what == "one_place.npy":
+        np.save(path, np.ones((64, 3)))
+    elif what == "shape.npz":
+        np.savez(path, points=POINTS.T)
+    elif what == "other.npz":
+        np.savez(path, cloud=POINTS)
+    elif what == "no_camera.npz":
+        np.savez(path, depth=np.ones((8, 8)))
+    elif what == "bad_camera.npz":
+        np.savez(path, depth=np.ones((8, 8)), intrinsics=np.ones((2, 2)))
+    elif what == "empty.npy":
+        np.save(path, np.full((64, 3), np.nan))
+    else:
+        path.write_bytes(b"nonsense")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("what", "problem"),
+    [
+        ("objects.npy", "expected arrays of NumPy"),
+        ("words.npy", "expected numbers"),
+        ("few.npy", "expected at least 32 points that are seen, got 5"),
+        ("empty.npy", "got 0"),
+        ("one_place.npy", "expected points at more than one place"),
+        ("shape.npz", r"points: expected \[n, 3\]"),
+        ("other.npz", "expected points or depth, got cloud"),
+        ("no_camera.npz", "--intrinsics fx,fy,cx,cy"),
+        ("bad_camera.npz", "intrinsics: expected a matrix"),
+        ("cut.npz", "expected arrays of NumPy"),
+        ("cut.ply", "expected a PLY file"),
+        ("cut.png", "expected a depth image"),
+        ("scan.xyz", "expected a scan: one of"),
+    ],
+)
+def test_what_is_no_scan_is_named_in_one_line(tmp_path, what, problem):
+    with pytest.raises(InputError, match=problem) as caught:
+        read_scan(written(tmp_path, what))
+    assert what in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_that_is_not_there_is_said_to_be_missing(tmp_path):
+    with pytest.raises(InputError, match="no such file"):
+        read_scan(tmp_path / "none.npz")
