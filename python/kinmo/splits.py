@@ -60,6 +60,12 @@ def is_validation_in_fold(shape_id: str, fold: int, folds: int = 5) -> bool:
     return fold_of(shape_id, folds) != fold and _position(shape_id, f"validation {fold}") < _VALIDATION_SHARE
 
 
+def kept_to_choose_by(shape_ids: Collection[str]) -> frozenset[str]:
+    """A tenth of some shapes, at least one, by a hash: where none of a kind that is to be trained on is a validation shape."""
+    ranked = sorted(shape_ids, key=lambda shape_id: _position(shape_id, "choose"))
+    return frozenset(ranked[: max(1, round(_VALIDATION_SHARE * len(ranked)))])
+
+
 def within_share(shapes: Iterable[tuple[str, str]], share: float) -> list[bool]:
     """For every shape, given as its id and its category, whether it is among the `share` of labelled ones.
 

@@ -24,9 +24,10 @@ def evaluate(
     ablations: Annotated[bool, Option("--ablations", help="Add rows with other candidates, terms and edges.")] = False,
     hidden_names: Annotated[bool, Option("--hidden-names", help="Add rows with all part names hidden.")] = False,
 ) -> None:
-    """Print the paper's Table 1 for the test shapes, beside the printed figures.
+    """Print the paper's tables for the test shapes and scans, beside the printed figures.
 
-    Both settings: parts given (as in the paper) and hierarchy given (what a user has). All tables, also as JSON, CSV, Markdown
+    Table 1 in both settings: parts given (as in the paper) and hierarchy given (what a user has). Tables 2 to 4 as far as
+    networks are trained for scans (kinmo train ancsh, kinmo table). All tables, also as JSON, CSV, Markdown
     and LaTeX, are in the folder on the last line; docs/metrics.md says what every figure means. With FILES and --truth,
     anybody's URDF files are scored against annotated shapes by the same measures.
 
@@ -47,7 +48,9 @@ def evaluate(
         execute(options, ScoreUrdfs(files, truth, workspace, category, options.worker_count))
         return
     from kinmo.pipeline.evaluate import Evaluate
+    from kinmo.pipeline.evaluate_all import EvaluateAll
+    from kinmo.pipeline.scan_tables import JudgeTrained
 
     methods = tuple(each.value for each in Method) if method is None else (method.value,)
     stage = Evaluate(workspace, methods, category, ablations, hidden_names, options.seed, options.device, options.worker_count)
-    execute(options, stage)
+    execute(options, EvaluateAll(stage, JudgeTrained(workspace, category, options.device)))

@@ -50,3 +50,8 @@ def trained_cells(workspace: Workspace) -> list[Cell]:
             if cell.weights(workspace):
                 found.append(cell)
     return found
+
+
+def scores_path(workspace: Workspace, cell: Cell) -> Path:
+    """Where the errors of a cell on test scans are written."""
+    return workspace.evaluation / "scans" / f"{cell.key}.jsonl"

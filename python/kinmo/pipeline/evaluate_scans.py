@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_metrics import FrameScore, score_frame, truth
 from kinmo.evaluation.scan_records import write_scores
 from kinmo.learning.ancsh.predict import Ancsh
-from kinmo.pipeline.ancsh_files import Cell
+from kinmo.pipeline.ancsh_files import Cell, scores_path
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.model_files import weights_hashes
 from kinmo.pipeline.scan_dataset import fingerprint, open_scan_dataset
@@ -32,7 +31,7 @@ class EvaluateScans:
     device: str = "auto"
 
     def plan(self) -> Plan:
-        if self._is_current():
+        if self.is_current():
             return Plan((), 0.0)
         files = self._files()
         frames = sum(file.frames for file in files)
@@ -42,7 +41,7 @@ class EvaluateScans:
     def run(self, observer: Observer) -> Outcome:
         path = scores_path(self.workspace, self.cell)
         with self.workspace.locked():
-            if self._is_current():
+            if self.is_current():
                 observer.note(f"{self.cell}: judged already")
                 return Outcome(path)
             weights = self.cell.weights(self.workspace)
@@ -76,7 +75,8 @@ class EvaluateScans:
     def _inputs(self) -> dict[str, Any]:
         return {"test": fingerprint(self._files()), "weights": weights_hashes(self.cell.weights(self.workspace) or ())}
 
-    def _is_current(self) -> bool:
+    def is_current(self) -> bool:
+        """Whether the cell was judged, and nothing that this depends on has changed."""
         return self.cell.weights(self.workspace) is not None and self.workspace.is_current(self._stage, self._inputs())
 
 
@@ -95,8 +95,3 @@ def judged(file: ScanFile, network: Ancsh, seed: int) -> Sequence[FrameScore]:
         )
         for row in range(len(points))
     ]
-
-
-def scores_path(workspace: Workspace, cell: Cell) -> Path:
-    """Where the errors of a cell are written."""
-    return workspace.evaluation / "scans" / f"{cell.key}.jsonl"

@@ -14,7 +14,7 @@ from kinmo.formats import Layout
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import ScanFile, open_scans
-from kinmo.splits import Split
+from kinmo.splits import Split, kept_to_choose_by
 from kinmo.workspace import Workspace, digest
 
 PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
@@ -70,7 +70,8 @@ def scanned_categories(workspace: Workspace) -> tuple[str, ...]:
 def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     """The scans of a category, however it is spelled, of the structure that most objects to train on have.
 
-    Where as many have another, that with fewer parts is taken. What is trained on and what is hidden is as the workspace's
+    Where as many have another, that with fewer parts is taken. If no validation shape has it, some of those to train on are
+    kept to choose by. What is trained on and what is hidden is as the workspace's
     share of labels has it; the structure does not depend on that. Raises InputError if nothing of it was scanned.
     """
     known = scanned_categories(workspace)
@@ -86,6 +87,11 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         raise InputError(workspace.scans / spelling, "expected scans of a labelled shape to train on")
     most = max(structures.values())
     structure = min((s for s, count in structures.items() if count == most), key=lambda s: (s.part_count, str(s)))
+    fitting = {role: [file for file in some if file.frames and file.structure == structure] for role, some in found.items()}
+    if not fitting["validation"] and len(fitting["train"]) > 1:
+        moved = kept_to_choose_by([file.id for file in fitting["train"]])
+        found["validation"] += [file for file in fitting["train"] if file.id in moved]
+        found["train"] = [file for file in found["train"] if file.id not in moved]
     dataset = open_dataset(workspace, spelling)
     counted = {entry.id for entry in dataset.labelled[Split.TRAIN]}
     found["hidden"] += [file for file in found["train"] if file.id not in counted]
@@ -93,12 +99,10 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     files: dict[Role, tuple[ScanFile, ...]] = {}
     others: Counter[tuple[str, Role]] = Counter()
     for role, some in found.items():
-        fitting = [file.frames > 0 and (role == "unlabelled" or file.structure == structure) for file in some]
-        files[role] = tuple(file for file, fits in zip(some, fitting, strict=True) if fits)
+        fits = [file.frames > 0 and (role == "unlabelled" or file.structure == structure) for file in some]
+        files[role] = tuple(file for file, has in zip(some, fits, strict=True) if has)
         others.update(
-            (str(file.structure) if file.frames else "no frame", role)
-            for file, fits in zip(some, fitting, strict=True)
-            if not fits
+            (str(file.structure) if file.frames else "no frame", role) for file, has in zip(some, fits, strict=True) if not has
         )
     return ScanDataset(spelling, structure, files, others)
 

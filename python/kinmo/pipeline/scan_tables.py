@@ -15,9 +15,9 @@ from kinmo.evaluation.paper_tables import paper_tables
 from kinmo.evaluation.scan_records import read_scores
 from kinmo.evaluation.scan_tables import ScanRow, by_part, gap_closed, measure_titles, over_parts
 from kinmo.evaluation.tables import Caption, Table, as_text, write_table
-from kinmo.pipeline.ancsh_files import Cell
+from kinmo.pipeline.ancsh_files import Cell, scores_path, trained_cells
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.evaluate_scans import EvaluateScans, scores_path
+from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.render import Render
 from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, Setting, open_scan_dataset
@@ -176,6 +176,54 @@ class MakeTable:
     def _seconds(self) -> float:
         """About how long a cell takes, until one was run."""
         return training_seconds(load_config(self.config).ancsh, self.workers)
+
+
+@dataclass(frozen=True)
+class JudgeTrained:
+    """Judge whatever networks are trained for scans, and write the tables that they have a cell in.
+
+    Without a category those of all categories.
+    """
+
+    workspace: Workspace
+    category: str | None = None
+    device: str = "auto"
+
+    def plan(self) -> Plan:
+        plans = [EvaluateScans(place, cell, self.device).plan() for place, cell in self._cells()]
+        return Plan(tuple(step for plan in plans for step in plan.steps), sum(plan.seconds for plan in plans))
+
+    def run(self, observer: Observer) -> Outcome:
+        cells = list(self._cells())
+        for place, cell in cells:
+            EvaluateScans(place, cell, self.device).run(observer)
+        texts, data = [], {}
+        for number, table in TABLES.items():
+            rows = {(row.setting, row.labels) for row in table.rows}
+            own = [cell for place, cell in cells if (cell.setting, place.labels) in rows]
+            # a category that the paper has no table of is shown in the first of them
+            own = [cell for cell in own if number == min(TABLES) or _is_printed(table, cell.category)]
+            if own:
+                seeds = {name: sorted({cell.seed for cell in own if cell.category == name}) for name in _categories(own)}
+                outcome = write_tables(self.workspace, number, list(seeds), seeds.__getitem__)
+                texts.append(outcome.text)
+                data[f"table{number}"] = outcome.data
+        return Outcome(self.workspace.evaluation, data, "\n".join(texts))
+
+    def _cells(self) -> Iterator[tuple[Workspace, Cell]]:
+        for share in SHARES:
+            place = Workspace(self.workspace.root, share)
+            for cell in trained_cells(place):
+                if self.category is None or same_category(cell.category, self.category):
+                    yield place, cell
+
+
+def _is_printed(table: ScanTable, category: str) -> bool:
+    return any(same_category(category, name) for name in table.categories)
+
+
+def _categories(cells: Sequence[Cell]) -> list[str]:
+    return sorted({cell.category for cell in cells})
 
 
 def is_judged(workspace: Workspace, cell: Cell) -> bool:

@@ -1,0 +1,216 @@
+"""From labelled and pseudo-labelled shapes to networks that see scans, their tables, and a user's scan."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from whole_road import Listener, contents, tiny_config
+
+from kinmo.errors import InputError
+from kinmo.pipeline.ancsh_files import Cell, scores_path, trained_cells
+from kinmo.pipeline.evaluate_scans import EvaluateScans
+from kinmo.pipeline.predict_scan import PredictScan
+from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.render import REFUSED, Render
+from kinmo.pipeline.scan_dataset import open_scan_dataset
+from kinmo.pipeline.scan_tables import TABLES, MakeTable, printed_row, tables_of
+from kinmo.pipeline.synth import Synth
+from kinmo.pipeline.train_ancsh import TrainAncsh
+from kinmo.scans.scan_file import open_scans
+from kinmo.synth.generate import HELD_BACK
+from kinmo.workspace import Workspace
+
+FAMILY, CATEGORY = "laptop", "Laptop"
+SCANS = """
+[ancsh]
+points = 128
+centers = [32, 8]
+neighbours = 8
+width = 0.125
+batch_frames = 4
+batches_per_epoch = 2
+confidence = 0.0
+[ancsh.training]
+epochs = 1
+learning_rate = 1e-3
+weight_decay = 0.0
+decay_epochs = 0
+threads = 1
+[scans]
+states = 2
+views = 2
+test_states = 1
+test_views = 2
+size = 96
+points = 256
+least_pixels = 1
+"""
+HOW = {"device": "cpu"}
+
+
+@dataclass
+class Scanned:
+    """A workspace with scans, and the configuration that they were made with."""
+
+    workspace: Workspace
+    config: str
+
+    def render(self, **options: object) -> Render:
+        return Render(self.workspace, self.config, FAMILY, **options)  # type: ignore[arg-type]
+
+    def train(self, setting: str) -> TrainAncsh:
+        return TrainAncsh(self.workspace, self.config, FAMILY, setting, **HOW)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def scanned(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scanned]:
+    folder = tmp_path_factory.mktemp("scans")
+    config = tiny_config(folder)
+    others, _ = config.read_text(encoding="utf-8").split("[ancsh]\n")
+    config.write_text(others + SCANS, encoding="utf-8")
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    Synth(folder / "partnet", 6, (FAMILY,), ("partnet_mobility", "partnet"), held_back=True).run(Listener())
+    workspace = Workspace(folder / "workspace")
+    Prepare(folder / "partnet", workspace, hold_back=(folder / "partnet" / HELD_BACK,)).run(Listener())
+    made = Scanned(workspace, str(config))
+    made.render(unlabelled=True).run(Listener())
+    made.train("supervised").run(Listener())
+    yield made
+    torch.set_num_threads(threads)
+
+
+def test_every_object_has_one_role_and_its_frames(scanned: Scanned) -> None:
+    dataset = open_scan_dataset(scanned.workspace, CATEGORY.lower())
+    assert dataset.category == CATEGORY
+    assert str(dataset.structure) == "2 parts (R on 0)"
+    for role, frames in (("train", 4), ("hidden", 4), ("unlabelled", 4), ("validation", 4), ("test", 2)):
+        assert dataset.files[role], role
+        assert {file.frames + sum(file.refused.values()) for file in dataset.files[role]} == {frames}, role
+    labelled = {file.id for role in ("train", "validation", "test") for file in dataset.files[role]}
+    assert not labelled & {file.id for file in dataset.files["hidden"]}
+    assert {file.id for file in dataset.files["hidden"]} == {file.id for file in dataset.files["unlabelled"]}
+
+
+def test_what_was_scanned_is_not_scanned_again(scanned: Scanned) -> None:
+    before, told = contents(scanned.workspace.path), Listener()
+    plan = scanned.render(unlabelled=True).plan()
+    assert (plan.steps, plan.seconds) == ((), 0.0)
+    scanned.render(unlabelled=True).run(told)
+    assert told.notes == ["scanned already"]
+    assert contents(scanned.workspace.path) == before
+
+
+def test_an_object_that_cannot_be_scanned_says_why_and_is_not_tried_again(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    config = tmp_path / "strict.toml"
+    config.write_text(Path(scanned.config).read_text(encoding="utf-8") + "smallest_part = 1.0\n", encoding="utf-8")
+    stage = Render(Workspace(tmp_path / "workspace"), str(config), FAMILY)
+    found = stage.run(Listener())
+    assert found.data["refused"]
+    assert all("no part of it moves that is large enough" in reason for reason in found.data["refused"].values())
+    assert not list((tmp_path / "workspace" / "scans").rglob("*/train/*.safetensors"))
+    assert list((tmp_path / "workspace" / "scans").rglob(f"*{REFUSED}"))
+    assert stage.plan().steps == ()
+
+
+def test_scans_of_objects_that_have_gone_go_too(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    stray = tmp_path / "workspace" / "scans" / CATEGORY / "train" / "gone-partnet_mobility.safetensors"
+    shutil.copy(next(stray.parent.glob("*.safetensors")), stray)
+    Render(Workspace(tmp_path / "workspace"), scanned.config, FAMILY).run(Listener())
+    assert not stray.exists()
+
+
+def test_fewer_labels_are_fewer_scans_to_train_on_and_more_that_are_hidden(scanned: Scanned) -> None:
+    whole = open_scan_dataset(scanned.workspace, CATEGORY)
+    part = open_scan_dataset(Workspace(scanned.workspace.root, 0.3), CATEGORY)
+    assert part.structure == whole.structure
+    assert part.files["test"] == whole.files["test"] or [f.id for f in part.files["test"]] == [
+        f.id for f in whole.files["test"]
+    ]
+    assert 0 < len(part.files["train"]) < len(whole.files["train"])
+    ids = {role: ({f.id for f in whole.files[role]}, {f.id for f in part.files[role]}) for role in ("train", "hidden")}
+    assert ids["hidden"][1] == ids["hidden"][0] | (ids["train"][0] - ids["train"][1])
+
+
+def test_networks_are_trained_once_and_judged_frame_by_frame(scanned: Scanned) -> None:
+    told = Listener()
+    scanned.train("supervised").run(told)
+    assert all("trained already" in note for note in told.notes)
+    assert scanned.train("supervised").plan().steps == ()
+    cell = Cell(CATEGORY, "supervised", 0)
+    assert trained_cells(scanned.workspace) == [cell]
+    stage = EvaluateScans(scanned.workspace, cell, "cpu")
+    stage.run(Listener())
+    assert stage.plan().steps == ()
+    dataset = open_scan_dataset(scanned.workspace, CATEGORY)
+    lines = scores_path(scanned.workspace, cell).read_text().splitlines()
+    assert len(lines) == sum(file.frames for file in dataset.files["test"])
+
+
+def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    stage = TrainAncsh(workspace, scanned.config, FAMILY, "semi", **HOW)
+    told = Listener()
+    stage.run(told)
+    assert [note for note in told.notes if "supervised" in note], "the teachers were there"
+    header = json.loads((Cell(CATEGORY, "semi", 0).folder(workspace, "ancsh") / "weights.json").read_text())
+    dataset = open_scan_dataset(workspace, CATEGORY)
+    labelled = sorted((workspace.own_scans / CATEGORY / "semi-0").glob("*.safetensors"))
+    assert header["facts"]["objects"] == len(dataset.files["train"]) + len(labelled)
+    assert {open_scans(path).structure for path in labelled} <= {dataset.structure}
+    before = contents(workspace.path)
+    stage.run(Listener())
+    assert contents(workspace.path) == before
+
+
+def test_a_table_shows_what_was_not_run_and_the_authors_figures(scanned: Scanned) -> None:
+    EvaluateScans(scanned.workspace, Cell(CATEGORY, "supervised", 0), "cpu").run(Listener())
+    found = tables_of(scanned.workspace, 2, CATEGORY, (0,))
+    run = {row[0]: row[1] for row in found["parts"].rows}
+    assert run["semi"] == run["semi-weakly"] == run["true labels"] == "not run"
+    assert run["supervised"] == "1"
+    assert printed_row(2, "fridge", "ANCSH") is None
+    assert printed_row(2, "refrigerator", "ANCSH")[0] == [12.09, 18.43, 21.7]
+    assert printed_row(4, "StorageFurniture", "ANCSH (DSG)")[0] == [40.0, 45.5, 42.0]
+    for table in TABLES.values():
+        for row in table.rows:
+            assert not row.printed or all(printed_row(table.number, name, row.printed) for name in table.categories)
+
+
+def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
+    told = Listener()
+    stage = MakeTable(2, Workspace(tmp_path / "workspace"), scanned.config, "kinmo", FAMILY, 1, hours=0.0, **HOW)
+    found = stage.run(told)
+    assert sum(note.startswith("not run") for note in told.notes) == len(TABLES[2].rows)
+    assert (found.path / CATEGORY / "parts.md").exists()
+    assert {row[1] for row in found.data[CATEGORY]["parts"]["rows"]} == {"not run"}
+
+
+def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_path: Path) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    np.savez(tmp_path / "seen.npz", points=points)
+    found = PredictScan(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Listener())
+    document = json.loads((tmp_path / "out" / "seen.json").read_text())
+    assert document == found.data
+    assert [joint["kind"] for joint in document["joints"]] == ["R"]
+    assert sum(part["points"] for part in document["parts"]) == 128
+    assert (tmp_path / "out" / "seen.svg").read_text().startswith("<svg")
+
+
+def test_a_category_without_networks_is_named_with_those_that_there_are(scanned: Scanned, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"no networks that find a labtop in scans.*Laptop"):
+        PredictScan(tmp_path / "x.npz", tmp_path, scanned.workspace, "labtop").run(Listener())
+    with pytest.raises(InputError, match="run kinmo render first"):
+        TrainAncsh(Workspace(scanned.workspace.root), scanned.config, "safe").run(Listener())
