@@ -210,7 +210,8 @@ class ScansConfig:
     `test_states` and from `test_views`. `sampling`: every joint has a value of its own out of its range, or all go through
     theirs in `lockstep`, or as in the `release` all through the same angles. Pictures have `size` pixels a side, frames
     `points` points; a frame in which a part has fewer than `least_pixels` is refused. A part smaller than `smallest_part`
-    diagonals goes with what it moves against. `pybullet` is the paper's renderer.
+    diagonals goes with what it moves against. Networks learn the `canonical` state of objects: `closed` (`scans.closing`), or
+    whatever their `file` shows. `pybullet` is the paper's renderer.
     """
 
     states: Count = 31
@@ -222,6 +223,7 @@ class ScansConfig:
     points: Count = 1024
     least_pixels: Number = 10
     smallest_part: Share = 0.15
+    canonical: Literal["closed", "file"] = "closed"
     renderer: Literal["raster", "pybullet"] = "raster"
     sensor: SensorConfig = field(default_factory=SensorConfig)
 

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from typer.main import get_command
@@ -78,16 +79,23 @@ def test_wrong_usage_is_exit_code_2(arguments: list[str]) -> None:
 
 def test_the_choices_of_the_options_are_those_of_the_program() -> None:
     """Options are listed without importing what they choose among."""
-    from kinmo.cli.options import Method
+    from kinmo.cli.options import Method, ProtocolName
     from kinmo.cli.synth import MOST_SHAPES, LayoutName
-    from kinmo.cli.train import What
+    from kinmo.cli.table import Number
+    from kinmo.cli.train import SettingName, What
+    from kinmo.pipeline.ancsh_files import PROTOCOLS
     from kinmo.pipeline.models import GROUPS
     from kinmo.pipeline.predictors import PREDICTORS
+    from kinmo.pipeline.scan_dataset import Setting
+    from kinmo.pipeline.scan_table_rows import TABLES
     from kinmo.synth import generate
 
     assert {each.value for each in LayoutName} == {each.value for each in generate.Layout}
     assert {each.value for each in Method} == PREDICTORS.keys()
-    assert {each.value for each in What} == GROUPS.keys()
+    assert {each.value for each in What} == GROUPS.keys() - PREDICTORS.keys() | {"ancsh"}
+    assert {each.value for each in SettingName} == set(get_args(Setting))
+    assert {int(each.value) for each in Number} == TABLES.keys()
+    assert {each.value for each in ProtocolName} == set(PROTOCOLS)
     assert MOST_SHAPES == generate.MOST_SHAPES
 
 

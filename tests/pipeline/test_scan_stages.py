@@ -20,9 +20,11 @@ from kinmo.pipeline.predict_scan import PredictScan
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.render import REFUSED, Render
 from kinmo.pipeline.scan_dataset import open_scan_dataset
-from kinmo.pipeline.scan_tables import TABLES, MakeTable, printed_row, tables_of
+from kinmo.pipeline.scan_table_rows import TABLES, printed_row
+from kinmo.pipeline.scan_tables import MakeTable
 from kinmo.pipeline.synth import Synth
 from kinmo.pipeline.train_ancsh import TrainAncsh
+from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.scans.scan_file import open_scans
 from kinmo.synth.generate import HELD_BACK
 from kinmo.workspace import Workspace
@@ -175,7 +177,7 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(s
 
 def test_a_table_shows_what_was_not_run_and_the_authors_figures(scanned: Scanned) -> None:
     EvaluateScans(scanned.workspace, Cell(CATEGORY, "supervised", 0), "cpu").run(Listener())
-    found = tables_of(scanned.workspace, 2, CATEGORY, (0,))
+    found = WrittenTables(scanned.workspace, 2).of(CATEGORY, (0,))
     run = {row[0]: row[1] for row in found["parts"].rows}
     assert run["semi"] == run["semi-weakly"] == run["true labels"] == "not run"
     assert run["supervised"] == "1"

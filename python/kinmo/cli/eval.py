@@ -8,7 +8,7 @@ from typing import Annotated
 from typer import Argument, BadParameter, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions, Method
+from kinmo.cli.options import CommonOptions, Method, ProtocolName
 
 
 def evaluate(
@@ -23,6 +23,9 @@ def evaluate(
     method: Annotated[Method | None, Option(help="Only the rows of this method.", show_default="all")] = None,
     ablations: Annotated[bool, Option("--ablations", help="Add rows with other candidates, terms and edges.")] = False,
     hidden_names: Annotated[bool, Option("--hidden-names", help="Add rows with all part names hidden.")] = False,
+    protocol: Annotated[
+        ProtocolName, Option(help="How scans are measured: rightly, or as ANCSH's public code does, faults included.")
+    ] = ProtocolName.KINMO,
 ) -> None:
     """Print the paper's tables for the test shapes and scans, beside the printed figures.
 
@@ -53,4 +56,4 @@ def evaluate(
 
     methods = tuple(each.value for each in Method) if method is None else (method.value,)
     stage = Evaluate(workspace, methods, category, ablations, hidden_names, options.seed, options.device, options.worker_count)
-    execute(options, EvaluateAll(stage, JudgeTrained(workspace, category, options.device)))
+    execute(options, EvaluateAll(stage, JudgeTrained(workspace, category, protocol.value, options.device)))

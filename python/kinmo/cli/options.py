@@ -22,6 +22,13 @@ class Method(str, Enum):
     PAPER = "paper"
 
 
+class ProtocolName(str, Enum):
+    """The protocols of `kinmo.pipeline.ancsh_files`, without importing it."""
+
+    KINMO = "kinmo"
+    ANCSH = "ancsh"
+
+
 @dataclass(frozen=True)
 class CommonOptions:
     """See the help texts."""

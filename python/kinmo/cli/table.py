@@ -8,7 +8,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions, Method
+from kinmo.cli.options import CommonOptions, Method, ProtocolName
 
 
 class Number(str, Enum):
@@ -31,6 +31,9 @@ def table(
     ] = None,
     hours: Annotated[float | None, Option(min=0.0, help="Begin nothing that would end later.", show_default=False)] = None,
     method: Annotated[Method, Option(help="Which method labels.")] = Method.KINMO,
+    protocol: Annotated[
+        ProtocolName, Option(help="How scans are measured: rightly, or as ANCSH's public code does, faults included.")
+    ] = ProtocolName.KINMO,
 ) -> None:
     """Train and judge all that one of the paper's tables of partial scans is about.
 
@@ -55,6 +58,7 @@ def table(
         category,
         seeds,
         hours,
+        protocol.value,
         options.seed,
         options.device,
         options.worker_count,

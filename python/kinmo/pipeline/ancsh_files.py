@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from kinmo.config import AncshNetworkName
 from kinmo.pipeline.model_files import WEIGHTS
@@ -52,6 +52,16 @@ def trained_cells(workspace: Workspace) -> list[Cell]:
     return found
 
 
-def scores_path(workspace: Workspace, cell: Cell) -> Path:
+Protocol = Literal["kinmo", "ancsh"]
+"""How errors are measured: rightly, or as ANCSH's public code does, faults included."""
+PROTOCOLS: tuple[Protocol, ...] = ("kinmo", "ancsh")
+
+
+def pictures_path(workspace: Workspace, cell: Cell) -> Path:
+    """Where pictures of a cell on test scans are written."""
+    return workspace.evaluation / "scans" / "pictures" / f"{cell.key}.jsonl"
+
+
+def scores_path(workspace: Workspace, cell: Cell, protocol: Protocol = "kinmo") -> Path:
     """Where the errors of a cell on test scans are written."""
-    return workspace.evaluation / "scans" / f"{cell.key}.jsonl"
+    return workspace.evaluation / "scans" / protocol / f"{cell.key}.jsonl"

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from kinmo.errors import InputError
+from kinmo.evaluation.ancsh_protocol import score_as_ancsh
 from kinmo.evaluation.scan_metrics import FrameScore, score_frame, truth
 from kinmo.evaluation.scan_records import write_scores
 from kinmo.learning.ancsh.predict import Ancsh
-from kinmo.pipeline.ancsh_files import Cell, scores_path
+from kinmo.pipeline.ancsh_files import PROTOCOLS, Cell, Protocol, pictures_path, scores_path
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.model_files import weights_hashes
 from kinmo.pipeline.scan_dataset import fingerprint, open_scan_dataset
+from kinmo.pipeline.scan_pictures import JudgedFrame, PictureBook, write_pictures
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.estimate import PoseOptions, estimate
 from kinmo.scans.scan_file import ScanFile
@@ -51,13 +53,25 @@ class EvaluateScans:
             self.workspace.forget(self._stage)
             network = Ancsh.load(*weights, device=self.device)
             with timed(self.workspace, self._stage) as watch:
-                scores = []
+                scores: dict[Protocol, list[tuple[str, FrameScore]]] = {protocol: [] for protocol in PROTOCOLS}
+                book = PictureBook(network.structure)
                 for done, file in enumerate(files, start=1):
-                    scores += [(file.id, score) for score in judged(file, network, self.cell.seed)]
+                    for frame in judged(file, network, self.cell.seed):
+                        book.offer(frame)
+                        scores["kinmo"].append((file.id, frame.score))
+                        coded = score_as_ancsh(frame.found, frame.true, network.structure)
+                        if coded is not None:
+                            scores["ancsh"].append((file.id, coded))
                     observer.progress(f"judging {self.cell}", done, len(files), file.id)
-                watch.amount, watch.what = len(scores), f"{len(scores)} scans of {self.cell.category}"
-            write_scores(path, scores)
-            self.workspace.write_record(self._stage, StageRecord(inputs, (str(path.relative_to(self.workspace.path)),)))
+                watch.amount = len(scores["kinmo"])
+                watch.what = f"{watch.amount} scans of {self.cell.category}"
+            write_pictures(pictures_path(self.workspace, self.cell), book.pictures())
+            outputs = [str(pictures_path(self.workspace, self.cell).relative_to(self.workspace.path))]
+            for protocol, some in scores.items():
+                path = scores_path(self.workspace, self.cell, protocol)
+                write_scores(path, some)
+                outputs.append(str(path.relative_to(self.workspace.path)))
+            self.workspace.write_record(self._stage, StageRecord(inputs, tuple(outputs)))
         return Outcome(path)
 
     @property
@@ -80,18 +94,14 @@ class EvaluateScans:
         return self.cell.weights(self.workspace) is not None and self.workspace.is_current(self._stage, self._inputs())
 
 
-def judged(file: ScanFile, network: Ancsh, seed: int) -> Sequence[FrameScore]:
-    """The errors of every frame of an object."""
+def judged(file: ScanFile, network: Ancsh, seed: int) -> Iterator[JudgedFrame]:
+    """Every frame of an object with what was found in it."""
     if file.structure != network.structure:
         raise InputError(file.path, f"has {file.structure}, expected {network.structure}")
-    points, poses, values = (file.read(name) for name in ("points", "poses", "values"))
+    points, parts, poses, values = (file.read(name) for name in ("points", "parts", "poses", "values"))
     answers = network.answer(list(points), [1.0] * len(points))
     found = estimate(answers, network.structure, PoseOptions(seed=seed))
-    return [
-        score_frame(
-            found[row],
-            truth(poses[row], values[row], file.joints, file.structure, file.extents),
-            file.structure,
-        )
-        for row in range(len(points))
-    ]
+    for row in range(len(points)):
+        true = truth(poses[row], values[row], file.joints, file.structure, file.extents)
+        score = score_frame(found[row], true, file.structure)
+        yield JudgedFrame(file.id, row, points[row], answers[row].parts, parts[row], found[row], true, score)

@@ -18,8 +18,9 @@ from kinmo.joint import JointKind
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.ancsh_files import Cell, trained_cells
 from kinmo.pipeline.model_files import weights_hashes
+from kinmo.pipeline.scan_pictures import view_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.report.scan_picture import ScanView, scan_picture
+from kinmo.report.scan_picture import scan_picture
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import PointAnswers, PoseOptions, ScanEstimate, estimate
 from kinmo.scans.scan_input import Intrinsics, read_scan
@@ -67,7 +68,9 @@ class PredictScan:
         name = self.source.stem
         target = self.out / f"{name}.json"
         write_text_atomically(target, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-        write_text_atomically(self.out / f"{name}.svg", scan_picture(view_of(seen, answer, found, network.structure), name))
+        write_text_atomically(
+            self.out / f"{name}.svg", scan_picture([view_of(seen, answer.parts, found, network.structure)], name)
+        )
         return Outcome(target, document, _text(document))
 
     def _cell(self) -> Cell:
@@ -127,20 +130,6 @@ def scan_document(
         "parts": parts,
         "joints": joints,
     }
-
-
-def view_of(points: NDArray[np.floating], answer: PointAnswers, found: ScanEstimate, structure: Structure) -> ScanView:
-    """What is drawn of an estimate."""
-    return ScanView(
-        points,
-        answer.parts,
-        found.centers,
-        found.poses.rotations,
-        found.half_extents,
-        structure.kinds,
-        found.directions,
-        found.pivots,
-    )
 
 
 def _text(document: dict[str, Any]) -> str:

@@ -146,12 +146,16 @@ class Rendering:
 
     config: ScansConfig
 
+    @property
+    def _how(self) -> dict[str, Any]:
+        return {"smallest": self.config.smallest_part, "closes": self.config.canonical == "closed"}
+
     def __call__(self, job: Job) -> None:
         job.path.parent.mkdir(parents=True, exist_ok=True)
         try:
             shape = read_found(job.found)
             moves = job.role != "unlabelled"
-            target = articulated_object(shape, smallest=self.config.smallest_part) if moves else still_object(shape)
+            target = articulated_object(shape, **self._how) if moves else still_object(shape)
         except ValueError as error:
             _refuse(job, str(error))
             return

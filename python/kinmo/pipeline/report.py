@@ -18,6 +18,8 @@ from kinmo.pipeline.journal import runs
 from kinmo.pipeline.model_files import METHOD_MODELS, METRICS, weights_digest
 from kinmo.pipeline.pictures import draw
 from kinmo.pipeline.prepare import REPORT
+from kinmo.pipeline.report_tables import shown
+from kinmo.pipeline.scan_report import picture_sections, table_sections
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.pseudo_label import ACCEPTANCE, LABELLING
 from kinmo.report.curves import line_chart
@@ -61,9 +63,11 @@ class Report:
             self._runs(),
             self._data(store),
             *self._tables(),
+            *table_sections(self.workspace),
             self._curves(),
             *self._pseudo_labels(),
             *self._pictures(store, observer),
+            *picture_sections(self.workspace),
         ]
         facts = [("workspace", str(self.workspace.path.absolute())), ("prepared shapes", str(len(store)))]
         page = Page("kinmo report", facts, [section for section in sections if section is not None])
@@ -105,7 +109,7 @@ class Report:
             for setting in SETTINGS:
                 folder = self.workspace.evaluation / name / setting
                 found = {path.stem: read_table(path) for path in sorted(folder.glob("*.json"))}
-                more = [_shown(table) for table_name, table in found.items() if table_name not in PRINTED]
+                more = [shown(table) for table_name, table in found.items() if table_name not in PRINTED]
                 charts = [
                     chart
                     for table_name, table in found.items()
@@ -113,10 +117,10 @@ class Report:
                     for chart in _truth_charts(table_name, table)
                 ]
                 title = f"Table 1, {setting.replace('_', ' ')}{of}"
-                yield Section(title, tables=[_shown(found[printed]) for printed in PRINTED], charts=charts, more=more)
+                yield Section(title, tables=[shown(found[printed]) for printed in PRINTED], charts=charts, more=more)
         files = sorted((self.workspace.evaluation / URDF_FILES).glob("*.json"))
         if files:
-            yield Section("URDF files", tables=[_shown(read_table(path)) for path in files])
+            yield Section("URDF files", tables=[shown(read_table(path)) for path in files])
 
     def _curves(self) -> Section | None:
         charts: list[str] = []
@@ -176,10 +180,6 @@ def _training_charts(name: str, history: Sequence[Mapping[str, float]]) -> list[
     names = [key for key in (history[-1] if history else {}) if key.startswith("validation/") and not key.endswith("loss")]
     errors = {key.split("/")[1].replace("_", " "): _series(history, key) for key in names}
     return [line_chart(f"{name}: loss", loss, "epoch"), line_chart(f"{name}: validation", errors, "epoch")]
-
-
-def _shown(table: MeasuredTable) -> Table:
-    return Table(str(table.caption), [column.title for column in table.columns], table.cells()[1:])
 
 
 def _truth_charts(name: str, table: MeasuredTable) -> Iterator[str]:

@@ -38,9 +38,15 @@ class ScanView:
     pivots: F64
 
 
-def scan_picture(view: ScanView, label: str, around: NDArray[np.floating] | None = None, size: int = SIZE) -> str:
-    """An SVG of a scan. `around` [n, 3] are the points that the picture is fitted to, so that several can be alike."""
-    frame = _Frame.of(view.points if around is None else around, size)
+def scan_picture(views: Sequence[ScanView], label: str, size: int = SIZE) -> str:
+    """An SVG of one scan, or of several takes on it side by side; all are fitted to the points of the first."""
+    frame = _Frame.of(views[0].points, size)
+    panes = "".join(f'<g transform="translate({size * place} 0)">{_pane(frame, view)}</g>' for place, view in enumerate(views))
+    head = f'<svg class="scan" viewBox="0 0 {size * len(views)} {size}" role="img" aria-label="{escape(label, quote=True)}"'
+    return f'{head} xmlns="http://www.w3.org/2000/svg">{panes}</svg>'
+
+
+def _pane(frame: _Frame, view: ScanView) -> str:
     pieces = [_dots(frame, view.points[view.parts == part], _colour(part)) for part in np.unique(view.parts)]
     for part in range(len(view.centers)):
         if np.isfinite(view.centers[part]).all() and np.isfinite(view.half_extents[part]).all():
@@ -48,8 +54,7 @@ def scan_picture(view: ScanView, label: str, around: NDArray[np.floating] | None
     for row, kind in enumerate(view.kinds):
         if np.isfinite(view.directions[row]).all():
             pieces.append(_axis(frame, view, row, kind))
-    head = f'<svg class="scan" viewBox="0 0 {size} {size}" role="img" aria-label="{escape(label, quote=True)}"'
-    return f'{head} xmlns="http://www.w3.org/2000/svg">{"".join(pieces)}</svg>'
+    return "".join(pieces)
 
 
 @dataclass(frozen=True)
@@ -105,8 +110,3 @@ def _axis(frame: _Frame, view: ScanView, row: int, kind: JointKind) -> str:
         f'<line {line} stroke="#ffffff" stroke-width="5"/><line {line} stroke="#111111" stroke-width="2.2"/>'
         f'<circle cx="{x1:.1f}" cy="{y1:.1f}" r="4" fill="#111111"/>'
     )
-
-
-def views_extent(views: Sequence[ScanView]) -> NDArray[np.floating]:
-    """The points of several views, to fit pictures of them to."""
-    return np.concatenate([view.points for view in views])

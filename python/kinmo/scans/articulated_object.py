@@ -15,7 +15,8 @@ from kinmo.joint import Joint, JointKind
 from kinmo.links import Link, links_of
 from kinmo.mobility import Body, Mobility
 from kinmo.normalisation import Normalisation
-from kinmo.shape import Mesh, Shape, Vector
+from kinmo.scans.closing import closed
+from kinmo.shape import Mesh, Shape, Vector, bounds_of
 
 F64 = NDArray[np.float64]
 
@@ -57,10 +58,10 @@ class Extents:
 
 @dataclass(frozen=True, eq=False)
 class ArticulatedObject:
-    """An object in the *normalised frame* (`kinmo.prepared`), ready to be scanned.
+    """An object whose box has its middle at the origin and the diagonal 1, ready to be scanned: its *normalised frame*.
 
     The bodies of `mobility` are its K parts, part 0 the base without a joint, every other one with a joint and after the part
-    it moves against; `meshes` are theirs, where the file shows them. `up` [3] is a unit vector.
+    it moves against; `meshes` are theirs, in the object's canonical state. `up` [3] is a unit vector.
     """
 
     id: str
@@ -81,12 +82,16 @@ class ArticulatedObject:
 
     @cached_property
     def part_extents(self) -> Extents:
-        """Of the K parts, where the file shows them."""
+        """Of the K parts, in the canonical state."""
         return _extents(mesh.vertices[np.unique(mesh.faces)] for mesh in self.meshes)
 
 
-def articulated_object(shape: Shape, mobility: Mobility | None = None, *, smallest: float = SMALLEST_PART) -> ArticulatedObject:
+def articulated_object(
+    shape: Shape, mobility: Mobility | None = None, *, smallest: float = SMALLEST_PART, closes: bool = True
+) -> ArticulatedObject:
     """The parts of `shape` that move by `mobility` (in its frame; its own by default), in canonical order.
+
+    If it `closes`, the object is that which `closing.closed` makes of it, else (as in the paper's release) that of the file.
 
     What is fastened together is one part, and a part smaller than `smallest` is fastened to what it moves against. Below one
     part come those with equal kinds of joints and equal parts below in a row, from the top down where that is how they lie,
@@ -106,14 +111,18 @@ def articulated_object(shape: Shape, mobility: Mobility | None = None, *, smalle
         raise InputError(shape.source, "no part of it moves that is large enough to be seen")
     if not all(link.leaves for link in links):
         raise InputError(shape.source, "nothing stands still that its parts could move against")
-    joined = [_joined(meshes[leaf] for leaf in link.leaves) for link in links]
+    joined = tuple(_joined(meshes[leaf] for leaf in link.leaves) for link in links)
+    parts = Mobility(tuple(Body(i, link.name, link.leaves, link.parent, link.joint) for i, link in enumerate(links)))
+    if closes:
+        parts, joined = closed(parts, joined)
+        low, high = bounds_of(joined)
+        frame = Normalisation(0.5 * (low + high), float(np.linalg.norm(high - low)))
+        parts, joined = frame.mobility(parts), tuple(map(frame.mesh, joined))
     order = _canonical_order(links, _extents(mesh.vertices for mesh in joined).centers @ z_up_rotation(up).T)
     place = {index: position for position, index in enumerate(order)}
-    bodies = []
-    for position, link in enumerate(links[index] for index in order):
-        parent = None if link.parent is None else place[link.parent]
-        bodies.append(Body(position, link.name, link.leaves, parent, link.joint))
-    return ArticulatedObject(shape.id, shape.category, up, Mobility(tuple(bodies)), tuple(joined[index] for index in order))
+    bodies = (parts.bodies[index] for index in order)
+    ordered = (replace(b, id=place[b.id], parent=None if b.parent is None else place[b.parent]) for b in bodies)
+    return ArticulatedObject(shape.id, shape.category, up, Mobility(tuple(ordered)), tuple(joined[index] for index in order))
 
 
 def still_object(shape: Shape) -> ArticulatedObject:

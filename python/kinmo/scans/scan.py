@@ -31,7 +31,7 @@ class Scans:
     """F frames of one object with K parts, n points each. Lengths are diagonals of the object.
 
     `points` [F, n, 3] are in the camera's frame (`kinmo.scans.camera`), `parts` [F, n] the part that each is of (`NOTHING` for
-    what is not of the object), `places` [F, n, 3] where it is on the object as the file shows it, in the normalised frame.
+    what is not of the object), `places` [F, n, 3] where it is on the object in its canonical state, in its normalised frame.
     `poses` [F, K, 4, 4] take every part from there to the camera's frame. `values` and `turns` [F, K - 1] are the states of the
     joints of parts 1 and up (`kinmo.kinematics.joint_motion`). `refused` counts frames that are not here, by reason.
     """

@@ -1,0 +1,74 @@
+"""One state for all objects of a category, whatever their files show."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from articulated import shape_of_boxes
+from kinmo.joint import Joint, JointKind
+from kinmo.kinematics import forward
+from kinmo.mobility import Body
+from kinmo.scans.articulated_object import articulated_object
+from kinmo.shape import Mesh, Shape
+from scanned import UP, hinge, slider
+
+
+def cabinet(knob: Joint | None = None) -> Shape:
+    """A shut cabinet: a door on the left of its front, a drawer below it."""
+    boxes = [((-1.0, 0.0, -1.0), (1.0, 2.0, 1.0)), ((-1.0, 1.0, 1.0), (1.0, 2.0, 1.1)), ((-0.9, 0.1, -0.9), (0.9, 0.9, 1.1))]
+    door = hinge((-1.0, 0.0, 1.0), -UP, 0.0, 1.5)
+    bodies = [Body(0, "carcass", (1,)), Body(1, "door", (2,), 0, knob or door), Body(2, "drawer", (3,), 0, slider(upper=1.0))]
+    return shape_of_boxes(boxes, bodies)
+
+
+def opened(shape: Shape, values: dict[int, float], reverse: tuple[int, ...] = ()) -> Shape:
+    """The same object as another file has it: with joints at `values`, and the directions of some the other way."""
+    assert shape.mobility is not None
+    poses = forward(shape.mobility, values)
+    bodies = []
+    for index, body in enumerate(shape.mobility.bodies):
+        joint = body.joint
+        if joint is not None:
+            joint = replace(joint, rest=values.get(index, joint.rest))
+            joint = joint.reversed() if index in reverse else joint
+        bodies.append(replace(body, joint=joint))
+    owner = {leaf: index for index, body in enumerate(shape.mobility.bodies) for leaf in body.leaves}
+    parts = list(shape.parts)
+    for leaf, mesh in zip(shape.leaves, shape.meshes(), strict=True):
+        pose = poses[owner[leaf]]
+        parts[leaf] = replace(parts[leaf], mesh=Mesh(mesh.vertices @ pose[:3, :3].T + pose[:3, 3], mesh.faces))
+    return replace(shape, parts=tuple(parts), mobility=replace(shape.mobility, bodies=tuple(bodies)))
+
+
+@pytest.mark.parametrize("reverse", [(), (1,), (1, 2)])
+@pytest.mark.parametrize("values", [{}, {1: 1.2}, {1: 0.4, 2: 0.7}])
+def test_an_object_is_the_same_however_its_file_shows_it(values, reverse):
+    expected, found = articulated_object(cabinet()), articulated_object(opened(cabinet(), values, reverse))
+    for one, other in zip(found.meshes, expected.meshes, strict=True):
+        np.testing.assert_allclose(one.vertices, other.vertices, atol=1e-9)
+    for one, other in zip(found.joints, expected.joints, strict=True):
+        np.testing.assert_allclose(one.direction, other.direction, atol=1e-9)
+        assert (one.lower, one.upper, one.rest) == pytest.approx((other.lower, other.upper, other.rest), abs=1e-9)
+        assert one.rest == one.lower
+        if one.has_pivot:
+            off = one.pivot - other.pivot
+            np.testing.assert_allclose(off - off @ one.direction * one.direction, 0.0, atol=1e-9)
+
+
+def test_with_the_files_state_as_canonical_nothing_is_moved():
+    shape = opened(cabinet(), {1: 1.2})
+    shown = articulated_object(shape, closes=False)
+    assert shown.joints[1].rest == pytest.approx(1.2)
+    assert np.ptp(shown.meshes[2].vertices[:, 2]) > 0.2, "the door stands open"
+
+
+def test_a_joint_without_limits_stays_and_points_up():
+    for sign in (1.0, -1.0):
+        free = Joint(JointKind.REVOLUTE, sign * UP, np.zeros(3))
+        target = articulated_object(cabinet(free))
+        turning = next(joint for joint in target.joints if joint.kind is JointKind.REVOLUTE)
+        np.testing.assert_allclose(turning.direction, UP)
+        assert turning.rest == 0.0
