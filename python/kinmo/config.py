@@ -211,7 +211,8 @@ class ScansConfig:
     theirs in `lockstep`, or as in the `release` all through the same angles. Pictures have `size` pixels a side, frames
     `points` points; a frame in which a part has fewer than `least_pixels` is refused. A part smaller than `smallest_part`
     diagonals goes with what it moves against. Networks learn the `canonical` state of objects: `closed` (`scans.closing`), or
-    whatever their `file` shows. `pybullet` is the paper's renderer.
+    whatever their `file` shows. `rough` is the sensor that takes `sensor`'s place to tell what a bad one costs. `pybullet` is
+    the paper's renderer.
     """
 
     states: Count = 31
@@ -226,6 +227,7 @@ class ScansConfig:
     canonical: Literal["closed", "file"] = "closed"
     renderer: Literal["raster", "pybullet"] = "raster"
     sensor: SensorConfig = field(default_factory=SensorConfig)
+    rough: SensorConfig = SensorConfig(noise=0.003, holes=0.1, crop=0.3, steep=True)
 
 
 @dataclass(frozen=True)

@@ -119,15 +119,18 @@ class Workspace:
 
     `labels` is the share of the labelled shapes for training whose labels count. A workspace with fewer than all of them lies
     in another one, its `root`: it has that one's prepared shapes and scans, and everything that labels decide is its own, such
-    as scans of what has no label (`own_scans`).
+    as scans of what has no label (`own_scans`). One that `is_rough`, too, is within another, for scans as a bad sensor takes
+    them, and all that is made from these.
     """
 
-    def __init__(self, path: Path | str, labels: float = 1.0) -> None:
+    def __init__(self, path: Path | str, labels: float = 1.0, is_rough: bool = False) -> None:
         self.root = Path(path)
-        self.labels = labels
-        self.path = self.root if labels == 1.0 else self.root / f"labels-{100.0 * labels:g}"
+        self.labels, self.is_rough = labels, is_rough
+        self.path = self.root / "rough" if is_rough else self.root
+        self.scans = self.path / "scans"
+        if labels != 1.0:
+            self.path = self.path / f"labels-{100.0 * labels:g}"
         self.prepared = self.root / "prepared"
-        self.scans = self.root / "scans"
         self.models = self.path / "models"
         self.pseudo = self.path / "pseudo"
         self.own_scans = self.path / "own-scans"

@@ -81,7 +81,7 @@ def test_the_choices_of_the_options_are_those_of_the_program() -> None:
     """Options are listed without importing what they choose among."""
     from kinmo.cli.options import Method, ProtocolName
     from kinmo.cli.synth import MOST_SHAPES, LayoutName
-    from kinmo.cli.table import Number
+    from kinmo.cli.table import Name
     from kinmo.cli.train import SettingName, What
     from kinmo.pipeline.ancsh_files import PROTOCOLS
     from kinmo.pipeline.models import GROUPS
@@ -94,7 +94,7 @@ def test_the_choices_of_the_options_are_those_of_the_program() -> None:
     assert {each.value for each in Method} == PREDICTORS.keys()
     assert {each.value for each in What} == GROUPS.keys() - PREDICTORS.keys() | {"ancsh"}
     assert {each.value for each in SettingName} == set(get_args(Setting))
-    assert {int(each.value) for each in Number} == TABLES.keys()
+    assert {each.value for each in Name} == TABLES.keys()
     assert {each.value for each in ProtocolName} == set(PROTOCOLS)
     assert MOST_SHAPES == generate.MOST_SHAPES
 

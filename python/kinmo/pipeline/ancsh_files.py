@@ -57,11 +57,15 @@ Protocol = Literal["kinmo", "ancsh"]
 PROTOCOLS: tuple[Protocol, ...] = ("kinmo", "ancsh")
 
 
-def pictures_path(workspace: Workspace, cell: Cell) -> Path:
+def pictures_path(workspace: Workspace, cell: Cell, on_rough: bool) -> Path:
     """Where pictures of a cell on test scans are written."""
-    return workspace.evaluation / "scans" / "pictures" / f"{cell.key}.jsonl"
+    return _judged(workspace, on_rough) / "pictures" / f"{cell.key}.jsonl"
 
 
-def scores_path(workspace: Workspace, cell: Cell, protocol: Protocol = "kinmo") -> Path:
-    """Where the errors of a cell on test scans are written."""
-    return workspace.evaluation / "scans" / protocol / f"{cell.key}.jsonl"
+def scores_path(workspace: Workspace, cell: Cell, on_rough: bool, protocol: Protocol = "kinmo") -> Path:
+    """Where the errors of a cell on test scans, or on rough ones, are written."""
+    return _judged(workspace, on_rough) / protocol / f"{cell.key}.jsonl"
+
+
+def _judged(workspace: Workspace, on_rough: bool) -> Path:
+    return workspace.evaluation / ("rough-scans" if on_rough else "scans")

@@ -26,11 +26,12 @@ SECONDS_PER_FRAME = 0.1
 
 @dataclass(frozen=True)
 class EvaluateScans:
-    """Judge what the networks of a cell find in every test scan of their category."""
+    """Judge what the networks of a cell find in every test scan of their category, or in every one by the rough sensor."""
 
     workspace: Workspace
     cell: Cell
     device: str = "auto"
+    on_rough: bool = False
 
     def plan(self) -> Plan:
         if self.is_current():
@@ -41,7 +42,7 @@ class EvaluateScans:
         return Plan((f"judge {self.cell} on {frames} scans of {len(files)} test objects",), frames * each)
 
     def run(self, observer: Observer) -> Outcome:
-        path = scores_path(self.workspace, self.cell)
+        path = scores_path(self.workspace, self.cell, self.on_rough)
         with self.workspace.locked():
             if self.is_current():
                 observer.note(f"{self.cell}: judged already")
@@ -65,10 +66,10 @@ class EvaluateScans:
                     observer.progress(f"judging {self.cell}", done, len(files), file.id)
                 watch.amount = len(scores["kinmo"])
                 watch.what = f"{watch.amount} scans of {self.cell.category}"
-            write_pictures(pictures_path(self.workspace, self.cell), book.pictures())
-            outputs = [str(pictures_path(self.workspace, self.cell).relative_to(self.workspace.path))]
+            write_pictures(pictures_path(self.workspace, self.cell, self.on_rough), book.pictures())
+            outputs = [str(pictures_path(self.workspace, self.cell, self.on_rough).relative_to(self.workspace.path))]
             for protocol, some in scores.items():
-                path = scores_path(self.workspace, self.cell, protocol)
+                path = scores_path(self.workspace, self.cell, self.on_rough, protocol)
                 write_scores(path, some)
                 outputs.append(str(path.relative_to(self.workspace.path)))
             self.workspace.write_record(self._stage, StageRecord(inputs, tuple(outputs)))
@@ -76,13 +77,14 @@ class EvaluateScans:
 
     @property
     def _stage(self) -> str:
-        return f"eval-scans-{self.cell.key}"
+        return f"eval-{'rough-' if self.on_rough else ''}scans-{self.cell.key}"
 
     def _files(self) -> tuple[ScanFile, ...]:
         """Raises InputError if no test object has the structure that the networks know."""
-        dataset = open_scan_dataset(self.workspace, self.cell.category)
+        scanned = Workspace(self.workspace.root, is_rough=self.on_rough)
+        dataset = open_scan_dataset(scanned, self.cell.category)
         if not dataset.files["test"]:
-            folder = self.workspace.scans / self.cell.category
+            folder = scanned.scans / self.cell.category
             raise InputError(folder, f"expected scans of a test object of {dataset.structure}")
         return dataset.files["test"]
 

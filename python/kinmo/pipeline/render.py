@@ -6,14 +6,14 @@ import json
 import zlib
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from kinmo import __version__
 from kinmo.categories import same_category
-from kinmo.config import ScansConfig, load_config
+from kinmo.config import ScansConfig, SensorConfig, load_config
 from kinmo.errors import InputError, expecting
 from kinmo.formats import Found, Layout, discover, read_found
 from kinmo.pipeline.dataset import open_dataset
@@ -69,7 +69,7 @@ class Render:
     unlabelled: bool = False
 
     def plan(self) -> Plan:
-        config = load_config(self.config).scans
+        config = self._scans()
         pending = [job for job in self._jobs(config) if not _is_done(job)]
         frames = sum(_frames(config, job.role) for job in pending)
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
@@ -77,7 +77,7 @@ class Render:
         return Plan(steps, frames * each)
 
     def run(self, observer: Observer) -> Outcome:
-        config = load_config(self.config).scans
+        config = self._scans()
         with self.workspace.locked():
             for folder in (self.workspace.scans, self.workspace.own_scans):
                 remove_leftovers(folder)
@@ -87,7 +87,9 @@ class Render:
             if jobs and not pending:
                 observer.note("scanned already")
             with timed(self.workspace, STAGE) as watch:
-                for done, (job, problem) in enumerate(map_unordered(Rendering(config), pending, self.workers), start=1):
+                for done, (job, problem) in enumerate(
+                    map_unordered(Rendering(config, self.seed), pending, self.workers), start=1
+                ):
                     if isinstance(problem, Crashed):
                         _refuse(job, "the process that scanned it died")
                     observer.progress("scanning objects", done, len(pending), job.found.id)
@@ -97,6 +99,11 @@ class Render:
             refused = {job.found.id: _reason(job) for job in jobs if job.refusal.exists()}
         data = {"categories": summary(files), "refused": refused}
         return Outcome(self.workspace.scans, data, _text(data))
+
+    def _scans(self) -> ScansConfig:
+        """The configuration, of which only the sensor counts that there is."""
+        config = load_config(self.config).scans
+        return replace(config, sensor=config.rough if self.workspace.is_rough else config.sensor, rough=SensorConfig())
 
     def _jobs(self, config: ScansConfig) -> Iterator[Job]:
         """Raises InputError where there is no labelled shape of the categories."""
@@ -142,9 +149,10 @@ class Render:
 
 @dataclass(frozen=True)
 class Rendering:
-    """Scans an object, in whatever process."""
+    """Scans an object, in whatever process; from the same sides and in the same states by whatever sensor."""
 
     config: ScansConfig
+    seed: int
 
     @property
     def _how(self) -> dict[str, Any]:
@@ -159,7 +167,7 @@ class Rendering:
         except ValueError as error:
             _refuse(job, str(error))
             return
-        seed = zlib.crc32(f"{job.found.id} {job.made_from}".encode())
+        seed = zlib.crc32(f"{job.found.id} {job.role} {self.seed}".encode())
         scans = scan(target, self.config, seed, to_train=job.role not in ("validation", "test"))
         write_scans(job.path, target, scans, {"made_from": job.made_from, "role": job.role, "layout": job.layout})
         job.refusal.unlink(missing_ok=True)

@@ -21,26 +21,26 @@ LEGEND = (
 
 
 def table_sections(workspace: Workspace) -> Iterator[Section]:
-    """Tables 2 to 4, a section a category."""
-    for number, table in TABLES.items():
-        folder = WrittenTables(workspace, number).folder
+    """Tables of scans, a section a category."""
+    for name, table in TABLES.items():
+        folder = WrittenTables(workspace, name).folder
         for category in sorted(path for path in folder.glob("*") if path.is_dir()):
             found = {path.stem: read_table(path) for path in sorted(category.glob("*.json"))}
-            tables = [shown(found[name]) for name in ("means", "parts") if name in found]
-            more = [shown(other) for name, other in found.items() if name not in ("means", "parts")]
-            yield Section(f"Table {number}, {table.title.lower()}: {category.name}", tables=tables, more=more)
+            tables = [shown(found[key]) for key in ("means", "parts") if key in found]
+            more = [shown(other) for key, other in found.items() if key not in ("means", "parts")]
+            yield Section(f"{table.title}: {category.name}", tables=tables, more=more)
 
 
 def picture_sections(workspace: Workspace) -> Iterator[Section]:
     """Hits and failures of the networks of every category: of the first seed, and of one setting."""
     chosen: dict[str, Cell] = {}
     for cell in trained_cells(workspace):
-        if pictures_path(workspace, cell).exists():
+        if pictures_path(workspace, cell, on_rough=False).exists():
             best = chosen.get(cell.category)
             if best is None or (cell.setting != "semi-weakly", cell.seed) < (best.setting != "semi-weakly", best.seed):
                 chosen[cell.category] = cell
     for category, cell in sorted(chosen.items()):
-        pictures = read_pictures(pictures_path(workspace, cell))
+        pictures = read_pictures(pictures_path(workspace, cell, on_rough=False))
         for title, wanted in (("hits", True), ("failures", False)):
             some = [Picture(p.svg, f"{p.id}, frame {p.frame}", [p.text]) for p in pictures if p.is_hit is wanted]
             if some:

@@ -17,16 +17,21 @@ SHARES = (1.0, 0.8, 0.5, 0.3)
 
 @dataclass(frozen=True)
 class RowOf:
-    """A row of a table: networks of a `setting`, with a share of the labels, and what the paper calls it, if it has it."""
+    """A row of a table: networks of a `setting`, with a share of the labels, and what the paper calls it, if it has it.
+
+    Networks are trained on scans by the rough sensor if they are `of_rough`, and judged on those if `on_rough`.
+    """
 
     title: str
     setting: Setting
     labels: float = 1.0
     printed: str = ""
+    of_rough: bool = False
+    on_rough: bool = False
 
     def workspace(self, root: Workspace) -> Workspace:
         """The one, in `root`, with the row's share of labels."""
-        return Workspace(root.root, self.labels)
+        return Workspace(root.root, self.labels, self.of_rough)
 
     def cell(self, category: str, seed: int) -> Cell:
         """The networks of the row."""
@@ -35,19 +40,17 @@ class RowOf:
 
 @dataclass(frozen=True)
 class ScanTable:
-    """One of the paper's tables; `categories` are those that it has figures of."""
+    """A table; `categories` are those that the paper has figures of, or else that it is made of."""
 
-    number: int
     title: str
     categories: tuple[str, ...]
     rows: tuple[RowOf, ...]
     note: str = ""
 
 
-TABLES: Mapping[int, ScanTable] = {
-    2: ScanTable(
-        2,
-        "Poses and joints from partial scans",
+TABLES: Mapping[str, ScanTable] = {
+    "2": ScanTable(
+        "Table 2, poses and joints from partial scans",
         PAPER_CATEGORIES,
         (
             RowOf("supervised", "supervised", printed="ANCSH"),
@@ -57,9 +60,8 @@ TABLES: Mapping[int, ScanTable] = {
         ),
         "True labels: those of the shapes that the others have no labels of, the best that pseudo labels could do.",
     ),
-    3: ScanTable(
-        3,
-        "Fewer labels",
+    "3": ScanTable(
+        "Table 3, fewer labels",
         ("Refrigerator", "Scissors"),
         (
             *(
@@ -70,9 +72,8 @@ TABLES: Mapping[int, ScanTable] = {
         ),
         "Fewer labels are fewer for the motion networks, for what chooses axes and for ANCSH alike.",
     ),
-    4: ScanTable(
-        4,
-        "Shapes in the layout of DSG-Net as the unlabelled ones",
+    "4": ScanTable(
+        "Table 4, shapes in the layout of DSG-Net as the unlabelled ones",
         ("StorageFurniture",),
         (
             RowOf("supervised", "supervised", printed="ANCSH"),
@@ -80,17 +81,28 @@ TABLES: Mapping[int, ScanTable] = {
         ),
         "The authors' generated shapes are DSG-Net's own; these are whatever the workspace has in its layout.",
     ),
+    "sensors": ScanTable(
+        "Sensors, trained on and tested on",
+        ("Refrigerator",),
+        tuple(
+            RowOf(f"{trained} scans, {tested} ones", "supervised", of_rough=trained == "rough", on_rough=tested == "rough")
+            for trained in ("clean", "rough")
+            for tested in ("clean", "rough")
+        ),
+        "Rough scans are the same scans with noise, holes and crops, and without what is seen too flatly.",
+    ),
 }
+"""By what `kinmo table` calls them."""
 
 
-def has_figures(number: int, category: str) -> bool:
+def has_figures(name: str, category: str) -> bool:
     """Whether the paper has figures of a category in a table."""
-    return any(same_category(category, name) for name in TABLES[number].categories)
+    return any(same_category(category, name) for name in TABLES[name].categories)
 
 
-def printed_row(number: int, category: str, name: str) -> list[list[float | None]] | None:
+def printed_row(table: str, category: str, name: str) -> list[list[float | None]] | None:
     """What the paper prints in a row of a table; None where it has no such row."""
-    for known, rows in paper_tables()[f"table{number}"]["categories"].items():
+    for known, rows in paper_tables().get(f"table{table}", {"categories": {}})["categories"].items():
         if same_category(known, category):
             found: list[list[float | None]] | None = rows.get(name)
             return found

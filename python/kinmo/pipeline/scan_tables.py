@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 from kinmo.categories import same_category
 from kinmo.config import load_config
@@ -14,7 +15,7 @@ from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.render import Render
-from kinmo.pipeline.scan_table_rows import SHARES, TABLES, RowOf, has_figures
+from kinmo.pipeline.scan_table_rows import TABLES, RowOf, has_figures
 from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
 from kinmo.pipeline.train import Train
 from kinmo.pipeline.train_ancsh import TrainAncsh, training_seconds
@@ -33,7 +34,7 @@ class MakeTable:
     it is of those of the paper's that there are labelled shapes of. `seeds` None means three for `MANY_SEEDS`, else one.
     """
 
-    number: int
+    name: str
     workspace: Workspace
     config: str
     method: str
@@ -49,7 +50,7 @@ class MakeTable:
         steps, seconds = [], 0.0
         for category in self._categories():
             for row, cell in self._cells(category):
-                if not _is_judged(row.workspace(self.workspace), cell):
+                if not _is_judged(self.workspace, row, cell):
                     steps.append(f"{cell}, {row.labels:.0%} of the labels: render, train, judge")
                     seconds += self._seconds()
         return Plan(tuple(steps), seconds)
@@ -60,7 +61,7 @@ class MakeTable:
         for category in self._categories():
             for row, cell in self._cells(category):
                 expected = max(took, default=self._seconds())
-                if not _is_judged(row.workspace(self.workspace), cell) and time.monotonic() - begun + expected > limit:
+                if not _is_judged(self.workspace, row, cell) and time.monotonic() - begun + expected > limit:
                     observer.note(f"not run: {cell}, {row.labels:.0%} of the labels: it would take longer than --hours")
                     continue
                 start = time.monotonic()
@@ -70,10 +71,10 @@ class MakeTable:
                 if (spent := time.monotonic() - start) > 0.1 * expected:
                     took.append(spent)
         seeds = {category: self._seeds_of(category) for category in self._categories()}
-        return WrittenTables(self.workspace, self.number).write(seeds, self.protocol)
+        return WrittenTables(self.workspace, self.name).write(seeds, self.protocol)
 
     def _categories(self) -> tuple[str, ...]:
-        table, dataset = TABLES[self.number], open_dataset(self.workspace)
+        table, dataset = TABLES[self.name], open_dataset(self.workspace)
         known = dataset.categories()
         wanted = table.categories if self.category is None else (self.category,)
         found = tuple(name for want in wanted for name in known if same_category(name, want))
@@ -90,7 +91,7 @@ class MakeTable:
     def _cells(self, category: str) -> Iterator[tuple[RowOf, Cell]]:
         """The rows of the first seed, then those of the next: what is cut off leaves whole comparisons."""
         for seed in self._seeds_of(category):
-            for row in TABLES[self.number].rows:
+            for row in TABLES[self.name].rows:
                 yield row, row.cell(category, seed)
 
     def _stages(self, row: RowOf, cell: Cell) -> Iterator[Stage]:
@@ -99,8 +100,11 @@ class MakeTable:
             yield Train(self.method, place, self.config, None, self.seed, self.device, self.workers)
             yield PseudoLabel(place, self.method, cell.category, None, self.device, self.workers)
         yield Render(place, self.config, cell.category, self.seed, self.workers, unlabelled=row.setting == "semi")
+        tested = Workspace(self.workspace.root, is_rough=row.on_rough)
+        if row.on_rough != row.of_rough:
+            yield Render(tested, self.config, cell.category, self.seed, self.workers)
         yield TrainAncsh(place, self.config, cell.category, cell.setting, cell.seed, self.device, self.workers)
-        yield EvaluateScans(place, cell, self.device)
+        yield EvaluateScans(place, cell, self.device, row.on_rough)
 
     def _seconds(self) -> float:
         """About how long a cell takes, until one was run."""
@@ -120,35 +124,52 @@ class JudgeTrained:
     device: str = "auto"
 
     def plan(self) -> Plan:
-        plans = [EvaluateScans(place, cell, self.device).plan() for place, cell in self._cells()]
+        plans = [stage.plan() for stage in self._stages()]
         return Plan(tuple(step for plan in plans for step in plan.steps), sum(plan.seconds for plan in plans))
 
     def run(self, observer: Observer) -> Outcome:
-        cells = list(self._cells())
-        for place, cell in cells:
-            EvaluateScans(place, cell, self.device).run(observer)
+        for stage in self._stages():
+            stage.run(observer)
         texts, data = [], {}
-        for number, table in TABLES.items():
-            rows = {(row.setting, row.labels) for row in table.rows}
-            own = [cell for place, cell in cells if (cell.setting, place.labels) in rows]
-            # a category that the paper has no table of is shown in the first of them
-            own = [cell for cell in own if number == min(TABLES) or has_figures(number, cell.category)]
-            if own:
-                categories = sorted({cell.category for cell in own})
-                seeds = {name: sorted({cell.seed for cell in own if cell.category == name}) for name in categories}
-                outcome = WrittenTables(self.workspace, number).write(seeds, self.protocol)
-                texts.append(outcome.text)
-                data[f"table{number}"] = outcome.data
+        for name, seeds in self._tables().items():
+            outcome = WrittenTables(self.workspace, name).write(seeds, self.protocol)
+            texts.append(outcome.text)
+            data[f"table-{name}"] = outcome.data
         return Outcome(self.workspace.evaluation, data, "\n".join(texts))
 
-    def _cells(self) -> Iterator[tuple[Workspace, Cell]]:
-        for share in SHARES:
-            place = Workspace(self.workspace.root, share)
-            for cell in trained_cells(place):
-                if self.category is None or same_category(cell.category, self.category):
-                    yield place, cell
+    def _stages(self) -> Iterator[EvaluateScans]:
+        done = set()
+        for name, seeds in self._tables().items():
+            for row, category in product(TABLES[name].rows, seeds):
+                for seed in seeds[category]:
+                    place, cell = row.workspace(self.workspace), row.cell(category, seed)
+                    if cell.weights(place) and (place.path, cell, row.on_rough) not in done:
+                        done.add((place.path, cell, row.on_rough))
+                        yield EvaluateScans(place, cell, self.device, row.on_rough)
+
+    def _tables(self) -> dict[str, dict[str, list[int]]]:
+        """The tables that have a row with trained networks, and of each the categories and their seeds.
+
+        A category that the paper has no figures of is in the first table alone.
+        """
+        found: dict[str, dict[str, list[int]]] = {}
+        for name, table in TABLES.items():
+            seeds: dict[str, set[int]] = {}
+            for row in table.rows:
+                for cell in trained_cells(row.workspace(self.workspace)):
+                    is_wanted = self.category is None or same_category(cell.category, self.category)
+                    if is_wanted and cell.setting == row.setting and self._can_be_judged(row, cell, name):
+                        seeds.setdefault(cell.category, set()).add(cell.seed)
+            if seeds:
+                found[name] = {category: sorted(seeds[category]) for category in sorted(seeds)}
+        return found
+
+    def _can_be_judged(self, row: RowOf, cell: Cell, table: str) -> bool:
+        is_there = table == next(iter(TABLES)) or has_figures(table, cell.category)
+        scanned = Workspace(self.workspace.root, is_rough=row.on_rough).scans / cell.category
+        return is_there and scanned.is_dir()
 
 
-def _is_judged(workspace: Workspace, cell: Cell) -> bool:
+def _is_judged(workspace: Workspace, row: RowOf, cell: Cell) -> bool:
     """Whether there are scores of a cell."""
-    return scores_path(workspace, cell).exists()
+    return scores_path(row.workspace(workspace), cell, row.on_rough).exists()

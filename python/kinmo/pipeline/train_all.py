@@ -51,6 +51,11 @@ class TrainAll:
         return Plan(tuple(steps), seconds)
 
     def run(self, observer: Observer) -> Outcome:
+        plan = self.plan()
+        for step in plan.steps:
+            observer.note(f"to do: {step}")
+        if plan.steps:
+            observer.note(f"about {max(round(plan.seconds / 60.0), 1)} minutes in all")
         stages = [stage for stage, _ in self._stages(open_dataset(self.workspace))]
         outcomes = [stage.run(observer) for stage in stages]
         texts = [outcome.text for outcome in outcomes if outcome.text]

@@ -24,15 +24,15 @@ WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code 
 
 @dataclass(frozen=True)
 class WrittenTables:
-    """One of the paper's tables, a category at a time. Rows that were not run say so."""
+    """A table (`scan_table_rows.TABLES`), a category at a time. Rows that were not run say so."""
 
     workspace: Workspace
-    number: int
+    name: str
 
     @property
     def folder(self) -> Path:
         """Where it is written, a folder a category."""
-        return self.workspace.evaluation / f"table{self.number}"
+        return self.workspace.evaluation / f"table-{self.name}"
 
     def write(self, seeds: Mapping[str, Sequence[int]], shown: Protocol = "kinmo") -> Outcome:
         """Write it for the categories of `seeds`, by each protocol; the text is that of the one to be `shown`."""
@@ -53,12 +53,12 @@ class WrittenTables:
 
     def of(self, category: str, seeds: Sequence[int], protocol: Protocol = "kinmo") -> dict[str, Table]:
         """The tables of one category: part by part, and over all parts."""
-        table = TABLES[self.number]
+        table = TABLES[self.name]
         structure = open_scan_dataset(self.workspace, category).structure
         rows = [self._row(row, category, seeds, protocol) for row in table.rows]
         count = len(open_dataset(self.workspace, category).labelled[Split.TRAIN])
         caption = Caption(
-            title=f"Table {self.number}, {table.title}{WAYS[protocol]}: {structure}",
+            title=f"{table.title}{WAYS[protocol]}: {structure}",
             data=f"{category} of workspace {self.workspace.root.absolute().name}, {count} labelled shapes to train on",
             shapes=max(len(row.objects) for row in rows),
             joints=0,
@@ -70,13 +70,16 @@ class WrittenTables:
         return {"parts": by_part(rows, structure, caption), "means": over_parts(rows, structure, summed)}
 
     def _row(self, row: RowOf, category: str, seeds: Sequence[int], protocol: Protocol) -> ScanRow:
-        paths = [scores_path(row.workspace(self.workspace), row.cell(category, seed), protocol) for seed in seeds]
+        paths = (self._scores(row, category, seed, protocol) for seed in seeds)
         objects = read_scores([path for path in paths if path.exists()])
-        return ScanRow(row.title, tuple(objects), printed_row(self.number, category, row.printed))
+        return ScanRow(row.title, tuple(objects), printed_row(self.name, category, row.printed))
+
+    def _scores(self, row: RowOf, category: str, seed: int, protocol: Protocol = "kinmo") -> Path:
+        return scores_path(row.workspace(self.workspace), row.cell(category, seed), row.on_rough, protocol)
 
     def _seeds_run(self, category: str, seeds: Sequence[int]) -> tuple[int, ...]:
-        places = ((row.workspace(self.workspace), row) for row in TABLES[self.number].rows)
-        return tuple(sorted({s for place, row in places for s in seeds if scores_path(place, row.cell(category, s)).exists()}))
+        rows = TABLES[self.name].rows
+        return tuple(seed for seed in seeds if any(self._scores(row, category, seed).exists() for row in rows))
 
 
 def _gaps(rows: Sequence[ScanRow], structure: Structure) -> str:

@@ -49,14 +49,17 @@ class Scans:
 
 
 def scan(target: ArticulatedObject, config: ScansConfig, seed: int, *, to_train: bool = True) -> Scans:
-    """Frames of `target` from cameras and in states drawn at random, as many as an object to train on, or to test, gets."""
+    """Frames of `target` from cameras and in states drawn at random, as many as an object to train on, or to test, gets.
+
+    Neither the cameras nor the states depend on the sensor.
+    """
     states, views = (config.states, config.views) if to_train else (config.test_states, config.test_views)
-    rng = np.random.default_rng(seed)
+    rng, sensing = (np.random.default_rng([seed, purpose]) for purpose in range(2))
     camera, refused = Camera.of_field(config.size, config.size, VIEWPOINTS.field, NEAR, FAR), Counter[str]()
     frames: list[_Frame] = []
     with open_renderer(config.renderer, target.meshes) as renderer:
         for state in articulations(target.mobility, states, config.sampling, rng):
-            for frame in _frames_in_state(target, state, views, renderer, camera, config, rng):
+            for frame in _frames_in_state(target, state, views, renderer, camera, config, rng, sensing):
                 if isinstance(frame, str):
                     refused[frame] += 1
                 else:
@@ -81,6 +84,7 @@ def _frames_in_state(
     camera: Camera,
     config: ScansConfig,
     rng: np.random.Generator,
+    sensing: np.random.Generator,
 ) -> Iterator[_Frame | str]:
     moved = forward(target.mobility, state.values, state.turns)
     low, high = _bounds(target, moved)
@@ -90,13 +94,13 @@ def _frames_in_state(
     seen = renderer.render(poses, camera)
     floor = min(float(vertices.min()) for vertices in _heights(target, moved))
     floors = np.array([_plane_in(pose, target.up, floor) for pose in cameras])
-    sensed = sense(seen, config.sensor, camera, floors, rng)
+    sensed = sense(seen, config.sensor, camera, floors, sensing)
     for row in range(views):
         counts = np.bincount(sensed.parts[row][sensed.parts[row] >= 0], minlength=len(target.meshes))
         if counts.min() < config.least_pixels:
             yield f"part {counts.argmin()} has fewer than {config.least_pixels} pixels"
             continue
-        yield _frame(seen, sensed, row, camera, poses[row], state, config.points, rng)
+        yield _frame(seen, sensed, row, camera, poses[row], state, config.points, sensing)
 
 
 def _frame(
