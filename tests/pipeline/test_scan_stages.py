@@ -23,6 +23,7 @@ from kinmo.pipeline.scan_dataset import open_scan_dataset
 from kinmo.pipeline.scan_table_rows import TABLES, printed_row
 from kinmo.pipeline.scan_tables import MakeTable
 from kinmo.pipeline.synth import Synth
+from kinmo.pipeline.train_all import TrainAll
 from kinmo.pipeline.train_ancsh import TrainAncsh
 from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.scans.scan_file import open_scans
@@ -198,6 +199,30 @@ def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path
     assert sum(note.startswith("not run") for note in told.notes) == len(TABLES["2"].rows)
     assert (found.path / CATEGORY / "parts.md").exists()
     assert {row[1] for row in found.data[CATEGORY]["parts"]["rows"]} == {"not run"}
+
+
+def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
+    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, "kinmo", FAMILY, **HOW)
+    steps = " ".join(stage.plan().steps)
+    for step in ("gnn_fine", "gnn_coarse", "axis", "ranking", "label", "scan", "ancsh"):
+        assert step in steps, "said before anything is done"
+    told = Listener()
+    found = stage.run(told)
+    assert [note for note in told.notes if note.startswith("to do")]
+    assert {"gnn_fine", f"ancsh ({CATEGORY}, semi-weakly, seed 0)"} <= found.data.keys()
+    assert (stage.plan().steps, stage.plan().seconds) == ((), 0.0)
+    before = contents(tmp_path / "workspace")
+    stage.run(Listener())
+    assert contents(tmp_path / "workspace") == before
+
+
+def test_without_a_category_of_the_papers_train_all_says_that_scans_are_left_out(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
+    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, "kinmo", **HOW)
+    assert "ancsh" not in " ".join(stage.plan().steps)
+    with pytest.raises(InputError, match="expected a labelled shape of safe to train on"):
+        TrainAll(Workspace(tmp_path / "workspace"), scanned.config, "kinmo", "safe", **HOW).plan()
 
 
 def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_path: Path) -> None:
