@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinmo.splits import PAPER_TEST_IDS, Split, fold_of, is_validation_in_fold, leaks, split_of
+from kinmo.splits import PAPER_TEST_IDS, Split, fold_of, is_validation_in_fold, kept_to_choose_by, leaks, split_of, within_share
 
 ids = st.text(min_size=1, max_size=8)
 MANY = [str(number) for number in range(20_000)]
@@ -63,3 +63,20 @@ def test_no_pseudo_label_is_a_copy_of_a_shape_whose_label_is_used_or_held_out(un
 
 def test_shapes_without_partnet_id_are_not_copies_of_each_other():
     assert leaks([Shape("a", None, "x")], [Shape("b", None, "y")], set()) == [False]
+
+
+@given(st.lists(st.tuples(ids, st.sampled_from("AB")), unique=True, max_size=40), st.floats(0.01, 1.0))
+def test_of_every_category_a_share_is_kept_and_it_is_part_of_any_larger_one(shapes, share):
+    kept, more = within_share(shapes, share), within_share(shapes, min(1.0, 1.5 * share))
+    assert all(within_share(shapes, 1.0))
+    assert all(larger for smaller, larger in zip(kept, more, strict=True) if smaller)
+    for category in {category for _, category in shapes}:
+        own = [keep for keep, (_, of) in zip(kept, shapes, strict=True) if of == category]
+        assert sum(own) == max(1, round(share * len(own)))
+
+
+@given(st.sets(ids, min_size=2, max_size=40))
+def test_a_tenth_is_kept_to_choose_by_and_never_all(shapes):
+    kept = kept_to_choose_by(shapes)
+    assert kept < shapes
+    assert len(kept) == max(1, round(0.1 * len(shapes)))

@@ -94,7 +94,7 @@ def test_every_object_has_one_role_and_its_frames(scanned: Scanned) -> None:
     dataset = open_scan_dataset(scanned.workspace, CATEGORY.lower())
     assert dataset.category == CATEGORY
     assert str(dataset.structure) == "2 parts (R on 0)"
-    for role, frames in (("train", 4), ("hidden", 4), ("unlabelled", 4), ("validation", 4), ("test", 2)):
+    for role, frames in (("train", 4), ("hidden", 4), ("unlabelled", 4), ("validation", 2), ("test", 2)):
         assert dataset.files[role], role
         assert {file.frames + sum(file.refused.values()) for file in dataset.files[role]} == {frames}, role
     labelled = {file.id for role in ("train", "validation", "test") for file in dataset.files[role]}
