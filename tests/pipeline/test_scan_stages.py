@@ -21,7 +21,7 @@ from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.render import REFUSED, Render
 from kinmo.pipeline.scan_dataset import open_scan_dataset
 from kinmo.pipeline.scan_table_rows import TABLES, printed_row
-from kinmo.pipeline.scan_tables import MakeTable
+from kinmo.pipeline.scan_tables import JudgeTrained, MakeTable
 from kinmo.pipeline.synth import Synth
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.pipeline.train_ancsh import TrainAncsh
@@ -188,6 +188,14 @@ def test_a_table_shows_what_was_not_run_and_the_authors_figures(scanned: Scanned
     for name, table in TABLES.items():
         for row in table.rows:
             assert not row.printed or all(printed_row(name, category, row.printed) for category in table.categories)
+
+
+def test_what_is_trained_is_judged_where_there_are_scans_of_it(scanned: Scanned) -> None:
+    stage = JudgeTrained(scanned.workspace, FAMILY, device="cpu")
+    found = stage.run(Listener())
+    assert list(found.data) == ["table-2"], "no rough scans, and no category of the other tables"
+    assert (stage.plan().steps, stage.plan().seconds) == ((), 0.0)
+    assert list(found.data["table-2"]) == [CATEGORY]
 
 
 def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path: Path) -> None:

@@ -143,7 +143,8 @@ class JudgeTrained:
             for row, category in product(TABLES[name].rows, seeds):
                 for seed in seeds[category]:
                     place, cell = row.workspace(self.workspace), row.cell(category, seed)
-                    if cell.weights(place) and (place.path, cell, row.on_rough) not in done:
+                    is_new = (place.path, cell, row.on_rough) not in done
+                    if is_new and cell.weights(place) and self._can_be_judged(row, cell, name):
                         done.add((place.path, cell, row.on_rough))
                         yield EvaluateScans(place, cell, self.device, row.on_rough)
 
