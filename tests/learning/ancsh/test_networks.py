@@ -15,7 +15,7 @@ from kinmo.errors import InputError
 from kinmo.learning.ancsh.data import collate
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
 from kinmo.learning.ancsh.network import AncshNetwork, JointAnswers, PartAnswers, PartNetwork
-from kinmo.learning.ancsh.predict import Ancsh
+from kinmo.learning.ancsh.predict import Ancsh, to_naocs
 from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.scans.estimate import PoseOptions, estimate
 from kinmo.scans.scan import scan
@@ -117,6 +117,16 @@ def test_training_makes_the_loss_smaller_and_what_is_written_answers_scans(file:
     assert all(len(said.parts) == 256 and said.npcs.shape == (256, 3) for said in answers)
     again = networks.answer(list(file.read("points", slice(0, 3))))
     np.testing.assert_array_equal(answers[0].npcs, again[0].npcs)
+
+
+def test_what_takes_parts_to_the_object_is_read_off_the_points_whatever_single_points_say() -> None:
+    rng = np.random.default_rng(0)
+    npcs, scales, shifts = rng.uniform(0.1, 0.9, (90, 3, 3)), np.array([0.9, 0.5, 0.2]), rng.uniform(-0.3, 0.5, (3, 3))
+    parts = np.repeat([0, 1], 45)  # of the last part no point was seen
+    naocs = scales[:, None] * npcs + shifts
+    found = to_naocs(npcs, naocs, parts)
+    np.testing.assert_allclose(found[0], scales, rtol=1e-9)
+    np.testing.assert_allclose(found[1], shifts, atol=1e-9)
 
 
 def test_where_a_scan_lies_does_not_matter_to_networks_that_see_the_scan_alone(file: ScanFile) -> None:

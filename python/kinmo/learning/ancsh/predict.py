@@ -21,6 +21,8 @@ from kinmo.scans.estimate import PointAnswers
 from kinmo.scans.input_frame import InputFrame
 from kinmo.typed_tables import from_table
 
+F64 = NDArray[np.float64]
+
 SCANS_AT_ONCE = 16
 
 
@@ -82,33 +84,34 @@ class Ancsh:
                 _of_part(parts.npcs, said),
                 _of_part(naocs, home) + joints.toward * ((1.0 - joints.heatmap) * REACH).unsqueeze(-1),
                 joints.axes,
-                joints.scales,
-                joints.shifts,
+                own.npcs,
+                naocs,
             )
         ]
-        labels, told = said.cpu().numpy(), joints.joints.argmax(-1).cpu().numpy()
+        labels, homes, told = said.cpu().numpy(), home.cpu().numpy(), joints.joints.argmax(-1).cpu().numpy()
         labels = np.where(labels >= self.structure.part_count, -1, labels)
         answers = []
         for row, frame in enumerate(frames):
-            npcs, pivots, axes, scales, shifts = (array[row] for array in arrays)
-            owners = [labels[row] == part for part in range(self.structure.part_count)]
-            owners = [own if own.any() else np.ones_like(own) for own in owners]
-            part_scales = np.array([np.median(scales[own, part]) for part, own in enumerate(owners)])
-            part_shifts = np.array([np.median(shifts[own, part], axis=0) for part, own in enumerate(owners)])
-            answers.append(
-                PointAnswers(
-                    frame,
-                    seen[row].astype(np.float64),
-                    labels[row],
-                    npcs,
-                    part_scales,
-                    part_shifts,
-                    told[row],
-                    axes,
-                    pivots,
-                )
-            )
+            npcs, pivots, axes, own_npcs, own_naocs = (array[row] for array in arrays)
+            scales, shifts = to_naocs(own_npcs, own_naocs, homes[row])
+            points = seen[row].astype(np.float64)
+            answers.append(PointAnswers(frame, points, labels[row], npcs, scales, shifts, told[row], axes, pivots))
         return answers
+
+
+def to_naocs(npcs: F64, naocs: F64, parts: NDArray[np.integer]) -> tuple[F64, F64]:
+    """Scales [K] and shifts [K, 3] that take NPCS to NAOCS, both [n, K, 3], of the points on each of K `parts` [n].
+
+    By their means and standard deviations, as the public code of ANCSH has it: what the heads of the network say one by one is
+    right only together, since the shift of a point can make up for any scale. A part with fewer than two points takes all.
+    """
+    scales, shifts = np.empty(npcs.shape[1]), np.empty((npcs.shape[1], 3))
+    for part in range(npcs.shape[1]):
+        on_it = parts == part
+        here, there = (places[on_it if on_it.sum() > 1 else slice(None), part] for places in (npcs, naocs))
+        scales[part] = np.sqrt(there.var(axis=0).sum() / max(here.var(axis=0).sum(), 1e-12))
+        shifts[part] = there.mean(axis=0) - scales[part] * here.mean(axis=0)
+    return scales, shifts
 
 
 def _of_part(values: torch.Tensor, parts: torch.Tensor) -> torch.Tensor:
