@@ -256,8 +256,9 @@ class AncshConfig:
     the whole `object`, as in the release, or to that of the visible `scan`, which is all that a user has. `joint_labels`: a
     point near to two joints tells of the `nearest`, or as in the `release` of the last, where joints without a place have one
     too. An epoch has `batches_per_epoch` batches of `batch_frames` scans of `points` points; `validation_frames` an object
-    choose the best. What networks say of a scan is a label for others where of every part at least the share `confidence` of
-    its points agrees on where that is.
+    choose the best. `ties`: predicted joints tie the poses of all parts of the `tree` together, or as in the release those of
+    two parts at a time (`pairs`). What networks say of a scan is a label for others where of every part at least the share
+    `confidence` of its points agrees on where that is.
     """
 
     training: TrainingConfig
@@ -274,6 +275,7 @@ class AncshConfig:
     batch_frames: Count = 16
     batches_per_epoch: Count = 100
     validation_frames: Count = 4
+    ties: Literal["tree", "pairs"] = "tree"
     confidence: Share = 0.8
 
 

@@ -102,7 +102,7 @@ def judged(file: ScanFile, network: Ancsh, seed: int) -> Iterator[JudgedFrame]:
         raise InputError(file.path, f"has {file.structure}, expected {network.structure}")
     points, parts, poses, values = (file.read(name) for name in ("points", "parts", "poses", "values"))
     answers = network.answer(list(points), [1.0] * len(points))
-    found = estimate(answers, network.structure, PoseOptions(seed=seed))
+    found = estimate(answers, network.structure, PoseOptions(ties=network.config.ties, seed=seed))
     for row in range(len(points)):
         true = truth(poses[row], values[row], file.joints, file.structure, file.extents)
         score = score_frame(found[row], true, file.structure)

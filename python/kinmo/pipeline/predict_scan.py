@@ -62,7 +62,7 @@ class PredictScan:
             observer.note("these networks want to know how large the whole object is; what is seen of it is taken for that")
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
         answer = network.answer([seen], [diagonal])[0]
-        found = estimate([answer], network.structure, PoseOptions(seed=self.seed))[0]
+        found = estimate([answer], network.structure, PoseOptions(ties=network.config.ties, seed=self.seed))[0]
         document = scan_document(found, answer, network.structure, self.source, cell, digest(weights_hashes(weights)))
         self.out.mkdir(parents=True, exist_ok=True)
         name = self.source.stem

@@ -73,7 +73,7 @@ class SelfLabel:
     def _label(self, file: ScanFile, network: Ancsh, folder: Path, made_from: str) -> None:
         points = file.read("points")
         answers = network.answer(list(points), [1.0] * len(points))
-        estimates = estimate(answers, network.structure, PoseOptions(seed=self.seed))
+        estimates = estimate(answers, network.structure, PoseOptions(ties=network.config.ties, seed=self.seed))
         made = self_labelled((file.id, file.category), points, answers, estimates, network.structure, self.confidence)
         if made is not None:
             folder.mkdir(parents=True, exist_ok=True)

@@ -23,9 +23,9 @@ NO_CATEGORY = f"no labelled shapes of {', '.join(PAPER_CATEGORIES)}: networks fo
 
 @dataclass(frozen=True)
 class TrainAll:
-    """Train the motion networks on all categories, label what has no joints, and do all that scans need for one category.
+    """Train the motion networks on all categories; then for one, label what has no joints and do all that scans need.
 
-    Without a category it is done for those of the paper's five that there are labelled shapes of.
+    Without a category all shapes are labelled, and scans are for those of the paper's five that there are labelled shapes of.
     """
 
     workspace: Workspace
@@ -73,10 +73,10 @@ class TrainAll:
         """Each with a guess at its plan for when what comes before it is not done."""
         nothing = Plan((), 0.0)
         yield Train("all", self.workspace, self.config, None, self.seed, self.device, self.workers, self.start), lambda: nothing
-        count = len(dataset.unlabelled)
+        count = sum(self.category is None or same_category(entry.category, self.category) for entry in dataset.unlabelled)
         if count:
             labelling = Plan((f"label {count} shapes by {self.method}",), count * SECONDS_PER_SHAPE / self.workers)
-            yield PseudoLabel(self.workspace, self.method, None, None, self.device, self.workers), lambda: labelling
+            yield PseudoLabel(self.workspace, self.method, self.category, None, self.device, self.workers), lambda: labelling
         for category in self._categories(dataset):
             yield Render(self.workspace, self.config, category, self.seed, self.workers), lambda: nothing
         for category in self._categories(dataset):

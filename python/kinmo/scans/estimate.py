@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +54,7 @@ class PoseOptions:
 
     hypotheses: int = 10_000
     threshold: float = 0.1
-    ties: str = "tree"
+    ties: Literal["tree", "pairs", "none"] = "tree"
     pair_hypotheses: int = 200
     seed: int = 0
 
