@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import TracebackType
+from types import ModuleType, TracebackType
 from typing import Literal, Protocol
 
 import numpy as np
@@ -70,9 +71,7 @@ class PybulletRenderer(Renderer):
     """
 
     def __init__(self, meshes: Sequence[Mesh], both_sides: bool = True) -> None:
-        import pybullet
-
-        self._bullet = pybullet
+        self._bullet = pybullet = _pybullet()
         self._client = pybullet.connect(pybullet.DIRECT)
         self._bodies = [self._body(_from_both_sides(mesh) if both_sides else mesh) for mesh in meshes]
 
@@ -133,6 +132,20 @@ class PybulletRenderer(Renderer):
         share = np.asarray(buffer, np.float64).reshape(shape)
         depths = camera.near * camera.far / (camera.far - (camera.far - camera.near) * share)
         return np.where(parts < 0, 0.0, depths).astype(np.float32), parts.astype(np.int32)
+
+
+def _pybullet() -> ModuleType:
+    """The module, which says on standard error when it was built, with that left out."""
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        import pybullet
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
+    found: ModuleType = pybullet
+    return found
 
 
 def _from_both_sides(mesh: Mesh) -> Mesh:

@@ -87,12 +87,11 @@ def _frames_in_state(
     sensing: np.random.Generator,
 ) -> Iterator[_Frame | str]:
     moved = forward(target.mobility, state.values, state.turns)
-    low, high = _bounds(target, moved)
+    low, high, floor = _bounds(target, moved)
     center, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
     cameras = np.stack([VIEWPOINTS.draw(rng, center, radius, target.up) for _ in range(views)])
     poses = cameras[:, None] @ moved
     seen = renderer.render(poses, camera)
-    floor = min(float(vertices.min()) for vertices in _heights(target, moved))
     floors = np.array([_plane_in(pose, target.up, floor) for pose in cameras])
     sensed = sense(seen, config.sensor, camera, floors, sensing)
     for row in range(views):
@@ -125,15 +124,15 @@ def _frame(
     return _Frame(points, parts, places, poses, state)
 
 
-def _bounds(target: ArticulatedObject, moved: F64) -> tuple[F64, F64]:
-    """Corners of the box along the axes about the moved parts."""
-    clouds = [mesh.vertices @ pose[:3, :3].T + pose[:3, 3] for mesh, pose in zip(target.meshes, moved, strict=True)]
-    return np.min([c.min(axis=0) for c in clouds], axis=0), np.max([c.max(axis=0) for c in clouds], axis=0)
-
-
-def _heights(target: ArticulatedObject, moved: F64) -> Iterator[F64]:
+def _bounds(target: ArticulatedObject, moved: F64) -> tuple[F64, F64, float]:
+    """Corners of the box along the axes about the moved parts, and their least height."""
+    lows, highs, floors = [], [], []
     for mesh, pose in zip(target.meshes, moved, strict=True):
-        yield mesh.vertices @ (target.up @ pose[:3, :3]) + target.up @ pose[:3, 3]
+        rows = pose[:3, :3] @ mesh.vertices.T + pose[:3, 3:]  # [3, N]: extremes along rows are many times faster
+        lows.append(rows.min(axis=1))
+        highs.append(rows.max(axis=1))
+        floors.append((target.up @ rows).min())
+    return np.min(lows, axis=0), np.max(highs, axis=0), float(min(floors))
 
 
 def _plane_in(pose: F64, up: F64, height: float) -> F64:
