@@ -40,14 +40,26 @@ FINISHED = (
     "pseudo/*/*",
     "eval/judgements/*/*",
     "eval/trees.json",
+    "eval/scans/*/*",
+    "scans/*/*/*",
+    "own-scans/*/*/*",
     "out/*/*",
     "shapes/*/*/*",
     "models/*/weights.*",
+    "models/ancsh/*/*/*/*/weights.*",
 )
 """Files that nothing may write again once they are whole; `models` only while the stage of the model is finished."""
 FAMILIES = ("laptop", "stapler")
 FORK = multiprocessing.get_context("forkserver")
-FORK.set_forkserver_preload(["kinmo.cli", "kinmo.pipeline.report", "kinmo.pipeline.predict", "kinmo.pipeline.pseudo_label"])
+FORK.set_forkserver_preload(
+    [
+        "kinmo.cli",
+        "kinmo.pipeline.report",
+        "kinmo.pipeline.predict",
+        "kinmo.pipeline.pseudo_label",
+        "kinmo.pipeline.scan_tables",
+    ]
+)
 
 SYNTH = ("synth", *(word for name in FAMILIES for word in ("--family", name)), "--workers", "2", "--count")
 STAGES: dict[str, tuple[str, ...]] = {
@@ -56,9 +68,12 @@ STAGES: dict[str, tuple[str, ...]] = {
     "train gnn": ("train", "gnn", "--config", "{config}"),
     "train axis": ("train", "axis", "--config", "{config}"),
     "pseudo-label": ("pseudo-label", "--threshold", "0.3"),
+    "render": ("render", "--config", "{config}", "--category", "laptop"),
+    "train ancsh": ("train", "ancsh", "--config", "{config}", "--category", "laptop"),
     "eval": ("eval",),
     "report": ("report",),
     "predict": ("predict", "{shapes}/partnet", "--out", f"{PLACE}/out"),
+    "table": ("table", "2", "--config", "{config}", "--category", "laptop", "--seeds", "1"),
 }
 """In their order; each finds what those before it have left. `train axis` trains the axis selection and the ranking."""
 
@@ -144,13 +159,16 @@ class Experiment:
         return Trial(len(done), tuple(wrong))
 
     def _epochs(self) -> dict[str, int]:
-        """Complete epochs by network."""
-        tables = self.workspace.glob("models/*/metrics.json")
-        return {path.parent.name: len(json.loads(path.read_text(encoding="utf-8"))) for path in tables}
+        """Complete epochs by what the network is called."""
+        tables = (self.workspace / "models").rglob("metrics.json")
+        return {
+            _network(path.parent.relative_to(self.workspace).as_posix()): len(json.loads(path.read_text(encoding="utf-8")))
+            for path in tables
+        }
 
     def _repeated(self, before: dict[str, int]) -> Iterator[str]:
         """Networks of which the last run says that it trained an epoch that was complete before."""
-        for name, first in re.findall(r"^training (\w+): (\d+)/", self.log.read_text(encoding="utf-8"), re.MULTILINE):
+        for name, first in re.findall(r"^training (.+): (\d+)/", self.log.read_text(encoding="utf-8"), re.MULTILINE):
             if int(first) <= before.get(name, 0):
                 yield f"{name}, {first} of {before[name]}"
 
@@ -161,12 +179,27 @@ def _same(one: dict[str, tuple[bytes, int]], other: dict[str, tuple[bytes, int]]
 
 def _is_finished(name: str, found: dict[str, tuple[bytes, int]]) -> bool:
     """Whether a file is not to be written again."""
-    folder, _, rest = name.partition("/")
+    folder = name.partition("/")[0]
     if any(part.startswith(".") and part.endswith("~") for part in name.split("/")):
         return False
-    if folder == "models" and f"records/train-{rest.split('/')[0]}.json" not in found:
+    if folder == "models" and f"records/{_record(name.rsplit('/', 1)[0])}.json" not in found:
         return False
     return any(fnmatch(name, glob) for glob in FINISHED)
+
+
+def _network(folder: str) -> str:
+    """What training calls the network in a folder of the workspace."""
+    _, name, *cell = folder.split("/")
+    if not cell:
+        return name
+    category, setting, seed, network = cell
+    return f"{network} ({category}, {setting}, seed {seed})"
+
+
+def _record(folder: str) -> str:
+    """The record that the network in a folder of the workspace is finished."""
+    _, name, *cell = folder.split("/")
+    return f"train-{'-'.join([cell[-1], *cell[:-1]]) if cell else name}"
 
 
 def _kinmo(arguments: list[str], log: Path) -> None:
@@ -194,7 +227,8 @@ def _kill(process: multiprocessing.process.BaseProcess) -> None:
 def tiny_config(folder: Path) -> Path:
     """The configuration `small`, smaller still."""
     text = (files("kinmo") / "configs" / "small.toml").read_text(encoding="utf-8")
-    for key, value in {"epochs": 4, "batches_per_epoch": 4, "points": 64, "members": 2}.items():
+    few = {"epochs": 4, "batches_per_epoch": 4, "points": 64, "members": 2, "states": 3, "views": 4}
+    for key, value in few.items():
         text = re.sub(rf"^{key} = \d+", f"{key} = {value}", text, flags=re.MULTILINE)
     path = folder / "tiny.toml"
     path.write_text(text, encoding="utf-8")
