@@ -109,5 +109,5 @@ def _printed(row: PaperRow, part: int, measures: Sequence[Measure], structure: S
 
 
 def _counted(caption: Caption, rows: Sequence[ScanRow]) -> Caption:
-    objects = max((len(row.objects) for row in rows), default=0)
-    return replace(caption, shapes=objects)
+    most = max((row.objects for row in rows), key=len, default=())
+    return replace(caption, shapes=len(most), scans=sum(len(scored.frames) for scored in most))

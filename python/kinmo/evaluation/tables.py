@@ -6,7 +6,7 @@ import csv
 import io
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from kinmo.errors import InputError
@@ -19,7 +19,10 @@ DASH = "–"
 
 @dataclass(frozen=True)
 class Caption:
-    """What a figure is worth nothing without. `shapes` and `joints` are counts, `seeds` those of the runs."""
+    """What a figure is worth nothing without.
+
+    `shapes` and `joints` are counts, or of what is about scans `shapes` and judged `scans`; `seeds` are those of the runs.
+    """
 
     title: str
     data: str
@@ -28,10 +31,12 @@ class Caption:
     split: str
     seeds: tuple[int, ...]
     note: str = ""
+    scans: int = 0
 
     def __str__(self) -> str:
         seeds = ", ".join(map(str, self.seeds)) or "none"
-        facts = f"{self.data}; {self.shapes} shapes, {self.joints} joints; {self.split}; seeds {seeds}."
+        counts = f"{self.scans} judged scans" if self.scans else f"{self.joints} joints"
+        facts = f"{self.data}; {self.shapes} shapes, {counts}; {self.split}; seeds {seeds}."
         return " ".join(filter(None, [f"{self.title}.", facts, self.note]))
 
 
@@ -86,12 +91,8 @@ def as_text(table: Table) -> str:
 def as_json(table: Table) -> str:
     """Caption, columns and full-precision rows; absent figures are null. `read_table` reads it."""
     caption = table.caption
-    facts = {"data": caption.data, "shapes": caption.shapes, "joints": caption.joints, "split": caption.split}
     document = {
-        "title": caption.title,
-        **facts,
-        "seeds": list(caption.seeds),
-        "note": caption.note,
+        **asdict(caption),
         "columns": [column.title for column in table.columns],
         "decimals": [column.decimals for column in table.columns],
         "rows": [list(row) for row in table.rows],
@@ -103,7 +104,7 @@ def read_table(path: Path) -> Table:
     """The table of a file that `as_json` made. Raises InputError if it is none."""
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-        caption = {key: data[key] for key in ("title", "data", "shapes", "joints", "split", "note")}
+        caption = {key: data[key] for key in ("title", "data", "shapes", "joints", "split", "note", "scans")}
         columns = tuple(map(Column, data["columns"], data["decimals"]))
         return Table(Caption(**caption, seeds=tuple(data["seeds"])), columns, tuple(map(tuple, data["rows"])))
     except OSError as error:

@@ -24,8 +24,8 @@ from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.pseudo_label import ACCEPTANCE, LABELLING
 from kinmo.report.curves import line_chart
 from kinmo.report.page import Page, Picture, Section, Table, render
-from kinmo.splits import split_of
-from kinmo.store import PreparedStore
+from kinmo.splits import Split, split_of
+from kinmo.store import IndexEntry, PreparedStore
 from kinmo.workspace import StageRecord, Workspace, write_text_atomically
 
 PICTURES = 12
@@ -86,8 +86,8 @@ class Report:
         return Section("What was run", tables=[Table("Stages", ("stage", "what", "started (UTC)", "seconds", "kinmo"), rows)])
 
     def _data(self, store: PreparedStore) -> Section:
-        counts = Counter((e.category, split_of(e.id).value if e.is_labelled else "unlabelled") for e in store.entries)
-        uses = ("train", "validation", "test", "unlabelled")
+        counts = Counter((entry.category, _use(entry)) for entry in store.entries)
+        uses = ("train", "validation", "test", "held back", "unlabelled")
         categories = sorted({entry.category for entry in store.entries})
         rows = [(name, *(str(counts[name, use]) for use in uses)) for name in categories]
         rows.append(("all", *(str(sum(counts[name, use] for name in categories)) for use in uses)))
@@ -172,6 +172,14 @@ class Report:
             lines = [f"{example.name}: {example.true_type}", *(f"{n}: {example.answers[n].text}" for n in roles.values())]
             yield Picture(svg, f"{example.category} {example.shape_id}", lines)
             observer.progress(f"drawing {what}", done + 1, len(examples), example.shape_id)
+
+
+def _use(entry: IndexEntry) -> str:
+    """What a prepared shape is for."""
+    if not entry.is_labelled:
+        return "unlabelled"
+    split = split_of(entry.id)
+    return "held back" if entry.is_held_back and split is not Split.TEST else split.value
 
 
 def _training_charts(name: str, history: Sequence[Mapping[str, float]]) -> list[str]:

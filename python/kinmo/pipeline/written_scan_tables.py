@@ -60,7 +60,7 @@ class WrittenTables:
         caption = Caption(
             title=f"{table.title}{WAYS[protocol]}: {structure}",
             data=f"{category} of workspace {self.workspace.root.absolute().name}, {count} labelled shapes to train on",
-            shapes=max(len(row.objects) for row in rows),
+            shapes=0,
             joints=0,
             split="test split by hashed id",
             seeds=self._seeds_run(category, seeds),
