@@ -6,6 +6,7 @@ import json
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -47,11 +48,15 @@ class ScanFile:
     def read(self, name: str, frames: slice | int = slice(None)) -> NDArray[Any]:
         """The array of that name of `Scans`, of all `frames` or of some."""
         try:
-            with safe_open(self.path, framework="numpy") as file:
-                array: NDArray[Any] = file.get_slice(name)[frames]
-                return array
+            array: NDArray[Any] = self._tensors.get_slice(name)[frames]
+            return array
         except (SafetensorError, OSError) as error:
             raise InputError(self.path, f"not whole any more ({error}): run kinmo render again") from None
+
+    @cached_property
+    def _tensors(self) -> Any:
+        """Opened once: a training reads tens of thousands of frames."""
+        return safe_open(self.path, framework="numpy").__enter__()
 
     def scans(self) -> Scans:
         """All frames."""
