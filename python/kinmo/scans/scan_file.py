@@ -56,7 +56,7 @@ class ScanFile:
     @cached_property
     def _tensors(self) -> Any:
         """Opened once: a training reads tens of thousands of frames."""
-        return safe_open(self.path, framework="numpy").__enter__()
+        return safe_open(self.path, framework="numpy").__enter__()  # type: ignore[no-untyped-call]
 
     def scans(self) -> Scans:
         """All frames."""
