@@ -92,7 +92,7 @@ def test_the_choices_of_the_options_are_those_of_the_program() -> None:
 
     assert {each.value for each in LayoutName} == {each.value for each in generate.Layout}
     assert {each.value for each in Method} == PREDICTORS.keys()
-    assert {each.value for each in What} == GROUPS.keys() - PREDICTORS.keys() | {"ancsh"}
+    assert {each.value for each in What} == GROUPS.keys() - PREDICTORS.keys() | {"all", "ancsh"}
     assert {each.value for each in SettingName} == set(get_args(Setting))
     assert {each.value for each in Name} == TABLES.keys()
     assert {each.value for each in ProtocolName} == set(PROTOCOLS)

@@ -27,7 +27,7 @@ def road(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Road]:
     stages: dict[str, Stage] = {
         "synth": Synth(shapes, COUNT, FAMILIES),
         "prepare": Prepare(shapes, workspace),
-        "train": Train("all", workspace, config, device="cpu"),
+        "train": Train("motion", workspace, config, device="cpu"),
         "pseudo-label": PseudoLabel(workspace, METHODS[0], threshold=0.3, device="cpu"),
         "eval": Evaluate(workspace, METHODS, device="cpu"),
         "report": Report(workspace),

@@ -227,7 +227,7 @@ def test_categories_are_matched_whatever_their_spelling(road: Road) -> None:
 @pytest.mark.parametrize(
     "stage",
     [
-        Train("all", Workspace(Path("nowhere")), "small"),
+        Train("motion", Workspace(Path("nowhere")), "small"),
         Evaluate(Workspace(Path("nowhere")), METHODS),
         PseudoLabel(Workspace(Path("nowhere")), METHODS[0]),
     ],
@@ -315,7 +315,7 @@ def test_ranking_goes_on_from_another_workspace(road: Road, tmp_path: Path) -> N
 
 def test_a_workspace_without_ranking_networks_is_nothing_to_go_on_from(road: Road, tmp_path: Path) -> None:
     listener, record = Listener(), road.workspace.record("train-axis")
-    stage = Train("all", road.workspace, "small", start=Workspace(tmp_path))
+    stage = Train("motion", road.workspace, "small", start=Workspace(tmp_path))
     for call in (stage.plan, lambda: stage.run(listener)):
         with pytest.raises(InputError, match="weights to go on from"):
             call()
@@ -327,7 +327,7 @@ def test_weights_to_go_on_from_are_looked_at_before_anything_is_trained(road: Ro
     shutil.copytree(road.workspace.models / "ranking", start.models / "ranking")
     weights = start.models / "ranking" / "weights.safetensors"
     weights.write_bytes(weights.read_bytes()[:100])
-    stage = Train("all", road.workspace, "small", start=start)
+    stage = Train("motion", road.workspace, "small", start=start)
     for call in (stage.plan, lambda: stage.run(listener)):
         with pytest.raises(InputError, match=r"weights\.safetensors: sha256"):
             call()
@@ -353,7 +353,7 @@ def test_several_devices_are_refused_before_anything_is_done(road: Road, tmp_pat
     config = tmp_path / "several.toml"
     text = tiny_config(tmp_path).read_text(encoding="utf-8")
     config.write_text(text.replace("[axis.training]", "[axis.training]\ndevices = 2"), encoding="utf-8")
-    stage = Train("all", road.workspace, str(config))
+    stage = Train("motion", road.workspace, str(config))
     for ask in (stage.plan, lambda: stage.run(Listener())):
         with pytest.raises(InputError, match=r"several\.toml: axis\.training\.devices: .*one device"):
             ask()

@@ -26,7 +26,7 @@ Start with:
 
     kinmo synth partnet/               procedural shapes, if you have none
     kinmo prepare partnet/             check and convert every shape
-    kinmo train all                    train the networks
+    kinmo train all                    train all networks
     kinmo eval                         the paper's Table 1
     kinmo predict my_shapes/ -o out/   joints and URDFs for your own
 """

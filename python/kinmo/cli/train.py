@@ -16,10 +16,11 @@ from kinmo.errors import InputError
 class What(str, Enum):
     """The groups of `kinmo.pipeline.models`, without importing it, and the networks that see scans."""
 
+    ALL = "all"
+    MOTION = "motion"
     GNN = "gnn"
     AXIS = "axis"
     ANCSH = "ancsh"
-    ALL = "all"
     CONTACT_EDGES = "contact-edges"
 
 
@@ -50,26 +51,29 @@ def train(
 ) -> None:
     """Train the networks.
 
-    all goes the whole way: gnn and axis on the labelled shapes, pseudo labels for the others (kinmo pseudo-label), scans of
-    both (kinmo render), and ancsh, for --category or for those of the paper that there are labelled shapes of.
+    all goes the whole way: motion on the labelled shapes, pseudo labels for the others (kinmo pseudo-label), scans of both
+    (kinmo render), and ancsh, for --category or for those of the paper that there are labelled shapes of. Motion networks
+    always see all categories then.
 
-    gnn predicts how neighbouring parts move against each other (with ten motion types, and with five). axis trains what
-    chooses among candidate axes: the paper's axis selection and kinmo's own ranking. contact-edges, no part of all, is the
-    gnn on edges between touching parts alone, for a row of kinmo eval --ablations. ancsh finds parts, poses and joints in one
-    depth scan; it is trained on scans, for a category at a time. The best epoch is chosen on validation
-    shapes (with --from the last one is kept, halfway to what it went on from); test shapes are never looked at. Training
-    that was stopped goes on from its last epoch. On a CPU, networks that take one thread each, as those of small do, are
-    trained side by side.
+    motion is gnn and axis. gnn predicts how neighbouring parts move against each other (with ten motion types, and with five).
+    axis trains what chooses among candidate axes: the paper's axis selection and kinmo's own ranking. contact-edges, no part of
+    motion, is the gnn on edges between touching parts alone, for a row of kinmo eval --ablations. ancsh finds parts, poses and
+    joints in one depth scan; it is trained on scans, for a category at a time.
+
+    The best epoch is chosen on validation shapes (with --from the last one is kept, halfway to what it went on from); test
+    shapes are never looked at. Training that was stopped goes on from its last epoch. On a CPU, networks that take one thread
+    each, as those of small do, are trained side by side.
 
     With few annotated shapes, train on many procedural ones in a workspace of their own, and go on from those with --from.
 
     For example:
 
         kinmo train all
+        kinmo train all --category refrigerator
         kinmo train gnn --config paper --device cuda
         kinmo train axis --category laptop
         kinmo train ancsh --category refrigerator --setting supervised
-        kinmo train all --workspace real --from procedural
+        kinmo train motion --workspace real --from procedural
     """
     from kinmo.pipeline.train import Train
     from kinmo.pipeline.train_all import TrainAll
@@ -82,7 +86,7 @@ def train(
         execute(options, TrainAll(workspace, config, method.value, category, *how, continued))
     elif what is What.ANCSH:
         if continued is not None:
-            raise InputError("--from", "ancsh goes on from nothing, expected it with all or axis")
+            raise InputError("--from", "ancsh goes on from nothing, expected it with all, motion or axis")
         execute(options, TrainAncsh(workspace, config, category, setting.value, *how))
     else:
         execute(options, Train(what.value, workspace, config, category, *how, continued))

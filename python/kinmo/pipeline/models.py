@@ -56,10 +56,10 @@ CONTINUED: dict[str, tuple[str, Callable[[Path], Trainer]]] = {
 """Of the models that can go on from trained weights: the kind of those, and the trainer."""
 
 GROUPS: dict[str, tuple[str, ...]] = {
-    "all": ("gnn_fine", "gnn_coarse", "axis", "ranking"),
+    "motion": ("gnn_fine", "gnn_coarse", "axis", "ranking"),
     "gnn": ("gnn_fine", "gnn_coarse"),
     "axis": ("axis", "ranking"),
     "contact-edges": ("gnn_contact",),
     **METHOD_MODELS,
 }
-"""What `kinmo train` calls them: `all` is what both methods need, one of them what has its name; the rest is for ablations."""
+"""What `kinmo train` calls them: `motion` is what both methods need, one what has its name; the rest is for ablations."""

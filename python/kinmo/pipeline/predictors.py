@@ -270,7 +270,7 @@ def _all_weights(workspace: Workspace, model: str) -> list[tuple[Path, int]]:
     """All weights of a model, those of single categories too, and when they were written (ns)."""
     found = sorted((workspace.models / model).rglob(WEIGHTS))
     if not found:
-        raise InputError(workspace.models / model, "not trained yet: run kinmo train all first")
+        raise InputError(workspace.models / model, "not trained yet: run kinmo train motion first")
     return [(path, path.stat().st_mtime_ns) for path in found]
 
 

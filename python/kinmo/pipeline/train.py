@@ -179,6 +179,6 @@ class Train:
         weights = model_folder(self.start, model) / WEIGHTS
         if not weights.exists():
             raise InputError(
-                weights, "expected the weights to go on from: run kinmo train all in that workspace first", "--from"
+                weights, "expected the weights to go on from: run kinmo train motion in that workspace first", "--from"
             )
         return load_weights(weights, CONTINUED[model][0])

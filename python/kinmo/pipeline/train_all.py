@@ -72,7 +72,8 @@ class TrainAll:
     def _stages(self, dataset: Dataset) -> Iterator[tuple[Stage, Callable[[], Plan]]]:
         """Each with a guess at its plan for when what comes before it is not done."""
         nothing = Plan((), 0.0)
-        yield Train("all", self.workspace, self.config, None, self.seed, self.device, self.workers, self.start), lambda: nothing
+        how = (self.seed, self.device, self.workers)
+        yield Train("motion", self.workspace, self.config, None, *how, self.start), lambda: nothing
         count = sum(self.category is None or same_category(entry.category, self.category) for entry in dataset.unlabelled)
         if count:
             labelling = Plan((f"label {count} shapes by {self.method}",), count * SECONDS_PER_SHAPE / self.workers)
@@ -82,7 +83,7 @@ class TrainAll:
         for category in self._categories(dataset):
             seconds = training_seconds(load_config(self.config).ancsh, self.workers)
             training = Plan((f"train ancsh and npcs ({category})",), seconds)
-            stage = TrainAncsh(self.workspace, self.config, category, "semi-weakly", self.seed, self.device, self.workers)
+            stage = TrainAncsh(self.workspace, self.config, category, "semi-weakly", *how)
             yield stage, lambda training=training: training  # type: ignore[misc]
 
     def _categories(self, dataset: Dataset) -> list[str]:
