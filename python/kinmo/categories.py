@@ -1,7 +1,8 @@
 """Names of object categories, whatever their spelling.
 
 PartNet-Mobility writes `StorageFurniture` and `Door`, PartNet's trees `storage_furniture` and `door_set`, the paper's tables a
-mixture of both. `canonical_category` brings them to the first spelling; a category that it does not know keeps its own.
+mixture of both. `canonical_category` brings them to the first spelling; a category that it does not know keeps its own. Every
+category is the name of a folder sooner or later, and is made to be fit for one.
 """
 
 from __future__ import annotations
@@ -24,12 +25,18 @@ def _key(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
+_UNFIT = re.compile(r"[/\\\x00-\x1f\x7f]|^\.+$")
+LONGEST = 100
+"""Characters of a category that are kept."""
 _SPELLING = {_key(name): name for name in (*_KNOWN, *_PROCEDURAL)} | _ALIASES
 
 
 def canonical_category(name: str) -> str:
-    """The one spelling of a category: `door_set` and `Door` give `Door`."""
-    return _SPELLING.get(_key(name), name)
+    """The one spelling of a category: `door_set` and `Door` give `Door`.
+
+    What no folder may be called by is a dash: `pots/pans` gives `pots-pans`, `..` gives `-`.
+    """
+    return _SPELLING.get(_key(name)) or _UNFIT.sub("-", name[:LONGEST])
 
 
 def same_category(one: str, other: str) -> bool:

@@ -11,6 +11,7 @@ from kinmo import _core
 from kinmo.config import ScansConfig
 from kinmo.evaluation.ancsh_protocol import box_overlap, score_as_ancsh
 from kinmo.evaluation.scan_metrics import score_frame
+from kinmo.joint import JointKind
 from kinmo.scans.scan import scan
 from scanned import cupboard_object, true_estimate
 
@@ -36,29 +37,60 @@ def test_overlaps_are_as_wrong_as_measured(sizes, shift, printed, exact):
 def seen():
     target = cupboard_object()
     scans = scan(target, CONFIG, seed=1)
-    return target, [true_estimate(target, scans, row) for row in range(len(scans))]
+    return target, scans, [true_estimate(target, scans, row) for row in range(len(scans))]
 
 
-def test_the_truth_has_no_error_by_either(seen):
-    target, truths = seen
-    for true in truths:
-        score = score_as_ancsh(true, true, target.structure)
-        assert score is not None
-        for name in ("rotation", "translation", "state", "axis", "line"):
+def coded_score(seen, found, row=0):
+    """Of `found` in a frame of which the parts of all points are known."""
+    target, scans, truths = seen
+    return score_as_ancsh(found, truths[row], target.structure, scans.points[row].astype(float), scans.parts[row])
+
+
+def rows_of(seen, kind):
+    return [row for row, own in enumerate(seen[0].structure.kinds) if own is kind]
+
+
+def test_the_truth_has_no_error_but_that_of_sliders(seen):
+    for row, true in enumerate(seen[2]):
+        score = coded_score(seen, true, row)
+        for name in ("rotation", "translation", "axis", "line"):
             np.testing.assert_allclose(getattr(score, name), 0.0, atol=1e-6, err_msg=name)
         np.testing.assert_allclose(score.iou, 1.0)
+        np.testing.assert_allclose(score.state[rows_of(seen, JointKind.REVOLUTE)], 0.0, atol=1e-6)
 
 
 def test_rotations_and_corners_are_those_of_the_default_measures(seen):
-    target, truths = seen
-    for found, true in zip(truths, truths[1:] + truths[:1], strict=True):
-        coded, exact = score_as_ancsh(found, true, target.structure), score_frame(found, true, target.structure)
-        assert coded is not None
+    target, _, truths = seen
+    for row, found in enumerate(truths[1:] + truths[:1]):
+        coded, exact = coded_score(seen, found, row), score_frame(found, truths[row], target.structure)
         np.testing.assert_allclose(coded.rotation, exact.rotation, atol=1e-6)
         np.testing.assert_allclose(coded.translation, exact.corner, atol=1e-9)
 
 
+def test_a_hinge_that_is_open_as_far_the_other_way_is_off_by_both_turns(seen):
+    _, _, truths = seen
+    (row,) = rows_of(seen, JointKind.REVOLUTE)
+    base, part = truths[0].poses.rotations[0], row + 1
+    turned = truths[0].poses.rotations.copy()
+    opposite = base.T @ turned[part]
+    turned[part] = base @ opposite.T
+    found = replace(truths[0], poses=replace(truths[0].poses, rotations=turned))
+    angle = abs(float(truths[0].states[row]))
+    assert coded_score(seen, found).state[row] == pytest.approx(min(2 * angle, 2 * np.pi - 2 * angle), abs=1e-6)
+
+
+def test_a_slider_is_taken_to_move_along_x_of_the_base(seen):
+    target, scans, truths = seen
+    (row,) = rows_of(seen, JointKind.PRISMATIC)
+    true, part = truths[0], row + 1
+    cloud = scans.points[0][scans.parts[0] == part] - true.poses.translations[0]
+    begins = (cloud @ true.poses.rotations[0])[:, 0].min()
+    extent = true.half_extents[part, 0] / true.poses.scales[part]
+    slid = np.array([begins - 0.5 + extent, 0.0, 0.0])
+    right = true.states[row] * target.joints[row].direction
+    assert coded_score(seen, true).state[row] == pytest.approx(np.linalg.norm(right - slid), abs=1e-6)
+
+
 def test_a_frame_with_anything_missing_is_dropped(seen):
-    target, truths = seen
-    lost = replace(truths[0], states=np.full_like(truths[0].states, np.nan))
-    assert score_as_ancsh(lost, truths[0], target.structure) is None
+    true = seen[2][0]
+    assert coded_score(seen, replace(true, states=np.full_like(true.states, np.nan))) is None

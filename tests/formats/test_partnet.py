@@ -50,4 +50,11 @@ def test_categories_match_whatever_their_spelling(one, other):
 
 def test_an_unknown_category_keeps_its_own_spelling():
     assert canonical_category("garden_gnome") == "garden_gnome"
+
+
+@pytest.mark.parametrize(
+    ("name", "folder"), [("pots/pans", "pots-pans"), ("../../x", "..-..-x"), ("..", "-"), ("a\\b\n", "a-b-")]
+)
+def test_a_category_can_be_the_name_of_a_folder(name: str, folder: str) -> None:
+    assert canonical_category(name) == folder
     assert not same_category("garden_gnome", "Door")

@@ -2,17 +2,16 @@
 
 Its faults, of which the default measures (`scan_metrics`) have none:
 
-- A rotation error that rounding makes no number counts as zero.
+- An angle that rounding makes no number counts as zero.
 - Translations are those of the corner of NPCS, which turns carry along.
 - The overlap of boxes is counted on a grid, by a test with edges in the wrong order: one of the three is a face's diagonal.
-- Of a hinge's state only the size of the angle counts, whatever the axis; a slider is taken to move along x of the base.
+- A hinge's state is off by the angle between the two turns against the base, axes that are off included. A slider is taken to
+  move along x of the base: from where the part's box begins by the network to where its visible points do.
 - The distance of parallel axes counts as zero.
 - Frames in which anything was not found are left out without a word.
 """
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,24 +30,30 @@ CORNER, ENDS = (1, -1, 1), ((1, -1, -1), (-1, -1, -1), (1, 1, 1))
 """Signs of the corner from which a point is looked at, and of the three that are taken for its neighbours."""
 
 
-def score_as_ancsh(found: ScanEstimate, true: ScanEstimate, structure: Structure) -> FrameScore | None:
-    """Errors of `found`; None for a frame that the public code drops."""
+def score_as_ancsh(
+    found: ScanEstimate, true: ScanEstimate, structure: Structure, points: F64, parts: NDArray[np.integer]
+) -> FrameScore | None:
+    """Errors of `found` in the scan `points` [n, 3] that are said to be of `parts` [n]; None for a frame that is dropped."""
     known = (found.poses.scales, found.half_extents, found.directions, found.states)
     if not all(np.isfinite(values).all() for values in known):
         return None
+    clouds = [points[parts == part] for part in range(structure.part_count)]
     with np.errstate(invalid="ignore", divide="ignore"):
         turned = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
         corners = np.linalg.norm(found.poses.translations - true.poses.translations, axis=1)
         lines = [_line(found, true, row) for row in range(len(structure.kinds))]
-    state = [_state_error(found, true, row, kind) for row, kind in enumerate(structure.kinds)]
+        state = [
+            _turn_error(found, true, row + 1) if kind is JointKind.REVOLUTE else _slide_error(found, true, row, clouds[row + 1])
+            for row, kind in enumerate(structure.kinds)
+        ]
     axis = [axis_error(found.directions[row], true.directions[row]) for row in range(len(structure.kinds))]
     overlap = [box_overlap(_corners(found, part), _corners(true, part)) for part in range(structure.part_count)]
     return FrameScore(
         np.nan_to_num(np.array(turned)),
-        np.nan_to_num(corners),
-        np.nan_to_num(corners),
+        corners,
+        corners,
         np.array(overlap),
-        np.array(state),
+        np.nan_to_num(np.array(state)),
         np.array(axis),
         np.nan_to_num(np.array(lines)),
     )
@@ -95,17 +100,15 @@ def _line(found: ScanEstimate, true: ScanEstimate, row: int) -> float:
     return float(abs(normal @ offset) / np.linalg.norm(normal))
 
 
-def _state_error(found: ScanEstimate, true: ScanEstimate, row: int, kind: JointKind) -> float:
-    part = row + 1
-    if kind is JointKind.REVOLUTE:
-        mine, right = (
-            float(np.arccos(np.clip((np.trace(said.poses.rotations[0].T @ said.poses.rotations[part]) - 1.0) / 2.0, -1.0, 1.0)))
-            for said in (found, true)
-        )
-        return abs(mine - right)
-    # how far the part's own middle is from where the base has it, along x of the base
-    shifts = []
-    for said in (found, true):
-        base = said.poses.rotations[0]
-        shifts.append(float((base.T @ (said.centers[part] - said.centers[0]))[0]) / float(said.poses.scales[0]))
-    return abs(shifts[0] - shifts[1]) if math.isfinite(shifts[0]) else math.nan
+def _turn_error(found: ScanEstimate, true: ScanEstimate, part: int) -> float:
+    mine, right = (said.poses.rotations[0].T @ said.poses.rotations[part] for said in (found, true))
+    return _angle(mine @ right.T)
+
+
+def _slide_error(found: ScanEstimate, true: ScanEstimate, row: int, cloud: F64) -> float:
+    """For the visible points `cloud` [n, 3] of the part that joint `row` moves against the base."""
+    base, part = found.poses.rotations[0], row + 1
+    begins = ((cloud - found.poses.translations[0]) @ base)[:, 0].min()
+    begins_by_network = 0.5 - found.half_extents[part, 0] / found.poses.scales[part]
+    slid = base[:, 0] * (begins - begins_by_network)
+    return float(np.linalg.norm(true.states[row] * true.directions[row] - slid))

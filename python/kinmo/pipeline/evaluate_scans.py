@@ -60,7 +60,7 @@ class EvaluateScans:
                     for frame in judged(file, network, self.cell.seed):
                         book.offer(frame)
                         scores["kinmo"].append((file.id, frame.score))
-                        coded = score_as_ancsh(frame.found, frame.true, network.structure)
+                        coded = score_as_ancsh(frame.found, frame.true, network.structure, frame.points, frame.said_parts)
                         if coded is not None:
                             scores["ancsh"].append((file.id, coded))
                     observer.progress(f"judging {self.cell}", done, len(files), file.id)
