@@ -71,3 +71,8 @@ def test_the_share_of_the_gap_is_how_far_errors_have_gone_from_the_worse_to_the_
     shares = dict(zip(measure_titles(STRUCTURE), gap_closed(worse, between, best, STRUCTURE), strict=True))
     assert shares["rotation (deg)"] == pytest.approx(2.0 / 3.0)
     assert shares["3D IoU (%)"] is None, "there is no gap"
+    assert set(gap_closed(best, between, worse, STRUCTURE)) == {None}, "nothing is to be gained"
+    high, low = (objects([frame(iou=(value,) * 3)]) for value in (0.6, 0.2))
+    middle = objects([frame(iou=(0.5,) * 3)])
+    more = dict(zip(measure_titles(STRUCTURE), gap_closed(low, middle, high, STRUCTURE), strict=True))
+    assert more["3D IoU (%)"] == pytest.approx(0.75)

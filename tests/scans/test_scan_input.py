@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -57,6 +58,11 @@ def written(folder: Path, what: str) -> Path:
         np.save(path, POINTS[:5])
     elif what == "one_place.npy":
         np.save(path, np.ones((64, 3)))
+    elif what == "behind.npy":
+        np.save(path, POINTS * [1.0, 1.0, -1.0])
+    elif what == "member.npz":
+        with ZipFile(path, "w") as archive:
+            archive.writestr("points.npy", "no array")
     elif what == "shape.npz":
         np.savez(path, points=POINTS.T)
     elif what == "other.npz":
@@ -77,9 +83,11 @@ def written(folder: Path, what: str) -> Path:
     [
         ("objects.npy", "expected arrays of NumPy"),
         ("words.npy", "expected numbers"),
-        ("few.npy", "expected at least 32 points that are seen, got 5"),
+        ("few.npy", "expected points at 32 places .* or more, got 5"),
         ("empty.npy", "got 0"),
-        ("one_place.npy", "expected points at more than one place"),
+        ("one_place.npy", "got 1"),
+        ("behind.npy", "got 0"),
+        ("member.npz", "expected arrays of NumPy|points: expected numbers"),
         ("shape.npz", r"points: expected \[n, 3\]"),
         ("other.npz", "expected points or depth, got cloud"),
         ("no_camera.npz", "--intrinsics fx,fy,cx,cy"),
@@ -95,6 +103,12 @@ def test_what_is_no_scan_is_named_in_one_line(tmp_path, what, problem):
         read_scan(written(tmp_path, what))
     assert what in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_pixels_without_a_place_are_left_out_and_other_arrays_are_not_looked_at(tmp_path):
+    cloud = np.concatenate([POINTS, np.zeros((50, 3)), np.full((50, 3), np.nan)])
+    np.savez(tmp_path / "scan.npz", points=cloud, names=np.array(["a"], dtype=object))
+    np.testing.assert_array_equal(read_scan(tmp_path / "scan.npz"), POINTS)
 
 
 def test_a_file_that_is_not_there_is_said_to_be_missing(tmp_path):

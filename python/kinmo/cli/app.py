@@ -19,15 +19,15 @@ from kinmo.cli.options import with_common_options
 HELP = """Joints for 3D objects.
 
 kinmo learns how parts move from shapes whose joints are annotated (PartNet-Mobility), labels those that only have a part
-hierarchy (PartNet), and predicts the joints of your own segmented shapes. Everything it makes goes into one workspace; every
-command skips what is done already and goes on where it was stopped.
+hierarchy (PartNet), predicts the joints of your own segmented shapes, and finds parts and joints in depth scans. Everything it
+makes goes into one workspace; every command skips what is done already and goes on where it was stopped.
 
 Start with:
 
     kinmo synth partnet/               procedural shapes, if you have none
     kinmo prepare partnet/             check and convert every shape
     kinmo train all                    train all networks
-    kinmo eval                         the paper's Table 1
+    kinmo eval                         the paper's tables
     kinmo predict my_shapes/ -o out/   joints and URDFs for your own
 """
 

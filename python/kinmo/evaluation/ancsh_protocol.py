@@ -31,7 +31,7 @@ CORNER, ENDS = (1, -1, 1), ((1, -1, -1), (-1, -1, -1), (1, 1, 1))
 
 
 def score_as_ancsh(
-    found: ScanEstimate, true: ScanEstimate, structure: Structure, points: F64, parts: NDArray[np.integer]
+    found: ScanEstimate, true: ScanEstimate, structure: Structure, points: NDArray[np.floating], parts: NDArray[np.integer]
 ) -> FrameScore | None:
     """Errors of `found` in the scan `points` [n, 3] that are said to be of `parts` [n]; None for a frame that is dropped."""
     known = (found.poses.scales, found.half_extents, found.directions, found.states)
@@ -105,7 +105,7 @@ def _turn_error(found: ScanEstimate, true: ScanEstimate, part: int) -> float:
     return _angle(mine @ right.T)
 
 
-def _slide_error(found: ScanEstimate, true: ScanEstimate, row: int, cloud: F64) -> float:
+def _slide_error(found: ScanEstimate, true: ScanEstimate, row: int, cloud: NDArray[np.floating]) -> float:
     """For the visible points `cloud` [n, 3] of the part that joint `row` moves against the base."""
     base, part = found.poses.rotations[0], row + 1
     begins = ((cloud - found.poses.translations[0]) @ base)[:, 0].min()

@@ -31,7 +31,7 @@ class ObjectScans:
 
 @dataclass(frozen=True)
 class Measure:
-    """A column of the paper's tables. `of_joints`: of joints 1 and up, else of parts 0 and up."""
+    """A column of the paper's tables. `of_joints`: of joints 1 and up, else of parts 0 and up; of joints those of `kinds`."""
 
     key: str
     title: str
@@ -39,13 +39,14 @@ class Measure:
     of_joints: bool
     factor: float = 1.0
     decimals: int = 2
+    larger_is_better: bool = False
     kinds: tuple[JointKind, ...] = tuple(JointKind)
 
 
 MEASURES: tuple[Measure, ...] = (
     Measure("rotation", "rotation (deg)", Unit.DEGREES, False, math.degrees(1.0)),
     Measure("translation", "translation", Unit.DIAGONALS, False, decimals=3),
-    Measure("iou", "3D IoU (%)", Unit.SHARE, False, 100.0, 1),
+    Measure("iou", "3D IoU (%)", Unit.SHARE, False, 100.0, 1, larger_is_better=True),
     Measure("state", "state (deg)", Unit.DEGREES, True, math.degrees(1.0), kinds=(JointKind.REVOLUTE,)),
     Measure("state", "state (diag.)", Unit.DIAGONALS, True, decimals=3, kinds=(JointKind.PRISMATIC, JointKind.SCREW)),
     Measure("axis", "axis (deg)", Unit.DEGREES, True, math.degrees(1.0)),

@@ -62,13 +62,16 @@ def over_parts(rows: Sequence[ScanRow], structure: Structure, caption: Caption) 
 def gap_closed(
     less: Sequence[ObjectScans], more: Sequence[ObjectScans], best: Sequence[ObjectScans], structure: Structure
 ) -> list[float | None]:
-    """A measure each: the share of the way from the errors of `less` to those of `best` that `more` has gone."""
+    """A measure each: the share of the way from the errors of `less` to those of `best` that `more` has gone.
+
+    None where `best` is no better than `less`: there is no way to go.
+    """
     shares: list[float | None] = []
-    for low, mid, high in zip(*(summary(objects, structure) for objects in (less, more, best)), strict=True):
-        if low is None or mid is None or high is None or low.value == high.value:
-            shares.append(None)
-        else:
-            shares.append((low.value - mid.value) / (low.value - high.value))
+    rows = (summary(objects, structure) for objects in (less, more, best))
+    for measure, low, mid, high in zip(_measures(structure), *rows, strict=True):
+        way = 0.0 if low is None or high is None else high.value - low.value
+        is_better = way > 0.0 if measure.larger_is_better else way < 0.0
+        shares.append((mid.value - low.value) / way if is_better and low is not None and mid is not None else None)
     return shares
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from kinmo.errors import InputError
+from kinmo.pipeline.ancsh_files import trained_cells
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.scan_tables import JudgeTrained
 from kinmo.pipeline.stage import Observer, Outcome, Plan
@@ -11,16 +13,34 @@ from kinmo.pipeline.stage import Observer, Outcome, Plan
 
 @dataclass(frozen=True)
 class EvaluateAll:
-    """Table 1, then those of scans; their data are beside the settings of Table 1, by the name of the table."""
+    """Table 1, then those of scans; their data are beside the settings of Table 1, by the name of the table.
+
+    Where there are networks for scans, Table 1 may be missing for a reason that is told.
+    """
 
     shapes: Evaluate
     scans: JudgeTrained
 
     def plan(self) -> Plan:
-        first, second = self.shapes.plan(), self.scans.plan()
+        first = Plan((), 0.0) if self._problem() else self.shapes.plan()
+        second = self.scans.plan()
         return Plan(first.steps + second.steps, first.seconds + second.seconds)
 
     def run(self, observer: Observer) -> Outcome:
+        problem = self._problem()
+        if problem is not None:
+            observer.note(f"no Table 1: {problem}")
+            return self.scans.run(observer)
         first, second = self.shapes.run(observer), self.scans.run(observer)
         text = "\n".join(filter(None, [first.text, second.text]))
         return Outcome(first.path, {**first.data, **second.data}, text, first.failed + second.failed)
+
+    def _problem(self) -> InputError | None:
+        """Why there can be no Table 1. Raised if there are no networks for scans either."""
+        try:
+            self.shapes.plan()
+        except InputError as error:
+            if not trained_cells(self.scans.workspace):
+                raise
+            return error
+        return None

@@ -13,7 +13,7 @@ from kinmo.evaluation.scan_records import write_scores
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.ancsh_files import PROTOCOLS, Cell, Protocol, pictures_path, scores_path
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.model_files import weights_hashes
+from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scan_dataset import fingerprint, open_scan_dataset
 from kinmo.pipeline.scan_pictures import JudgedFrame, PictureBook, write_pictures
 from kinmo.pipeline.stage import Observer, Outcome, Plan
@@ -89,7 +89,7 @@ class EvaluateScans:
         return dataset.files["test"]
 
     def _inputs(self) -> dict[str, Any]:
-        return {"test": fingerprint(self._files()), "weights": weights_hashes(self.cell.weights(self.workspace) or ())}
+        return {"test": fingerprint(self._files()), "weights": networks_digest(self.cell.weights(self.workspace) or ())}
 
     def is_current(self) -> bool:
         """Whether the cell was judged, and nothing that this depends on has changed."""

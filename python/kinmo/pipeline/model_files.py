@@ -50,13 +50,14 @@ def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:
     return digest(found)
 
 
-def weights_hashes(paths: tuple[Path, ...]) -> list[str]:
-    """The hash of every one of some files of weights."""
+def networks_digest(paths: tuple[Path, ...]) -> str:
+    """A hash of some files of weights and of the configurations they were trained with."""
     found = []
     for path in (path.with_suffix(".json") for path in paths):
         with expecting("what weights are for", path):
-            found.append(json.loads(path.read_text(encoding="utf-8"))["sha256"])
-    return found
+            header = json.loads(path.read_text(encoding="utf-8"))
+            found.append([header["sha256"], header["config"]])
+    return digest(found)
 
 
 def trained_config(workspace: Workspace) -> Config:

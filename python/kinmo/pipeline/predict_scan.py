@@ -17,14 +17,14 @@ from kinmo.errors import InputError, did_you_mean
 from kinmo.joint import JointKind
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.ancsh_files import Cell, trained_cells
-from kinmo.pipeline.model_files import weights_hashes
+from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scan_pictures import view_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.report.scan_picture import scan_picture
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import PointAnswers, PoseOptions, ScanEstimate, estimate
 from kinmo.scans.scan_input import Intrinsics, read_scan
-from kinmo.workspace import Workspace, digest, write_text_atomically
+from kinmo.workspace import Workspace, write_text_atomically
 
 SCHEMA_VERSION = 1
 PREFERRED = ("semi-weakly", "dsg-net", "semi", "supervised", "ceiling")
@@ -63,7 +63,7 @@ class PredictScan:
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
         answer = network.answer([seen], [diagonal])[0]
         found = estimate([answer], network.structure, PoseOptions(ties=network.config.ties, seed=self.seed))[0]
-        document = scan_document(found, answer, network.structure, self.source, cell, digest(weights_hashes(weights)))
+        document = scan_document(found, answer, network.structure, self.source, cell, networks_digest(weights))
         self.out.mkdir(parents=True, exist_ok=True)
         name = self.source.stem
         target = self.out / f"{name}.json"

@@ -12,14 +12,14 @@ from typing import Any
 from urllib.parse import quote
 
 from kinmo import __version__
-from kinmo.categories import same_category
+from kinmo.categories import canonical_category, same_category
 from kinmo.config import ScansConfig, SensorConfig, load_config
 from kinmo.errors import InputError, expecting
 from kinmo.formats import Found, Layout, discover, read_found
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.pseudo_label import DECISIONS
-from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, Role, scans_of
+from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, ROLES, Role, scans_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.articulated_object import articulated_object, still_object
 from kinmo.scans.scan import scan
@@ -86,19 +86,23 @@ class Render:
             pending = [job for job in jobs if not _is_done(job)]
             if jobs and not pending:
                 observer.note("scanned already")
+            crashed: list[Job] = []
             with timed(self.workspace, STAGE) as watch:
                 for done, (job, problem) in enumerate(
                     map_unordered(Rendering(config, self.seed), pending, self.workers), start=1
                 ):
                     if isinstance(problem, Crashed):
-                        _refuse(job, "the process that scanned it died")
+                        crashed.append(job)
                     observer.progress("scanning objects", done, len(pending), job.found.id)
                 watch.amount = sum(_frames(config, job.role) for job in pending)
                 watch.what = f"{len(pending)} objects"
             files = [open_scans(job.path) for job in jobs if job.path.exists()]
             refused = {job.found.id: _reason(job) for job in jobs if job.refusal.exists()}
+            refused |= {
+                job.found.id: f"{job.found.path}: the process that scanned it died (too little memory?)" for job in crashed
+            }
         data = {"categories": summary(files), "refused": refused}
-        return Outcome(self.workspace.scans, data, _text(data))
+        return Outcome(self.workspace.scans, data, _text(data), failed=len(crashed))
 
     def _scans(self) -> ScansConfig:
         """The configuration, of which only the sensor counts that there is."""
@@ -132,19 +136,21 @@ class Render:
         for found in discover(self.workspace.pseudo, skip=(self.workspace.pseudo / DECISIONS,)):
             meta = found.path / "meta.json"
             with expecting("what kinmo pseudo-label writes", meta):
-                layout = json.loads(meta.read_text(encoding="utf-8"))["pseudo_label"]["layout"]
-            category = read_found(found).category
+                data = json.loads(meta.read_text(encoding="utf-8"))
+                category, layout = canonical_category(data["model_cat"]), data["pseudo_label"]["layout"]
             if category in categories:
                 label = (found.path / "mobility_v2.json").read_bytes()
                 yield _job(self.workspace, found, category, "pseudo", layout, digest([zlib.crc32(label), way]))
 
     def _remove_stale(self, jobs: Sequence[Job]) -> None:
-        """Remove scans, of the categories and roles at hand, of objects that are no longer there or have another role."""
+        """Remove scans, of the categories at hand, of objects that are no longer there or have another role."""
         wanted = {path for job in jobs for path in (job.path, job.refusal)}
-        for folder in {job.path.parent for job in jobs}:
-            for path in folder.glob("*.*"):
-                if path not in wanted:
-                    path.unlink()
+        kept = () if self.unlabelled else ("unlabelled",)
+        for category in {job.category for job in jobs}:
+            for role in (role for role in ROLES if role not in kept):
+                for path in scans_of(self.workspace, category, role).glob("*.*"):
+                    if path not in wanted:
+                        path.unlink()
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
@@ -21,6 +21,7 @@ PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
 """Of the paper's Table 2."""
 
 Role = Literal["train", "validation", "test", "hidden", "unlabelled", "pseudo"]
+ROLES: tuple[Role, ...] = get_args(Role)
 """What an object is for. Joints of the first four are true, those of `hidden` held back; `unlabelled` ones have none."""
 Setting = Literal["supervised", "semi", "semi-weakly", "dsg-net", "ceiling"]
 """What networks are trained on beside the labelled shapes (paper, section 4.2): nothing; scans of unlabelled shapes with what
@@ -70,9 +71,9 @@ def scanned_categories(workspace: Workspace) -> tuple[str, ...]:
 def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     """The scans of a category, however it is spelled, of the structure that most objects to train on have.
 
-    Where as many have another, that with fewer parts is taken. If no validation shape has it, some of those to train on are
-    kept to choose by. What is trained on and what is hidden is as the workspace's
-    share of labels has it; the structure does not depend on that. Raises InputError if nothing of it was scanned.
+    Where as many have another, that with fewer parts is taken. What is trained on and what is hidden is as the workspace's
+    share of labels has it; the structure does not depend on that, nor do validation shapes. If none of these has the structure,
+    some of those to train on are kept to choose by; a single one does both. Raises InputError if nothing of it was scanned.
     """
     known = scanned_categories(workspace)
     spelling = next((name for name in known if same_category(name, category)), None)
@@ -80,22 +81,23 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         near = did_you_mean(category, known)
         there = f"; there are {', '.join(known)}" if known else ""
         raise InputError(workspace.scans, f"no scans of {category}{near}{there}: run kinmo render first")
-    roles: tuple[Role, ...] = ("train", "validation", "test", "hidden", "unlabelled", "pseudo")
-    found = {role: _open_all(scans_of(workspace, spelling, role)) for role in roles}
+    found = {role: _open_all(scans_of(workspace, spelling, role)) for role in ROLES}
     structures = Counter(file.structure for file in found["train"] if file.frames)
     if not structures:
         raise InputError(workspace.scans / spelling, "expected scans of a labelled shape to train on")
     most = max(structures.values())
     structure = min((s for s, count in structures.items() if count == most), key=lambda s: (s.part_count, str(s)))
-    fitting = {role: [file for file in some if file.frames and file.structure == structure] for role, some in found.items()}
-    if not fitting["validation"] and len(fitting["train"]) > 1:
-        moved = kept_to_choose_by([file.id for file in fitting["train"]])
-        found["validation"] += [file for file in fitting["train"] if file.id in moved]
-        found["train"] = [file for file in found["train"] if file.id not in moved]
     dataset = open_dataset(workspace, spelling)
     counted = {entry.id for entry in dataset.labelled[Split.TRAIN]}
     found["hidden"] += [file for file in found["train"] if file.id not in counted]
     found["train"] = [file for file in found["train"] if file.id in counted]
+    fitting = {role: [file for file in found[role] if file.frames and file.structure == structure] for role in ROLES}
+    if not fitting["validation"]:
+        alone = len(fitting["train"]) == 1
+        chosen = {file.id for file in fitting["train"]} if alone else kept_to_choose_by([file.id for file in fitting["train"]])
+        found["validation"] += [file for file in found["train"] if file.id in chosen]
+        if not alone:
+            found["train"] = [file for file in found["train"] if file.id not in chosen]
     files: dict[Role, tuple[ScanFile, ...]] = {}
     others: Counter[tuple[str, Role]] = Counter()
     for role, some in found.items():

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 from kinmo.categories import same_category
 from kinmo.config import load_config
 from kinmo.errors import InputError, did_you_mean
-from kinmo.pipeline.ancsh_files import Cell, Protocol, scores_path, trained_cells
+from kinmo.pipeline.ancsh_files import Cell, Protocol, trained_cells
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.pseudo_label import PseudoLabel
@@ -24,14 +24,18 @@ from kinmo.workspace import Workspace
 
 MANY_SEEDS = ("Refrigerator", "Scissors")
 """Categories whose cells have three seeds by default."""
+SHARED_SEED = 0
+"""Of what all seeds of the networks for scans share."""
 
 
 @dataclass(frozen=True)
 class MakeTable:
     """Do what is missing of a table, a category and a cell at a time, and write it.
 
-    With `hours`, no cell is begun that would not be done by then; cells that are not run are shown as such. Without a category
-    it is of those of the paper's that there are labelled shapes of. `seeds` None means three for `MANY_SEEDS`, else one.
+    With `hours`, no cell is begun that would not be done by then, as far as that can be told beforehand; cells that are not
+    run, and those that cannot be, are shown as such. Without a category it is of those of the paper's that there are labelled
+    shapes of. `seeds` None means three for `MANY_SEEDS`, else one; `seed` is the first of them. Scans, motion networks and
+    pseudo labels are the same for all seeds.
     """
 
     name: str
@@ -50,28 +54,43 @@ class MakeTable:
         steps, seconds = [], 0.0
         for category in self._categories():
             for row, cell in self._cells(category):
-                if not _is_judged(self.workspace, row, cell):
-                    steps.append(f"{cell}, {row.labels:.0%} of the labels: render, train, judge")
-                    seconds += self._seconds()
+                pending = self._pending(row, cell)
+                if pending is not None:
+                    steps.append(f"{_name(row, cell)}: render, train, judge")
+                    seconds += pending
         return Plan(tuple(steps), seconds)
 
     def run(self, observer: Observer) -> Outcome:
-        begun, limit = time.monotonic(), float("inf") if self.hours is None else 3600.0 * self.hours
-        took: list[float] = []
+        limit = float("inf") if self.hours is None else time.monotonic() + 3600.0 * self.hours
+        failed = 0
         for category in self._categories():
             for row, cell in self._cells(category):
-                expected = max(took, default=self._seconds())
-                if not _is_judged(self.workspace, row, cell) and time.monotonic() - begun + expected > limit:
-                    observer.note(f"not run: {cell}, {row.labels:.0%} of the labels: it would take longer than --hours")
+                pending = self._pending(row, cell)
+                if pending is not None and time.monotonic() + pending > limit:
+                    observer.note(f"not run: {_name(row, cell)}: it would take longer than --hours")
                     continue
-                start = time.monotonic()
-                observer.note(f"{cell}, {row.labels:.0%} of the labels")
-                for stage in self._stages(row, cell):
-                    stage.run(observer)
-                if (spent := time.monotonic() - start) > 0.1 * expected:
-                    took.append(spent)
+                observer.note(_name(row, cell))
+                try:
+                    for stage in self._stages(row, cell):
+                        stage.run(observer)
+                except InputError as error:
+                    observer.note(f"not run: {_name(row, cell)}: {error}")
+                    failed += 1
         seeds = {category: self._seeds_of(category) for category in self._categories()}
-        return WrittenTables(self.workspace, self.name).write(seeds, self.protocol)
+        return replace(WrittenTables(self.workspace, self.name).write(seeds, self.protocol), failed=failed)
+
+    def _pending(self, row: RowOf, cell: Cell) -> float | None:
+        """About how many seconds a cell still takes; None if it is done."""
+        seconds, steps = 0.0, 0
+        for stage in self._stages(row, cell):
+            try:
+                plan = stage.plan()
+            except InputError:  # what it needs is not there yet
+                guess = training_seconds(load_config(self.config).ancsh, self.workers) if isinstance(stage, TrainAncsh) else 0.0
+                plan = Plan((_name(row, cell),), guess)
+            seconds += plan.seconds
+            steps += len(plan.steps)
+        return seconds if steps else None
 
     def _categories(self) -> tuple[str, ...]:
         table, dataset = TABLES[self.name], open_dataset(self.workspace)
@@ -97,18 +116,14 @@ class MakeTable:
     def _stages(self, row: RowOf, cell: Cell) -> Iterator[Stage]:
         place = row.workspace(self.workspace)
         if row.setting in ("semi-weakly", "dsg-net"):
-            yield Train(self.method, place, self.config, None, self.seed, self.device, self.workers)
+            yield Train(self.method, place, self.config, None, SHARED_SEED, self.device, self.workers)
             yield PseudoLabel(place, self.method, cell.category, None, self.device, self.workers)
-        yield Render(place, self.config, cell.category, self.seed, self.workers, unlabelled=row.setting == "semi")
+        yield Render(place, self.config, cell.category, SHARED_SEED, self.workers, unlabelled=row.setting == "semi")
         tested = Workspace(self.workspace.root, is_rough=row.on_rough)
         if row.on_rough != row.of_rough:
-            yield Render(tested, self.config, cell.category, self.seed, self.workers)
+            yield Render(tested, self.config, cell.category, SHARED_SEED, self.workers)
         yield TrainAncsh(place, self.config, cell.category, cell.setting, cell.seed, self.device, self.workers)
         yield EvaluateScans(place, cell, self.device, row.on_rough)
-
-    def _seconds(self) -> float:
-        """About how long a cell takes, until one was run."""
-        return training_seconds(load_config(self.config).ancsh, self.workers)
 
 
 @dataclass(frozen=True)
@@ -129,7 +144,10 @@ class JudgeTrained:
 
     def run(self, observer: Observer) -> Outcome:
         for stage in self._stages():
-            stage.run(observer)
+            try:
+                stage.run(observer)
+            except InputError as error:
+                observer.note(f"not judged: {stage.cell}: {error}")
         texts, data = [], {}
         for name, seeds in self._tables().items():
             outcome = WrittenTables(self.workspace, name).write(seeds, self.protocol)
@@ -171,6 +189,5 @@ class JudgeTrained:
         return is_there and scanned.is_dir()
 
 
-def _is_judged(workspace: Workspace, row: RowOf, cell: Cell) -> bool:
-    """Whether there are scores of a cell."""
-    return scores_path(row.workspace(workspace), cell, row.on_rough).exists()
+def _name(row: RowOf, cell: Cell) -> str:
+    return f"{cell}, {row.labels:.0%} of the labels"

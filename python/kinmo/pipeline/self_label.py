@@ -11,7 +11,7 @@ from kinmo.errors import InputError
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.ancsh_files import Cell
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.model_files import weights_hashes
+from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scan_dataset import ScanDataset, fingerprint, open_scan_dataset
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.estimate import PoseOptions, estimate
@@ -82,7 +82,12 @@ class SelfLabel:
 
     @property
     def _stage(self) -> str:
-        return f"self-label-{self.category}-{self.seed}"
+        return f"self-label-{self._spelling}-{self.seed}"
+
+    @property
+    def _spelling(self) -> str:
+        """The category as its scans have it."""
+        return open_scan_dataset(self.workspace, self.category).category
 
     def _cell(self, dataset: ScanDataset) -> Cell:
         return Cell(dataset.category, "supervised", self.seed)
@@ -91,7 +96,7 @@ class SelfLabel:
         weights = self._cell(dataset).weights(self.workspace)
         return {
             "data": fingerprint(dataset.files["unlabelled"]),
-            "weights": weights_hashes(weights or ()),
+            "weights": networks_digest(weights or ()),
             "confidence": self.confidence,
         }
 

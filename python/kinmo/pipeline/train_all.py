@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from kinmo.categories import same_category
 from kinmo.config import load_config
@@ -11,7 +12,7 @@ from kinmo.errors import InputError
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.pseudo_label import SECONDS_PER_SHAPE, PseudoLabel
 from kinmo.pipeline.render import Render
-from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES
+from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, Setting, open_scan_dataset
 from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
 from kinmo.pipeline.train import Train
 from kinmo.pipeline.train_ancsh import TrainAncsh, training_seconds
@@ -26,6 +27,7 @@ class TrainAll:
     """Train the motion networks on all categories; then for one, label what has no joints and do all that scans need.
 
     Without a category all shapes are labelled, and scans are for those of the paper's five that there are labelled shapes of.
+    Networks for scans learn from pseudo labels where there are any, else from the labelled shapes alone.
     """
 
     workspace: Workspace
@@ -56,21 +58,21 @@ class TrainAll:
             observer.note(f"to do: {step}")
         if plan.steps:
             observer.note(f"about {max(round(plan.seconds / 60.0), 1)} minutes in all")
-        stages = [stage for stage, _ in self._stages(open_dataset(self.workspace))]
-        outcomes = [stage.run(observer) for stage in stages]
-        texts = [outcome.text for outcome in outcomes if outcome.text]
-        if not any(isinstance(stage, TrainAncsh) for stage in stages):
+        texts: list[str] = []
+        results: dict[str, Any] = {}
+        sees_scans = False
+        for stage, _ in self._stages(open_dataset(self.workspace)):
+            outcome = stage.run(observer)
+            texts.append(outcome.text)
+            sees_scans |= isinstance(stage, TrainAncsh)
+            if isinstance(stage, (Train, TrainAncsh)):
+                results |= outcome.data
+        if not sees_scans:
             observer.note(NO_CATEGORY)
-        results = {
-            name: found
-            for stage, outcome in zip(stages, outcomes, strict=True)
-            if isinstance(stage, (Train, TrainAncsh))
-            for name, found in outcome.data.items()
-        }
-        return Outcome(self.workspace.models, results, "\n".join(texts))
+        return Outcome(self.workspace.models, results, "\n".join(filter(None, texts)))
 
     def _stages(self, dataset: Dataset) -> Iterator[tuple[Stage, Callable[[], Plan]]]:
-        """Each with a guess at its plan for when what comes before it is not done."""
+        """Each with a guess at its plan for when what comes before it is not done; what comes next may depend on what is."""
         nothing = Plan((), 0.0)
         how = (self.seed, self.device, self.workers)
         yield Train("motion", self.workspace, self.config, None, *how, self.start), lambda: nothing
@@ -83,8 +85,16 @@ class TrainAll:
         for category in self._categories(dataset):
             seconds = training_seconds(load_config(self.config).ancsh, self.workers)
             training = Plan((f"train ancsh and npcs ({category})",), seconds)
-            stage = TrainAncsh(self.workspace, self.config, category, "semi-weakly", *how)
+            stage = TrainAncsh(self.workspace, self.config, category, self._setting(category), *how)
             yield stage, lambda training=training: training  # type: ignore[misc]
+
+    def _setting(self, category: str) -> Setting:
+        """Semi-weakly, unless it is clear by now that there are no pseudo labels of shapes that networks could learn from."""
+        try:
+            dataset = open_scan_dataset(self.workspace, category)
+        except InputError:
+            return "semi-weakly"
+        return "semi-weakly" if len(dataset.training("semi-weakly")) > len(dataset.files["train"]) else "supervised"
 
     def _categories(self, dataset: Dataset) -> list[str]:
         known = sorted({entry.category for entry in dataset.labelled[Split.TRAIN]})

@@ -21,6 +21,13 @@ from kinmo.scans.scan_file import ScanFile, open_scans
 from kinmo.typed_tables import to_table
 from kinmo.workspace import Workspace, remove_leftovers
 
+BESIDE: dict[Setting, str] = {
+    "semi": "that the supervised networks were sure of",
+    "semi-weakly": "with pseudo labels: run kinmo pseudo-label and kinmo render first",
+    "dsg-net": "with pseudo labels in DSG-Net's layout: run kinmo pseudo-label and kinmo render first",
+    "ceiling": "whose labels were held back: kinmo prepare --hold-back keeps some",
+}
+"""What a setting trains on beside the labelled shapes, without which it would be another one."""
 SECONDS_PER_FRAME = 0.014
 """On one CPU core with the configuration `small`, until the journal knows better."""
 
@@ -159,10 +166,12 @@ class TrainAncsh:
         training, validation = dataset.training(self.setting), dataset.files["validation"]
         if self.setting == "semi":
             training += tuple(self_labels(self.workspace, dataset.category, self.seed))
+        folder = self.workspace.scans / dataset.category
         for files, role in ((training, "train"), (validation, "choose by")):
             if not files:
-                folder = self.workspace.scans / dataset.category
                 raise InputError(folder, f"expected scans of an object of {dataset.structure} to {role}")
+        if self.setting in BESIDE and len(training) == len(dataset.files["train"]):
+            raise InputError(folder, f"no scans of an object of {dataset.structure} {BESIDE[self.setting]}", self.setting)
         data = {"training": fingerprint(training), "validation": fingerprint(validation)}
         for network in NETWORKS:
             inputs = {"network": network, "config": to_table(section), "seed": self.seed, "data": data}

@@ -75,11 +75,10 @@ class Viewpoints:
     """Where cameras stand, drawn at random about an object of a given radius (half the diagonal of its box).
 
     `yaw` and `pitch` are ranges in degrees; a pitch of -90 looks straight down, and above 0 the camera stands below the middle.
-    What `distance` (a range) and `aside` (how far the target may lie off the middle, along each axis) count in is the
-    distance from which a ball with the object's radius, seen across, just fits into half of the field of view: radius *
-    tan(`field` / 2).
+    `distance` (a range) and `aside` (how far the target may lie off the middle, along each axis) count in radius *
+    tan(`field` / 2), the unit of the pipeline that the paper renders with.
 
-    The defaults are those of the pipeline that the paper renders with.
+    The defaults are those of that pipeline.
     """
 
     field: float = 75.0

@@ -95,9 +95,13 @@ def _frames_in_state(
     floors = np.array([_plane_in(pose, target.up, floor) for pose in cameras])
     sensed = sense(seen, config.sensor, camera, floors, sensing)
     for row in range(views):
-        counts = np.bincount(sensed.parts[row][sensed.parts[row] >= 0], minlength=len(target.meshes))
+        # by what there is to see: a bad sensor must not get other frames than a good one
+        counts = np.bincount(seen.parts[row][seen.parts[row] >= 0], minlength=len(target.meshes))
         if counts.min() < config.least_pixels:
             yield f"part {counts.argmin()} has fewer than {config.least_pixels} pixels"
+            continue
+        if not (sensed.parts[row] >= 0).any():
+            yield "the sensor saw nothing of it"
             continue
         yield _frame(seen, sensed, row, camera, poses[row], state, config.points, sensing)
 

@@ -93,7 +93,6 @@ def write_scans(path: Path, target: Described, scans: Scans, provenance: Mapping
         "format": FORMAT,
         "id": target.id,
         "category": target.category,
-        "kinds": [kind.value for kind in target.structure.kinds],
         "parents": target.structure.parents,
         "joints": [joint_to_data(joint) for joint in target.joints],
         "frames": len(scans),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from tokenize import TokenError
 from zipfile import BadZipFile
 
 import numpy as np
@@ -58,11 +59,12 @@ def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: flo
     """Points [n, 3] in the frame of the camera: x to the right, y down, z forward.
 
     An .npz has `points` [n, 3], or `depth` [height, width] along z, with `intrinsics` beside it if they are not given here;
-    an .npy has one of the two, a .ply points, and a .png or .tif depths. Depths are divided by `depth_scale`; those that are
-    zero or no number are left out. Raises InputError, naming file and field, for what is none of this or has too few points.
+    an .npy has one of the two, a .ply points, and a .png or .tif depths. Depths are divided by `depth_scale`; points at no
+    number, and those that are not before the camera (0, 0, 0 often stands for none), are left out. Raises InputError, naming
+    file and field, for what is none of this or has too few points.
     """
     if not path.is_file():
-        raise InputError(path, "expected a scan: there is no such file")
+        raise InputError(path, f"expected a scan: {'this is a folder' if path.is_dir() else 'there is no such file'}")
     ending = path.suffix.lower()
     if ending == ".ply":
         points = _ply(path)
@@ -73,32 +75,35 @@ def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: flo
     else:
         raise InputError(path, f"expected a scan: one of {', '.join(CLOUDS + IMAGES)}")
     points = points[np.isfinite(points).all(axis=1)]
-    if len(points) < LEAST_POINTS:
-        raise InputError(path, f"expected at least {LEAST_POINTS} points that are seen, got {len(points)}")
-    if not np.ptp(points, axis=0).any():
-        raise InputError(path, "expected points at more than one place")
+    points = points[points[:, 2] > 0.0]
+    places = len(np.unique(points, axis=0))
+    if places < LEAST_POINTS:
+        raise InputError(path, f"expected points at {LEAST_POINTS} places before the camera (z > 0) or more, got {places}")
     return points
 
 
 def _arrays(path: Path, intrinsics: Intrinsics | None, depth_scale: float) -> F64:
+    """The points of `points`, or of `depth`; whatever else the file holds is not looked at."""
     try:
         loaded = np.load(path, allow_pickle=False)
-        arrays = {"": loaded} if isinstance(loaded, np.ndarray) else {name: loaded[name] for name in loaded.files}
-    except (OSError, ValueError, EOFError, BadZipFile) as error:
+        if isinstance(loaded, np.ndarray):
+            arrays = {"points" if loaded.ndim == 2 and loaded.shape[1] == 3 else "depth": loaded}
+        else:
+            arrays = {name: loaded[name] for name in ("points", "depth", "intrinsics") if name in loaded.files}
+            if not {"points", "depth"} & arrays.keys():
+                raise InputError(path, f"expected points or depth, got {', '.join(loaded.files) or 'nothing'}")
+    except (OSError, ValueError, EOFError, SyntaxError, AttributeError, TokenError, BadZipFile) as error:
+        if isinstance(error, InputError):
+            raise
         raise InputError(path, f"expected arrays of NumPy ({error})") from None
     for name, array in arrays.items():
-        if array.dtype.kind not in "fiu":
-            raise InputError(path, f"expected numbers, got {array.dtype}", name or None)
-    if "" in arrays:
-        name = "points" if arrays[""].ndim == 2 and arrays[""].shape[1] == 3 else "depth"
-        arrays = {name: arrays[""]}
+        if getattr(array, "dtype", np.dtype(object)).kind not in "fiu":
+            raise InputError(path, "expected numbers", name)
     if "points" in arrays:
         points = np.asarray(arrays["points"], np.float64)
         if points.ndim != 2 or points.shape[1] != 3:
             raise InputError(path, f"expected [n, 3], got {list(points.shape)}", "points")
         return points
-    if "depth" not in arrays:
-        raise InputError(path, f"expected points or depth, got {', '.join(arrays) or 'nothing'}")
     if intrinsics is None and "intrinsics" in arrays:
         intrinsics = Intrinsics.of_matrix(arrays["intrinsics"], path)
     return _back_projected(arrays["depth"], intrinsics, depth_scale, path)
@@ -124,7 +129,7 @@ def _image(path: Path) -> NDArray[np.generic]:
     try:
         with Image.open(path) as image:
             return np.asarray(image)
-    except (OSError, UnidentifiedImageError, ValueError) as error:
+    except (OSError, UnidentifiedImageError, ValueError, Image.DecompressionBombError) as error:
         raise InputError(path, f"expected a depth image ({error})") from None
 
 

@@ -16,6 +16,8 @@ NOISE_PATCH = 1.5
 """Pixels over which neighbouring errors hang together."""
 HOLE_PATCH = 6.0
 """Pixels; the size of holes."""
+FLOOR_REACH = 0.75
+"""Diagonals of the object about the middle of what is seen of it, within which the floor is: scans are cut out roughly."""
 STEEP = 0.2
 """Cosine of the angle between a ray and the normal of a surface below which nothing comes back."""
 
@@ -51,11 +53,15 @@ def sense(
 
 
 def _put_floor(depth: F32, part: NDArray[np.int32], camera: Camera, floor: NDArray[np.float64]) -> None:
-    """Fill in the plane where it is seen and nothing is before it."""
-    toward = camera.rays() @ floor[:3]
-    with np.errstate(divide="ignore"):
-        behind = floor[3] / toward
-    there = (behind > camera.near) & (behind < camera.far) & (part == NOTHING)
+    """Fill in the plane near to the object, where it is seen and nothing is before it."""
+    rays, on_object = camera.rays(), part != NOTHING
+    if not on_object.any():
+        return
+    middle = np.median(camera.points(depth)[on_object], axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        behind = floor[3] / (rays @ floor[:3])
+        near = np.linalg.norm(rays * behind[..., None] - middle, axis=-1) < FLOOR_REACH
+    there = near & (behind > camera.near) & (behind < camera.far) & ~on_object
     depth[there] = behind[there]
 
 

@@ -77,7 +77,7 @@ class Ancsh:
         parts = own if self.parts is self.joints else self.parts(points)
         naocs = joints.naocs(own.npcs)
         said = parts.parts.argmax(-1)
-        home = own.parts.argmax(-1).clamp(max=self.structure.part_count - 1)
+        home = own.parts.argmax(-1)
         arrays = [
             values.double().cpu().numpy()
             for values in (
