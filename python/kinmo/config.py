@@ -257,8 +257,8 @@ class AncshConfig:
     point near to two joints tells of the `nearest`, or as in the `release` of the last, where joints without a place have one
     too. An epoch has `batches_per_epoch` batches of `batch_frames` scans of `points` points; `validation_frames` an object
     choose the best. `ties`: predicted joints tie the poses of all parts of the `tree` together, or as in the release those of
-    two parts at a time (`pairs`). What networks say of a scan is a label for others where of every part at least the share
-    `confidence` of its points agrees on where that is.
+    two parts at a time (`pairs`), or `none`. What networks say of a scan is a label for others where of every part at least the
+    share `confidence` of its points agrees on where that is.
     """
 
     training: TrainingConfig
@@ -275,7 +275,7 @@ class AncshConfig:
     batch_frames: Count = 16
     batches_per_epoch: Count = 100
     validation_frames: Count = 4
-    ties: Literal["tree", "pairs"] = "tree"
+    ties: Literal["tree", "pairs", "none"] = "tree"
     confidence: Share = 0.8
 
 

@@ -8,7 +8,16 @@ import pytest
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_metrics import FrameScore
 from kinmo.evaluation.scan_records import ObjectScans, read_scores, write_scores
-from kinmo.evaluation.scan_tables import NOT_RUN, ScanRow, by_part, gap_closed, measure_titles, over_parts, summary
+from kinmo.evaluation.scan_tables import (
+    NOT_RUN,
+    ScanRow,
+    by_part,
+    gap_closed,
+    measure_titles,
+    over_categories,
+    over_parts,
+    summary,
+)
 from kinmo.evaluation.tables import Caption, as_text
 from kinmo.joint import JointKind
 from kinmo.scans.articulated_object import Structure
@@ -19,7 +28,7 @@ CAPTION = Caption("Table 2", "made up", 0, 0, "test", (0,))
 
 def frame(rotation=(0.1, 0.2, 0.3), iou=(0.9, 0.8, 0.7), state=(0.2, 0.05), axis=(0.01, 0.02), line=(0.03, np.nan)):
     three = np.array([0.01, 0.02, 0.03])
-    return FrameScore(np.array(rotation), three, three, np.array(iou), np.array(state), np.array(axis), np.array(line))
+    return FrameScore(np.array(rotation), three, np.array(iou), np.array(state), np.array(axis), np.array(line))
 
 
 def objects(*frames):
@@ -64,6 +73,22 @@ def test_a_row_that_was_not_run_says_so_and_the_papers_figures_stand_beside():
     assert [row["state (deg)"] for row in authors] == [None, 16.0, None]
     assert [row["state (diag.)"] for row in authors] == [None, None, 0.3]
     assert NOT_RUN in as_text(over_parts(rows, STRUCTURE, CAPTION))
+
+
+def test_categories_count_alike_and_only_in_what_they_have():
+    slides = Structure((JointKind.PRISMATIC,), (0,))
+    doors = objects([frame(rotation=(0.1, 0.2, 0.3))] * 3)
+    two = np.array([0.4, 0.4])
+    drawer = FrameScore(two, two, two, np.array([0.2]), np.array([0.1]), np.array([np.nan]))
+    drawers = [ObjectScans("drawer", (drawer,))]
+    rows = {"one": {"Door": doors, "Table": drawers}, "two": {"Door": doors, "Table": []}, "three": {"Door": [], "Table": []}}
+    table = over_categories(rows, {"Door": STRUCTURE, "Table": slides}, CAPTION)
+    found = [dict(zip([column.title for column in table.columns], row, strict=True)) for row in table.rows]
+    assert [row["categories"] for row in found] == [2, 1, NOT_RUN]
+    assert found[0]["rotation (deg)"] == pytest.approx(np.degrees(0.3))
+    assert found[1]["rotation (deg)"] == pytest.approx(np.degrees(0.2))
+    alone = summary(doors, STRUCTURE)[measure_titles(STRUCTURE).index("state (deg)")]
+    assert found[0]["state (deg)"] == pytest.approx(alone.value), "a drawer has no angle"
 
 
 def test_the_share_of_the_gap_is_how_far_errors_have_gone_from_the_worse_to_the_best():

@@ -51,7 +51,6 @@ def score_as_ancsh(
     return FrameScore(
         np.nan_to_num(np.array(turned)),
         corners,
-        corners,
         np.array(overlap),
         np.nan_to_num(np.array(state)),
         np.array(axis),

@@ -23,15 +23,13 @@ F64 = NDArray[np.float64]
 class FrameScore:
     """Errors of one scan with K parts; NaN where the part or the joint was not found.
 
-    By part [K]: `rotation` (radians), `translation` of the part's middle, `corner` that of the origin of its NPCS (which is
-    what the public code of ANCSH takes), `iou` of the amodal boxes. By joint [K - 1]: `state` (radians, or diagonals where it
-    slides), `axis` (radians) and `line`, the distance of the two axes (NaN too for a joint without a pivot). Lengths are
-    diagonals of the object.
+    By part [K]: `rotation` (radians), `translation` of the part's middle, `iou` of the amodal boxes. By joint [K - 1]: `state`
+    (radians, or diagonals where it slides), `axis` (radians) and `line`, the distance of the two axes (NaN too for a joint
+    without a pivot). Lengths are diagonals of the object.
     """
 
     rotation: F64
     translation: F64
-    corner: F64
     iou: F64
     state: F64
     axis: F64
@@ -68,7 +66,6 @@ def score_frame(found: ScanEstimate, true: ScanEstimate, structure: Structure) -
     return FrameScore(
         np.array(turned),
         np.linalg.norm(found.centers - true.centers, axis=1),
-        np.linalg.norm(found.poses.translations - true.poses.translations, axis=1),
         _overlaps(found, true),
         np.array(state),
         np.array(axis),

@@ -59,6 +59,32 @@ def over_parts(rows: Sequence[ScanRow], structure: Structure, caption: Caption) 
     return Table(_counted(caption, rows), tuple(columns), tuple(lines))
 
 
+def over_categories(
+    rows: Mapping[str, Mapping[str, Sequence[ObjectScans]]], structures: Mapping[str, Structure], caption: Caption
+) -> Table:
+    """Means over categories of their means over all parts, or joints: `rows` are by name, then by category.
+
+    A category counts in the measures that its structure has; one that was not run, in none.
+    """
+    columns = [
+        Column("trained on"),
+        Column("categories", 0),
+        *(Column(measure.title, measure.decimals) for measure in MEASURES),
+    ]
+    lines: list[tuple[Cell, ...]] = []
+    for name, by_category in rows.items():
+        run = {category: objects for category, objects in by_category.items() if objects}
+        values: dict[Measure, list[float]] = {measure: [] for measure in MEASURES}
+        for category, objects in run.items():
+            structure = structures[category]
+            for measure, estimate in zip(_measures(structure), summary(objects, structure), strict=True):
+                if estimate is not None:
+                    values[measure].append(estimate.value)
+        means = (sum(some) / len(some) if some else None for some in values.values())
+        lines.append((name, len(run), *means) if run else (name, NOT_RUN, *([None] * len(MEASURES))))
+    return Table(caption, tuple(columns), tuple(lines))
+
+
 def gap_closed(
     less: Sequence[ObjectScans], more: Sequence[ObjectScans], best: Sequence[ObjectScans], structure: Structure
 ) -> list[float | None]:

@@ -58,7 +58,8 @@ TABLES: Mapping[str, ScanTable] = {
             RowOf("semi-weakly", "semi-weakly", printed="ANCSH (Semi-weakly)"),
             RowOf("true labels", "ceiling"),
         ),
-        "True labels: those of the shapes that the others have no labels of, the best that pseudo labels could do.",
+        "True labels: those of the shapes that the others have no labels of, the best that pseudo labels could do. Semi sees "
+        "the scans of all unlabelled objects, whatever their structure.",
     ),
     "3": ScanTable(
         "Table 3, fewer labels",
