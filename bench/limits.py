@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 
 from kinmo import _core
-from kinmo.candidates import KIND_CODES, Candidates
+from kinmo.candidates import Candidates
 from kinmo.evaluation.metrics import limits, range_iou
 from kinmo.formats import Found, Layout, read_found
-from kinmo.joint import Joint, JointKind
+from kinmo.joint import KIND_CODES, Joint, JointKind
 from kinmo.limits import free_travel
 from kinmo.pipeline.predictors import leaf_meshes
 from kinmo.prepare import prepare_folder

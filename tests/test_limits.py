@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from kinmo import _core
-from kinmo.candidates import KIND_CODES, Candidates
-from kinmo.joint import JointKind
+from kinmo.candidates import Candidates
+from kinmo.joint import KIND_CODES, JointKind
 from kinmo.limits import MOST_TURN, SLIDE, free_travel
 from small_shapes import box_mesh, box_surface
 

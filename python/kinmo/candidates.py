@@ -23,13 +23,11 @@ from numpy.typing import NDArray
 
 from kinmo.box import Box
 from kinmo.hypotheses import Lines, Source, distinct_directions
-from kinmo.joint import CoarseType, JointKind, MotionType
+from kinmo.joint import KIND_CODES, CoarseType, JointKind, MotionType
 
 F64 = NDArray[np.float64]
 ContactPivots = Literal["central", "revolute", "none"]
 
-KIND_CODES = {JointKind.REVOLUTE: 0, JointKind.PRISMATIC: 1, JointKind.SCREW: 2}
-"""How the geometry core numbers the kinds of joints."""
 KINDS = tuple(KIND_CODES)
 
 EDGE_SIGNS = np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)], float)

@@ -22,6 +22,10 @@ class JointKind(str, Enum):
     SCREW = "PR"
 
 
+KIND_CODES = {JointKind.REVOLUTE: 0, JointKind.PRISMATIC: 1, JointKind.SCREW: 2}
+"""How the geometry core numbers the kinds of joints."""
+
+
 class MotionType(IntEnum):
     """The ten edge types of the paper, in the order of its release."""
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
-from kinmo.candidates import KIND_CODES, Candidates
-from kinmo.joint import JointKind
+from kinmo.candidates import Candidates
+from kinmo.joint import KIND_CODES, JointKind
 
 F64 = NDArray[np.float64]
 

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.box import are_alike
-from kinmo.candidates import KIND_CODES, Candidates
+from kinmo.candidates import Candidates
 from kinmo.evidence import Evidence, Scene, gather
 from kinmo.evidence.scene import TOUCHING
-from kinmo.joint import Joint, JointKind, MotionType
+from kinmo.joint import KIND_CODES, Joint, JointKind, MotionType
 from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.learning.joint_ranking.data import KIND_CODE, View
 from kinmo.learning.joint_ranking.decide import MOVES, rank_answers, same_joint

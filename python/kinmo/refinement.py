@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
-from kinmo.candidates import KIND_CODES, Candidates, joint_kind, line_candidates, merged, no_candidates, paper_candidates
+from kinmo.candidates import Candidates, joint_kind, line_candidates, merged, no_candidates, paper_candidates
 from kinmo.config import RefinementConfig
 from kinmo.hypotheses import Source
-from kinmo.joint import CoarseType, Joint, MotionType
+from kinmo.joint import KIND_CODES, CoarseType, Joint, MotionType
 from kinmo.limits import Travel, free_travel
 from kinmo.mobility import Body, Mobility
 from kinmo.mobility_tree import MobilityTree, NetworkEstimate

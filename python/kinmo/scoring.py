@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.candidates import KIND_CODES, Candidates
-from kinmo.joint import JointKind
+from kinmo.candidates import Candidates
+from kinmo.joint import KIND_CODES, JointKind
 
 F64 = NDArray[np.float64]
 PositionReading = Literal["line", "printed"]

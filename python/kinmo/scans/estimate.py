@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from kinmo import _core
-from kinmo.joint import JointKind
+from kinmo.joint import KIND_CODES, JointKind
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.input_frame import InputFrame
 
@@ -210,8 +210,6 @@ def _tied(
 
 LEAST_LENGTH = 1e-6
 """Of the median of said axes, below which it is no direction."""
-KIND_CODES = {JointKind.REVOLUTE: 0, JointKind.PRISMATIC: 1, JointKind.SCREW: 2}
-"""Of `_core`."""
 
 
 def _with_joints(

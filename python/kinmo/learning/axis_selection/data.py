@@ -12,9 +12,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from kinmo.candidates import KIND_CODES, Candidates
+from kinmo.candidates import Candidates
 from kinmo.config import AxisConfig
-from kinmo.joint import Joint, JointKind
+from kinmo.joint import KIND_CODES, Joint, JointKind
 from kinmo.learning.axis_selection.clouds import SCREW_SLIDES, SCREW_TURN, SLIDES, TURNS, MarkedCloud, marked_cloud
 from kinmo.learning.axis_selection.negatives import negative_candidates
 from kinmo.prepared import PreparedShape

@@ -10,10 +10,10 @@ from scipy.spatial import cKDTree
 
 from kinmo import _core
 from kinmo.box import Box
-from kinmo.candidates import KIND_CODES, Candidates, no_candidates
+from kinmo.candidates import Candidates, no_candidates
 from kinmo.config import AxisConfig
 from kinmo.hypotheses import box_lines
-from kinmo.joint import Joint, JointKind
+from kinmo.joint import KIND_CODES, Joint, JointKind
 from kinmo.learning.axis_selection.clouds import SCREW_SLIDES, SCREW_TURN, SLIDES
 
 F64 = NDArray[np.float64]
