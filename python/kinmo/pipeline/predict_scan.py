@@ -64,13 +64,12 @@ class PredictScan:
         answer = network.answer([seen], [diagonal])[0]
         found = estimate([answer], network.structure, PoseOptions(ties=network.config.ties, seed=self.seed))[0]
         document = scan_document(found, answer, network.structure, self.source, cell, networks_digest(weights))
-        self.out.mkdir(parents=True, exist_ok=True)
         name = self.source.stem
+        picture = scan_picture([view_of(seen, answer.parts, found, network.structure)], name)
+        self.out.mkdir(parents=True, exist_ok=True)
         target = self.out / f"{name}.json"
         write_text_atomically(target, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-        write_text_atomically(
-            self.out / f"{name}.svg", scan_picture([view_of(seen, answer.parts, found, network.structure)], name)
-        )
+        write_text_atomically(self.out / f"{name}.svg", picture)
         return Outcome(target, document, _text(document))
 
     def _cell(self) -> Cell:
