@@ -2,8 +2,8 @@
 
     python bench/parameters.py
 
-Those of `paper` are held against the sizes of the release, layer by layer, in tests/learning/motion_gnn/test_network.py and
-tests/learning/axis_selection/test_network.py.
+Those of `paper` are held against the sizes of the release, layer by layer, in tests/learning/motion_gnn/test_network.py,
+tests/learning/axis_selection/test_network.py and tests/learning/ancsh/test_networks.py.
 """
 
 from __future__ import annotations
@@ -13,8 +13,11 @@ from dataclasses import replace
 from torch import nn
 
 from kinmo.config import builtin_configs, load_config
+from kinmo.learning.ancsh.network import AncshNetwork, PartNetwork
 from kinmo.learning.axis_selection.network import AxisSelectionNetwork
 from kinmo.learning.motion_gnn.network import MotionGnn
+
+PARTS = 3
 
 
 def count(network: nn.Module) -> int:
@@ -32,6 +35,8 @@ def main() -> int:
             alone = replace(config.gnn, inner_boxes=False)
             print(f"{name:8} the same, 10 types, boxes of leaves alone {count(MotionGnn(alone, 10)):,}")
         print(f"{name:8} axis selection {count(AxisSelectionNetwork(config.axis)):,}")
+        for kind, network in (("npcs", PartNetwork), ("ancsh", AncshNetwork)):
+            print(f"{name:8} {kind}, objects of {PARTS} parts {count(network(config.ancsh, PARTS, PARTS)):,}")
     return 0
 
 
