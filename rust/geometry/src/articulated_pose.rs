@@ -142,8 +142,10 @@ mod tests {
         prop::array::uniform3(-reach..reach).prop_map(Vector3::from)
     }
 
+    type Problem = ([Similarity; 2], [Vec<Pair>; 2], JointKind, Unit<Vector3<f64>>);
+
     /// Poses of two parts on a joint, and their pairs, of which a part is noise.
-    fn problem(noise: f64) -> impl Strategy<Value = ([Similarity; 2], [Vec<Pair>; 2], JointKind, Unit<Vector3<f64>>)> {
+    fn problem(noise: f64) -> impl Strategy<Value = Problem> {
         let clouds = prop::array::uniform2(prop::collection::vec((vector(0.5), vector(noise), 0.0..1.0), 60..100));
         (vector(3.0), -1.5..1.5, vector(1.0), any::<bool>(), vector(1.0), clouds).prop_map(
             |(turn, angle, direction, slides, shift, clouds)| {

@@ -249,7 +249,7 @@ mod tests {
         if inside && ((depth - CAMERA.near).abs() < EDGE || (depth - CAMERA.far).abs() < 1e-3) {
             return Err(());
         }
-        Ok((inside && depth >= CAMERA.near && depth <= CAMERA.far).then_some(depth))
+        Ok((inside && (CAMERA.near..=CAMERA.far).contains(&depth)).then_some(depth))
     }
 
     fn soup() -> impl Strategy<Value = Vec<[Point3<f64>; 3]>> {
@@ -265,7 +265,7 @@ mod tests {
     }
 
     fn mesh(triangle: &[Point3<f64>; 3]) -> Mesh {
-        Mesh::new(triangle.to_vec(), vec![[0, 1, 2]]).unwrap()
+        Mesh::new(triangle.to_vec(), vec![[0, 1, 2]]).expect("a mesh")
     }
 
     proptest! {
@@ -315,7 +315,7 @@ mod tests {
     #[test]
     fn a_plate_across_the_view_is_seen_everywhere_at_its_depth() {
         let corners = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]].map(|[x, y]| Point3::new(x, y, 2.0));
-        let plate = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let plate = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).expect("a mesh");
         let (depths, shown) = picture(&[plate], &[Matrix3x4::identity()]);
         assert!(depths.iter().all(|d| (d - 2.0).abs() < 1e-6));
         assert!(shown.iter().all(|&part| part == 0));
