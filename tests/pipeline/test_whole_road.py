@@ -345,7 +345,7 @@ def test_shapes_that_a_workspace_loses_are_counted(road: Road, tmp_path: Path) -
 
 
 def test_networks_that_go_on_from_nothing_say_so(road: Road) -> None:
-    with pytest.raises(InputError, match="--from: gnn goes on from nothing, expected it with one of all, axis"):
+    with pytest.raises(InputError, match="--from: gnn goes on from nothing, expected it with one of motion, axis"):
         Train("gnn", road.workspace, "small", start=road.workspace).plan()
 
 
