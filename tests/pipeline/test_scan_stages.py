@@ -244,6 +244,16 @@ def test_what_is_trained_is_judged_where_there_are_scans_of_it(scanned: Scanned)
     assert list(found.data["table-2"]) == [CATEGORY]
 
 
+def test_a_category_without_test_objects_is_said_to_be_not_judged(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
+    shutil.rmtree(tmp_path / "workspace" / "scans" / CATEGORY / "test")
+    stage, told = JudgeTrained(Workspace(tmp_path / "workspace"), FAMILY, device="cpu"), Listener()
+    assert stage.plan().steps == ()
+    stage.run(told)
+    assert [note for note in told.notes if "not judged" in note and "expected scans of a test object" in note]
+
+
 def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)

@@ -37,13 +37,14 @@ def score_as_ancsh(
     known = (found.poses.scales, found.half_extents, found.directions, found.states)
     if not all(np.isfinite(values).all() for values in known):
         return None
-    clouds = [points[parts == part] for part in range(structure.part_count)]
     with np.errstate(invalid="ignore", divide="ignore"):
         turned = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
         corners = np.linalg.norm(found.poses.translations - true.poses.translations, axis=1)
         lines = [_line(found, true, row) for row in range(len(structure.kinds))]
         state = [
-            _turn_error(found, true, row + 1) if kind is JointKind.REVOLUTE else _slide_error(found, true, row, clouds[row + 1])
+            _turn_error(found, true, row + 1)
+            if kind is JointKind.REVOLUTE
+            else _slide_error(found, true, row, points[parts == row + 1])
             for row, kind in enumerate(structure.kinds)
         ]
     axis = [axis_error(found.directions[row], true.directions[row]) for row in range(len(structure.kinds))]

@@ -15,7 +15,7 @@ from kinmo.learning.training import FitResult, Progress, remove_checkpoints
 from kinmo.learning.weights import pick_device
 from kinmo.pipeline.journal import timed
 from kinmo.pipeline.model_files import HEADER, METRICS, WEIGHTS
-from kinmo.pipeline.stage import Observer
+from kinmo.pipeline.stage import Observer, Outcome
 from kinmo.workers import Crashed, map_unordered, may_be_cut_off, tell
 from kinmo.workspace import StageRecord, Workspace
 
@@ -108,6 +108,16 @@ def _fit(workspace: Workspace, fitting: Fitting) -> None:
     outputs = tuple(str((fitting.folder / name).relative_to(workspace.path)) for name in (WEIGHTS, HEADER, METRICS))
     workspace.write_record(fitting.stage, StageRecord(fitting.inputs, outputs))
     remove_checkpoints(fitting.folder)
+
+
+def trained(workspace: Workspace, fittings: Sequence[Fitting]) -> Outcome:
+    """What came of trainings that are done."""
+    results = {each.name: result_of(each.folder) for each in fittings}
+    lines = [
+        f"{name}: {result['epochs']} epochs, kept {result['kept']}, error {result['error']:.4f}"
+        for name, result in results.items()
+    ]
+    return Outcome(workspace.models, results, "\n".join(lines))
 
 
 def result_of(folder: Path) -> dict[str, Any]:

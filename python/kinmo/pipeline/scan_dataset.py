@@ -21,8 +21,8 @@ PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
 """Of the paper's Table 2."""
 
 Role = Literal["train", "validation", "test", "hidden", "unlabelled", "pseudo"]
-ROLES: tuple[Role, ...] = get_args(Role)
 """What an object is for. Joints of the first four are true, those of `hidden` held back; `unlabelled` ones have none."""
+ROLES: tuple[Role, ...] = get_args(Role)
 Setting = Literal["supervised", "semi", "semi-weakly", "dsg-net", "ceiling"]
 """What networks are trained on beside the labelled shapes (paper, section 4.2): nothing; scans of unlabelled shapes with what
 networks that were trained so far say of them; shapes with pseudo labels, in PartNet's layouts or in DSG-Net's; shapes whose

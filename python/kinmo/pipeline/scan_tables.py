@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -66,7 +67,9 @@ class MakeTable:
         for category in self._categories():
             for row, cell in self._cells(category):
                 pending = self._pending(row, cell)
-                if pending is not None and time.monotonic() + pending > limit:
+                if pending is None:
+                    continue
+                if time.monotonic() + pending > limit:
                     observer.note(f"not run: {_name(row, cell)}: it would take longer than --hours")
                     continue
                 observer.note(_name(row, cell))
@@ -139,7 +142,10 @@ class JudgeTrained:
     device: str = "auto"
 
     def plan(self) -> Plan:
-        plans = [stage.plan() for stage in self._stages()]
+        plans = []
+        for stage in self._stages():
+            with suppress(InputError):  # told when it is run
+                plans.append(stage.plan())
         return Plan(tuple(step for plan in plans for step in plan.steps), sum(plan.seconds for plan in plans))
 
     def run(self, observer: Observer) -> Outcome:

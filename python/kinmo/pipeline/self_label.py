@@ -37,7 +37,7 @@ class SelfLabel:
         frames = sum(file.frames for file in dataset.files["unlabelled"])
         if self._cell(dataset).weights(self.workspace) and self._is_current(dataset):
             return Plan((), 0.0)
-        each = seconds_per_unit(self.workspace, self._stage, SECONDS_PER_FRAME)
+        each = seconds_per_unit(self.workspace, self._stage(dataset), SECONDS_PER_FRAME)
         return Plan((f"label {frames} scans of {self.category} by what networks say",), frames * each)
 
     def run(self, observer: Observer) -> Outcome:
@@ -53,21 +53,21 @@ class SelfLabel:
         if not files:
             problem = f"no scans of unlabelled objects of {dataset.category}: run kinmo render --unlabelled first"
             raise InputError(self.workspace.own_scans, problem)
-        inputs = self._inputs(dataset)
+        inputs, stage = self._inputs(dataset), self._stage(dataset)
         with self.workspace.locked():
-            self.workspace.forget(self._stage)
+            self.workspace.forget(stage)
             remove_leftovers(folder)
             for path in folder.glob("*.safetensors"):
                 path.unlink()
             network = Ancsh.load(*weights, device=self.device)
-            with timed(self.workspace, self._stage) as watch:
+            with timed(self.workspace, stage) as watch:
                 for done, file in enumerate(files, start=1):
                     self._label(file, network, folder, digest([inputs, file.id]))
                     observer.progress("labelling scans", done, len(files), file.id)
                 watch.amount = sum(file.frames for file in files)
                 watch.what = f"{watch.amount} scans of {dataset.category}"
             outputs = tuple(str(path.relative_to(self.workspace.path)) for path in sorted(folder.glob("*.safetensors")))
-            self.workspace.write_record(self._stage, StageRecord(inputs, outputs))
+            self.workspace.write_record(stage, StageRecord(inputs, outputs))
         return Outcome(folder, {"objects": len(outputs), "of": len(files)})
 
     def _label(self, file: ScanFile, network: Ancsh, folder: Path, made_from: str) -> None:
@@ -80,14 +80,8 @@ class SelfLabel:
             provenance = {"made_from": made_from, "role": "unlabelled", "layout": file.provenance["layout"]}
             write_scans(folder / f"{quote(file.path.stem, safe=' ')}.safetensors", *made, provenance)
 
-    @property
-    def _stage(self) -> str:
-        return f"self-label-{self._spelling}-{self.seed}"
-
-    @property
-    def _spelling(self) -> str:
-        """The category as its scans have it."""
-        return open_scan_dataset(self.workspace, self.category).category
+    def _stage(self, dataset: ScanDataset) -> str:
+        return f"self-label-{dataset.category}-{self.seed}"
 
     def _cell(self, dataset: ScanDataset) -> Cell:
         return Cell(dataset.category, "supervised", self.seed)
@@ -101,7 +95,7 @@ class SelfLabel:
         }
 
     def _is_current(self, dataset: ScanDataset) -> bool:
-        return self.workspace.is_current(self._stage, self._inputs(dataset))
+        return self.workspace.is_current(self._stage(dataset), self._inputs(dataset))
 
 
 def self_labels_folder(workspace: Workspace, category: str, seed: int) -> Path:

@@ -13,7 +13,7 @@ from kinmo.errors import InputError
 from kinmo.learning.training import FitResult, Progress
 from kinmo.learning.weights import Weights, load_weights
 from kinmo.pipeline.dataset import Dataset, open_dataset
-from kinmo.pipeline.fitting import Fitter, result_of
+from kinmo.pipeline.fitting import Fitter, trained
 from kinmo.pipeline.journal import seconds_per_unit
 from kinmo.pipeline.model_files import CONFIG, WEIGHTS, model_folder
 from kinmo.pipeline.models import CONTINUED, GROUPS, TRAINERS
@@ -118,12 +118,7 @@ class Train:
             fittings = list(self._fittings(dataset, config))  # whatever cannot be trained is said before anything is
             self._fitter.run(fittings, observer)
             write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
-        results = {each.name: result_of(each.folder) for each in fittings}
-        lines = [
-            f"{name}: {result['epochs']} epochs, kept {result['kept']}, error {result['error']:.4f}"
-            for name, result in results.items()
-        ]
-        return Outcome(self.workspace.models, results, "\n".join(lines))
+        return trained(self.workspace, fittings)
 
     @property
     def _fitter(self) -> Fitter:

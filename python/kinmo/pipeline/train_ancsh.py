@@ -12,7 +12,7 @@ from kinmo.errors import InputError
 from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.learning.training import FitResult, Progress
 from kinmo.pipeline.ancsh_files import NETWORKS, Cell
-from kinmo.pipeline.fitting import Fitter, result_of
+from kinmo.pipeline.fitting import Fitter, trained
 from kinmo.pipeline.journal import seconds_per_unit
 from kinmo.pipeline.scan_dataset import ScanDataset, Setting, fingerprint, open_scan_dataset, scanned_categories
 from kinmo.pipeline.self_label import SelfLabel, self_labels
@@ -124,12 +124,7 @@ class TrainAncsh:
             remove_leftovers(self.workspace.models)
             fittings = list(self._fittings(config))
             self._fitter.run(fittings, observer)
-        results = {each.name: result_of(each.folder) for each in fittings}
-        lines = [
-            f"{name}: {found['epochs']} epochs, kept {found['kept']}, error {found['error']:.4f}"
-            for name, found in results.items()
-        ]
-        return Outcome(self.workspace.models, results, "\n".join(lines))
+        return trained(self.workspace, fittings)
 
     @property
     def _fitter(self) -> Fitter:
