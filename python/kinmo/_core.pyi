@@ -206,6 +206,16 @@ def render(
 Poses = tuple[F64, F64, F64]
 """Rotations [N, 3, 3], scales [N] and translations [N, 3]: target = scale * rotation @ source + translation."""
 
+def manhattan_frames(points: NDArray[np.float32]) -> F64:
+    """Rotations [F, 3, 3] whose columns are the axes that most surfaces of scans [F, n, 3] face, of no order and no sign.
+
+    Normals are those of the twelve nearest points. What shows one flat side alone has its other axes along the rectangle of
+    least area about it. Straub et al., The Manhattan Frame Model, 2018.
+    """
+
+def share_facing_axes(points: F64) -> float:
+    """The share of the surface that points [n, 3] were drawn from which faces the coordinate axes; 0 where there is none."""
+
 def find_similarities(
     source: F64, target: F64, starts: NDArray[np.int64], *, hypotheses: int, threshold: float, seed: int
 ) -> tuple[Poses, NDArray[np.bool_]]:
@@ -237,6 +247,31 @@ def tie_poses(
     prismatic, 2 screw) both turn its direction [J, 3] (unit, where no part has moved) alike, or all directions. It weighs as
     much as the smaller number of inliers. Parts from `frames[f]` up to `frames[f + 1]` are one object; no joint ties two
     objects. A part without inliers keeps its translation.
+    """
+
+def settle_poses(
+    source: F64,
+    target: F64,
+    starts: NDArray[np.int64],
+    pairs: U32,
+    kinds: NDArray[np.uint8],
+    directions: F64,
+    ranges: F64,
+    square: NDArray[np.bool_],
+    rotations: F64,
+    scales: F64,
+    translations: F64,
+    *,
+    frames: NDArray[np.int64],
+    threshold: float,
+) -> Poses:
+    """The poses of P parts where what is known of the object leaves them, from poses near them; scales stay as they are.
+
+    Arguments as in `tie_poses`; `ranges` [J, 2] are the angles in radians between which joints turn their second part against
+    their first (NaN: not known), and `square` [P] are parts whose surfaces face their axes. A part that hangs by nothing is
+    turned, if square, so that what is seen of it does. One that slides is turned as what it slides in. One that turns is tried
+    at all angles of its range, the best has the least sum of residuals (each counted up to `threshold`), and if square it is
+    turned about its joint, so that what is seen of it faces its axes. Parts without pairs or without a known range stay.
     """
 
 def find_tied_poses(

@@ -12,7 +12,7 @@ from kinmo.cli.options import CommonOptions
 
 def render(
     options: CommonOptions,
-    config: Annotated[str, Option("--config", "-c", help="small, paper, or a TOML file; its [scans] says how.")] = "small",
+    config: Annotated[str, Option("--config", "-c", help="small, paper, or a TOML file with a table scans.")] = "small",
     category: Annotated[
         str | None, Option(help="Only shapes of this category.", show_default="those of the paper that are there")
     ] = None,

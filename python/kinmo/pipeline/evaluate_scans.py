@@ -17,7 +17,6 @@ from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scan_dataset import fingerprint, open_scan_dataset
 from kinmo.pipeline.scan_pictures import JudgedFrame, PictureBook, write_pictures
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.scans.estimate import PoseOptions, estimate
 from kinmo.scans.scan_file import ScanFile
 from kinmo.workspace import StageRecord, Workspace
 
@@ -101,8 +100,7 @@ def judged(file: ScanFile, network: Ancsh, seed: int) -> Iterator[JudgedFrame]:
     if file.structure != network.structure:
         raise InputError(file.path, f"has {file.structure}, expected {network.structure}")
     points, parts, poses, values = (file.read(name) for name in ("points", "parts", "poses", "values"))
-    answers = network.answer(list(points), [1.0] * len(points))
-    found = estimate(answers, network.structure, PoseOptions(ties=network.config.ties, seed=seed))
+    answers, found = network.find(list(points), [1.0] * len(points), seed=seed)
     for row in range(len(points)):
         true = truth(poses[row], values[row], file.joints, file.structure, file.extents)
         score = score_frame(found[row], true, file.structure)

@@ -22,7 +22,7 @@ from kinmo.pipeline.scan_pictures import view_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.report.scan_picture import scan_picture
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.estimate import PointAnswers, PoseOptions, ScanEstimate, estimate
+from kinmo.scans.estimate import PointAnswers, ScanEstimate
 from kinmo.scans.scan_input import Intrinsics, read_scan
 from kinmo.workspace import Workspace, write_text_atomically
 
@@ -56,13 +56,11 @@ class PredictScan:
         assert weights is not None, "trained_cells has those with weights"
         network = Ancsh.load(*weights, device=self.device)
         rng = np.random.default_rng(self.seed)
-        chosen = rng.choice(len(points), network.config.points, replace=len(points) < network.config.points)
-        seen = points[chosen]
+        seen = points[rng.choice(len(points), network.points, replace=len(points) < network.points)]
         if network.config.normalised == "object":
             observer.note("these networks want to know how large the whole object is; what is seen of it is taken for that")
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
-        answer = network.answer([seen], [diagonal])[0]
-        found = estimate([answer], network.structure, PoseOptions(ties=network.config.ties, seed=self.seed))[0]
+        (answer,), (found,) = network.find([seen], [diagonal], seed=self.seed)
         document = scan_document(found, answer, network.structure, self.source, cell, networks_digest(weights))
         name = self.source.stem
         picture = scan_picture([view_of(seen, answer.parts, found, network.structure)], name)

@@ -14,7 +14,6 @@ from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scan_dataset import ScanDataset, fingerprint, open_scan_dataset
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.scans.estimate import PoseOptions, estimate
 from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
 from kinmo.scans.self_label import self_labelled
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers
@@ -72,9 +71,10 @@ class SelfLabel:
 
     def _label(self, file: ScanFile, network: Ancsh, folder: Path, made_from: str) -> None:
         points = file.read("points")
-        answers = network.answer(list(points), [1.0] * len(points))
-        estimates = estimate(answers, network.structure, PoseOptions(ties=network.config.ties, seed=self.seed))
-        made = self_labelled((file.id, file.category), points, answers, estimates, network.structure, self.confidence)
+        answers, estimates = network.find(list(points), [1.0] * len(points), seed=self.seed)
+        made = self_labelled(
+            (file.id, file.category), points, answers, estimates, network.structure, network.typical, self.confidence
+        )
         if made is not None:
             folder.mkdir(parents=True, exist_ok=True)
             provenance = {"made_from": made_from, "role": "unlabelled", "layout": file.provenance["layout"]}

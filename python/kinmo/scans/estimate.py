@@ -15,9 +15,13 @@ from kinmo import _core
 from kinmo.joint import KIND_CODES, JointKind
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.input_frame import InputFrame
+from kinmo.scans.typical import Typical
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
+
+NEAR_AXIS = np.cos(np.radians(20.0))
+"""From this cosine on a direction that typically is along an axis is taken for that axis."""
 
 MIDDLE = np.full(3, 0.5)
 """Of a part in NPCS, and of the object in NAOCS."""
@@ -102,9 +106,15 @@ class ScanEstimate:
         return np.stack([self.poses.apply(part, MIDDLE) for part in range(len(self.half_extents))])
 
 
-def estimate(answers: Sequence[PointAnswers], structure: Structure, options: PoseOptions) -> list[ScanEstimate]:
-    """Poses by RANSAC, joints by the medians of what points say, and poses again that fit the joints (Li 2020, section 4.3)."""
+def estimate(
+    answers: Sequence[PointAnswers], structure: Structure, options: PoseOptions, typical: Typical | None = None
+) -> list[ScanEstimate]:
+    """Poses by RANSAC, joints by the medians of what points say, and poses again that fit the joints (Li 2020, section 4.3).
+
+    What is `typical` of such objects narrows them down, where the `tree` of joints ties all parts.
+    """
     count = structure.part_count
+    typical = typical if typical is not None and options.ties == "tree" else Typical.unknown(structure)
     clouds = [_by_part(answer, count) for answer in answers]
     source, target = (np.concatenate([cloud[place] for frame in clouds for cloud in frame]) for place in (0, 1))
     starts = np.cumsum([0, *(len(cloud[0]) for frame in clouds for cloud in frame)], dtype=np.int64)
@@ -112,13 +122,14 @@ def estimate(answers: Sequence[PointAnswers], structure: Structure, options: Pos
         source, target, starts, hypotheses=options.hypotheses, threshold=options.threshold, seed=options.seed
     )
     shares = np.array([right[a:b].mean() if b > a else np.nan for a, b in pairwise(starts)])
-    joints = [said_joints(answer, structure) for answer in answers]
-    tied = _tied(free, source, target, starts, joints, structure, options)
+    joints = [said_joints(answer, structure, typical) for answer in answers]
+    tied = _tied(free, source, target, starts, joints, structure, options, typical)
     estimates = []
     for frame, answer in enumerate(answers):
         own = slice(frame * count, (frame + 1) * count)
         rotations, scales, translations = (values[own] for values in tied)
-        poses = PartPoses(rotations, scales / answer.frame.scale, answer.frame.undo(translations))
+        turned, placed = answer.frame.undo_rotations(rotations), answer.frame.undo(translations)
+        poses = PartPoses(turned, scales / answer.frame.scale, placed)
         half_extents = np.array([_half_extents(npcs) for npcs, _ in clouds[frame]]) * poses.scales[:, None]
         estimates.append(_with_joints(poses, half_extents, shares[own], answer, joints[frame], structure))
     return estimates
@@ -132,11 +143,11 @@ def _half_extents(npcs: F64) -> F64:
     return np.abs(npcs - MIDDLE).max(axis=0) if len(npcs) else np.full(3, np.nan)
 
 
-def said_joints(answer: PointAnswers, structure: Structure) -> tuple[F64, F64]:
+def said_joints(answer: PointAnswers, structure: Structure, typical: Typical) -> tuple[F64, F64]:
     """Directions (unit) and pivots [K - 1, 3] in NAOCS.
 
     The medians over the points that tell of a joint; where none does, over those of the part that it moves, and NaN where there
-    is none of those either.
+    is none of those either. What is typically along an axis, and said to be within `NEAR_AXIS` of one, is along that.
     """
     directions, pivots = (np.full((structure.part_count - 1, 3), np.nan) for _ in range(2))
     for joint in range(1, structure.part_count):
@@ -147,8 +158,20 @@ def said_joints(answer: PointAnswers, structure: Structure) -> tuple[F64, F64]:
             direction = np.median(answer.axes[telling], axis=0)
             length = float(np.linalg.norm(direction))
             directions[joint - 1] = direction / length if length > LEAST_LENGTH else np.nan
+            if typical.along_axes[joint - 1]:
+                directions[joint - 1] = _along_axis(directions[joint - 1])
             pivots[joint - 1] = np.median(answer.pivots[telling], axis=0)
     return directions, pivots
+
+
+def _along_axis(direction: F64) -> F64:
+    """The axis that a unit vector is near to; itself if it is to none."""
+    nearest = np.argmax(np.abs(direction))
+    if not abs(direction[nearest]) >= NEAR_AXIS:
+        return direction
+    along = np.zeros(3)
+    along[nearest] = np.sign(direction[nearest])
+    return along
 
 
 def _tied(
@@ -159,12 +182,13 @@ def _tied(
     joints: Sequence[tuple[F64, F64]],
     structure: Structure,
     options: PoseOptions,
+    typical: Typical,
 ) -> tuple[F64, F64, F64]:
     """The poses, those of parts that were found and that joints with known axes tie, changed to fit these."""
     if options.ties == "none":
         return free
     count = structure.part_count
-    pairs, kinds, directions = [], [], []
+    pairs, kinds, directions, turns = [], [], [], []
     for frame, (said, _) in enumerate(joints):
         for part, (kind, parent) in enumerate(zip(structure.kinds, structure.parents, strict=True), start=1):
             two = (frame * count + parent, frame * count + part)
@@ -172,6 +196,7 @@ def _tied(
                 pairs.append(two)
                 kinds.append(KIND_CODES[kind])
                 directions.append(said[part - 1])
+                turns.append(typical.turns[part - 1])
     if not pairs:
         return free
     ties = np.array(pairs, np.uint32), np.array(kinds, np.uint8), np.array(directions)
@@ -184,6 +209,10 @@ def _tied(
         found = _core.tie_poses(
             source, target, starts, *ties, rotations, scales, translations, frames=frames, threshold=options.threshold
         )
+        found = _core.settle_poses(
+            source, target, starts, *ties, np.array(turns), np.tile(typical.square, len(joints)) & ~lost, *found,
+            frames=frames, threshold=options.threshold,
+        )  # fmt: skip
         for values in found:
             values[lost] = np.nan
         return found

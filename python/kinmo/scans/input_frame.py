@@ -1,38 +1,80 @@
-"""How scans come to networks, whatever their place and size."""
+"""How scans come to networks, whatever their place, size and turn."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from kinmo import _core
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 Normalised = Literal["object", "scan"]
 """Whose size and place a scan is brought to: the object's true diagonal, its place kept; or the visible points' own."""
+Axes = Literal["camera", "manhattan"]
+"""Along which axes networks see a scan: the camera's; or those that its surfaces face (`manhattan_axes`)."""
+
+USUALLY_UP = np.array([0.0, -1.0, -1.0]) / np.sqrt(2.0)
+"""In the frame of a camera that is held upright and looks down at an object, anywhere between level and straight down."""
 
 
 @dataclass(frozen=True, eq=False)
 class InputFrame:
-    """How points come to a network: (camera - `center`) * `scale`."""
+    """How points come to a network: `rotation`.T @ (camera - `center`) * `scale`."""
 
     center: F64
     scale: float
+    rotation: F64 = field(default_factory=lambda: np.eye(3))
 
     @classmethod
-    def of(cls, points: NDArray[np.floating], normalised: Normalised, diagonal: float = 1.0) -> InputFrame:
-        """For the points [n, 3] of a scan of an object with this `diagonal`, which only `object` looks at."""
+    def of(
+        cls, points: NDArray[np.floating], normalised: Normalised, diagonal: float = 1.0, rotation: F64 | None = None
+    ) -> InputFrame:
+        """For the points [n, 3] of a scan of an object with this `diagonal`, which only `object` looks at.
+
+        Columns of `rotation` [3, 3] are the axes that they are to be seen along, the camera's unless given.
+        """
+        rotation = np.eye(3) if rotation is None else rotation
         if normalised == "object":
-            return cls(np.zeros(3), 1.0 / diagonal)
-        low, high = points.min(axis=0), points.max(axis=0)
-        return cls(0.5 * (low + high).astype(np.float64), 1.0 / max(float(np.linalg.norm(high - low)), 1e-9))
+            return cls(np.zeros(3), 1.0 / diagonal, rotation)
+        turned = points @ rotation
+        low, high = turned.min(axis=0), turned.max(axis=0)
+        center = 0.5 * rotation @ (low + high).astype(np.float64)
+        return cls(center, 1.0 / max(float(np.linalg.norm(high - low)), 1e-9), rotation)
 
     def apply(self, points: NDArray[np.floating]) -> F32:
-        return np.asarray((points - self.center) * self.scale, np.float32)
+        return np.asarray((points - self.center) @ self.rotation * self.scale, np.float32)
 
     def undo(self, points: F64) -> F64:
         """Points [..., 3] that networks see, in the camera's frame."""
-        return points / self.scale + self.center
+        return np.asarray(points / self.scale @ self.rotation.T + self.center)
+
+    def undo_rotations(self, rotations: F64) -> F64:
+        """Rotations [..., 3, 3] to what networks see, to the camera's frame."""
+        return np.asarray(self.rotation @ rotations)
+
+
+def scan_rotations(points: NDArray[np.floating], axes: Axes) -> F64:
+    """Columns [F, 3, 3] are the axes that networks see scans [F, n, 3] along, in the camera's frame."""
+    if axes == "camera":
+        return np.tile(np.eye(3), (len(points), 1, 1))
+    return manhattan_axes(points)
+
+
+def manhattan_axes(points: NDArray[np.floating]) -> F64:
+    """The axes [F, 3, 3] that most surfaces of scans [F, n, 3] face, in the order of a camera's as far as can be told.
+
+    Of the six directions up is the one nearest to `USUALLY_UP`, which it is wherever the camera is upright and not below the
+    object; ahead is, of the level ones, the one that points away from the camera most.
+    """
+    frames = np.swapaxes(_core.manhattan_frames(np.ascontiguousarray(points, np.float32)), 1, 2)
+    directions, rows = np.concatenate([frames, -frames], axis=1), np.arange(len(frames))
+    up = directions[rows, (directions @ USUALLY_UP).argmax(axis=1)]
+    is_level = np.abs(np.einsum("fki,fi->fk", directions, up)) < 0.5
+    away = np.einsum("fki,fi->fk", directions, points.mean(axis=1))
+    ahead = directions[rows, np.where(is_level, away, -np.inf).argmax(axis=1)]
+    return np.stack([np.cross(-up, ahead), -up, ahead], axis=-1)

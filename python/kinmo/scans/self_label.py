@@ -13,6 +13,7 @@ from kinmo.joint import Joint
 from kinmo.scans.articulated_object import Extents, Structure
 from kinmo.scans.estimate import MIDDLE, PointAnswers, ScanEstimate, said_joints
 from kinmo.scans.scan import Scans
+from kinmo.scans.typical import Typical
 
 F64 = NDArray[np.float64]
 
@@ -41,6 +42,7 @@ def self_labelled(
     answers: Sequence[PointAnswers],
     estimates: Sequence[ScanEstimate],
     structure: Structure,
+    typical: Typical,
     confidence: float,
 ) -> tuple[SaidObject, Scans] | None:
     """The frames of one object that networks are sure of, labelled; None where there is none.
@@ -53,7 +55,7 @@ def self_labelled(
     if not sure:
         return None
     extents = _extents([answers[row] for row in sure], [estimates[row] for row in sure])
-    said = SaidObject(*name, structure, _joints([answers[row] for row in sure], structure), extents)
+    said = SaidObject(*name, structure, _joints([answers[row] for row in sure], structure, typical), extents)
     places = np.zeros((len(sure), *points.shape[1:]), np.float32)
     for frame, row in enumerate(sure):
         poses, parts = estimates[row].poses, answers[row].parts
@@ -77,8 +79,8 @@ def _extents(answers: Sequence[PointAnswers], estimates: Sequence[ScanEstimate])
     return Extents(shifts + MIDDLE * scales[:, None] - MIDDLE, sizes)
 
 
-def _joints(answers: Sequence[PointAnswers], structure: Structure) -> tuple[Joint, ...]:
-    said = [said_joints(answer, structure) for answer in answers]
+def _joints(answers: Sequence[PointAnswers], structure: Structure, typical: Typical) -> tuple[Joint, ...]:
+    said = [said_joints(answer, structure, typical) for answer in answers]
     directions, pivots = (np.median([frame[place] for frame in said], axis=0) for place in (0, 1))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     return tuple(

@@ -3,7 +3,7 @@
 use kinmo_geometry::mesh::LARGEST_COORDINATE;
 use kinmo_geometry::{GeometryError, Result};
 use nalgebra::{Matrix3, Point3, Vector3};
-use numpy::ndarray::{ArrayView1, ArrayView2, ArrayViewD, Ix1, Ix2};
+use numpy::ndarray::{ArrayView1, ArrayView2, ArrayView3, ArrayViewD, Ix1, Ix2, Ix3};
 use numpy::{
     Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
     PyUntypedArrayMethods, dtype,
@@ -79,6 +79,14 @@ pub fn rows_of<'a, T>(name: &str, array: ArrayViewD<'a, T>, columns: usize) -> R
         return Err(shape_error(name, &array, &format!("[N, {columns}]")));
     }
     array.into_dimensionality::<Ix2>().map_err(|error| GeometryError::new(name, error.to_string()))
+}
+
+/// Matrices of `columns` columns, stacked.
+pub fn stacks_of<'a, T>(name: &str, array: ArrayViewD<'a, T>, columns: usize) -> Result<ArrayView3<'a, T>> {
+    if array.ndim() != 3 || array.shape()[2] != columns {
+        return Err(shape_error(name, &array, &format!("[F, N, {columns}]")));
+    }
+    array.into_dimensionality::<Ix3>().map_err(|error| GeometryError::new(name, error.to_string()))
 }
 
 /// A vector of `len` finite values.

@@ -10,6 +10,7 @@ mod groups;
 mod interaction;
 mod iou;
 mod joints;
+mod manhattan;
 mod meshes;
 mod motion;
 mod numbers;
@@ -31,6 +32,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         adjacency::register,
         interaction::register,
         iou::register,
+        manhattan::register,
         motion::register,
         obb::register,
         poses::register,

@@ -1,14 +1,18 @@
-//! `find_similarities`, `tie_poses` and `find_tied_poses`.
+//! `find_similarities`, `tie_poses`, `find_tied_poses` and `settle_poses`.
+
+use std::ops::Range;
 
 use kinmo_geometry::articulated_pose::{self, Tie};
 use kinmo_geometry::ransac::{self, Pair, Search, is_inlier};
+use kinmo_geometry::settled_pose::settled;
 use kinmo_geometry::similarity::Similarity;
 use kinmo_geometry::{GeometryError, Result};
 use nalgebra::{Rotation3, Vector3};
+use numpy::ndarray::ArrayView1;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::{Array, matrices_of, points_of, values_of, vectors_of};
+use crate::arrays::{Array, check_shape, matrices_of, points_of, rows_of, values_of, vectors_of};
 use crate::batches::map_in_batches;
 use crate::boxes::is_orthonormal;
 use crate::convert::value_error;
@@ -18,11 +22,14 @@ use crate::numbers::{count_of, integer, seed as seed_of};
 
 /// Hypotheses of a search.
 const MOST_HYPOTHESES: usize = 10_000_000;
+/// No joint turns farther either way, in radians.
+const WIDEST: f64 = 1000.0;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(find_similarities, module)?)?;
     module.add_function(wrap_pyfunction!(tie_poses, module)?)?;
-    module.add_function(wrap_pyfunction!(find_tied_poses, module)?)
+    module.add_function(wrap_pyfunction!(find_tied_poses, module)?)?;
+    module.add_function(wrap_pyfunction!(settle_poses, module)?)
 }
 
 /// Rotations, scales, translations.
@@ -74,20 +81,10 @@ fn tie_poses<'py>(
     let ties = ties_of(parts.len(), &pairs, &kinds, &directions).map_err(value_error)?;
     let poses = poses_of(parts.len(), &rotations, &scales, &translations).map_err(value_error)?;
     let frames = ranges_of("frames", &frames, parts.len()).map_err(value_error)?;
-    let mut by_frame: Vec<Vec<Tie>> = vec![Vec::new(); frames.len()];
-    for (row, tie) in ties.iter().enumerate() {
-        let [first, second] = tie.parts;
-        let frame = frames.iter().position(|frame| frame.contains(&first)).unwrap_or(0);
-        let start = frames[frame].start;
-        if !frames[frame].contains(&second) {
-            let problem = format!("row {row} ties parts of two frames");
-            return Err(value_error(GeometryError::new("pairs", problem)));
-        }
-        by_frame[frame].push(Tie { parts: [first - start, second - start], ..*tie });
-    }
-    let found = map_in_batches(py, frames.into_iter().zip(&by_frame), |(frame, ties)| {
-        let pairs: Vec<&[Pair]> = frame.clone().map(|part| parts.pairs(part)).collect();
-        articulated_pose::tie_poses(&pairs, ties, &poses[frame], threshold)
+    let by_frame = ties_by_frame(&frames, &ties).map_err(value_error)?;
+    let found = map_in_batches(py, frames.into_iter().zip(&by_frame), |(frame, rows)| {
+        let (own, ties) = (parts.of_frame(&frame), own_ties(&ties, rows, frame.start));
+        articulated_pose::tie_poses(&own, &ties, &poses[frame], threshold)
     })?;
     to_arrays(py, &found.into_iter().flatten().map(Some).collect::<Vec<_>>())
 }
@@ -121,10 +118,67 @@ fn find_tied_poses<'py>(
     Ok((to_arrays(py, &side(0))?, to_arrays(py, &side(1))?))
 }
 
+#[pyfunction]
+#[pyo3(signature = (
+    source, target, starts, pairs, kinds, directions, ranges, square, rotations, scales, translations, *, frames, threshold
+))]
+#[allow(clippy::too_many_arguments)]
+fn settle_poses<'py>(
+    py: Python<'py>,
+    source: Array<'py, f64>,
+    target: Array<'py, f64>,
+    starts: Array<'py, i64>,
+    pairs: Array<'py, u32>,
+    kinds: Array<'py, u8>,
+    directions: Array<'py, f64>,
+    ranges: Array<'py, f64>,
+    square: Array<'py, bool>,
+    rotations: Array<'py, f64>,
+    scales: Array<'py, f64>,
+    translations: Array<'py, f64>,
+    frames: Array<'py, i64>,
+    threshold: f64,
+) -> PyResult<Poses<'py>> {
+    check_threshold(threshold).map_err(value_error)?;
+    let parts = Parts::of(&source, &target, &starts).map_err(value_error)?;
+    let ties = ties_of(parts.len(), &pairs, &kinds, &directions).map_err(value_error)?;
+    let ranges = angles_of(ties.len(), &ranges).map_err(value_error)?;
+    check_shape("square", &square.view(), &[parts.len()]).map_err(value_error)?;
+    let square: Vec<bool> = square.view().iter().copied().collect();
+    let poses = poses_of(parts.len(), &rotations, &scales, &translations).map_err(value_error)?;
+    let frames = ranges_of("frames", &frames, parts.len()).map_err(value_error)?;
+    let by_frame = ties_by_frame(&frames, &ties).map_err(value_error)?;
+    let found = map_in_batches(py, frames.into_iter().zip(&by_frame), |(frame, rows)| {
+        let (own, ties) = (parts.of_frame(&frame), own_ties(&ties, rows, frame.start));
+        let ranges: Vec<_> = rows.iter().map(|row| ranges[*row]).collect();
+        settled(&own, &ties, &ranges, &square[frame.clone()], &poses[frame], threshold)
+    })?;
+    to_arrays(py, &found.into_iter().flatten().map(Some).collect::<Vec<_>>())
+}
+
+/// The rows of the ties of every frame.
+fn ties_by_frame(frames: &[Range<usize>], ties: &[Tie]) -> Result<Vec<Vec<usize>>> {
+    let mut rows: Vec<Vec<usize>> = vec![Vec::new(); frames.len()];
+    for (row, tie) in ties.iter().enumerate() {
+        let [first, second] = tie.parts;
+        let frame = frames.iter().position(|frame| frame.contains(&first)).unwrap_or(0);
+        if !frames[frame].contains(&second) {
+            return Err(GeometryError::new("pairs", format!("row {row} ties parts of two frames")));
+        }
+        rows[frame].push(row);
+    }
+    Ok(rows)
+}
+
+/// The ties of a frame, its parts counted from 0.
+fn own_ties(ties: &[Tie], rows: &[usize], start: usize) -> Vec<Tie> {
+    rows.iter().map(|row| Tie { parts: ties[*row].parts.map(|part| part - start), ..ties[*row] }).collect()
+}
+
 /// Pairs of points, part after part.
 struct Parts {
     pairs: Vec<Pair>,
-    ranges: Vec<std::ops::Range<usize>>,
+    ranges: Vec<Range<usize>>,
 }
 
 impl Parts {
@@ -143,10 +197,14 @@ impl Parts {
     fn pairs(&self, part: usize) -> &[Pair] {
         &self.pairs[self.ranges[part].clone()]
     }
+
+    fn of_frame(&self, parts: &Range<usize>) -> Vec<&[Pair]> {
+        parts.clone().map(|part| self.pairs(part)).collect()
+    }
 }
 
 /// Ranges between numbers that do not fall, from 0 to `count`.
-fn ranges_of(name: &str, bounds: &Array<'_, i64>, count: usize) -> Result<Vec<std::ops::Range<usize>>> {
+fn ranges_of(name: &str, bounds: &Array<'_, i64>, count: usize) -> Result<Vec<Range<usize>>> {
     let bounds: Vec<i64> = bounds.view().iter().copied().collect();
     let ends = bounds.first() == Some(&0) && bounds.last() == i64::try_from(count).ok().as_ref();
     if !ends || bounds.windows(2).any(|two| two[0] > two[1]) {
@@ -166,6 +224,20 @@ fn ties_of(
     let directions = unit_vectors_of("directions", directions, pairs.len())?;
     let rows = pairs.into_iter().zip(kinds).zip(directions);
     Ok(rows.map(|(((first, second), kind), direction)| Tie { parts: [first, second], kind, direction }).collect())
+}
+
+/// Ranges of angles; rows of NaN are not known.
+fn angles_of(count: usize, ranges: &Array<'_, f64>) -> Result<Vec<Option<[f64; 2]>>> {
+    check_shape("ranges", &ranges.view(), &[count, 2])?;
+    let rows = rows_of("ranges", ranges.view(), 2)?;
+    let range = |(index, row): (usize, ArrayView1<'_, f64>)| match [row[0], row[1]] {
+        [low, high] if low.is_nan() && high.is_nan() => Ok(None),
+        [low, high] if -WIDEST <= low && low <= high && high <= WIDEST => Ok(Some([low, high])),
+        [low, high] => {
+            Err(GeometryError::new("ranges", format!("row {index} is {low} to {high}, expected radians that rise")))
+        }
+    };
+    rows.rows().into_iter().enumerate().map(range).collect()
 }
 
 fn poses_of(

@@ -80,6 +80,19 @@ impl PointTree {
         result
     }
 
+    /// The `count` points nearest to `query`, or all, the nearest first, into `found`.
+    pub fn nearest(&self, query: &Point3<f64>, count: usize, found: &mut Vec<Neighbour>) {
+        found.clear();
+        self.visit(query, f64::INFINITY, |slot, squared| {
+            if found.len() == count {
+                found.pop();
+            }
+            let place = found.partition_point(|neighbour| neighbour.squared <= squared);
+            found.insert(place, Neighbour { squared, point: self.numbers[slot] });
+            if found.len() < count { f64::INFINITY } else { found[count - 1].squared }
+        });
+    }
+
     /// Calls `take` with the slot of every point below a bound on the squared distance, which `take` gives anew.
     fn visit(&self, query: &Point3<f64>, bound: f64, mut take: impl FnMut(usize, f64) -> f64) {
         let mut bound = bound;
@@ -151,6 +164,14 @@ mod tests {
             for (query, neighbour) in queries.iter().zip(&found) {
                 prop_assert_eq!(neighbour.squared, least(query));
                 prop_assert_eq!((points[neighbour.point as usize] - query).norm_squared(), neighbour.squared);
+            }
+            for query in &queries {
+                let mut all: Vec<f64> = points.iter().map(|p| (p - query).norm_squared()).collect();
+                all.sort_by(f64::total_cmp);
+                let mut near = Vec::new();
+                tree.nearest(query, 5, &mut near);
+                all.truncate(5);
+                prop_assert_eq!(near.iter().map(|neighbour| neighbour.squared).collect::<Vec<_>>(), all);
             }
             prop_assert_eq!(tree.squared_gap(&query_tree), queries.iter().map(least).fold(f64::INFINITY, f64::min));
             let within: Vec<bool> = queries.iter().map(|q| least(q) < 9.5).collect();

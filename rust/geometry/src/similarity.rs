@@ -64,6 +64,12 @@ impl Similarity {
     }
 }
 
+/// The angle in radians of the turn from one rotation to another; exact where they are the same.
+pub(crate) fn angle_between(a: &Rotation3<f64>, b: &Rotation3<f64>) -> f64 {
+    let chord = (a.matrix() - b.matrix()).norm() / 8f64.sqrt();
+    2.0 * chord.min(1.0).asin()
+}
+
 /// What least squares need to know of pairs of points.
 struct Moments {
     source: Vector3<f64>,

@@ -12,14 +12,14 @@ import torch
 
 from kinmo.config import AncshConfig, ScansConfig, TrainingConfig, load_config
 from kinmo.errors import InputError
-from kinmo.learning.ancsh.data import collate
+from kinmo.learning.ancsh.data import ScanData
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
 from kinmo.learning.ancsh.network import AncshNetwork, JointAnswers, PartAnswers, PartNetwork
 from kinmo.learning.ancsh.predict import Ancsh, to_naocs
 from kinmo.learning.ancsh.train import train_ancsh
-from kinmo.scans.estimate import PoseOptions, estimate
 from kinmo.scans.scan import scan
 from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
+from kinmo.scans.typical import Typical
 from scanned import cupboard_object
 
 TINY = AncshConfig(
@@ -32,6 +32,9 @@ TINY = AncshConfig(
     batch_frames=8,
     batches_per_epoch=3,
 )
+
+
+SCAN_ALONE = replace(TINY, normalised="scan", axes="camera")
 
 
 def shared(*widths: int) -> int:
@@ -65,7 +68,7 @@ def test_the_paper_networks_have_as_many_parameters_as_the_printed_sizes_say(par
 
 
 def test_the_loss_of_right_answers_is_zero(file: ScanFile) -> None:
-    batch = collate([(file, 0), (file, 3)], TINY, np.random.default_rng(0))
+    batch = ScanData([file], [file], TINY).batch([(file, 0), (file, 3)], np.random.default_rng(0))
     parts = file.structure.part_count
 
     def sure(labels: torch.Tensor) -> torch.Tensor:
@@ -111,8 +114,8 @@ def test_training_makes_the_loss_smaller_and_what_is_written_answers_scans(file:
         assert result.best_error < 0.95 * result.history[0]["validation/error"]
     networks = Ancsh.load(tmp_path / "ancsh" / "weights.safetensors", tmp_path / "npcs" / "weights.safetensors", "cpu")
     assert networks.structure == file.structure
-    answers = networks.answer(list(file.read("points", slice(0, 3))))
-    found = estimate(answers, networks.structure, PoseOptions(hypotheses=50))
+    assert networks.typical.to_data() == Typical.of([file]).to_data()
+    answers, found = networks.find(list(file.read("points", slice(0, 3))))
     assert len(found) == 3
     assert all(len(said.parts) == 256 and said.npcs.shape == (256, 3) for said in answers)
     again = networks.answer(list(file.read("points", slice(0, 3))))
@@ -132,8 +135,9 @@ def test_what_takes_parts_to_the_object_is_read_off_the_points_whatever_single_p
 def test_where_a_scan_lies_does_not_matter_to_networks_that_see_the_scan_alone(file: ScanFile) -> None:
     torch.manual_seed(0)
     parts = file.structure.part_count
-    network = AncshNetwork(replace(TINY, normalised="scan"), parts, parts)
-    networks = Ancsh(network.eval(), network, replace(TINY, normalised="scan"), file.structure, "cpu")
+    network = AncshNetwork(SCAN_ALONE, parts, parts)
+    known = Typical.unknown(file.structure)
+    networks = Ancsh(network.eval(), network, SCAN_ALONE, file.structure, known, "cpu")
     points = file.read("points", 0).astype(np.float64)
     here, there = (networks.answer([cloud])[0] for cloud in (points, 2.5 * points + [1.0, 2.0, -3.0]))
     np.testing.assert_allclose(here.npcs, there.npcs, atol=1e-4)
@@ -141,7 +145,7 @@ def test_where_a_scan_lies_does_not_matter_to_networks_that_see_the_scan_alone(f
 
 def test_the_paper_networks_take_a_step(file: ScanFile) -> None:
     config = replace(load_config("paper").ancsh, batch_frames=2)
-    batch = collate([(file, 0), (file, 1)], config, np.random.default_rng(0))
+    batch = ScanData([file], [file], config).batch([(file, 0), (file, 1)], np.random.default_rng(0))
     network = AncshNetwork(config, file.structure.part_count, file.structure.part_count)
     optimizer = torch.optim.Adam(network.parameters(), lr=1e-3)
     before = [p.detach().clone() for p in network.parameters()]

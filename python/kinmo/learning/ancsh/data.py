@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from kinmo.config import AncshConfig
 from kinmo.learning.ancsh.loss import ScanBatch
 from kinmo.learning.ancsh.targets import canonical_coordinates, surroundings
-from kinmo.scans.input_frame import InputFrame
+from kinmo.scans.input_frame import InputFrame, scan_rotations
 from kinmo.scans.scan_file import ScanFile
+
+F64 = NDArray[np.float64]
 
 
 class ScanData:
@@ -20,12 +22,13 @@ class ScanData:
 
     def __init__(self, training: Sequence[ScanFile], validation: Sequence[ScanFile], config: AncshConfig) -> None:
         self.training, self.validation, self.config = list(training), list(validation), config
+        self._rotations: dict[int, F64] = {}
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[ScanBatch]:
         size = self.config.batch_frames
         for _ in range(self.config.batches_per_epoch):
             files = [self.training[i] for i in rng.integers(len(self.training), size=size)]
-            yield collate([(file, int(rng.integers(file.frames))) for file in files], self.config, rng)
+            yield self.batch([(file, int(rng.integers(file.frames))) for file in files], rng)
 
     def validation_batches(self) -> Iterator[ScanBatch]:
         frames = [
@@ -34,16 +37,24 @@ class ScanData:
             for row in np.unique(np.linspace(0, file.frames - 1, self.config.validation_frames).astype(int))
         ]
         for start in range(0, len(frames), self.config.batch_frames):
-            yield collate(frames[start : start + self.config.batch_frames], self.config, np.random.default_rng(0))
+            yield self.batch(frames[start : start + self.config.batch_frames], np.random.default_rng(0))
+
+    def batch(self, frames: Sequence[tuple[ScanFile, int]], rng: np.random.Generator) -> ScanBatch:
+        """Frames, each given as a row of a file."""
+        columns = [_seen_and_said(file, row, self._rotation(file, row), self.config, rng) for file, row in frames]
+        return ScanBatch(*(torch.from_numpy(np.stack(column)) for column in zip(*columns, strict=True)))
+
+    def _rotation(self, file: ScanFile, row: int) -> F64:
+        """The axes [3, 3] of a frame; those of all frames of a file are looked for at once, and once."""
+        if id(file) not in self._rotations:
+            self._rotations[id(file)] = scan_rotations(file.read("points"), self.config.axes)
+        return np.asarray(self._rotations[id(file)][row])
 
 
-def collate(frames: Sequence[tuple[ScanFile, int]], config: AncshConfig, rng: np.random.Generator) -> ScanBatch:
-    """A batch of frames, each given as a row of a file."""
-    columns: list[tuple[NDArray[np.generic], ...]] = [_targets(file, row, config, rng) for file, row in frames]
-    return ScanBatch(*(torch.from_numpy(np.stack(column)) for column in zip(*columns, strict=True)))
-
-
-def _targets(file: ScanFile, row: int, config: AncshConfig, rng: np.random.Generator) -> tuple[NDArray[np.generic], ...]:
+def _seen_and_said(
+    file: ScanFile, row: int, rotation: F64, config: AncshConfig, rng: np.random.Generator
+) -> tuple[NDArray[np.generic], ...]:
+    """What a network sees of a frame and what it is to say, in the order of `ScanBatch`."""
     points, parts, places = (file.read(name, row) for name in ("points", "parts", "places"))
     chosen = rng.choice(len(points), config.points, replace=len(points) < config.points)
     points, parts, places = points[chosen], parts[chosen].astype(np.int64), places[chosen].astype(np.float64)
@@ -57,5 +68,5 @@ def _targets(file: ScanFile, row: int, config: AncshConfig, rng: np.random.Gener
         lines_only=config.joint_labels == "release",
     )
     classes = np.where(parts < 0, file.structure.part_count, parts)
-    seen = InputFrame.of(points, config.normalised).apply(points)
+    seen = InputFrame.of(points, config.normalised, rotation=rotation).apply(points)
     return seen, classes, npcs, naocs, near.joints, near.heatmap, near.toward, near.axes, near.has_pivot

@@ -17,13 +17,15 @@ from kinmo.learning.ancsh.network import KIND, AncshNetwork, PartNetwork
 from kinmo.learning.ancsh.targets import REACH
 from kinmo.learning.weights import Weights, load_weights, pick_device
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.estimate import PointAnswers
-from kinmo.scans.input_frame import InputFrame
+from kinmo.scans.estimate import PointAnswers, PoseOptions, ScanEstimate, estimate
+from kinmo.scans.input_frame import InputFrame, scan_rotations
+from kinmo.scans.typical import Typical
 from kinmo.typed_tables import from_table
 
 F64 = NDArray[np.float64]
 
 SCANS_AT_ONCE = 16
+LEAST_POINTS = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +36,7 @@ class Ancsh:
     parts: PartNetwork
     config: AncshConfig
     structure: Structure
+    typical: Typical
     device: str
 
     @classmethod
@@ -47,11 +50,23 @@ class Ancsh:
         parts: PartNetwork = joints
         if part_weights is not None:
             own = load_weights(part_weights, KIND)
-            if (_config_of(own).normalised, _structure_of(own)) != (config.normalised, structure):
+            if (_seen_as(_config_of(own)), _structure_of(own)) != (_seen_as(config), structure):
                 raise InputError(part_weights, f"is for other objects than {weights}")
             parts = PartNetwork(_config_of(own), structure.part_count, int(own.facts["classes"]))
             own.fill(parts)
-        return cls(joints.to(device).eval(), parts.to(device).eval(), config, structure, device)
+        return cls(joints.to(device).eval(), parts.to(device).eval(), config, structure, _typical_of(loaded, structure), device)
+
+    @property
+    def points(self) -> int:
+        """So many of a scan are to be seen; fewer do to train on, and too few tell no normals."""
+        return max(self.config.points, LEAST_POINTS)
+
+    def find(
+        self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None, *, seed: int = 0
+    ) -> tuple[list[PointAnswers], list[ScanEstimate]]:
+        """What the networks say of scans, as in `answer`, and the parts and joints that follow."""
+        answers = self.answer(scans, diagonals)
+        return answers, estimate(answers, self.structure, PoseOptions(ties=self.config.ties, seed=seed), self.typical)
 
     @torch.inference_mode()
     def answer(self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None) -> list[PointAnswers]:
@@ -61,8 +76,8 @@ class Ancsh:
         lengths of the scans for diagonals. All scans must have as many points.
         """
         frames = [
-            InputFrame.of(points, self.config.normalised, 1.0 if diagonals is None else diagonals[row])
-            for row, points in enumerate(scans)
+            InputFrame.of(points, self.config.normalised, 1.0 if diagonals is None else diagonals[row], rotation)
+            for row, (points, rotation) in enumerate(zip(scans, self._rotations(scans), strict=True))
         ]
         answers: list[PointAnswers] = []
         for start in range(0, len(scans), SCANS_AT_ONCE):
@@ -70,6 +85,9 @@ class Ancsh:
             seen = np.stack([frame.apply(points) for frame, points in zip(frames[some], scans[some], strict=True)])
             answers += self._answer(seen, frames[some])
         return answers
+
+    def _rotations(self, scans: Sequence[NDArray[np.floating]]) -> F64:
+        return scan_rotations(np.stack(scans), self.config.axes) if len(scans) else np.zeros((0, 3, 3))
 
     def _answer(self, seen: NDArray[np.float32], frames: Sequence[InputFrame]) -> list[PointAnswers]:
         points = torch.from_numpy(seen).to(self.device)
@@ -114,6 +132,10 @@ def to_naocs(npcs: F64, naocs: F64, parts: NDArray[np.integer]) -> tuple[F64, F6
     return scales, shifts
 
 
+def _seen_as(config: AncshConfig) -> tuple[str, str]:
+    return config.normalised, config.axes
+
+
 def _of_part(values: torch.Tensor, parts: torch.Tensor) -> torch.Tensor:
     """Values [B, n, 3] of [B, n, K, 3] at `parts` [B, n]."""
     index = parts.clamp(max=values.shape[2] - 1).view(*parts.shape, 1, 1).expand(-1, -1, 1, 3)
@@ -129,3 +151,11 @@ def _structure_of(loaded: Weights) -> Structure:
         return Structure(tuple(JointKind(kind) for kind in loaded.facts["kinds"]), tuple(loaded.facts["parents"]))
     except (KeyError, TypeError, ValueError):
         raise InputError(loaded.path.with_suffix(".json"), "expected the joints of the objects it is for", "facts") from None
+
+
+def _typical_of(loaded: Weights, structure: Structure) -> Typical:
+    try:
+        return Typical.from_data(loaded.facts["typical"], structure)
+    except (KeyError, TypeError, ValueError):
+        problem = "expected what is typical of the objects it is for: run kinmo train ancsh again"
+        raise InputError(loaded.path.with_suffix(".json"), problem, "facts.typical") from None

@@ -18,6 +18,7 @@ from kinmo.learning.weights import save_weights
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.renderers import NOTHING
 from kinmo.scans.scan_file import ScanFile
+from kinmo.scans.typical import Typical
 from kinmo.typed_tables import to_table
 
 
@@ -52,6 +53,7 @@ def train_ancsh(
         "kinds": [kind.value for kind in structure.kinds],
         "parents": list(structure.parents),
         "classes": learner.classes,
+        "typical": Typical.of(used[0]).to_data(),
         "seed": seed,
         "objects": len(used[0]),
         "frames": sum(file.frames for file in used[0]),

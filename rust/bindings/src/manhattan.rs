@@ -1,0 +1,36 @@
+//! `manhattan_frames` and `share_facing_axes`.
+
+use kinmo_geometry::manhattan::{self, manhattan_frame};
+use nalgebra::Point3;
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::{Array, check_finite, points_of, stacks_of};
+use crate::batches::map_in_batches;
+use crate::convert::value_error;
+
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(manhattan_frames, module)?)?;
+    module.add_function(wrap_pyfunction!(share_facing_axes, module)?)
+}
+
+#[pyfunction]
+fn manhattan_frames<'py>(py: Python<'py>, points: Array<'py, f32>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let points = points.view();
+    check_finite("points", &points).map_err(value_error)?;
+    let scans = stacks_of("points", points, 3).map_err(value_error)?;
+    let clouds = scans.outer_iter().map(|scan| {
+        scan.rows().into_iter().map(|row| Point3::new(row[0], row[1], row[2]).cast::<f64>()).collect::<Vec<_>>()
+    });
+    let frames = map_in_batches(py, clouds, |points| manhattan_frame(&points))?;
+    // nalgebra lies column after column
+    let rows = frames.iter().flat_map(|frame| frame.matrix().transpose().data.0).flatten();
+    PyArray1::from_iter(py, rows).reshape([frames.len(), 3, 3])
+}
+
+#[pyfunction]
+fn share_facing_axes(py: Python<'_>, points: Array<'_, f64>) -> PyResult<f64> {
+    let count = points.view().shape().first().copied().unwrap_or(0);
+    let points = points_of("points", points.view(), count).map_err(value_error)?;
+    Ok(py.detach(|| manhattan::share_facing_axes(&points)))
+}

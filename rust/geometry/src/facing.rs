@@ -1,0 +1,130 @@
+//! Turns of parts whose surfaces face their axes, corrected by the normals of what is seen of them.
+
+use nalgebra::{Point3, Rotation3, Unit, Vector3};
+
+use crate::manhattan::{NEIGHBOURS, faced_share, fitted};
+use crate::normals::{Normal, normals};
+use crate::ransac::Pair;
+use crate::similarity::angle_between;
+
+/// Sines of the angles within which normals count, round after round.
+const REACHES: [f64; 6] = [0.45, 0.35, 0.25, 0.15, 0.1, 0.1];
+/// Sine of the angle within which normals tell how far a part is turned about a given axis.
+const REACH_ABOUT: f64 = 0.2;
+/// At least this share of what is seen of a part must face the axes that were found.
+const LEAST_SHARE: f64 = 0.3;
+/// Farther than this, in radians, no part is turned.
+const FARTHEST: f64 = 0.5;
+/// Farther than this, none is turned about a given axis.
+const FARTHEST_ABOUT: f64 = 0.3;
+/// Between the angles that are tried about a given axis.
+const STEP: f64 = 0.01;
+
+/// What is seen of the parts of one object, and which of them are `square`: those whose surfaces face their axes.
+pub struct Facing<'a> {
+    normals: Vec<Vec<Normal>>,
+    square: &'a [bool],
+}
+
+impl<'a> Facing<'a> {
+    /// From the targets of the pairs of all parts, which are points of one surface.
+    pub fn new(parts: &[&[Pair]], square: &'a [bool]) -> Self {
+        let targets: Vec<Point3<f64>> = parts.iter().flat_map(|pairs| pairs.iter().map(|pair| pair.1)).collect();
+        let mut all = normals(&targets, NEIGHBOURS).into_iter();
+        Self { normals: parts.iter().map(|pairs| all.by_ref().take(pairs.len()).collect()).collect(), square }
+    }
+
+    /// `rotation` of a part, turned a little, so that what is seen of it faces its axes; as it is if too little would.
+    pub fn turned(&self, part: usize, rotation: Rotation3<f64>) -> Rotation3<f64> {
+        if !self.square[part] {
+            return rotation;
+        }
+        let normals = &self.normals[part];
+        let found = fitted(rotation, normals, &REACHES);
+        let is_near = angle_between(&found, &rotation) <= FARTHEST;
+        let is_faced = || faced_share(&found, normals, REACHES[REACHES.len() - 1]) >= LEAST_SHARE;
+        if is_near && is_faced() { found } else { rotation }
+    }
+
+    /// As [`Self::turned`], about a `direction` of the part alone.
+    pub fn turned_about(
+        &self,
+        part: usize,
+        rotation: Rotation3<f64>,
+        direction: &Unit<Vector3<f64>>,
+    ) -> Rotation3<f64> {
+        if !self.square[part] {
+            return rotation;
+        }
+        let steps = (FARTHEST_ABOUT / STEP).round() as i32;
+        let tried =
+            (-steps..=steps).map(|step| rotation * Rotation3::from_axis_angle(direction, f64::from(step) * STEP));
+        let shared = tried.map(|turned| (faced_share(&turned, &self.normals[part], REACH_ABOUT), turned));
+        match shared.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((share, found)) if share >= LEAST_SHARE => found,
+            _ => rotation,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// What is seen of three sides of a box.
+    fn sides(places: &[[f64; 3]], rotation: Rotation3<f64>) -> Vec<Pair> {
+        let side = |(row, place): (usize, &[f64; 3])| {
+            let mut place = Point3::from(*place);
+            place[row % 3] = 1.0;
+            (place, rotation * place)
+        };
+        places.iter().enumerate().map(side).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn a_box_is_turned_to_where_its_sides_face(
+            turn in prop::array::uniform3(-3.0..3.0),
+            wrong in prop::array::uniform3(-0.15..0.15),
+            places in prop::collection::vec(prop::array::uniform3(0.0..1.0), 200),
+        ) {
+            let truth = Rotation3::new(turn.into());
+            let pairs = sides(&places, truth);
+            let start = truth * Rotation3::new(wrong.into());
+            let found = Facing::new(&[&pairs], &[true]).turned(0, start);
+            prop_assert!(angle_between(&found, &truth) < 0.01);
+            prop_assert_eq!(Facing::new(&[&pairs], &[false]).turned(0, start), start);
+        }
+
+        #[test]
+        fn a_door_is_turned_about_its_hinge(
+            turn in prop::array::uniform3(-3.0..3.0),
+            wrong in -0.25..0.25,
+            places in prop::collection::vec(prop::array::uniform3(0.0..1.0), 200),
+        ) {
+            let truth = Rotation3::new(turn.into());
+            let pairs = sides(&places, truth);
+            let start = truth * Rotation3::from_axis_angle(&Vector3::y_axis(), wrong);
+            let found = Facing::new(&[&pairs], &[true]).turned_about(0, start, &Vector3::y_axis());
+            prop_assert!(angle_between(&found, &truth) < 2.0 * STEP);
+        }
+    }
+
+    #[test]
+    fn what_faces_no_axes_stays_as_it_is() {
+        let ball = (0..500).map(|row| {
+            let (height, angle) = (1.0 - f64::from(row) / 250.0, f64::from(row) * 2.4);
+            let radius = (1.0 - height * height).sqrt();
+            let place = Point3::new(radius * angle.cos(), radius * angle.sin(), height);
+            (place, place)
+        });
+        let ball: Vec<Pair> = ball.collect();
+        let facing = Facing::new(&[&ball, &[]], &[true, true]);
+        let rotation = Rotation3::new(Vector3::new(0.1, 0.2, 0.3));
+        assert_eq!(facing.turned(0, rotation), rotation);
+        assert_eq!(facing.turned(1, rotation), rotation);
+        assert_eq!(facing.turned_about(1, rotation, &Vector3::x_axis()), rotation);
+    }
+}

@@ -1,0 +1,183 @@
+//! The three directions at right angles that the surfaces of a scan face.
+
+use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::normals::{Normal, normals};
+use crate::rectangle::flush_axes;
+
+/// Points that tell the normal at each.
+pub(crate) const NEIGHBOURS: usize = 12;
+/// Frames that are tried, each through two normals drawn at random.
+const HYPOTHESES: usize = 200;
+/// Of the normals that judge them.
+const JUDGES: usize = 256;
+/// Normals count that are off an axis by less than the sine of these: first all that may be meant, then those that are.
+const REACHES: [f64; 7] = [0.4, 0.3, 0.2, 0.15, 0.1, 0.1, 0.1];
+/// What is off an axis by less than this sine faces it.
+const FACING: f64 = 0.2;
+/// A scan of which less than this share (of what faces the first axis) faces the others shows one side alone.
+const ONE_SIDED: f64 = 0.05;
+/// Of the draws: the same points always give the same frame.
+const SEED: u64 = 1;
+
+/// The frame whose axes (columns, in no order and of no sign) most of the surface that `points` were drawn from faces.
+///
+/// What shows one flat side alone has its other axes along the rectangle of least area about it. Straub et al., The Manhattan
+/// Frame Model, 2018, define the frame; it is looked for among pairs of normals, and fitted to those that are near to an axis.
+pub fn manhattan_frame(points: &[Point3<f64>]) -> Rotation3<f64> {
+    let normals = normals(points, NEIGHBOURS);
+    let Some(found) = through_two_normals(&normals) else { return Rotation3::identity() };
+    let found = fitted(found, &normals, &REACHES);
+    let mut faced = [0.0; 3];
+    for normal in &normals {
+        let (axis, _, weight) = faced_axis(&found, normal, REACHES[REACHES.len() - 1]);
+        faced[axis] += weight;
+    }
+    let first = if faced[0] >= faced[1].max(faced[2]) { 0 } else { 1 + usize::from(faced[2] > faced[1]) };
+    let others = faced.iter().sum::<f64>() - faced[first];
+    if others >= ONE_SIDED * faced[first] {
+        return found;
+    }
+    let axes = flush_axes(points, found.matrix().column(first).into());
+    Rotation3::from_matrix_unchecked(Matrix3::from_columns(&axes))
+}
+
+/// The share of the surface that `points` were drawn from which faces the coordinate axes.
+pub fn share_facing_axes(points: &[Point3<f64>]) -> f64 {
+    faced_share(&Rotation3::identity(), &normals(points, NEIGHBOURS), FACING)
+}
+
+/// The share of `normals` that are nearer to an axis of `frame` than by the sine `reach`, those on it counted whole.
+pub(crate) fn faced_share(frame: &Rotation3<f64>, normals: &[Normal], reach: f64) -> f64 {
+    let faced: f64 = normals.iter().map(|normal| faced_axis(frame, normal, reach).2).sum();
+    faced / normals.iter().map(|normal| normal.weight).sum::<f64>().max(f64::MIN_POSITIVE)
+}
+
+/// `frame`, turned so that `normals` near to its axes are nearest to them; each of `reaches` is a round.
+pub(crate) fn fitted(frame: Rotation3<f64>, normals: &[Normal], reaches: &[f64]) -> Rotation3<f64> {
+    reaches.iter().fold(frame, |frame, reach| {
+        let mut sums = Matrix3::zeros();
+        let mut total = 0.0;
+        for normal in normals {
+            let (axis, sign, weight) = faced_axis(&frame, normal, *reach);
+            let mut sum = sums.column_mut(axis);
+            sum += normal.direction * (sign * weight);
+            total += weight;
+        }
+        // What nothing faces stays where it is.
+        nearest_rotation(sums + frame.matrix() * (1e-6 * total)).unwrap_or(frame)
+    })
+}
+
+/// The axis of `frame` that a normal is nearest to, its sign, and how much that counts.
+fn faced_axis(frame: &Rotation3<f64>, normal: &Normal, reach: f64) -> (usize, f64, f64) {
+    let along = frame.matrix().tr_mul(&normal.direction);
+    let axis = along.iamax();
+    let squared_sine = (1.0 - along[axis] * along[axis]).max(0.0);
+    (axis, along[axis].signum(), normal.weight * (1.0 - squared_sine / (reach * reach)).max(0.0))
+}
+
+fn through_two_normals(normals: &[Normal]) -> Option<Rotation3<f64>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let step = normals.len().div_ceil(JUDGES).max(1);
+    let mut best: Option<(f64, Rotation3<f64>)> = None;
+    for _ in 0..if normals.is_empty() { 0 } else { HYPOTHESES } {
+        let [first, second] = [0; 2].map(|_| normals[rng.random_range(0..normals.len())].direction);
+        let across = second - first * first.dot(&second);
+        // Of a plane alone the second axis is any.
+        let across = across.try_normalize(0.2).unwrap_or_else(|| crate::rectangle::perpendicular_basis(first).0);
+        let axes = [first, across, first.cross(&across)];
+        let frame = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&axes));
+        let score: f64 = normals.iter().step_by(step).map(|normal| faced_axis(&frame, normal, REACHES[1]).2).sum();
+        if best.as_ref().is_none_or(|(highest, _)| score > *highest) {
+            best = Some((score, frame));
+        }
+    }
+    best.map(|(_, frame)| frame)
+}
+
+fn nearest_rotation(matrix: Matrix3<f64>) -> Option<Rotation3<f64>> {
+    let svd = matrix.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    let signs = Vector3::new(1.0, 1.0, (u * v_t).determinant().signum());
+    Some(Rotation3::from_matrix_unchecked(u * Matrix3::from_diagonal(&signs) * v_t))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Points on three sides of a box, on a door of it that is turned, and anywhere.
+    fn scan(noise: f64) -> impl Strategy<Value = (Rotation3<f64>, Vec<Point3<f64>>)> {
+        let places =
+            prop::collection::vec((prop::array::uniform3(-0.5..0.5), prop::array::uniform3(-noise..=noise)), 400);
+        (prop::array::uniform3(-3.0..3.0), 0.3..1.2, places).prop_map(|(turn, opened, places)| {
+            let turn = Rotation3::new(Vector3::from(turn));
+            let door = Rotation3::from_axis_angle(&Vector3::z_axis(), opened);
+            let points = places.iter().enumerate().map(|(row, (place, noise))| {
+                let mut place = Vector3::from(*place);
+                match row % 10 {
+                    9 => (),
+                    7..9 => {
+                        place.y = 0.5;
+                        place = door * (place + Vector3::x() * 0.5);
+                    }
+                    side => place[side % 3] = 0.5,
+                }
+                Point3::from(turn * (place + Vector3::from(*noise)))
+            });
+            (turn, points.collect())
+        })
+    }
+
+    /// The angle between two frames whose axes have no order and no sign.
+    fn apart(a: &Rotation3<f64>, b: &Rotation3<f64>) -> f64 {
+        let between = a.inverse() * b;
+        (0..3).map(|axis| between.matrix().column(axis).amax().min(1.0).acos()).fold(0.0, f64::max)
+    }
+
+    proptest! {
+        #[test]
+        fn a_box_with_an_open_door_tells_its_axes((turn, points) in scan(0.002)) {
+            prop_assert!(apart(&manhattan_frame(&points), &turn) < 0.05);
+        }
+
+        #[test]
+        fn a_frame_turns_with_the_points((_, points) in scan(0.0), turn in prop::array::uniform3(-3.0..3.0)) {
+            let turn = Rotation3::new(Vector3::from(turn));
+            let turned: Vec<_> = points.iter().map(|point| turn * point).collect();
+            prop_assert!(apart(&manhattan_frame(&turned), &(turn * manhattan_frame(&points))) < 0.05);
+        }
+
+        #[test]
+        fn a_single_side_has_its_axes_along_its_edges(
+            turn in prop::array::uniform3(-3.0..3.0), places in prop::collection::vec(prop::array::uniform2(-0.5..0.5), 100)
+        ) {
+            let turn = Rotation3::new(Vector3::from(turn));
+            let corners = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]];
+            let points = corners.iter().chain(&places).map(|[x, y]| turn * Point3::new(*x, 2.0 * y, 0.3));
+            prop_assert!(apart(&manhattan_frame(&points.collect::<Vec<_>>()), &turn) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn boxes_face_the_axes_and_turned_ones_do_not() {
+        let side = |place: usize| Point3::new((place % 20) as f64, (place / 20) as f64, 3.0);
+        let points: Vec<_> = (0..400).map(side).collect();
+        assert!(share_facing_axes(&points) > 0.99);
+        let turn = Rotation3::new(Vector3::new(0.3, 0.4, 0.0));
+        assert_eq!(share_facing_axes(&points.iter().map(|point| turn * point).collect::<Vec<_>>()), 0.0);
+        assert_eq!(share_facing_axes(&[]), 0.0);
+    }
+
+    #[test]
+    fn too_few_points_stay_as_they_are() {
+        assert_eq!(manhattan_frame(&[]), Rotation3::identity());
+        let one = manhattan_frame(&[Point3::new(1.0, 2.0, 3.0)]);
+        assert!((one.matrix().determinant() - 1.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,71 @@
+//! Normals of a surface of which only points are known.
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::point_tree::PointTree;
+
+/// Of the largest spread: less than this is none.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// The normal of a surface at a point, of either sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Normal {
+    /// A unit vector.
+    pub direction: Vector3<f64>,
+    /// From 0, where the neighbours lie on no plane or on a line, to 1.
+    pub weight: f64,
+}
+
+/// The normal at every one of `points`: the direction in which that and its nearest `neighbours` spread least.
+pub fn normals(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal> {
+    if points.is_empty() {
+        return Vec::new();
+    }
+    let tree = PointTree::new(points);
+    let mut near = Vec::new();
+    let one = |point: &Point3<f64>| {
+        tree.nearest(point, neighbours + 1, &mut near);
+        let corners = || near.iter().map(|neighbour| points[neighbour.point as usize].coords);
+        let middle = corners().sum::<Vector3<f64>>() / near.len() as f64;
+        let spread: Matrix3<f64> = corners().map(|corner| (corner - middle) * (corner - middle).transpose()).sum();
+        let eigen = spread.symmetric_eigen();
+        let least = eigen.eigenvalues.imin();
+        let [one, other] = [(least + 1) % 3, (least + 2) % 3].map(|axis| eigen.eigenvalues[axis]);
+        let (across, along) = (one.min(other), one.max(other));
+        let is_line = across <= NEGLIGIBLE * along;
+        let flat = if is_line { 0.0 } else { 1.0 - eigen.eigenvalues[least].max(0.0) / across };
+        Normal { direction: eigen.eigenvectors.column(least).into(), weight: flat * flat }
+    };
+    points.iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Rotation3;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn points_of_a_plane_have_its_normal(
+            places in prop::collection::vec(prop::array::uniform2(-1.0..1.0), 20..60),
+            turn in prop::array::uniform3(-3.0..3.0),
+            height in -1.0..1.0,
+        ) {
+            let turn = Rotation3::new(Vector3::from(turn));
+            let points: Vec<_> = places.iter().map(|[x, y]| turn * Point3::new(*x, *y, height)).collect();
+            for normal in normals(&points, 8) {
+                prop_assert!(normal.weight < 0.9 || (normal.direction.dot(&(turn * Vector3::z())).abs() - 1.0).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn points_on_a_line_have_none() {
+        let points: Vec<_> = (0..9).map(|i| Point3::new(f64::from(i), 0.0, 0.0)).collect();
+        assert!(normals(&points, 4).iter().all(|normal| normal.weight == 0.0));
+        assert!(normals(&[], 4).is_empty());
+        assert_eq!(normals(&points[..1], 4)[0].weight, 0.0);
+    }
+}

@@ -1,0 +1,61 @@
+"""How scans come to networks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from kinmo.scans.camera import Viewpoints
+from kinmo.scans.input_frame import InputFrame, manhattan_axes, scan_rotations
+
+UP = np.array([0.0, 1.0, 0.0])
+
+
+def seen_box(sizes, seed, points=1024):
+    """What a camera sees of a box, in its frame, and the pose of that; the box's up is +y."""
+    rng = np.random.default_rng(seed)
+    pose = Viewpoints().draw(rng, np.zeros(3), 0.5 * float(np.linalg.norm(sizes)), UP)
+    eye = -pose[:3, :3].T @ pose[:3, 3]
+    sides = [(axis, sign) for axis in range(3) for sign in (-1, 1) if sign * eye[axis] > 0.5 * sizes[axis]]
+    places = (rng.uniform(size=(points, 3)) - 0.5) * sizes
+    for row, which in enumerate(rng.integers(len(sides), size=points)):
+        axis, sign = sides[which]
+        places[row, axis] = 0.5 * sign * sizes[axis]
+    return places @ pose[:3, :3].T + pose[:3, 3], pose[:3, :3]
+
+
+@given(st.integers(0, 10_000))
+def test_scans_of_boxes_are_seen_upright_along_their_sides(seed):
+    points, turn = seen_box((0.6, 1.0, 0.5), seed)
+    up = turn @ UP
+    assume(0.05 < -up[2] < 0.998)  # level, and straight down, up and ahead look alike
+    (found,) = manhattan_axes(points[None])
+    assert np.linalg.det(found) == pytest.approx(1.0)
+    assert up @ -found[:, 1] > 0.999, "down is the second axis"
+    assert np.abs(turn.T @ found).max(axis=0).min() > 0.999, "each axis is one of the box"
+    seen = points @ found
+    assert seen[:, 2].mean() >= np.abs(seen[:, 0].mean()) - 0.05, "ahead is the third"
+
+
+@given(st.integers(0, 10_000), st.sampled_from(["object", "scan"]))
+def test_what_networks_see_goes_back_to_the_camera(seed, normalised):
+    rng = np.random.default_rng(seed)
+    points, rotation = rng.normal(size=(20, 3)), Rotation.random(random_state=seed).as_matrix()
+    frame = InputFrame.of(points, normalised, 2.0, rotation)
+    np.testing.assert_allclose(frame.undo(frame.apply(points).astype(float)), points, atol=1e-5)
+    turned = Rotation.random(random_state=seed + 1).as_matrix()
+    there = frame.apply(points @ turned.T).astype(float) - frame.apply(np.zeros((1, 3)))
+    np.testing.assert_allclose(there, points @ (frame.rotation.T @ turned).T * frame.scale, atol=1e-5)
+    np.testing.assert_allclose(frame.undo_rotations(frame.rotation.T @ turned), turned, atol=1e-9)
+
+
+def test_a_scan_is_brought_to_its_own_size_along_the_axes_it_is_seen_along():
+    points, _ = seen_box((0.6, 1.0, 0.5), 3)
+    (rotation,) = scan_rotations(points[None], "manhattan")
+    seen = InputFrame.of(points, "scan", rotation=rotation).apply(points)
+    np.testing.assert_allclose(seen.min(axis=0), -seen.max(axis=0), atol=1e-6)
+    assert np.linalg.norm(np.ptp(seen, axis=0)) == pytest.approx(1.0, abs=1e-6)
+    np.testing.assert_array_equal(scan_rotations(points[None], "camera"), np.eye(3)[None])
