@@ -14,6 +14,7 @@ import torch
 from whole_road import Listener, contents, tiny_config
 
 from kinmo.errors import InputError
+from kinmo.learning.ancsh.predict import LEAST_POINTS
 from kinmo.pipeline.ancsh_files import Cell, scores_path, trained_cells
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
@@ -21,7 +22,9 @@ from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.predict_scan import PredictScan
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.render import REFUSED, Render
+from kinmo.pipeline.report import Report
 from kinmo.pipeline.scan_dataset import open_scan_dataset, scans_of
+from kinmo.pipeline.scan_report import OUTDATED
 from kinmo.pipeline.scan_table_rows import TABLES, printed_row
 from kinmo.pipeline.scan_tables import JudgeTrained, MakeTable
 from kinmo.pipeline.synth import Synth
@@ -244,6 +247,21 @@ def test_what_is_trained_is_judged_where_there_are_scans_of_it(scanned: Scanned)
     assert list(found.data["table-2"]) == [CATEGORY]
 
 
+def test_the_report_says_that_figures_of_scans_are_outdated(scanned: Scanned, tmp_path: Path) -> None:
+    JudgeTrained(scanned.workspace, FAMILY, device="cpu").run(Listener())
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    page = workspace.report / "index.html"
+    Report(workspace).run(Listener())
+    assert "Table 2, poses" in page.read_text(encoding="utf-8")
+    assert OUTDATED not in page.read_text(encoding="utf-8")
+    weights, _ = Cell(CATEGORY, "supervised", 0).weights(workspace) or pytest.fail("not trained")
+    header = weights.with_suffix(".json")
+    header.write_text(json.dumps(json.loads(header.read_text()) | {"sha256": "of others"}))
+    Report(workspace).run(Listener())
+    assert OUTDATED in page.read_text(encoding="utf-8")
+
+
 def test_a_category_without_test_objects_is_said_to_be_not_judged(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
@@ -297,7 +315,7 @@ def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_pat
     document = json.loads((tmp_path / "out" / "seen.json").read_text())
     assert document == found.data
     assert [joint["kind"] for joint in document["joints"]] == ["R"]
-    assert sum(part["points"] for part in document["parts"]) == 128
+    assert sum(part["points"] for part in document["parts"]) == LEAST_POINTS
     assert (tmp_path / "out" / "seen.svg").read_text().startswith("<svg")
 
 

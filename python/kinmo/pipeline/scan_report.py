@@ -6,9 +6,11 @@ from collections.abc import Iterator
 
 from kinmo.evaluation.tables import read_table
 from kinmo.pipeline.ancsh_files import Cell, pictures_path, trained_cells
+from kinmo.pipeline.evaluation_folder import ALL
 from kinmo.pipeline.report_tables import shown
 from kinmo.pipeline.scan_pictures import HIT_DEGREES, HIT_IOU, read_pictures
 from kinmo.pipeline.scan_table_rows import TABLES
+from kinmo.pipeline.scan_tables import JudgeTrained
 from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.report.page import Picture, Section
 from kinmo.workspace import Workspace
@@ -17,6 +19,11 @@ LEGEND = (
     "Left what was found, right the truth, as the camera sees them: points in the colours of their parts, amodal boxes, and "
     f"axes. A frame is a hit if every part is turned right within {HIT_DEGREES:g}° and every box overlaps the true one by "
     f"{HIT_IOU:.0%}."
+)
+
+OUTDATED = (
+    "Some of these figures are of networks or scans that have changed since: the same kinmo eval, or kinmo table, gives those "
+    "of what is there now."
 )
 
 
@@ -28,7 +35,9 @@ def table_sections(workspace: Workspace) -> Iterator[Section]:
             found = {path.stem: read_table(path) for path in sorted(category.glob("*.json"))}
             tables = [shown(found[key]) for key in ("means", "parts") if key in found]
             more = [shown(other) for key, other in found.items() if key not in ("means", "parts")]
-            yield Section(f"{table.title}: {category.name}", tables=tables, more=more)
+            known = None if category.name == ALL else category.name
+            note = OUTDATED if JudgeTrained(workspace, known).plan().steps else ""
+            yield Section(f"{table.title}: {category.name}", note, tables=tables, more=more)
 
 
 def picture_sections(workspace: Workspace) -> Iterator[Section]:
