@@ -14,7 +14,7 @@ from kinmo.config import AncshConfig, ScansConfig, TrainingConfig, load_config
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.data import ScanData
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
-from kinmo.learning.ancsh.network import AncshNetwork, JointAnswers, PartAnswers, PartNetwork
+from kinmo.learning.ancsh.network import AncshNetwork, JointAnswers, PartAnswers, PartMaps, PartNetwork
 from kinmo.learning.ancsh.predict import Ancsh, to_naocs
 from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.scans.scan import scan
@@ -165,3 +165,15 @@ def test_objects_of_two_structures_are_not_trained_together(file: ScanFile) -> N
         train_ancsh([file, other], [file], TINY, Path("nowhere"), which="ancsh")
     with pytest.raises(InputError, match="at least one object"):
         train_ancsh([], [], TINY, Path("nowhere"), which="ancsh")
+
+
+def test_a_part_map_is_linear_the_same_for_all_points_and_nothing_before_it_has_learnt() -> None:
+    torch.manual_seed(0)
+    maps = PartMaps(16, 3)
+    points, whole = torch.rand(2, 50, 3), torch.rand(2, 1, 16)
+    assert (maps(points, whole) == 0.0).all()
+    torch.nn.init.normal_(maps.layers[-1].weight)
+    found, middles = maps(points, whole), maps(points.mean(1, keepdim=True), whole)
+    assert found.shape == (2, 50, 3, 3)
+    torch.testing.assert_close(found.mean(1, keepdim=True), middles, rtol=1e-4, atol=1e-5)
+    assert not torch.allclose(found[:, :, 0], found[:, :, 1])

@@ -55,14 +55,43 @@ class PartNetwork(nn.Module):
         features = self.backbone.features
         self.part = nn.Linear(features, classes)
         self.npcs = nn.Sequential(nn.Linear(features, features), nn.Linear(features, 3 * parts))
+        self.maps = PartMaps(self.backbone.whole_features, parts) if config.maps else None
 
     def forward(self, points: Tensor) -> PartAnswers:
         """`points` [B, n, 3]."""
-        return self._of(self.backbone(points))
+        return self._of(points, *self.backbone(points))
 
-    def _of(self, features: Tensor) -> PartAnswers:
-        npcs = torch.sigmoid(self.npcs(features)).view(*features.shape[:2], self.parts, 3)
-        return PartAnswers(torch.log_softmax(self.part(features), -1), npcs)
+    def _of(self, points: Tensor, features: Tensor, whole: Tensor) -> PartAnswers:
+        npcs = self.npcs(features).view(*features.shape[:2], self.parts, 3)
+        if self.maps is not None:
+            npcs = npcs + self.maps(points, whole)
+        return PartAnswers(torch.log_softmax(self.part(features), -1), torch.sigmoid(npcs))
+
+
+class PartMaps(nn.Module):
+    """A linear map of the points for every part, of what the scan is as a whole.
+
+    Of a rigid part NPCS are one, but for the bend of the sigmoid: so what every point says need only correct it.
+    """
+
+    HIDDEN = 256
+    SLOPE = 4.0
+    """Of the inverse of the sigmoid, in the middle."""
+
+    def __init__(self, features: int, parts: int) -> None:
+        super().__init__()
+        self.parts = parts
+        self.layers = nn.Sequential(
+            nn.Linear(features, self.HIDDEN), nn.LayerNorm(self.HIDDEN), nn.ReLU(), nn.Linear(self.HIDDEN, 12 * parts)
+        )
+        nn.init.zeros_(self.layers[-1].weight)  # type: ignore[arg-type]
+        nn.init.zeros_(self.layers[-1].bias)  # type: ignore[arg-type]
+
+    def forward(self, points: Tensor, whole: Tensor) -> Tensor:
+        """`points` [B, n, 3], `whole` [B, 1, C] -> [B, n, K, 3]."""
+        matrices, shifts = self.layers(whole).view(len(points), 1, self.parts, 3, 4).split((3, 1), -1)
+        mapped: Tensor = (matrices @ points[:, :, None, :, None] + shifts).squeeze(-1)
+        return self.SLOPE * mapped
 
 
 class AncshNetwork(PartNetwork):
@@ -81,7 +110,7 @@ class AncshNetwork(PartNetwork):
 
     def forward_all(self, points: Tensor) -> tuple[PartAnswers, JointAnswers]:
         """`points` [B, n, 3]."""
-        features = self.backbone(points)
+        features, whole = self.backbone(points)
         near = self.near_joints(features)
         joints = JointAnswers(
             scales=torch.sigmoid(self.scale(features)),
@@ -91,4 +120,4 @@ class AncshNetwork(PartNetwork):
             toward=torch.tanh(self.toward(near)),
             axes=torch.tanh(self.axis(near)),
         )
-        return self._of(features), joints
+        return self._of(points, features, whole), joints

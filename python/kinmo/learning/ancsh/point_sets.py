@@ -97,7 +97,7 @@ class FeaturePropagation(nn.Module):
 
 
 class PointNetPlusPlus(nn.Module):
-    """Points [B, n, 3] -> features [B, n, `features`], as ANCSH's backbone.
+    """Points [B, n, 3] -> features [B, n, `features`], and [B, 1, `whole_features`] of all, as ANCSH's backbone.
 
     `width` is the share of the printed widths; `centers`, `radii` and `neighbours` are those of the two levels.
     """
@@ -118,13 +118,13 @@ class PointNetPlusPlus(nn.Module):
         self.to_far = FeaturePropagation(whole[-1] + far[-1], to_far, power)
         self.to_near = FeaturePropagation(to_far[-1] + near[-1], to_near, power)
         self.to_all = FeaturePropagation(to_near[-1] + 3, to_all, power)
-        self.features = to_all[-1]
+        self.features, self.whole_features = to_all[-1], whole[-1]
         self.last = nn.Sequential(SharedLayers((self.features, self.features)), nn.Dropout(dropout))
 
-    def forward(self, points: Tensor) -> Tensor:
+    def forward(self, points: Tensor) -> tuple[Tensor, Tensor]:
         near, near_features = self.near(points, None)
         far, far_features = self.far(near, near_features)
         whole, whole_features = self.whole(far, far_features)
         far_features = self.to_far(far, far_features, whole, whole_features)
         near_features = self.to_near(near, near_features, far, far_features)
-        return self.last(self.to_all(points, points, near, near_features))  # type: ignore[no-any-return]
+        return self.last(self.to_all(points, points, near, near_features)), whole_features
