@@ -14,7 +14,7 @@ import torch
 from whole_road import Listener, contents, tiny_config
 
 from kinmo.errors import InputError
-from kinmo.learning.ancsh.predict import LEAST_POINTS
+from kinmo.learning.ancsh.predict import POINTS_TO_ASK_ABOUT
 from kinmo.pipeline.ancsh_files import Cell, scores_path, trained_cells
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
@@ -315,7 +315,7 @@ def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_pat
     document = json.loads((tmp_path / "out" / "seen.json").read_text())
     assert document == found.data
     assert [joint["kind"] for joint in document["joints"]] == ["R"]
-    assert sum(part["points"] for part in document["parts"]) == LEAST_POINTS
+    assert sum(part["points"] for part in document["parts"]) == POINTS_TO_ASK_ABOUT
     assert (tmp_path / "out" / "seen.svg").read_text().startswith("<svg")
 
 

@@ -44,6 +44,16 @@ def test_what_networks_say_without_error_is_the_true_label(seen):
         np.testing.assert_allclose(mine.direction, right.direction, atol=1e-3)
 
 
+def test_frames_that_say_opposite_directions_still_tell_the_line(seen):
+    target, scans, answers, found = seen
+    split = [replace(one, axes=-one.axes) if row % 2 else one for row, one in enumerate(answers)]
+    known = replace(KNOWN, along_axes=np.ones(len(target.joints), bool))
+    made = self_labelled(NAME, scans.points, split, found, target.structure, known, 0.0)
+    assert made is not None
+    for mine, right in zip(made[0].joints, target.joints, strict=True):
+        assert abs(mine.direction @ right.direction) > 0.999
+
+
 def test_frames_that_networks_are_not_sure_of_are_left_out(seen):
     target, scans, answers, found = seen
     doubtful = [replace(one, inliers=np.full_like(one.inliers, 0.5)) if row % 2 else one for row, one in enumerate(found)]

@@ -116,3 +116,27 @@ def test_answers_without_error_are_not_made_worse_by_it(cupboards):
         true = true_estimate(target, scans, row)
         assert np.abs(one.poses.rotations - true.poses.rotations).max() < 1e-4
         assert np.abs(one.poses.translations - true.poses.translations).max() < 1e-4
+
+
+def test_the_papers_ties_make_nothing_of_what_is_typical(cupboards):
+    target = cupboard_object()
+    scans, rng = scan(target, OPTIONS, 7), np.random.default_rng(0)
+    answers = [rough_answers(target, scans, row, rng) for row in range(2)]
+    search = PoseOptions(hypotheses=300, ties="pairs")
+    alone, known = (estimate(answers, target.structure, search, what) for what in (None, Typical.of(cupboards)))
+    for one, other in zip(alone, known, strict=True):
+        np.testing.assert_array_equal(one.poses.rotations, other.poses.rotations)
+        np.testing.assert_array_equal(one.directions, other.directions)
+
+
+def test_parts_that_were_not_seen_leave_the_others_as_they_are(cupboards):
+    target = cupboard_object()
+    scans = scan(target, OPTIONS, 7)
+    answers = true_answers(target, scans, 0)
+    for lost in (0, 1):
+        unseen = replace(answers, parts=np.where(answers.parts == lost, -1, answers.parts))
+        (found,) = estimate([unseen], target.structure, PoseOptions(hypotheses=300), Typical.of(cupboards))
+        others = np.arange(target.structure.part_count) != lost
+        assert list(found.poses.found) == list(others)
+        true = true_estimate(target, scans, 0)
+        assert np.abs(found.poses.rotations - true.poses.rotations)[others].max() < 1e-4

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 from kinmo.errors import InputError
 from kinmo.evaluation.ancsh_protocol import score_as_ancsh
@@ -13,8 +12,7 @@ from kinmo.evaluation.scan_records import write_scores
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.ancsh_files import PROTOCOLS, Cell, Protocol, pictures_path, scores_path
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.model_files import networks_digest
-from kinmo.pipeline.scan_dataset import fingerprint, open_scan_dataset
+from kinmo.pipeline.judged_scans import JudgedScans
 from kinmo.pipeline.scan_pictures import JudgedFrame, PictureBook, write_pictures
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import ScanFile
@@ -33,26 +31,26 @@ class EvaluateScans:
     on_rough: bool = False
 
     def plan(self) -> Plan:
-        if self.is_current():
+        if self._scans.is_current():
             return Plan((), 0.0)
-        files = self._files()
+        files = self._scans.files()
         frames = sum(file.frames for file in files)
-        each = seconds_per_unit(self.workspace, self._stage, SECONDS_PER_FRAME)
+        each = seconds_per_unit(self.workspace, self._scans.stage, SECONDS_PER_FRAME)
         return Plan((f"judge {self.cell} on {frames} scans of {len(files)} test objects",), frames * each)
 
     def run(self, observer: Observer) -> Outcome:
         path = scores_path(self.workspace, self.cell, self.on_rough)
         with self.workspace.locked():
-            if self.is_current():
+            if self._scans.is_current():
                 observer.note(f"{self.cell}: judged already")
                 return Outcome(path)
             weights = self.cell.weights(self.workspace)
             if weights is None:
                 raise InputError(self.workspace.models, f"no networks for {self.cell}: run kinmo train ancsh first")
-            inputs, files = self._inputs(), self._files()
-            self.workspace.forget(self._stage)
+            inputs, files = self._scans.inputs(), self._scans.files()
+            self.workspace.forget(self._scans.stage)
             network = Ancsh.load(*weights, device=self.device)
-            with timed(self.workspace, self._stage) as watch:
+            with timed(self.workspace, self._scans.stage) as watch:
                 scores: dict[Protocol, list[tuple[str, FrameScore]]] = {protocol: [] for protocol in PROTOCOLS}
                 book = PictureBook(network.structure)
                 for done, file in enumerate(files, start=1):
@@ -71,28 +69,12 @@ class EvaluateScans:
                 path = scores_path(self.workspace, self.cell, self.on_rough, protocol)
                 write_scores(path, some)
                 outputs.append(str(path.relative_to(self.workspace.path)))
-            self.workspace.write_record(self._stage, StageRecord(inputs, tuple(outputs)))
+            self.workspace.write_record(self._scans.stage, StageRecord(inputs, tuple(outputs)))
         return Outcome(path)
 
     @property
-    def _stage(self) -> str:
-        return f"eval-{'rough-' if self.on_rough else ''}scans-{self.cell.key}"
-
-    def _files(self) -> tuple[ScanFile, ...]:
-        """Raises InputError if no test object has the structure that the networks know."""
-        scanned = Workspace(self.workspace.root, is_rough=self.on_rough)
-        dataset = open_scan_dataset(scanned, self.cell.category)
-        if not dataset.files["test"]:
-            folder = scanned.scans / self.cell.category
-            raise InputError(folder, f"expected scans of a test object of {dataset.structure}")
-        return dataset.files["test"]
-
-    def _inputs(self) -> dict[str, Any]:
-        return {"test": fingerprint(self._files()), "weights": networks_digest(self.cell.weights(self.workspace) or ())}
-
-    def is_current(self) -> bool:
-        """Whether the cell was judged, and nothing that this depends on has changed."""
-        return self.cell.weights(self.workspace) is not None and self.workspace.is_current(self._stage, self._inputs())
+    def _scans(self) -> JudgedScans:
+        return JudgedScans(self.workspace, self.cell, self.on_rough)
 
 
 def judged(file: ScanFile, network: Ancsh, seed: int) -> Iterator[JudgedFrame]:

@@ -56,7 +56,8 @@ class PredictScan:
         assert weights is not None, "trained_cells has those with weights"
         network = Ancsh.load(*weights, device=self.device)
         rng = np.random.default_rng(self.seed)
-        seen = points[rng.choice(len(points), network.points, replace=len(points) < network.points)]
+        again = rng.integers(len(points), size=max(0, network.points - len(points)))
+        seen = points[np.concatenate([rng.permutation(len(points))[: network.points], again])]
         if network.config.normalised == "object":
             observer.note("these networks want to know how large the whole object is; what is seen of it is taken for that")
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))

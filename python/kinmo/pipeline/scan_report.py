@@ -10,7 +10,6 @@ from kinmo.pipeline.evaluation_folder import ALL
 from kinmo.pipeline.report_tables import shown
 from kinmo.pipeline.scan_pictures import HIT_DEGREES, HIT_IOU, read_pictures
 from kinmo.pipeline.scan_table_rows import TABLES
-from kinmo.pipeline.scan_tables import JudgeTrained
 from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.report.page import Picture, Section
 from kinmo.workspace import Workspace
@@ -30,14 +29,16 @@ OUTDATED = (
 def table_sections(workspace: Workspace) -> Iterator[Section]:
     """Tables of scans, a section a category."""
     for name, table in TABLES.items():
-        folder = WrittenTables(workspace, name).folder
-        for category in sorted(path for path in folder.glob("*") if path.is_dir()):
+        written = WrittenTables(workspace, name)
+        folders = sorted(path for path in written.folder.glob("*") if path.is_dir())
+        categories = {folder.name for folder in folders} - {ALL}
+        outdated = {category for category in categories if not written.is_current(category)}
+        for category in folders:
             found = {path.stem: read_table(path) for path in sorted(category.glob("*.json"))}
             tables = [shown(found[key]) for key in ("means", "parts") if key in found]
             more = [shown(other) for key, other in found.items() if key not in ("means", "parts")]
-            known = None if category.name == ALL else category.name
-            note = OUTDATED if JudgeTrained(workspace, known).plan().steps else ""
-            yield Section(f"{table.title}: {category.name}", note, tables=tables, more=more)
+            is_outdated = bool(outdated) if category.name == ALL else category.name in outdated
+            yield Section(f"{table.title}: {category.name}", OUTDATED if is_outdated else "", tables=tables, more=more)
 
 
 def picture_sections(workspace: Workspace) -> Iterator[Section]:

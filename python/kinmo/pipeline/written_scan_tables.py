@@ -11,8 +11,9 @@ from pathlib import Path
 from kinmo.evaluation.scan_records import read_scores
 from kinmo.evaluation.scan_tables import ScanRow, by_part, gap_closed, measure_titles, over_categories, over_parts
 from kinmo.evaluation.tables import Caption, Table, as_text, write_table
-from kinmo.pipeline.ancsh_files import PROTOCOLS, Protocol, scores_path
+from kinmo.pipeline.ancsh_files import PROTOCOLS, Protocol, scores_path, trained_cells
 from kinmo.pipeline.evaluation_folder import ALL
+from kinmo.pipeline.judged_scans import JudgedScans
 from kinmo.pipeline.scan_dataset import ScanDataset, open_scan_dataset
 from kinmo.pipeline.scan_table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
@@ -65,6 +66,16 @@ class WrittenTables:
         caption = self._caption(str(dataset.structure), _objects_of(dataset), self._seeds_run(category, seeds), protocol)
         summed = replace(caption, note=" ".join(filter(None, [caption.note, _gaps(rows, dataset.structure)])))
         return {"parts": by_part(rows, dataset.structure, caption), "means": over_parts(rows, dataset.structure, summed)}
+
+    def is_current(self, category: str) -> bool:
+        """Whether nothing has changed since its figures were measured."""
+        for row in TABLES[self.name].rows:
+            place = row.workspace(self.workspace)
+            cells = [cell for cell in trained_cells(place) if (cell.category, cell.setting) == (category, row.setting)]
+            shown = (cell for cell in cells if self._scores(row, category, cell.seed).exists())
+            if not all(JudgedScans(place, cell, row.on_rough).is_current() for cell in shown):
+                return False
+        return True
 
     def over_categories(self, seeds: Mapping[str, Sequence[int]], protocol: Protocol = "kinmo") -> Table:
         """Means over the categories of `seeds`. (The paper's own average degrees together with lengths.)"""

@@ -68,10 +68,13 @@ def scan_rotations(points: NDArray[np.floating], axes: Axes) -> F64:
 def manhattan_axes(points: NDArray[np.floating]) -> F64:
     """The axes [F, 3, 3] that most surfaces of scans [F, n, 3] face, in the order of a camera's as far as can be told.
 
-    Of the six directions up is the one nearest to `USUALLY_UP`, which it is wherever the camera is upright and not below the
-    object; ahead is, of the level ones, the one that points away from the camera most.
+    Of the six directions up is the one nearest to `USUALLY_UP`, which it is wherever the camera is upright and above the object
+    (from level on, up and ahead may be taken for each other); ahead is, of the level ones, the one that points away from the
+    camera most.
     """
-    frames = np.swapaxes(_core.manhattan_frames(np.ascontiguousarray(points, np.float32)), 1, 2)
+    low = points.min(axis=1, keepdims=True)
+    size = np.maximum(np.max(points - low, axis=(1, 2), keepdims=True), 1e-9)
+    frames = np.swapaxes(_core.manhattan_frames(np.asarray((points - low) / size, np.float32)), 1, 2)
     directions, rows = np.concatenate([frames, -frames], axis=1), np.arange(len(frames))
     up = directions[rows, (directions @ USUALLY_UP).argmax(axis=1)]
     is_level = np.abs(np.einsum("fki,fi->fk", directions, up)) < 0.5

@@ -80,10 +80,18 @@ def _extents(answers: Sequence[PointAnswers], estimates: Sequence[ScanEstimate])
 
 
 def _joints(answers: Sequence[PointAnswers], structure: Structure, typical: Typical) -> tuple[Joint, ...]:
+    """Pivots are medians; directions the lines that come nearest to what the frames say, of the sign that most say."""
     said = [said_joints(answer, structure, typical) for answer in answers]
-    directions, pivots = (np.median([frame[place] for frame in said], axis=0) for place in (0, 1))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    directions = [_mean_direction(np.stack([frame[0][row] for frame in said])) for row in range(len(structure.kinds))]
+    pivots = np.median([frame[1] for frame in said], axis=0)
     return tuple(
         Joint(kind, direction, pivot - MIDDLE)
         for kind, direction, pivot in zip(structure.kinds, directions, pivots, strict=True)
     )
+
+
+def _mean_direction(directions: F64) -> F64:
+    """The unit vector [3] along the line that unit vectors [n, 3] are nearest to, whatever their signs."""
+    _, axes = np.linalg.eigh(directions.T @ directions)
+    line = np.asarray(axes[:, -1])
+    return -line if (directions @ line > 0.0).mean() < 0.5 else line

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 
-use crate::manhattan::{NEIGHBOURS, faced_share, fitted};
+use crate::manhattan::{NEIGHBOURS, faced, fitted};
 use crate::normals::{Normal, normals};
 use crate::ransac::Pair;
 use crate::similarity::angle_between;
@@ -13,12 +13,18 @@ const REACHES: [f64; 6] = [0.45, 0.35, 0.25, 0.15, 0.1, 0.1];
 const REACH_ABOUT: f64 = 0.2;
 /// At least this share of what is seen of a part must face the axes that were found.
 const LEAST_SHARE: f64 = 0.3;
+/// What is seen of a part of which less than this share (of what faces the first axis) faces another tells of one axis alone.
+const ONE_SIDED: f64 = 0.15;
 /// Farther than this, in radians, no part is turned.
 const FARTHEST: f64 = 0.5;
 /// Farther than this, none is turned about a given axis.
 const FARTHEST_ABOUT: f64 = 0.3;
 /// Between the angles that are tried about a given axis.
 const STEP: f64 = 0.01;
+/// So much of the share is the largest turn about a given axis worth: of turns that are as good the least is taken.
+const PRICE: f64 = 0.02;
+/// Cosine to a given axis from which on normals do not tell how far a part is turned about it.
+const ALONG: f64 = 0.7;
 
 /// What is seen of the parts of one object, and which of them are `square`: those whose surfaces face their axes.
 pub struct Facing<'a> {
@@ -41,9 +47,15 @@ impl<'a> Facing<'a> {
         }
         let normals = &self.normals[part];
         let found = fitted(rotation, normals, &REACHES);
+        let faced = faced(&found, normals, REACHES[REACHES.len() - 1]);
+        let (most, all) = (faced.imax(), normals.iter().map(|normal| normal.weight).sum::<f64>());
+        let is_one_sided = faced.sum() - faced[most] < ONE_SIDED * faced[most];
+        // Of one axis, how it is tilted is known, and not how the part is turned about it.
+        let axis = |frame: &Rotation3<f64>| frame.matrix().column(most).into_owned();
+        let tilted = || Rotation3::rotation_between(&axis(&rotation), &axis(&found)).map(|tilt| tilt * rotation);
+        let found = if is_one_sided { tilted().unwrap_or(rotation) } else { found };
         let is_near = angle_between(&found, &rotation) <= FARTHEST;
-        let is_faced = || faced_share(&found, normals, REACHES[REACHES.len() - 1]) >= LEAST_SHARE;
-        if is_near && is_faced() { found } else { rotation }
+        if is_near && faced.sum() >= LEAST_SHARE * all && all > 0.0 { found } else { rotation }
     }
 
     /// As [`Self::turned`], about a `direction` of the part alone.
@@ -56,12 +68,18 @@ impl<'a> Facing<'a> {
         if !self.square[part] {
             return rotation;
         }
+        let line = rotation * direction;
+        let across = self.normals[part].iter().filter(|normal| normal.direction.dot(&line).abs() < ALONG);
+        let across: Vec<Normal> = across.copied().collect();
+        let all: f64 = self.normals[part].iter().map(|normal| normal.weight).sum();
         let steps = (FARTHEST_ABOUT / STEP).round() as i32;
-        let tried =
-            (-steps..=steps).map(|step| rotation * Rotation3::from_axis_angle(direction, f64::from(step) * STEP));
-        let shared = tried.map(|turned| (faced_share(&turned, &self.normals[part], REACH_ABOUT), turned));
-        match shared.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((share, found)) if share >= LEAST_SHARE => found,
+        let tried = (-steps..=steps).map(|step| {
+            let turned = rotation * Rotation3::from_axis_angle(direction, f64::from(step) * STEP);
+            let share = faced(&turned, &across, REACH_ABOUT).sum() / all.max(f64::MIN_POSITIVE);
+            (share, share - PRICE * f64::from(step.abs()) / f64::from(steps), turned)
+        });
+        match tried.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((share, _, found)) if share >= LEAST_SHARE => found,
             _ => rotation,
         }
     }
@@ -109,6 +127,28 @@ mod tests {
             let start = truth * Rotation3::from_axis_angle(&Vector3::y_axis(), wrong);
             let found = Facing::new(&[&pairs], &[true]).turned_about(0, start, &Vector3::y_axis());
             prop_assert!(angle_between(&found, &truth) < 2.0 * STEP);
+        }
+    }
+
+    /// What is seen of a flat side, a little uneven.
+    fn side(places: &[[f64; 3]], rotation: Rotation3<f64>) -> Vec<Pair> {
+        let place = |place: &[f64; 3]| Point3::new(place[0], place[1], 0.02 * place[2]);
+        places.iter().map(|at| (place(at), rotation * place(at))).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn of_one_side_alone_a_part_is_tilted_and_not_turned_about_its_normal(
+            turn in prop::array::uniform3(-3.0..3.0),
+            tilt in -0.15..0.15,
+            places in prop::collection::vec(prop::array::uniform3(0.0..1.0), 300),
+        ) {
+            let truth = Rotation3::new(turn.into());
+            let pairs = side(&places, truth);
+            let facing = Facing::new(&[&pairs], &[true]);
+            let found = facing.turned(0, truth * Rotation3::from_axis_angle(&Vector3::x_axis(), tilt));
+            prop_assert!(angle_between(&found, &truth) < 0.03);
+            prop_assert_eq!(facing.turned_about(0, truth, &Vector3::z_axis()), truth);
         }
     }
 

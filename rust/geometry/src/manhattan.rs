@@ -30,14 +30,9 @@ pub fn manhattan_frame(points: &[Point3<f64>]) -> Rotation3<f64> {
     let normals = normals(points, NEIGHBOURS);
     let Some(found) = through_two_normals(&normals) else { return Rotation3::identity() };
     let found = fitted(found, &normals, &REACHES);
-    let mut faced = [0.0; 3];
-    for normal in &normals {
-        let (axis, _, weight) = faced_axis(&found, normal, REACHES[REACHES.len() - 1]);
-        faced[axis] += weight;
-    }
-    let first = if faced[0] >= faced[1].max(faced[2]) { 0 } else { 1 + usize::from(faced[2] > faced[1]) };
-    let others = faced.iter().sum::<f64>() - faced[first];
-    if others >= ONE_SIDED * faced[first] {
+    let faced = faced(&found, &normals, REACHES[REACHES.len() - 1]);
+    let first = faced.imax();
+    if faced.sum() - faced[first] >= ONE_SIDED * faced[first] {
         return found;
     }
     let axes = flush_axes(points, found.matrix().column(first).into());
@@ -49,10 +44,19 @@ pub fn share_facing_axes(points: &[Point3<f64>]) -> f64 {
     faced_share(&Rotation3::identity(), &normals(points, NEIGHBOURS), FACING)
 }
 
+/// How much of `normals` is nearer to each axis of `frame` than by the sine `reach`, what is on it counted whole.
+pub(crate) fn faced(frame: &Rotation3<f64>, normals: &[Normal], reach: f64) -> Vector3<f64> {
+    let mut faced = Vector3::zeros();
+    for normal in normals {
+        let (axis, _, weight) = faced_axis(frame, normal, reach);
+        faced[axis] += weight;
+    }
+    faced
+}
+
 /// The share of `normals` that are nearer to an axis of `frame` than by the sine `reach`, those on it counted whole.
 pub(crate) fn faced_share(frame: &Rotation3<f64>, normals: &[Normal], reach: f64) -> f64 {
-    let faced: f64 = normals.iter().map(|normal| faced_axis(frame, normal, reach).2).sum();
-    faced / normals.iter().map(|normal| normal.weight).sum::<f64>().max(f64::MIN_POSITIVE)
+    faced(frame, normals, reach).sum() / normals.iter().map(|normal| normal.weight).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 /// `frame`, turned so that `normals` near to its axes are nearest to them; each of `reaches` is a round.
@@ -66,7 +70,10 @@ pub(crate) fn fitted(frame: Rotation3<f64>, normals: &[Normal], reaches: &[f64])
             sum += normal.direction * (sign * weight);
             total += weight;
         }
-        // What nothing faces stays where it is.
+        if total == 0.0 {
+            return frame;
+        }
+        // An axis that nothing faces stays as near as can be to where it is.
         nearest_rotation(sums + frame.matrix() * (1e-6 * total)).unwrap_or(frame)
     })
 }

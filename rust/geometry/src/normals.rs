@@ -1,5 +1,7 @@
 //! Normals of a surface of which only points are known.
 
+use std::cmp::Ordering;
+
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::point_tree::PointTree;
@@ -17,7 +19,28 @@ pub struct Normal {
 }
 
 /// The normal at every one of `points`: the direction in which that and its nearest `neighbours` spread least.
+///
+/// A point that is there several times is one.
 pub fn normals(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal> {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|a, b| compare(&points[*a], &points[*b]));
+    let mut distinct: Vec<Point3<f64>> = Vec::with_capacity(points.len());
+    let mut places = vec![0; points.len()];
+    for index in order {
+        if distinct.last() != Some(&points[index]) {
+            distinct.push(points[index]);
+        }
+        places[index] = distinct.len() - 1;
+    }
+    let found = normals_of_distinct(&distinct, neighbours);
+    places.into_iter().map(|place| found[place]).collect()
+}
+
+fn compare(a: &Point3<f64>, b: &Point3<f64>) -> Ordering {
+    a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
+}
+
+fn normals_of_distinct(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal> {
     if points.is_empty() {
         return Vec::new();
     }
@@ -55,10 +78,21 @@ mod tests {
         ) {
             let turn = Rotation3::new(Vector3::from(turn));
             let points: Vec<_> = places.iter().map(|[x, y]| turn * Point3::new(*x, *y, height)).collect();
-            for normal in normals(&points, 8) {
+            let found = normals(&points, 8);
+            prop_assert!(found.iter().filter(|normal| normal.weight > 0.9).count() > points.len() / 2);
+            for normal in found {
                 prop_assert!(normal.weight < 0.9 || (normal.direction.dot(&(turn * Vector3::z())).abs() - 1.0).abs() < 1e-6);
             }
         }
+    }
+
+    #[test]
+    fn points_that_are_there_many_times_tell_what_they_tell_once() {
+        let points: Vec<_> = (0..25).map(|i| Point3::new(f64::from(i % 5), f64::from(i / 5), 0.0)).collect();
+        let many: Vec<_> = points.iter().copied().cycle().take(500).collect();
+        let once = normals(&points, 8);
+        assert_eq!(normals(&many, 8), once.iter().copied().cycle().take(500).collect::<Vec<_>>());
+        assert!(once.iter().all(|normal| normal.weight == 1.0));
     }
 
     #[test]

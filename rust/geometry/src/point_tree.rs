@@ -80,7 +80,7 @@ impl PointTree {
         result
     }
 
-    /// The `count` points nearest to `query`, or all, the nearest first, into `found`.
+    /// The `count` (at least 1) points nearest to `query`, or all, the nearest first, into `found`.
     pub fn nearest(&self, query: &Point3<f64>, count: usize, found: &mut Vec<Neighbour>) {
         found.clear();
         self.visit(query, f64::INFINITY, |slot, squared| {

@@ -17,6 +17,8 @@ const MARGIN: f64 = 0.1;
 /// What is turned to face its axes may disagree with its pairs by so many times what it did: answers without errors are better
 /// than normals.
 const MOST_RISE: f64 = 1.5;
+/// Of angles.
+const ROUNDING: f64 = 1e-9;
 /// A shift is fitted anew to its inliers so often.
 const FITS: usize = 2;
 
@@ -24,8 +26,9 @@ const FITS: usize = 2;
 /// axes, if it is `square`, and every other as its tie lets it against the first part of that.
 ///
 /// What slides is turned as that, what turns is tried at every angle of its tie's range (of `ranges`), and the best taken: that
-/// with the least sum of residuals, each counted up to `threshold`. If it is square it is turned about its tie to face its axes.
-/// Scales stay as they are, and so does a part without pairs, or whose tie turns without a range.
+/// with the least sum of residuals, each counted up to `threshold`. Where pairs clearly tell of an angle out of the range, or of
+/// one the other way round, that is taken. If it is square the part is turned about its tie to face its axes, within the range.
+/// What turns without a range goes along with what it hangs by. Scales stay as they are, and so do parts without pairs.
 pub fn settled(
     parts: &[&[Pair]],
     ties: &[Tie],
@@ -35,13 +38,10 @@ pub fn settled(
     threshold: f64,
 ) -> Vec<Similarity> {
     let facing = Facing::new(parts, square);
-    let mut poses = poses.to_vec();
+    let mut settled = poses.to_vec();
     for part in (0..poses.len()).filter(|part| ties.iter().all(|tie| tie.parts[1] != *part)) {
-        let pose = poses[part];
-        let turned = about_inliers(parts[part], &pose, facing.turned(part, pose.rotation), threshold);
-        if cost(parts[part], &turned, threshold) <= MOST_RISE * cost(parts[part], &pose, threshold) {
-            poses[part] = turned;
-        }
+        let rotation = facing.turned(part, poses[part].rotation);
+        settled[part] = turned_if_it_fits(parts[part], &poses[part], rotation, threshold);
     }
     let mut waiting: Vec<(&Tie, &Option<[f64; 2]>)> = ties.iter().zip(ranges).collect();
     while !waiting.is_empty() {
@@ -50,22 +50,76 @@ pub fn settled(
         let next = waiting.iter().position(is_free).unwrap_or(0);
         let (tie, range) = waiting.remove(next);
         let [first, second] = tie.parts;
-        let [before, after] = [poses[first], poses[second]];
-        let now = turn_about(&(before.rotation.inverse() * after.rotation), &tie.direction);
-        let turns = allowed_turns(tie, range, now).into_iter().map(|turn| before.rotation * turn);
-        let tried = turns.filter_map(|rotation| placed(parts[second], rotation, after.scale, threshold));
-        let Some((least, best)) = tried.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
-        poses[second] = best;
-        if tie.kind != JointKind::Prismatic {
-            let turned = facing.turned_about(second, best.rotation, &tie.direction);
-            if let Some((_, pose)) =
-                placed(parts[second], turned, after.scale, threshold).filter(|(cost, _)| *cost <= MOST_RISE * least)
-            {
-                poses[second] = pose;
-            }
+        let (pairs, pose) = (parts[second], settled[second]);
+        if pairs.is_empty() {
+            continue;
         }
+        let place = |rotation| placed(pairs, rotation, pose.scale, threshold);
+        settled[second] = match (tie.kind, range) {
+            (JointKind::Prismatic, _) => place(settled[first].rotation).pose,
+            (_, None) => {
+                let along = settled[first].rotation * poses[first].rotation.inverse();
+                turned_if_it_fits(pairs, &pose, along * pose.rotation, threshold)
+            }
+            (_, Some(range)) => {
+                let hinge = Hinge { rotation: settled[first].rotation, direction: tie.direction, range: *range };
+                let found = hinge.best(&pose.rotation, place);
+                let turned = facing.turned_about(second, found.pose.rotation, &tie.direction);
+                let faced = place(turned);
+                let fits =
+                    faced.cost <= MOST_RISE * found.cost && hinge.allows(&turned) == hinge.allows(&found.pose.rotation);
+                if fits { faced.pose } else { found.pose }
+            }
+        };
     }
-    poses
+    settled
+}
+
+/// What a part hangs by: the rotation of the part before it, the direction in that, and how far it turns.
+struct Hinge {
+    rotation: Rotation3<f64>,
+    direction: Unit<Vector3<f64>>,
+    range: [f64; 2],
+}
+
+impl Hinge {
+    /// The best place of the part: within the range, unless another is clearly better, where the part is `now` or that with
+    /// the direction the other way round.
+    fn best(&self, now: &Rotation3<f64>, place: impl Fn(Rotation3<f64>) -> Placed) -> Placed {
+        let [low, high] = [self.range[0] - MARGIN, self.range[1] + MARGIN];
+        let now = self.angle(now);
+        let steps = ((high - low) / STEP).ceil();
+        let angles: Vec<f64> = (0..=steps as usize).map(|step| low + (high - low) * step as f64 / steps).collect();
+        let least = |angles: &mut dyn Iterator<Item = f64>| {
+            let placed = angles.map(|angle| place(self.rotation * Rotation3::from_axis_angle(&self.direction, angle)));
+            placed.min_by(|a, b| a.cost.total_cmp(&b.cost))
+        };
+        let allowed = [now - TAU, now, now + TAU].map(|now| now.clamp(low, high));
+        let inside = least(&mut angles.iter().copied().chain(allowed));
+        let outside = least(&mut angles.iter().map(|angle| -angle).chain([now]));
+        let (inside, outside) = (inside.expect("three angles at least"), outside.expect("one angle at least"));
+        if outside.cost * MOST_RISE < inside.cost { outside } else { inside }
+    }
+
+    /// The angle of the turn about the hinge that is nearest to that of a part.
+    fn angle(&self, rotation: &Rotation3<f64>) -> f64 {
+        let turn = UnitQuaternion::from_rotation_matrix(&(self.rotation.inverse() * rotation));
+        2.0 * turn.imag().dot(&self.direction).atan2(turn.w)
+    }
+
+    /// Whether a part is within the range.
+    fn allows(&self, rotation: &Rotation3<f64>) -> bool {
+        let angle = self.angle(rotation);
+        let is_inside =
+            |angle: f64| self.range[0] - MARGIN - ROUNDING <= angle && angle <= self.range[1] + MARGIN + ROUNDING;
+        [angle - TAU, angle, angle + TAU].into_iter().any(is_inside)
+    }
+}
+
+/// A pose with another rotation, if that fits its pairs about as well.
+fn turned_if_it_fits(pairs: &[Pair], pose: &Similarity, rotation: Rotation3<f64>, threshold: f64) -> Similarity {
+    let turned = about_inliers(pairs, pose, rotation, threshold);
+    if cost(pairs, &turned, threshold) <= MOST_RISE * cost(pairs, pose, threshold) { turned } else { *pose }
 }
 
 /// A pose with another rotation, about the middle of its inliers.
@@ -77,49 +131,30 @@ fn about_inliers(pairs: &[Pair], pose: &Similarity, rotation: Rotation3<f64>, th
     Similarity { rotation, translation, ..*pose }
 }
 
-/// The angle about `direction` of the turn about that which is nearest to `rotation`.
-fn turn_about(rotation: &Rotation3<f64>, direction: &Unit<Vector3<f64>>) -> f64 {
-    let turn = UnitQuaternion::from_rotation_matrix(rotation);
-    2.0 * turn.imag().dot(direction).atan2(turn.w)
-}
-
-/// All that a tie allows, and that nearest to where its second part is turned `now`.
-fn allowed_turns(tie: &Tie, range: &Option<[f64; 2]>, now: f64) -> Vec<Rotation3<f64>> {
-    match (tie.kind, range) {
-        (JointKind::Prismatic, _) => vec![Rotation3::identity()],
-        (_, None) => Vec::new(),
-        (_, Some([low, high])) => {
-            let (low, high) = (low - MARGIN, high + MARGIN);
-            let steps = ((high - low) / STEP).ceil() as usize;
-            let angle = |step: usize| low + (high - low) * step as f64 / steps as f64;
-            let now = [now - TAU, now, now + TAU].map(|now| now.clamp(low, high));
-            let tried = (0..=steps).map(angle).chain(now);
-            tried.map(|angle| Rotation3::from_axis_angle(&tie.direction, angle)).collect()
-        }
-    }
-}
-
 /// The sum of residuals, each counted up to `threshold`.
 fn cost(pairs: &[Pair], pose: &Similarity, threshold: f64) -> f64 {
     pairs.iter().map(|(source, target)| (target - pose.apply(source)).norm().min(threshold)).sum()
 }
 
-/// The shift that a turn and a scale leave, and the sum of residuals; `None` without pairs.
-fn placed(pairs: &[Pair], rotation: Rotation3<f64>, scale: f64, threshold: f64) -> Option<(f64, Similarity)> {
-    if pairs.is_empty() {
-        return None;
-    }
+/// A pose and the sum of its residuals.
+struct Placed {
+    cost: f64,
+    pose: Similarity,
+}
+
+/// The shift that a turn and a scale leave to pairs, of which there must be one.
+fn placed(pairs: &[Pair], rotation: Rotation3<f64>, scale: f64, threshold: f64) -> Placed {
     let shifts: Vec<Vector3<f64>> =
         pairs.iter().map(|(source, target)| target.coords - rotation * source.coords * scale).collect();
-    let mut shift = medians(&shifts);
+    let mut translation = medians(&shifts);
     for _ in 0..FITS {
-        let near: Vec<_> = shifts.iter().filter(|each| (*each - shift).norm() < threshold).collect();
+        let near: Vec<_> = shifts.iter().filter(|each| (*each - translation).norm() < threshold).collect();
         if !near.is_empty() {
-            shift = near.iter().copied().sum::<Vector3<f64>>() / near.len() as f64;
+            translation = near.iter().copied().sum::<Vector3<f64>>() / near.len() as f64;
         }
     }
-    let found = Similarity { rotation, scale, translation: shift };
-    Some((cost(pairs, &found, threshold), found))
+    let pose = Similarity { rotation, scale, translation };
+    Placed { cost: cost(pairs, &pose, threshold), pose }
 }
 
 fn medians(vectors: &[Vector3<f64>]) -> Vector3<f64> {
@@ -186,5 +221,24 @@ mod tests {
         assert_eq!(found(slider)[1].rotation, found(slider)[0].rotation);
         assert_eq!(found(slider)[1].translation, Vector3::z());
         assert_eq!(found(hinge)[1], pose(2.0));
+    }
+
+    #[test]
+    fn answers_without_error_are_right_whatever_range_and_direction_are_said() {
+        let pose = |angle| Similarity {
+            rotation: Rotation3::from_axis_angle(&Vector3::z_axis(), angle),
+            scale: 1.0,
+            translation: Vector3::x(),
+        };
+        let places = [[0.0, 0.0, 0.0], [1.0, 0.2, 0.0], [0.3, 0.6, 0.1], [0.5, 0.1, 0.9]].map(Point3::from);
+        for (direction, range) in
+            [(Vector3::z_axis(), [0.0, 1.5]), (-Vector3::z_axis(), [0.0, 1.5]), (Vector3::z_axis(), [2.0, 2.5])]
+        {
+            let truth = pose(1.2);
+            let pairs = places.map(|place| (place, truth.apply(&place)));
+            let tie = Tie { parts: [0, 1], kind: JointKind::Revolute, direction };
+            let found = settled(&[&[], &pairs], &[tie], &[Some(range)], &[false; 2], &[pose(0.0), truth], 0.3)[1];
+            assert!((found.rotation.matrix() - truth.rotation.matrix()).norm() < 1e-6, "{direction:?} {range:?}");
+        }
     }
 }

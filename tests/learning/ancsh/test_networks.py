@@ -122,6 +122,17 @@ def test_training_makes_the_loss_smaller_and_what_is_written_answers_scans(file:
     np.testing.assert_array_equal(answers[0].npcs, again[0].npcs)
 
 
+def test_how_large_a_scan_is_does_not_matter(file: ScanFile) -> None:
+    torch.manual_seed(0)
+    parts = file.structure.part_count
+    network = AncshNetwork(TINY, parts, parts).eval()
+    networks = Ancsh(network, network, TINY, file.structure, Typical.unknown(file.structure), "cpu")
+    points = file.read("points", 0).astype(np.float64)
+    here, there = (networks.answer([cloud])[0] for cloud in (points, 1e5 * points))
+    np.testing.assert_allclose(here.npcs, there.npcs, atol=5e-3)
+    np.testing.assert_allclose(here.frame.rotation, there.frame.rotation, atol=1e-3)
+
+
 def test_what_takes_parts_to_the_object_is_read_off_the_points_whatever_single_points_say() -> None:
     rng = np.random.default_rng(0)
     npcs, scales, shifts = rng.uniform(0.1, 0.9, (90, 3, 3)), np.array([0.9, 0.5, 0.2]), rng.uniform(-0.3, 0.5, (3, 3))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kinmo.config import AncshConfig
 from kinmo.learning.ancsh.loss import ScanBatch
 from kinmo.learning.ancsh.targets import canonical_coordinates, surroundings
-from kinmo.scans.input_frame import InputFrame, scan_rotations
+from kinmo.scans.input_frame import InputFrame, manhattan_axes
 from kinmo.scans.scan_file import ScanFile
 
 F64 = NDArray[np.float64]
@@ -22,7 +22,7 @@ class ScanData:
 
     def __init__(self, training: Sequence[ScanFile], validation: Sequence[ScanFile], config: AncshConfig) -> None:
         self.training, self.validation, self.config = list(training), list(validation), config
-        self._rotations: dict[int, F64] = {}
+        self._rotations: dict[ScanFile, F64] = {}
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[ScanBatch]:
         size = self.config.batch_frames
@@ -46,9 +46,11 @@ class ScanData:
 
     def _rotation(self, file: ScanFile, row: int) -> F64:
         """The axes [3, 3] of a frame; those of all frames of a file are looked for at once, and once."""
-        if id(file) not in self._rotations:
-            self._rotations[id(file)] = scan_rotations(file.read("points"), self.config.axes)
-        return np.asarray(self._rotations[id(file)][row])
+        if self.config.axes == "camera":
+            return np.eye(3)
+        if file not in self._rotations:
+            self._rotations[file] = manhattan_axes(file.read("points"))
+        return np.asarray(self._rotations[file][row])
 
 
 def _seen_and_said(

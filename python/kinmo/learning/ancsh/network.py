@@ -89,8 +89,9 @@ class PartMaps(nn.Module):
 
     def forward(self, points: Tensor, whole: Tensor) -> Tensor:
         """`points` [B, n, 3], `whole` [B, 1, C] -> [B, n, K, 3]."""
-        matrices, shifts = self.layers(whole).view(len(points), 1, self.parts, 3, 4).split((3, 1), -1)
-        mapped: Tensor = (matrices @ points[:, :, None, :, None] + shifts).squeeze(-1)
+        maps = self.layers(whole).view(len(points), self.parts, 3, 4)
+        matrices, shifts = maps[..., :3], maps[:, None, :, :, 3]
+        mapped: Tensor = torch.einsum("bkij,bnj->bnki", matrices, points) + shifts
         return self.SLOPE * mapped
 
 

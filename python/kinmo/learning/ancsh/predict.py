@@ -25,7 +25,7 @@ from kinmo.typed_tables import from_table
 F64 = NDArray[np.float64]
 
 SCANS_AT_ONCE = 16
-LEAST_POINTS = 1024
+POINTS_TO_ASK_ABOUT = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +45,7 @@ class Ancsh:
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
         config, structure = _config_of(loaded), _structure_of(loaded)
+        typical = _typical_of(loaded, structure)
         joints = AncshNetwork(config, structure.part_count, int(loaded.facts["classes"]))
         loaded.fill(joints)
         parts: PartNetwork = joints
@@ -54,12 +55,12 @@ class Ancsh:
                 raise InputError(part_weights, f"is for other objects than {weights}")
             parts = PartNetwork(_config_of(own), structure.part_count, int(own.facts["classes"]))
             own.fill(parts)
-        return cls(joints.to(device).eval(), parts.to(device).eval(), config, structure, _typical_of(loaded, structure), device)
+        return cls(joints.to(device).eval(), parts.to(device).eval(), config, structure, typical, device)
 
     @property
     def points(self) -> int:
         """So many of a scan are to be seen; fewer do to train on, and too few tell no normals."""
-        return max(self.config.points, LEAST_POINTS)
+        return max(self.config.points, POINTS_TO_ASK_ABOUT)
 
     def find(
         self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None, *, seed: int = 0

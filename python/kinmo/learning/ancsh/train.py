@@ -53,7 +53,7 @@ def train_ancsh(
         "kinds": [kind.value for kind in structure.kinds],
         "parents": list(structure.parents),
         "classes": learner.classes,
-        "typical": Typical.of(used[0]).to_data(),
+        "typical": Typical.of(_of_true_labels(used[0])).to_data(),
         "seed": seed,
         "objects": len(used[0]),
         "frames": sum(file.frames for file in used[0]),
@@ -62,6 +62,11 @@ def train_ancsh(
     }
     save_weights(run_dir / "weights.safetensors", learner.network, KIND, to_table(config), facts)
     return result
+
+
+def _of_true_labels(files: Sequence[ScanFile]) -> Sequence[ScanFile]:
+    """Those that no network labelled; all, if it labelled all."""
+    return [file for file in files if file.provenance.get("role") in ("train", "hidden")] or files
 
 
 def structure_of(files: Sequence[ScanFile]) -> Structure:
