@@ -261,7 +261,8 @@ class AncshConfig:
     `points` points; `validation_frames` an object choose the best. `ties`: predicted joints tie the poses of all parts of the
     `tree` together, and what is typical of the objects trained on narrows these down; or as in the release joints tie two parts
     at a time (`pairs`), or `none`. What networks say of a scan is a label for others where of every part at least the share
-    `confidence` of its points agrees on where that is.
+    `confidence` of its points agrees on where that is. Objects with true labels have the share `trusted` of the scans of a
+    batch at least (0: all objects have equal odds).
     """
 
     training: TrainingConfig
@@ -282,6 +283,7 @@ class AncshConfig:
     validation_frames: Count = 4
     ties: Literal["tree", "pairs", "none"] = "tree"
     confidence: Share = 0.8
+    trusted: Share = 0.5
 
 
 @dataclass(frozen=True)

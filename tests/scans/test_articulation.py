@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinmo.scans.articulation import articulations, joint_range
+from kinmo.mobility import Body, Mobility
+from kinmo.scans.articulation import articulations, joint_range, opened_as_usual
 from scanned import cupboard_object, hinge, slider
 
 
@@ -49,3 +50,19 @@ def test_a_screw_turns_too() -> None:
     states = list(articulations(cupboard_object().mobility, 5, "independent", np.random.default_rng(1)))
     assert all(set(state.turns) == {2} for state in states)
     assert len({state.turns[2] for state in states}) == 5
+
+
+def test_hinges_that_nothing_stops_open_as_far_as_others_do() -> None:
+    free, stopped = hinge((0.0, 0.0, 0.0), upper=np.pi / 2), hinge((0.0, 0.0, 0.0), upper=1.0)
+    bodies = [
+        Body(0, "base", ()),
+        Body(1, "free", (), 0, free),
+        Body(2, "stopped", (), 0, stopped),
+        Body(3, "drawer", (), 0, slider()),
+    ]
+    mobility = Mobility(tuple(bodies))
+    for turn, expected in ((np.pi, np.pi), (0.5, np.pi / 2)):
+        opened = opened_as_usual(mobility, np.pi / 2, (turn,), np.random.default_rng(0))
+        uppers = [body.joint.upper for body in opened.bodies if body.joint is not None]
+        assert uppers == [pytest.approx(expected), 1.0, slider().upper]
+    assert opened_as_usual(mobility, np.pi / 2, (), np.random.default_rng(0)) is mobility

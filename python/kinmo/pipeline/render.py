@@ -11,17 +11,22 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+import numpy as np
+
 from kinmo import __version__
 from kinmo.categories import canonical_category, same_category
 from kinmo.config import ScansConfig, SensorConfig, load_config
 from kinmo.errors import InputError, expecting
 from kinmo.formats import Found, Layout, discover, read_found
-from kinmo.pipeline.dataset import open_dataset
+from kinmo.joint import JointKind
+from kinmo.limits import MOST_TURN
+from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.pseudo_label import DECISIONS
 from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, ROLES, Role, scans_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.articulated_object import articulated_object, still_object
+from kinmo.scans.articulation import opened_as_usual
 from kinmo.scans.scan import scan
 from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
 from kinmo.splits import Split
@@ -47,6 +52,8 @@ class Job:
     layout: str
     path: Path
     made_from: str
+    turns: tuple[float, ...] = ()
+    """How wide hinges of labelled shapes of the category open, in radians, for pseudo labels that do not know."""
 
     @property
     def refusal(self) -> Path:
@@ -128,11 +135,12 @@ class Render:
                 found = Found(Path(entry.source), Layout(entry.layout), entry.id)
                 made_from = digest([whole.fingerprint([entry]), way, role])
                 yield _job(self.workspace, found, entry.category, role, entry.layout, made_from)
-        yield from self._pseudo_jobs({entry.category for entry in labelled["train"]}, way)
+        yield from self._pseudo_jobs(own, {entry.category for entry in labelled["train"]}, way)
 
-    def _pseudo_jobs(self, categories: set[str], way: dict[str, Any]) -> Iterator[Job]:
+    def _pseudo_jobs(self, own: Dataset, categories: set[str], way: dict[str, Any]) -> Iterator[Job]:
         if not self.workspace.pseudo.exists():
             return
+        turns = {category: _turns(own, category) for category in categories}
         for found in discover(self.workspace.pseudo, skip=(self.workspace.pseudo / DECISIONS,)):
             meta = found.path / "meta.json"
             with expecting("what kinmo pseudo-label writes", meta):
@@ -140,7 +148,9 @@ class Render:
                 category, layout = canonical_category(data["model_cat"]), data["pseudo_label"]["layout"]
             if category in categories:
                 label = (found.path / "mobility_v2.json").read_bytes()
-                yield _job(self.workspace, found, category, "pseudo", layout, digest([zlib.crc32(label), way]))
+                made_from = digest([zlib.crc32(label), way, turns[category]])
+                job = _job(self.workspace, found, category, "pseudo", layout, made_from)
+                yield replace(job, turns=turns[category])
 
     def _remove_stale(self, jobs: Sequence[Job]) -> None:
         """Remove scans, of the categories at hand, of objects that are no longer there or have another role."""
@@ -174,9 +184,20 @@ class Rendering:
             _refuse(job, str(error))
             return
         seed = zlib.crc32(f"{job.found.id} {job.role} {self.seed}".encode())
+        opening = np.random.default_rng([seed, len(job.turns)])
+        target = replace(target, mobility=opened_as_usual(target.mobility, MOST_TURN, job.turns, opening))
         scans = scan(target, self.config, seed, to_train=job.role not in ("validation", "test"))
         write_scans(job.path, target, scans, {"made_from": job.made_from, "role": job.role, "layout": job.layout})
         job.refusal.unlink(missing_ok=True)
+
+
+def _turns(dataset: Dataset, category: str) -> tuple[float, ...]:
+    """How wide the hinges of the labelled shapes of a category open that are trained on."""
+    entries = [entry for entry in dataset.labelled[Split.TRAIN] if entry.category == category]
+    shapes = (dataset.store.load(entry) for entry in entries)
+    joints = (body.joint for shape in shapes if shape.mobility for _, body in shape.mobility.movable())
+    limits = [(joint.lower, joint.upper) for joint in joints if joint is not None and joint.kind is JointKind.REVOLUTE]
+    return tuple(upper - lower for lower, upper in limits if lower is not None and upper is not None)
 
 
 def _job(workspace: Workspace, found: Found, category: str, role: Role, layout: str, made_from: str) -> Job:

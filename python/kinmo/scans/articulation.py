@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -17,6 +17,8 @@ Sampling = Literal["independent", "lockstep", "release"]
 
 UNLIMITED = (-0.5 * math.pi, 0.5 * math.pi)
 """Radians to either side of the rest of a hinge without limits, and of the turn of a screw."""
+ROUNDING = 1e-6
+"""Of limits in files."""
 RELEASE_ANGLES, RELEASE_SHIFTS = (math.radians(-90.0), math.radians(30.0)), (0.0, 0.4)
 """What the paper's release gives all hinges and all sliders, whatever their limits; lengths are shares of the diagonal."""
 
@@ -36,6 +38,24 @@ def joint_range(joint: Joint) -> tuple[float, float]:
     if joint.kind is JointKind.REVOLUTE:
         return joint.rest + UNLIMITED[0], joint.rest + UNLIMITED[1]
     return joint.rest, joint.rest
+
+
+def opened_as_usual(mobility: Mobility, endless: float, turns: Sequence[float], rng: np.random.Generator) -> Mobility:
+    """The same, its hinges that open as far as `endless` radians, which says that no end is known, opening as others do.
+
+    Each opens as far as one of `turns`, the widths in radians of hinges of known objects, drawn at random.
+    """
+    if not turns:
+        return mobility
+    bodies = []
+    for body in mobility.bodies:
+        joint = body.joint
+        if joint is not None and joint.kind is JointKind.REVOLUTE and joint.lower is not None and joint.upper is not None:
+            wanted = turns[int(rng.integers(len(turns)))]
+            if joint.upper >= endless - ROUNDING:
+                joint = replace(joint, upper=max(joint.upper, joint.lower + wanted))
+        bodies.append(replace(body, joint=joint))
+    return replace(mobility, bodies=tuple(bodies))
 
 
 def articulations(mobility: Mobility, count: int, how: Sampling, rng: np.random.Generator) -> Iterator[Articulation]:

@@ -12,7 +12,7 @@ import torch
 
 from kinmo.config import AncshConfig, ScansConfig, TrainingConfig, load_config
 from kinmo.errors import InputError
-from kinmo.learning.ancsh.data import ScanData
+from kinmo.learning.ancsh.data import ScanData, odds
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
 from kinmo.learning.ancsh.network import AncshNetwork, JointAnswers, PartAnswers, PartMaps, PartNetwork
 from kinmo.learning.ancsh.predict import Ancsh, to_naocs
@@ -188,3 +188,10 @@ def test_a_part_map_is_linear_the_same_for_all_points_and_nothing_before_it_has_
     assert found.shape == (2, 50, 3, 3)
     torch.testing.assert_close(found.mean(1, keepdim=True), middles, rtol=1e-4, atol=1e-5)
     assert not torch.allclose(found[:, :, 0], found[:, :, 1])
+
+
+def test_objects_with_true_labels_have_their_share_of_a_batch() -> None:
+    np.testing.assert_allclose(odds([True, False, False, False], 0.5), [1 / 2, 1 / 6, 1 / 6, 1 / 6])
+    for trusted in ([True, True, True, False], [True, True], [False, False]):
+        np.testing.assert_allclose(odds(trusted, 0.5), 1 / len(trusted))
+    np.testing.assert_allclose(odds([True, False, False, False], 0.0), 1 / 4)

@@ -18,16 +18,20 @@ F64 = NDArray[np.float64]
 
 
 class ScanData:
-    """Frames of many objects, mixed anew every epoch; objects have equal odds whatever the number of their frames."""
+    """Frames of many objects, mixed anew every epoch; objects have equal odds whatever the number of their frames.
+
+    Of every batch those with true labels have the share `config.trusted` at least, where there are others.
+    """
 
     def __init__(self, training: Sequence[ScanFile], validation: Sequence[ScanFile], config: AncshConfig) -> None:
         self.training, self.validation, self.config = list(training), list(validation), config
+        self._odds = odds([has_true_labels(file) for file in training], config.trusted)
         self._rotations: dict[ScanFile, F64] = {}
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[ScanBatch]:
         size = self.config.batch_frames
         for _ in range(self.config.batches_per_epoch):
-            files = [self.training[i] for i in rng.integers(len(self.training), size=size)]
+            files = [self.training[i] for i in rng.choice(len(self.training), size=size, p=self._odds)]
             yield self.batch([(file, int(rng.integers(file.frames))) for file in files], rng)
 
     def validation_batches(self) -> Iterator[ScanBatch]:
@@ -51,6 +55,20 @@ class ScanData:
         if file not in self._rotations:
             self._rotations[file] = manhattan_axes(file.read("points"))
         return np.asarray(self._rotations[file][row])
+
+
+def odds(trusted: Sequence[bool], least: float) -> F64:
+    """How likely each of n objects is to be drawn, [n]: all equally, but the `trusted` ones together `least` likely."""
+    is_trusted = np.array(trusted, bool)
+    share = is_trusted.mean()
+    if share in (0.0, 1.0) or share >= least:
+        return np.full(len(is_trusted), 1.0 / len(is_trusted))
+    return np.asarray(np.where(is_trusted, least / is_trusted.sum(), (1.0 - least) / (~is_trusted).sum()))
+
+
+def has_true_labels(file: ScanFile) -> bool:
+    """Whether no network labelled the scans."""
+    return file.provenance.get("role") not in ("pseudo", "unlabelled")
 
 
 def _seen_and_said(

@@ -10,7 +10,7 @@ import torch
 
 from kinmo.config import AncshConfig, AncshNetworkName
 from kinmo.errors import InputError
-from kinmo.learning.ancsh.data import ScanData
+from kinmo.learning.ancsh.data import ScanData, has_true_labels
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, total
 from kinmo.learning.ancsh.network import KIND, AncshNetwork, PartNetwork
 from kinmo.learning.training import FitResult, Learner, Progress, fit
@@ -53,7 +53,7 @@ def train_ancsh(
         "kinds": [kind.value for kind in structure.kinds],
         "parents": list(structure.parents),
         "classes": learner.classes,
-        "typical": Typical.of(_of_true_labels(used[0])).to_data(),
+        "typical": Typical.of([file for file in used[0] if has_true_labels(file)] or used[0]).to_data(),
         "seed": seed,
         "objects": len(used[0]),
         "frames": sum(file.frames for file in used[0]),
@@ -62,11 +62,6 @@ def train_ancsh(
     }
     save_weights(run_dir / "weights.safetensors", learner.network, KIND, to_table(config), facts)
     return result
-
-
-def _of_true_labels(files: Sequence[ScanFile]) -> Sequence[ScanFile]:
-    """Those that no network labelled; all, if it labelled all."""
-    return [file for file in files if file.provenance.get("role") in ("train", "hidden")] or files
 
 
 def structure_of(files: Sequence[ScanFile]) -> Structure:
