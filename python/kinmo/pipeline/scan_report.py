@@ -33,12 +33,12 @@ def table_sections(workspace: Workspace) -> Iterator[Section]:
         folders = sorted(path for path in written.folder.glob("*") if path.is_dir())
         categories = {folder.name for folder in folders} - {ALL}
         outdated = {category for category in categories if not written.is_current(category)}
-        for category in folders:
-            found = {path.stem: read_table(path) for path in sorted(category.glob("*.json"))}
+        for folder in folders:
+            found = {path.stem: read_table(path) for path in sorted(folder.glob("*.json"))}
             tables = [shown(found[key]) for key in ("means", "parts") if key in found]
             more = [shown(other) for key, other in found.items() if key not in ("means", "parts")]
-            is_outdated = bool(outdated) if category.name == ALL else category.name in outdated
-            yield Section(f"{table.title}: {category.name}", OUTDATED if is_outdated else "", tables=tables, more=more)
+            is_outdated = bool(outdated) if folder.name == ALL else folder.name in outdated
+            yield Section(f"{table.title}: {folder.name}", OUTDATED if is_outdated else "", tables=tables, more=more)
 
 
 def picture_sections(workspace: Workspace) -> Iterator[Section]:

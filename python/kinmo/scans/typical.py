@@ -23,9 +23,9 @@ SQUARE = 0.6
 ALONG = np.cos(np.radians(5.0))
 """From this cosine on a joint is along one of the axes."""
 MOSTLY = 0.9
-"""The share of objects from which on joints are said to be."""
+"""The share of objects from which on a joint is said to be along one."""
 POINTS = 4096
-"""That tell whether a part of an object does."""
+"""Of a part of an object, which tell whether it is square."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::normals::{Normal, normals};
-use crate::rectangle::flush_axes;
+use crate::rectangle::{flush_axes, perpendicular_basis};
+use crate::similarity::nearest_rotation;
 
 /// Points that tell the normal at each.
 pub(crate) const NEIGHBOURS: usize = 12;
@@ -41,7 +42,9 @@ pub fn manhattan_frame(points: &[Point3<f64>]) -> Rotation3<f64> {
 
 /// The share of the surface that `points` were drawn from which faces the coordinate axes.
 pub fn share_facing_axes(points: &[Point3<f64>]) -> f64 {
-    faced_share(&Rotation3::identity(), &normals(points, NEIGHBOURS), FACING)
+    let normals = normals(points, NEIGHBOURS);
+    let all: f64 = normals.iter().map(|normal| normal.weight).sum();
+    faced(&Rotation3::identity(), &normals, FACING).sum() / all.max(f64::MIN_POSITIVE)
 }
 
 /// How much of `normals` is nearer to each axis of `frame` than by the sine `reach`, what is on it counted whole.
@@ -52,11 +55,6 @@ pub(crate) fn faced(frame: &Rotation3<f64>, normals: &[Normal], reach: f64) -> V
         faced[axis] += weight;
     }
     faced
-}
-
-/// The share of `normals` that are nearer to an axis of `frame` than by the sine `reach`, those on it counted whole.
-pub(crate) fn faced_share(frame: &Rotation3<f64>, normals: &[Normal], reach: f64) -> f64 {
-    faced(frame, normals, reach).sum() / normals.iter().map(|normal| normal.weight).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 /// `frame`, turned so that `normals` near to its axes are nearest to them; each of `reaches` is a round.
@@ -74,7 +72,7 @@ pub(crate) fn fitted(frame: Rotation3<f64>, normals: &[Normal], reaches: &[f64])
             return frame;
         }
         // An axis that nothing faces stays as near as can be to where it is.
-        nearest_rotation(sums + frame.matrix() * (1e-6 * total)).unwrap_or(frame)
+        nearest_rotation(sums + frame.matrix() * (1e-6 * total)).map_or(frame, |(nearest, _)| nearest)
     })
 }
 
@@ -87,14 +85,17 @@ fn faced_axis(frame: &Rotation3<f64>, normal: &Normal, reach: f64) -> (usize, f6
 }
 
 fn through_two_normals(normals: &[Normal]) -> Option<Rotation3<f64>> {
+    if normals.is_empty() {
+        return None;
+    }
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-    let step = normals.len().div_ceil(JUDGES).max(1);
+    let step = normals.len().div_ceil(JUDGES);
     let mut best: Option<(f64, Rotation3<f64>)> = None;
-    for _ in 0..if normals.is_empty() { 0 } else { HYPOTHESES } {
+    for _ in 0..HYPOTHESES {
         let [first, second] = [0; 2].map(|_| normals[rng.random_range(0..normals.len())].direction);
         let across = second - first * first.dot(&second);
         // Of a plane alone the second axis is any.
-        let across = across.try_normalize(0.2).unwrap_or_else(|| crate::rectangle::perpendicular_basis(first).0);
+        let across = across.try_normalize(0.2).unwrap_or_else(|| perpendicular_basis(first).0);
         let axes = [first, across, first.cross(&across)];
         let frame = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&axes));
         let score: f64 = normals.iter().step_by(step).map(|normal| faced_axis(&frame, normal, REACHES[1]).2).sum();
@@ -103,13 +104,6 @@ fn through_two_normals(normals: &[Normal]) -> Option<Rotation3<f64>> {
         }
     }
     best.map(|(_, frame)| frame)
-}
-
-fn nearest_rotation(matrix: Matrix3<f64>) -> Option<Rotation3<f64>> {
-    let svd = matrix.svd(true, true);
-    let (u, v_t) = (svd.u?, svd.v_t?);
-    let signs = Vector3::new(1.0, 1.0, (u * v_t).determinant().signum());
-    Some(Rotation3::from_matrix_unchecked(u * Matrix3::from_diagonal(&signs) * v_t))
 }
 
 #[cfg(test)]

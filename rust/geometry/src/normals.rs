@@ -53,8 +53,8 @@ fn normals_of_distinct(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal>
         let spread: Matrix3<f64> = corners().map(|corner| (corner - middle) * (corner - middle).transpose()).sum();
         let eigen = spread.symmetric_eigen();
         let least = eigen.eigenvalues.imin();
-        let [one, other] = [(least + 1) % 3, (least + 2) % 3].map(|axis| eigen.eigenvalues[axis]);
-        let (across, along) = (one.min(other), one.max(other));
+        let [first, second] = [(least + 1) % 3, (least + 2) % 3].map(|axis| eigen.eigenvalues[axis]);
+        let (across, along) = (first.min(second), first.max(second));
         let is_line = across <= NEGLIGIBLE * along;
         let flat = if is_line { 0.0 } else { 1.0 - eigen.eigenvalues[least].max(0.0) / across };
         Normal { direction: eigen.eigenvectors.column(least).into(), weight: flat * flat }

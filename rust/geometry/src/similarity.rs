@@ -27,16 +27,11 @@ impl Similarity {
     /// Umeyama, Least-squares estimation of transformation parameters between two point patterns, 1991.
     pub fn fit(pairs: &[(Point3<f64>, Point3<f64>)]) -> Option<Self> {
         let moments = Moments::of(pairs)?;
-        let svd = moments.covariance.svd(true, true);
-        let (u, v_t) = (svd.u?, svd.v_t?);
-        let values = svd.singular_values;
-        if values[1] <= NEGLIGIBLE * values[0] || moments.spread == 0.0 {
+        let (rotation, stretches) = nearest_rotation(moments.covariance)?;
+        if stretches[1] <= NEGLIGIBLE * stretches[0] || moments.spread == 0.0 {
             return None;
         }
-        let mirror = (u * v_t).determinant().signum();
-        let signs = Vector3::new(1.0, 1.0, mirror);
-        let rotation = Rotation3::from_matrix_unchecked(u * Matrix3::from_diagonal(&signs) * v_t);
-        moments.similarity(rotation, values.dot(&signs) / moments.spread)
+        moments.similarity(rotation, stretches.sum() / moments.spread)
     }
 
     /// The least-squares fit to three pairs, in closed form: both triangles are flat, so that the best turn takes one plane to
@@ -62,6 +57,15 @@ impl Similarity {
         let scale = largest / spread;
         Some(Self { rotation, scale, translation: to.middle - rotation * from.middle * scale })
     }
+}
+
+/// The rotation nearest to a matrix, and how the matrix stretches, the largest first; the last is below 0 if it mirrors.
+pub(crate) fn nearest_rotation(matrix: Matrix3<f64>) -> Option<(Rotation3<f64>, Vector3<f64>)> {
+    let svd = matrix.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    let signs = Vector3::new(1.0, 1.0, (u * v_t).determinant().signum());
+    let rotation = Rotation3::from_matrix_unchecked(u * Matrix3::from_diagonal(&signs) * v_t);
+    Some((rotation, svd.singular_values.component_mul(&signs)))
 }
 
 /// The angle in radians of the turn from one rotation to another; exact where they are the same.
