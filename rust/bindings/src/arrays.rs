@@ -1,5 +1,7 @@
 //! NumPy arrays as arguments: of the right type, shape and range, or refused by name.
 
+use std::borrow::Cow;
+
 use kinmo_geometry::mesh::LARGEST_COORDINATE;
 use kinmo_geometry::{GeometryError, Result};
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -67,7 +69,13 @@ pub fn check_shape<T>(name: &str, array: &ArrayViewD<'_, T>, shape: &[usize]) ->
 
 /// Refuses NaN, infinities, and what would become one when squared and multiplied.
 pub fn check_finite<T: Copy + Into<f64>>(name: &str, array: &ArrayViewD<'_, T>) -> Result<()> {
-    if array.iter().all(|&x| x.into().abs() <= LARGEST_COORDINATE) {
+    let fits = |x: &T| (*x).into().abs() <= LARGEST_COORDINATE;
+    // Values without gaps are read several at a time, all of them.
+    let all_fit = match array.as_slice_memory_order() {
+        Some(values) => values.iter().fold(true, |so_far, x| so_far & fits(x)),
+        None => array.iter().all(fits),
+    };
+    if all_fit {
         return Ok(());
     }
     Err(GeometryError::new(name, format!("not finite, or beyond {LARGEST_COORDINATE:e}")))
@@ -98,9 +106,17 @@ pub fn values_of<'a>(name: &str, array: ArrayViewD<'a, f64>, len: usize) -> Resu
 
 /// `len` finite vectors of three.
 pub fn vectors_of(name: &str, array: ArrayViewD<'_, f64>, len: usize) -> Result<Vec<Vector3<f64>>> {
-    check_shape(name, &array, &[len, 3])?;
-    check_finite(name, &array)?;
-    Ok(rows_of(name, array, 3)?.rows().into_iter().map(|row| Vector3::new(row[0], row[1], row[2])).collect())
+    Ok(triples_of(name, &array, len)?.iter().copied().map(Vector3::from).collect())
+}
+
+/// `len` rows of three finite values, where they lie if there are no gaps between them.
+pub fn triples_of<'a>(name: &str, array: &'a ArrayViewD<'_, f64>, len: usize) -> Result<Cow<'a, [[f64; 3]]>> {
+    check_shape(name, array, &[len, 3])?;
+    check_finite(name, array)?;
+    Ok(match array.as_slice() {
+        Some(values) => Cow::Borrowed(values.as_chunks().0),
+        None => rows_of(name, array.view(), 3)?.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect(),
+    })
 }
 
 /// A finite vector of three.

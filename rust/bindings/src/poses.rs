@@ -7,12 +7,12 @@ use kinmo_geometry::ransac::{self, Pair, Search, is_inlier};
 use kinmo_geometry::settled_pose::settled;
 use kinmo_geometry::similarity::Similarity;
 use kinmo_geometry::{GeometryError, Result};
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 use numpy::ndarray::ArrayView1;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::{Array, check_shape, matrices_of, points_of, rows_of, values_of, vectors_of};
+use crate::arrays::{Array, check_shape, matrices_of, rows_of, triples_of, values_of, vectors_of};
 use crate::batches::map_in_batches;
 use crate::boxes::is_orthonormal;
 use crate::convert::value_error;
@@ -183,11 +183,13 @@ struct Parts {
 
 impl Parts {
     fn of(source: &Array<'_, f64>, target: &Array<'_, f64>, starts: &Array<'_, i64>) -> Result<Self> {
-        let count = source.view().shape().first().copied().unwrap_or(0);
-        let source = points_of("source", source.view(), count)?;
-        let target = points_of("target", target.view(), count)?;
+        let (source, target) = (source.view(), target.view());
+        let count = source.shape().first().copied().unwrap_or(0);
+        let sources = triples_of("source", &source, count)?;
+        let targets = triples_of("target", &target, count)?;
         let ranges = ranges_of("starts", starts, count)?;
-        Ok(Self { pairs: source.into_iter().zip(target).collect(), ranges })
+        let pairs = sources.iter().zip(targets.iter()).map(|(a, b)| (Point3::from(*a), Point3::from(*b))).collect();
+        Ok(Self { pairs, ranges })
     }
 
     fn len(&self) -> usize {

@@ -1,6 +1,6 @@
 //! Poses of the parts of an articulated object that its joints tie to each other.
 
-use nalgebra::{Matrix3, Point3, Rotation3, Unit, Vector3};
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -39,19 +39,12 @@ pub fn tie_poses(parts: &[&[Pair]], ties: &[Tie], poses: &[Similarity], threshol
     let mut poses = poses.to_vec();
     let mut before: Vec<Vec<bool>> = Vec::new();
     for _ in 0..MOST_ROUNDS {
-        let inliers: Vec<Vec<bool>> = parts
-            .iter()
-            .zip(&poses)
-            .map(|(pairs, pose)| pairs.iter().map(|pair| is_inlier(pose, pair, threshold)).collect())
-            .collect();
+        let found = parts.iter().zip(&poses).map(|(pairs, pose)| moments_of_inliers(pairs, pose, threshold));
+        let (inliers, moments): (Vec<_>, Vec<_>) = found.unzip();
         if inliers == before {
             break;
         }
-        let kept = parts.iter().zip(&inliers).map(|(pairs, inliers)| {
-            pairs.iter().zip(inliers).filter(|(_, inlier)| **inlier).map(|(pair, _)| *pair).collect::<Vec<_>>()
-        });
-        let kept: Vec<Vec<Pair>> = kept.collect();
-        poses = tied(&kept.iter().map(Vec::as_slice).collect::<Vec<_>>(), ties, &poses);
+        poses = tied(&moments, ties, &poses);
         before = inliers;
     }
     poses
@@ -81,7 +74,7 @@ pub fn find_tied_poses(
             Similarity::of_triangles(&source, &target).map(|found| Similarity { scale, ..found })
         });
         let Some(starts) = starts.collect::<Option<Vec<_>>>() else { continue };
-        let found = tied(&[&drawn[0], &drawn[1]], &tie, &starts);
+        let found = tied(&drawn.map(|corners| Moments::of(&corners)), &tie, &starts);
         let shares = parts.iter().zip(&found).map(|(pairs, pose)| share_of_inliers(pairs, pose, search.threshold));
         let score = shares.sum::<f64>();
         if best.as_ref().is_none_or(|(highest, _)| score > *highest) {
@@ -96,41 +89,72 @@ fn share_of_inliers(pairs: &[Pair], pose: &Similarity, threshold: f64) -> f64 {
     pairs.iter().filter(|pair| is_inlier(pose, pair, threshold)).count() as f64 / pairs.len() as f64
 }
 
-/// Least squares over all pairs and ties, with the scales of `poses`.
-fn tied(parts: &[&[Pair]], ties: &[Tie], poses: &[Similarity]) -> Vec<Similarity> {
-    let counts: Vec<usize> = parts.iter().map(|pairs| pairs.len()).collect();
-    let couplings: Vec<Coupling> = ties.iter().map(|tie| tie.coupling(&counts)).collect();
-    let middles: Vec<[Vector3<f64>; 2]> = parts.iter().map(|pairs| middles_of(pairs)).collect();
-    let covariances: Vec<Matrix3<f64>> = parts
-        .iter()
-        .zip(&middles)
-        .zip(poses)
-        .map(|((pairs, [source, target]), pose)| {
-            let terms = pairs.iter().map(|(a, b)| (b.coords - target) * (a.coords - source).transpose());
-            terms.sum::<Matrix3<f64>>() * pose.scale
-        })
-        .collect();
-    let starts: Vec<Rotation3<f64>> = poses.iter().map(|pose| pose.rotation).collect();
-    let rotations = couple_rotations(&covariances, &couplings, &starts);
-    let fitted =
-        rotations.into_iter().zip(poses).zip(middles).zip(&counts).map(|(((rotation, pose), middles), count)| {
-            let [source, target] = middles;
-            let shifted = target - rotation * source * pose.scale;
-            let translation = if *count > 0 { shifted } else { pose.translation };
-            Similarity { rotation, translation, ..*pose }
-        });
-    fitted.collect()
+/// What a least-squares fit needs of some pairs.
+#[derive(Debug, Clone, Copy)]
+struct Moments {
+    count: usize,
+    /// Middles of the sources and of the targets.
+    middles: [Vector3<f64>; 2],
+    /// Sum of `target * source^T` about the middles.
+    covariance: Matrix3<f64>,
 }
 
-fn middles_of(pairs: &[Pair]) -> [Vector3<f64>; 2] {
-    let middle = |side: fn(&Pair) -> Point3<f64>| {
-        pairs.iter().map(|pair| side(pair).coords).sum::<Vector3<f64>>() / pairs.len().max(1) as f64
-    };
-    [middle(|pair| pair.0), middle(|pair| pair.1)]
+impl Moments {
+    fn of(pairs: &[Pair]) -> Self {
+        Self::of_some(pairs, |_| true)
+    }
+
+    /// Those of the pairs that are `kept`, each asked about once.
+    fn of_some(pairs: &[Pair], mut kept: impl FnMut(&Pair) -> bool) -> Self {
+        // Sums about the first pair, which is no farther off than they spread, lose nothing to rounding.
+        let near = pairs.first().map_or([Vector3::zeros(); 2], |(source, target)| [source.coords, target.coords]);
+        let (mut count, mut sums, mut products) = (0, [Vector3::zeros(); 2], Matrix3::zeros());
+        for pair in pairs {
+            if kept(pair) {
+                let [source, target] = [pair.0.coords - near[0], pair.1.coords - near[1]];
+                count += 1;
+                sums[0] += source;
+                sums[1] += target;
+                products += target * source.transpose();
+            }
+        }
+        let [source, target] = sums.map(|sum| sum / count.max(1) as f64);
+        let covariance = products - target * source.transpose() * count as f64;
+        Self { count, middles: [source + near[0], target + near[1]], covariance }
+    }
+}
+
+/// Which pairs fit a pose, and their moments.
+fn moments_of_inliers(pairs: &[Pair], pose: &Similarity, threshold: f64) -> (Vec<bool>, Moments) {
+    let mut inliers = Vec::with_capacity(pairs.len());
+    let moments = Moments::of_some(pairs, |pair| {
+        let fits = is_inlier(pose, pair, threshold);
+        inliers.push(fits);
+        fits
+    });
+    (inliers, moments)
+}
+
+/// Least squares over all pairs and ties, with the scales of `poses`.
+fn tied(parts: &[Moments], ties: &[Tie], poses: &[Similarity]) -> Vec<Similarity> {
+    let counts: Vec<usize> = parts.iter().map(|part| part.count).collect();
+    let couplings: Vec<Coupling> = ties.iter().map(|tie| tie.coupling(&counts)).collect();
+    let covariances: Vec<Matrix3<f64>> =
+        parts.iter().zip(poses).map(|(part, pose)| part.covariance * pose.scale).collect();
+    let starts: Vec<Rotation3<f64>> = poses.iter().map(|pose| pose.rotation).collect();
+    let rotations = couple_rotations(&covariances, &couplings, &starts);
+    let fitted = rotations.into_iter().zip(poses).zip(parts).map(|((rotation, pose), part)| {
+        let [source, target] = part.middles;
+        let shifted = target - rotation * source * pose.scale;
+        let translation = if part.count > 0 { shifted } else { pose.translation };
+        Similarity { rotation, translation, ..*pose }
+    });
+    fitted.collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Point3;
     use proptest::prelude::*;
 
     use super::*;
