@@ -9,8 +9,9 @@ from kinmo.evaluation.scan_metrics import truth
 from kinmo.joint import Joint, JointKind
 from kinmo.learning.ancsh.targets import REACH, canonical_coordinates, surroundings
 from kinmo.mobility import Body
+from kinmo.scans.answers import PointAnswers
 from kinmo.scans.articulated_object import ArticulatedObject, articulated_object
-from kinmo.scans.estimate import PointAnswers, ScanEstimate
+from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.input_frame import InputFrame
 from kinmo.scans.scan import Scans
 from kinmo.shape import Shape

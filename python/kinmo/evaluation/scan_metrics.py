@@ -13,8 +13,9 @@ from scipy.spatial.transform import Rotation
 from kinmo import _core
 from kinmo.evaluation.metrics import axis_error, line_distance
 from kinmo.joint import Joint, JointKind
+from kinmo.scans.answers import MIDDLE
 from kinmo.scans.articulated_object import Extents, Structure
-from kinmo.scans.estimate import MIDDLE, PartPoses, ScanEstimate
+from kinmo.scans.estimate import PartPoses, ScanEstimate
 
 F64 = NDArray[np.float64]
 

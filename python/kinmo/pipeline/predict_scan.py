@@ -21,8 +21,9 @@ from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scan_pictures import view_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.report.scan_picture import scan_picture
+from kinmo.scans.answers import PointAnswers
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.estimate import PointAnswers, ScanEstimate
+from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.scan_input import Intrinsics, read_scan
 from kinmo.workspace import Workspace, write_text_atomically
 

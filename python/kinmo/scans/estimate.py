@@ -13,38 +13,12 @@ from scipy.spatial.transform import Rotation
 
 from kinmo import _core
 from kinmo.joint import KIND_CODES, JointKind
+from kinmo.scans.answers import MIDDLE, PointAnswers, said_half_sizes, said_joints
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.input_frame import InputFrame
 from kinmo.scans.typical import Typical
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
-
-NEAR_AXIS = np.cos(np.radians(20.0))
-"""From this cosine on a direction that typically is along an axis is taken for that axis."""
-
-MIDDLE = np.full(3, 0.5)
-"""Of a part in NPCS, and of the object in NAOCS."""
-
-
-@dataclass(frozen=True, eq=False)
-class PointAnswers:
-    """What is said of the n points of one scan of an object with K parts.
-
-    `points` [n, 3] are those of the camera as `frame` brings them to networks. `parts` [n] is the part of each (-1: of none),
-    `npcs` [n, 3] its place on that. `part_scales` [K] and `part_shifts` [K, 3] take NPCS to NAOCS. `joints` [n] is the joint
-    that a point tells of (0: none, j: that of part j), and `axes` and `pivots` [n, 3] in NAOCS what it says of its axis.
-    """
-
-    frame: InputFrame
-    points: F64
-    parts: I64
-    npcs: F64
-    part_scales: F64
-    part_shifts: F64
-    joints: I64
-    axes: F64
-    pivots: F64
 
 
 @dataclass(frozen=True)
@@ -115,9 +89,9 @@ def estimate(
     """
     count = structure.part_count
     typical = typical if typical is not None and options.ties == "tree" else Typical.unknown(structure)
-    clouds = [_by_part(answer, count) for answer in answers]
-    source, target = (np.concatenate([cloud[place] for frame in clouds for cloud in frame]) for place in (0, 1))
-    starts = np.cumsum([0, *(len(cloud[0]) for frame in clouds for cloud in frame)], dtype=np.int64)
+    clouds = [answer.on_part(part) for answer in answers for part in range(count)]
+    source, target = (np.concatenate([cloud[place] for cloud in clouds]) for place in (0, 1))
+    starts = np.cumsum([0, *(len(npcs) for npcs, _ in clouds)], dtype=np.int64)
     free, right = _core.find_similarities(
         source, target, starts, hypotheses=options.hypotheses, threshold=options.threshold, seed=options.seed
     )
@@ -130,48 +104,9 @@ def estimate(
         rotations, scales, translations = (values[own] for values in tied)
         turned, placed = answer.frame.undo_rotations(rotations), answer.frame.undo(translations)
         poses = PartPoses(turned, scales / answer.frame.scale, placed)
-        half_extents = np.array([_half_extents(npcs) for npcs, _ in clouds[frame]]) * poses.scales[:, None]
+        half_extents = said_half_sizes(answer) * poses.scales[:, None]
         estimates.append(_with_joints(poses, half_extents, shares[own], answer, joints[frame], structure))
     return estimates
-
-
-def _by_part(answer: PointAnswers, count: int) -> list[tuple[F64, F64]]:
-    return [(answer.npcs[own], answer.points[own]) for own in (answer.parts == part for part in range(count))]
-
-
-def _half_extents(npcs: F64) -> F64:
-    return np.abs(npcs - MIDDLE).max(axis=0) if len(npcs) else np.full(3, np.nan)
-
-
-def said_joints(answer: PointAnswers, structure: Structure, typical: Typical) -> tuple[F64, F64]:
-    """Directions (unit) and pivots [K - 1, 3] in NAOCS.
-
-    The medians over the points that tell of a joint; where none does, over those of the part that it moves, and NaN where there
-    is none of those either. What is typically along an axis, and said to be within `NEAR_AXIS` of one, is along that.
-    """
-    directions, pivots = (np.full((structure.part_count - 1, 3), np.nan) for _ in range(2))
-    for joint in range(1, structure.part_count):
-        telling = answer.joints == joint
-        if not telling.any():
-            telling = answer.parts == joint
-        if telling.any():
-            direction = np.median(answer.axes[telling], axis=0)
-            length = float(np.linalg.norm(direction))
-            directions[joint - 1] = direction / length if length > LEAST_LENGTH else np.nan
-            if typical.along_axes[joint - 1]:
-                directions[joint - 1] = _along_axis(directions[joint - 1])
-            pivots[joint - 1] = np.median(answer.pivots[telling], axis=0)
-    return directions, pivots
-
-
-def _along_axis(direction: F64) -> F64:
-    """The axis that a unit vector is near to; itself if it is to none."""
-    nearest = np.argmax(np.abs(direction))
-    if not abs(direction[nearest]) >= NEAR_AXIS:
-        return direction
-    along = np.zeros(3)
-    along[nearest] = np.sign(direction[nearest])
-    return along
 
 
 def _tied(
@@ -235,10 +170,6 @@ def _tied(
                 rotations[part], translations[part] = both[place][0][row], both[place][2][row]
                 seen.add(part)
     return rotations, scales, translations
-
-
-LEAST_LENGTH = 1e-6
-"""Of the median of said axes, below which it is no direction."""
 
 
 def _with_joints(

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.joint import Joint
+from kinmo.scans.answers import MIDDLE, PointAnswers, said_joints
 from kinmo.scans.articulated_object import Extents, Structure
-from kinmo.scans.estimate import MIDDLE, PointAnswers, ScanEstimate, said_joints
+from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.scan import Scans
 from kinmo.scans.typical import Typical
 

@@ -14,8 +14,9 @@ from kinmo.config import AncshConfig, ScansConfig, TrainingConfig, load_config
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.data import ScanData, odds
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
-from kinmo.learning.ancsh.network import AncshNetwork, JointAnswers, PartAnswers, PartMaps, PartNetwork
+from kinmo.learning.ancsh.network import AncshNetwork, JointAnswers, Layout, LayoutAnswers, PartAnswers, PartMaps, PartNetwork
 from kinmo.learning.ancsh.predict import Ancsh, to_naocs
+from kinmo.learning.ancsh.targets import layout
 from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.scans.scan import scan
 from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
@@ -77,7 +78,8 @@ def test_the_loss_of_right_answers_is_zero(file: ScanFile) -> None:
     scales = torch.from_numpy(file.extents.diagonals).float().expand(2, TINY.points, -1)
     shifts = torch.from_numpy(file.extents.centers).float() + 0.5 - 0.5 * scales.unsqueeze(-1)
     said = PartAnswers(sure(batch.parts), batch.npcs.unsqueeze(2).expand(-1, -1, parts, -1))
-    joints = JointAnswers(scales, shifts, sure(batch.joints), batch.heatmap, batch.toward, batch.axes)
+    whole = LayoutAnswers(batch.half_sizes, batch.pivots)
+    joints = JointAnswers(scales, shifts, sure(batch.joints), batch.heatmap, batch.toward, batch.axes, whole)
     losses = part_losses(said, batch) | joint_losses(said, joints, batch)
     # classes that do not occur have no IoU to speak of
     absent = len(set(range(parts)) - set(batch.joints.unique().tolist()))
@@ -85,6 +87,21 @@ def test_the_loss_of_right_answers_is_zero(file: ScanFile) -> None:
     for name, loss in losses.items():
         if name != "joints":
             assert loss.item() == pytest.approx(0.0, abs=1e-5), name
+
+
+def test_a_layout_has_boxes_of_diagonal_one_and_the_pivots_next_to_the_parts_that_move(file: ScanFile) -> None:
+    half_sizes, pivots, is_line = layout(file.extents, file.joints)
+    np.testing.assert_allclose(np.linalg.norm(half_sizes, axis=1), 0.5, atol=1e-3)
+    assert is_line.tolist() == [joint.has_pivot for joint in file.joints]
+    for joint, pivot, middle in zip(file.joints, pivots - 0.5, file.extents.centers[1:], strict=True):
+        np.testing.assert_allclose(np.cross(pivot - joint.pivot, joint.direction), 0.0, atol=1e-6)
+        assert (middle - pivot) @ joint.direction == pytest.approx(0.0, abs=1e-6)
+
+
+def test_nothing_learnt_all_scans_have_the_same_layout() -> None:
+    found = Layout(16, 3)(torch.rand(4, 1, 16))
+    torch.testing.assert_close(found.half_sizes, torch.full((4, 3, 3), 0.5 / 3**0.5))
+    torch.testing.assert_close(found.pivots, torch.full((4, 2, 3), 0.5))
 
 
 def test_the_relaxed_iou_is_that_of_sets_for_sure_answers() -> None:
@@ -101,7 +118,8 @@ def test_points_of_no_part_teach_nothing_but_that() -> None:
     labels = torch.full((1, 64), 2)
     nowhere = torch.zeros(1, 64, 3)
     none, never = torch.zeros(1, 64, dtype=torch.long), torch.zeros(1, 64)
-    batch = ScanBatch(points, labels, nowhere, nowhere, none, never, nowhere, nowhere, never > 0)
+    whole = torch.ones(1, 2, 3), torch.zeros(1, 1, 3), torch.ones(1, 1, dtype=torch.bool)
+    batch = ScanBatch(points, labels, nowhere, nowhere, none, never, nowhere, nowhere, never > 0, *whole)
     losses = part_losses(answers, batch)
     assert losses["npcs"].item() == 0.0
     assert losses["parts"].item() > 0.0

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kinmo.config import AncshConfig
 from kinmo.learning.ancsh.loss import ScanBatch
-from kinmo.learning.ancsh.targets import canonical_coordinates, surroundings
+from kinmo.learning.ancsh.targets import canonical_coordinates, layout, surroundings
 from kinmo.scans.input_frame import InputFrame, manhattan_axes
 from kinmo.scans.scan_file import ScanFile
 
@@ -89,4 +89,5 @@ def _seen_and_said(
     )
     classes = np.where(parts < 0, file.structure.part_count, parts)
     seen = InputFrame.of(points, config.normalised, rotation=rotation).apply(points)
-    return seen, classes, npcs, naocs, near.joints, near.heatmap, near.toward, near.axes, near.has_pivot
+    whole = layout(file.extents, file.joints)
+    return seen, classes, npcs, naocs, near.joints, near.heatmap, near.toward, near.axes, near.has_pivot, *whole

@@ -18,6 +18,7 @@ class ScanBatch:
     `points` [B, n, 3] as the network sees them; `parts` [B, n] (C - 1 for a point of none), `npcs` and `naocs` [B, n, 3] of the
     part that the point is of, `joints` [B, n] the joint that it is near to, 0 for none. Where it is near to one, `heatmap`
     [B, n], `toward` and `axes` [B, n, 3] are as in `JointAnswers`, and `has_pivot` [B, n] says that its axis has a place.
+    `half_sizes` [B, K, 3] and `pivots` [B, K - 1, 3] are as in `LayoutAnswers`; `is_line` [B, K - 1]: the joint has a pivot.
     """
 
     points: Tensor
@@ -29,6 +30,9 @@ class ScanBatch:
     toward: Tensor
     axes: Tensor
     has_pivot: Tensor
+    half_sizes: Tensor
+    pivots: Tensor
+    is_line: Tensor
 
     def to(self, device: torch.device | str) -> ScanBatch:
         return ScanBatch(*(value.to(device) for value in vars(self).values()))
@@ -52,16 +56,24 @@ def part_losses(answers: PartAnswers, batch: ScanBatch) -> dict[str, Tensor]:
 
 
 def joint_losses(parts: PartAnswers, answers: JointAnswers, batch: ScanBatch) -> dict[str, Tensor]:
-    """`naocs`, `joints`, `heatmap`, `toward` and `axes`, the last three over all points though few are near to a joint."""
+    """`naocs`, `joints`, `heatmap`, `toward` and `axes`, the last three over all points though few are near to a joint; and
+    `sizes` and `pivots`, where scans are asked as wholes.
+    """
     near = (batch.joints > 0).to(batch.points.dtype)
     placed = near * batch.has_pivot
-    return {
+    losses = {
         "naocs": _apart(answers.naocs(parts.npcs), batch.naocs, batch.parts),
         "joints": relaxed_iou_loss(answers.joints, batch.joints),
         "heatmap": ((answers.heatmap - batch.heatmap).abs() * placed).mean(),
         "toward": (torch.linalg.vector_norm(answers.toward - batch.toward, dim=-1) * placed).mean(),
         "axes": (torch.linalg.vector_norm(answers.axes - batch.axes, dim=-1) * near).mean(),
     }
+    if answers.layout is not None:
+        # of boxes ratios count: a door a tenth of its width too wide is as far off as one that is as much too thick
+        losses["sizes"] = (answers.layout.half_sizes / batch.half_sizes).log().abs().mean()
+        off = torch.linalg.vector_norm(answers.layout.pivots - batch.pivots, dim=-1)
+        losses["pivots"] = (off * batch.is_line).mean()
+    return losses
 
 
 def total(losses: dict[str, Tensor], config: AncshConfig) -> Tensor:

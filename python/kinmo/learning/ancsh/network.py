@@ -22,12 +22,25 @@ class PartAnswers:
 
 
 @dataclass(frozen=True, eq=False)
+class LayoutAnswers:
+    """For B scans as wholes, of the object that is seen in each, with K parts.
+
+    `half_sizes` [B, K, 3] of the parts' boxes in NPCS; `pivots` [B, K - 1, 3] in NAOCS, where the axes of the joints of parts 1
+    and up are nearest to the middles of these parts.
+    """
+
+    half_sizes: Tensor
+    pivots: Tensor
+
+
+@dataclass(frozen=True, eq=False)
 class JointAnswers:
     """For n points of B scans.
 
     `scales` [B, n, K] in [0, 1] and `shifts` [B, n, K, 3] in [-1, 1] take NPCS to NAOCS. `joints` [B, n, K] are
     log-probabilities of the joint that a point is near to (0: none), `heatmap` [B, n] is 1 on its axis and 0 where that is
-    `reach` away, `toward` [B, n, 3] the unit vector to the axis and `axes` [B, n, 3] its direction, in NAOCS.
+    `reach` away, `toward` [B, n, 3] the unit vector to the axis and `axes` [B, n, 3] its direction, in NAOCS. `layout` is what
+    the scans say as wholes, where they are asked.
     """
 
     scales: Tensor
@@ -36,6 +49,7 @@ class JointAnswers:
     heatmap: Tensor
     toward: Tensor
     axes: Tensor
+    layout: LayoutAnswers | None = None
 
     def naocs(self, npcs: Tensor) -> Tensor:
         """Places [B, n, K, 3] on the whole object of NPCS [B, n, K, 3]."""
@@ -68,24 +82,28 @@ class PartNetwork(nn.Module):
         return PartAnswers(torch.log_softmax(self.part(features), -1), torch.sigmoid(npcs))
 
 
+def whole_layers(features: int, answers: int) -> nn.Sequential:
+    """From the features of a scan as a whole to `answers`, at first with the same for all scans."""
+    hidden = 256
+    last = nn.Linear(hidden, answers)
+    nn.init.zeros_(last.weight)
+    nn.init.zeros_(last.bias)
+    return nn.Sequential(nn.Linear(features, hidden), nn.LayerNorm(hidden), nn.ReLU(), last)
+
+
 class PartMaps(nn.Module):
     """A linear map of the points for every part, of what the scan is as a whole.
 
     Of a rigid part NPCS are one, but for the bend of the sigmoid: so what every point says need only correct it.
     """
 
-    HIDDEN = 256
     SLOPE = 4.0
     """Of the inverse of the sigmoid, in the middle."""
 
     def __init__(self, features: int, parts: int) -> None:
         super().__init__()
         self.parts = parts
-        self.layers = nn.Sequential(
-            nn.Linear(features, self.HIDDEN), nn.LayerNorm(self.HIDDEN), nn.ReLU(), nn.Linear(self.HIDDEN, 12 * parts)
-        )
-        nn.init.zeros_(self.layers[-1].weight)  # type: ignore[arg-type]
-        nn.init.zeros_(self.layers[-1].bias)  # type: ignore[arg-type]
+        self.layers = whole_layers(features, 12 * parts)
 
     def forward(self, points: Tensor, whole: Tensor) -> Tensor:
         """`points` [B, n, 3], `whole` [B, 1, C] -> [B, n, K, 3]."""
@@ -93,6 +111,20 @@ class PartMaps(nn.Module):
         matrices, shifts = maps[..., :3], maps[:, None, :, :, 3]
         mapped: Tensor = torch.einsum("bkij,bnj->bnki", matrices, points) + shifts
         return self.SLOPE * mapped
+
+
+class Layout(nn.Module):
+    """What is the same for all points of a scan, and so is asked of the scan as a whole."""
+
+    def __init__(self, features: int, parts: int) -> None:
+        super().__init__()
+        self.parts = parts
+        self.layers = whole_layers(features, 3 * parts + 3 * (parts - 1))
+
+    def forward(self, whole: Tensor) -> LayoutAnswers:
+        """`whole` [B, 1, C]."""
+        sizes, pivots = self.layers(whole).view(len(whole), -1, 3).split((self.parts, self.parts - 1), 1)
+        return LayoutAnswers(0.5 * torch.nn.functional.normalize(sizes.exp(), dim=-1), 0.5 + pivots)
 
 
 class AncshNetwork(PartNetwork):
@@ -108,6 +140,7 @@ class AncshNetwork(PartNetwork):
         self.toward = nn.Linear(features, 3)
         self.heatmap = nn.Linear(features, 1)
         self.joint = nn.Linear(features, parts)
+        self.layout = Layout(self.backbone.whole_features, parts) if config.layout else None
 
     def forward_all(self, points: Tensor) -> tuple[PartAnswers, JointAnswers]:
         """`points` [B, n, 3]."""
@@ -120,5 +153,6 @@ class AncshNetwork(PartNetwork):
             heatmap=torch.sigmoid(self.heatmap(near)).squeeze(-1),
             toward=torch.tanh(self.toward(near)),
             axes=torch.tanh(self.axis(near)),
+            layout=None if self.layout is None else self.layout(whole),
         )
         return self._of(points, features, whole), joints

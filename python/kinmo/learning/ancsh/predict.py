@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from kinmo.config import AncshConfig
 from kinmo.errors import InputError
 from kinmo.joint import JointKind
-from kinmo.learning.ancsh.network import KIND, AncshNetwork, PartNetwork
+from kinmo.learning.ancsh.network import KIND, AncshNetwork, LayoutAnswers, PartNetwork
 from kinmo.learning.ancsh.targets import REACH
 from kinmo.learning.weights import Weights, load_weights, pick_device
+from kinmo.scans.answers import Layout, PointAnswers
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.estimate import PointAnswers, PoseOptions, ScanEstimate, estimate
+from kinmo.scans.estimate import PoseOptions, ScanEstimate, estimate
 from kinmo.scans.input_frame import InputFrame, scan_rotations
 from kinmo.scans.typical import Typical
 from kinmo.typed_tables import from_table
@@ -109,13 +110,21 @@ class Ancsh:
         ]
         labels, homes, told = said.cpu().numpy(), home.cpu().numpy(), joints.joints.argmax(-1).cpu().numpy()
         labels = np.where(labels >= self.structure.part_count, -1, labels)
+        layouts = [None] * len(frames) if joints.layout is None else _layouts(joints.layout)
         answers = []
         for row, frame in enumerate(frames):
             npcs, pivots, axes, own_npcs, own_naocs = (array[row] for array in arrays)
             scales, shifts = to_naocs(own_npcs, own_naocs, homes[row])
             points = seen[row].astype(np.float64)
-            answers.append(PointAnswers(frame, points, labels[row], npcs, scales, shifts, told[row], axes, pivots))
+            answers.append(
+                PointAnswers(frame, points, labels[row], npcs, scales, shifts, told[row], axes, pivots, layouts[row])
+            )
         return answers
+
+
+def _layouts(said: LayoutAnswers) -> list[Layout]:
+    half_sizes, pivots = (values.double().cpu().numpy() for values in (said.half_sizes, said.pivots))
+    return [Layout(*both) for both in zip(half_sizes, pivots, strict=True)]
 
 
 def to_naocs(npcs: F64, naocs: F64, parts: NDArray[np.integer]) -> tuple[F64, F64]:

@@ -18,6 +18,10 @@ REACH = 0.2
 """Distance from a joint's axis, in diagonals, within which points tell of it."""
 
 
+LEAST_SIZE = 1e-3
+"""Of half the side of a part's box in NPCS: what is flat has sides that no ratio tells."""
+
+
 @dataclass(frozen=True, eq=False)
 class Surroundings:
     """Of n points: `joints` [n] (0: none near), `heatmap` [n], `toward` and `axes` [n, 3] in NAOCS, `has_pivot` [n]."""
@@ -82,3 +86,14 @@ def surroundings(
         found.axes[near] = joint.direction
         found.has_pivot[near] = is_line
     return found
+
+
+def layout(extents: Extents, joints: Sequence[Joint]) -> tuple[F32, F32, NDArray[np.bool_]]:
+    """Half of the sides [K, 3] of the parts' boxes in NPCS; pivots [K - 1, 3] in NAOCS, those next to the middles of the parts
+    that move; and whether a joint has one [K - 1].
+    """
+    half_sizes = np.maximum(0.5 * extents.sizes / extents.diagonals[:, None], LEAST_SIZE)
+    directions, pivots = (np.array([getattr(joint, name) for joint in joints]) for name in ("direction", "pivot"))
+    along = np.sum((extents.centers[1:] - pivots) * directions, axis=1, keepdims=True)
+    nearest = pivots + along * directions + 0.5
+    return half_sizes.astype(np.float32), nearest.astype(np.float32), np.array([joint.has_pivot for joint in joints])
