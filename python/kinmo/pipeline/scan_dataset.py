@@ -47,15 +47,14 @@ class ScanDataset:
     files: Mapping[Role, tuple[ScanFile, ...]]
     others: Mapping[tuple[str, Role], int]
 
-    def training(self, setting: Setting) -> tuple[ScanFile, ...]:
-        """The files to train on in a setting; those of `semi`, which networks label, are not among them."""
-        more: tuple[ScanFile, ...] = ()
+    def beside(self, setting: Setting) -> tuple[ScanFile, ...]:
+        """What to train on in a setting beside the labelled shapes; what networks label for `semi` is not among them."""
         if setting == "ceiling":
-            more = self.files["hidden"]
-        elif setting in ("semi-weakly", "dsg-net"):
+            return self.files["hidden"]
+        if setting in ("semi-weakly", "dsg-net"):
             is_wanted = {"semi-weakly": False, "dsg-net": True}[setting]
-            more = tuple(f for f in self.files["pseudo"] if (f.provenance["layout"] == Layout.DSG_NET.value) is is_wanted)
-        return self.files["train"] + more
+            return tuple(f for f in self.files["pseudo"] if (f.provenance["layout"] == Layout.DSG_NET.value) is is_wanted)
+        return ()
 
 
 def fingerprint(files: Sequence[ScanFile]) -> str:

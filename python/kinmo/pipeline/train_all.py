@@ -94,7 +94,7 @@ class TrainAll:
             dataset = open_scan_dataset(self.workspace, category)
         except InputError:
             return "semi-weakly"
-        return "semi-weakly" if len(dataset.training("semi-weakly")) > len(dataset.files["train"]) else "supervised"
+        return "semi-weakly" if dataset.beside("semi-weakly") else "supervised"
 
     def _categories(self, dataset: Dataset) -> list[str]:
         known = sorted({entry.category for entry in dataset.labelled[Split.TRAIN]})

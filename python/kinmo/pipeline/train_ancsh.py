@@ -158,14 +158,15 @@ class TrainAncsh:
 
     def _of(self, dataset: ScanDataset, section: AncshConfig) -> Iterator[ScanFitting]:
         cell = Cell(dataset.category, self.setting, self.seed)
-        training, validation = dataset.training(self.setting), dataset.files["validation"]
+        beside, validation = dataset.beside(self.setting), dataset.files["validation"]
         if self.setting == "semi":
-            training += tuple(self_labels(self.workspace, dataset.category, self.seed))
+            beside = tuple(self_labels(self.workspace, dataset.category, self.seed))
+        training = dataset.files["train"] + beside
         folder = self.workspace.scans / dataset.category
         for files, role in ((training, "train"), (validation, "choose by")):
             if not files:
                 raise InputError(folder, f"expected scans of an object of {dataset.structure} to {role}")
-        if self.setting in BESIDE and len(training) == len(dataset.files["train"]):
+        if self.setting in BESIDE and not beside:
             raise InputError(folder, f"no scans of an object of {dataset.structure} {BESIDE[self.setting]}", self.setting)
         data = {"training": fingerprint(training), "validation": fingerprint(validation)}
         for network in NETWORKS:
