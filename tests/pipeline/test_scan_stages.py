@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,7 +32,7 @@ from kinmo.pipeline.synth import Synth
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.pipeline.train_ancsh import TrainAncsh
 from kinmo.pipeline.written_scan_tables import WrittenTables
-from kinmo.scans.scan_file import open_scans
+from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
 from kinmo.synth.generate import HELD_BACK
 from kinmo.workspace import Workspace
 
@@ -101,10 +102,28 @@ def test_every_object_has_one_role_and_its_frames(scanned: Scanned) -> None:
     assert str(dataset.structure) == "2 parts (R on 0)"
     for role, frames in (("train", 4), ("hidden", 4), ("unlabelled", 4), ("validation", 2), ("test", 2)):
         assert dataset.files[role], role
-        assert {file.frames + sum(file.refused.values()) for file in dataset.files[role]} == {frames}, role
+        drawn = Counter[str]()
+        for file in dataset.files[role]:
+            drawn[file.id] += file.frames + sum(file.refused.values())
+        assert set(drawn.values()) == {frames}, role
     labelled = {file.id for role in ("train", "validation", "test") for file in dataset.files[role]}
     assert not labelled & {file.id for file in dataset.files["hidden"]}
     assert {file.id for file in dataset.files["hidden"]} == {file.id for file in dataset.files["unlabelled"]}
+
+
+def test_objects_to_train_on_are_scanned_with_others_like_them_and_count_once(scanned: Scanned) -> None:
+    dataset = open_scan_dataset(scanned.workspace, CATEGORY)
+    for role, count in (("train", 2), ("hidden", 2), ("unlabelled", 1), ("validation", 1), ("test", 1)):
+        by_object: dict[str, list[ScanFile]] = {}
+        for file in dataset.files[role]:
+            by_object.setdefault(file.id, []).append(file)
+        assert {len(files) for files in by_object.values()} == {count}, role
+        assert count_objects(dataset.files[role]) == len(by_object)
+        if count == 2:
+            assert all(not np.allclose(one.extents.sizes, other.extents.sizes) for one, other in by_object.values())
+    report = scanned.render(unlabelled=True).run(Listener()).data["categories"][CATEGORY]
+    found = {role: count_objects(dataset.files[role]) for role in ("train", "hidden", "validation", "test")}
+    assert {role: report["objects"][role] for role in found} == found
 
 
 def test_what_was_scanned_is_not_scanned_again(scanned: Scanned) -> None:
@@ -182,7 +201,7 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(s
     dataset = open_scan_dataset(workspace, CATEGORY)
     labelled = sorted((workspace.own_scans / CATEGORY / "semi-0").glob("*.safetensors"))
     assert labelled
-    assert header["facts"]["objects"] == len(dataset.files["train"]) + len(labelled)
+    assert header["facts"]["objects"] == count_objects(dataset.files["train"]) + len(labelled)
     assert {open_scans(path).structure for path in labelled} <= {dataset.structure}
     before = contents(workspace.path)
     stage.run(Listener())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import zlib
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -25,10 +25,12 @@ from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.pseudo_label import DECISIONS
 from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, ROLES, Role, scans_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.scans.articulated_object import articulated_object, still_object
+from kinmo.scans.articulated_object import ArticulatedObject, articulated_object, still_object
 from kinmo.scans.articulation import opened_as_usual
 from kinmo.scans.scan import scan
 from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
+from kinmo.scans.variants import draw_change
+from kinmo.shape import Shape
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
@@ -38,6 +40,8 @@ from kinmo.workspace import Workspace, digest, remove_leftovers, write_text_atom
 STAGE = "render"
 SECONDS_PER_FRAME = 0.012
 """On one core, until the journal knows better."""
+VARIED: tuple[Role, ...] = ("train", "hidden", "pseudo")
+"""Roles of objects that are scanned in variants too: more like them is what networks need, and what tests must not see."""
 REFUSED = ".refused.json"
 """Ending of what stands in place of the scans of an object that cannot be scanned, and says why."""
 
@@ -54,6 +58,8 @@ class Job:
     made_from: str
     turns: tuple[float, ...] = ()
     """How wide hinges of labelled shapes of the category open, in radians, for pseudo labels that do not know."""
+    variant: int = 0
+    """The object itself, or which one like it (`kinmo.scans.variants`)."""
 
     @property
     def refusal(self) -> Path:
@@ -78,9 +84,9 @@ class Render:
     def plan(self) -> Plan:
         config = self._scans()
         pending = [job for job in self._jobs(config) if not _is_done(job)]
-        frames = sum(_frames(config, job.role) for job in pending)
+        frames = sum(_frames(config, job) for job in pending)
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
-        steps = (f"scan {len(pending)} objects, {frames} frames",) if pending else ()
+        steps = (f"scan {_count(pending)} objects, {frames} frames",) if pending else ()
         return Plan(steps, frames * each)
 
     def run(self, observer: Observer) -> Outcome:
@@ -101,8 +107,8 @@ class Render:
                     if isinstance(problem, Crashed):
                         crashed.append(job)
                     observer.progress("scanning objects", done, len(pending), job.found.id)
-                watch.amount = sum(_frames(config, job.role) for job in pending)
-                watch.what = f"{len(pending)} objects"
+                watch.amount = sum(_frames(config, job) for job in pending)
+                watch.what = f"{_count(pending)} objects"
             files = [open_scans(job.path) for job in jobs if job.path.exists()]
             refused = {job.found.id: _reason(job) for job in jobs if job.refusal.exists()}
             refused |= {
@@ -118,6 +124,12 @@ class Render:
 
     def _jobs(self, config: ScansConfig) -> Iterator[Job]:
         """Raises InputError where there is no labelled shape of the categories."""
+        for job in self._objects(config):
+            for variant in range(_variants(config) if job.role in VARIED else 1):
+                name = f"{job.path.stem}.{variant}.safetensors" if variant else job.path.name
+                yield replace(job, path=job.path.with_name(name), variant=variant)
+
+    def _objects(self, config: ScansConfig) -> Iterator[Job]:
         whole = open_dataset(Workspace(self.workspace.root), self.category)
         own = open_dataset(self.workspace, self.category)
         way = {"scans": to_table(config), "seed": self.seed, "kinmo": __version__}
@@ -170,23 +182,26 @@ class Rendering:
     config: ScansConfig
     seed: int
 
-    @property
-    def _how(self) -> dict[str, Any]:
-        return {"smallest": self.config.smallest_part, "closes": self.config.canonical == "closed"}
+    def _moving(self, shape: Shape, variant: int, seed: int) -> ArticulatedObject:
+        change = draw_change(np.asarray(shape.up), self.config.stretch, np.random.default_rng(seed)) if variant else None
+        closes = self.config.canonical == "closed"
+        return articulated_object(shape, smallest=self.config.smallest_part, closes=closes, change=change)
 
     def __call__(self, job: Job) -> None:
         job.path.parent.mkdir(parents=True, exist_ok=True)
+        seed = zlib.crc32(f"{job.found.id} {job.role} {self.seed}".encode()) + job.variant
         try:
             shape = read_found(job.found)
-            moves = job.role != "unlabelled"
-            target = articulated_object(shape, **self._how) if moves else still_object(shape)
+            target = still_object(shape) if job.role == "unlabelled" else self._moving(shape, job.variant, seed)
         except ValueError as error:
             _refuse(job, str(error))
             return
-        seed = zlib.crc32(f"{job.found.id} {job.role} {self.seed}".encode())
         opening = np.random.default_rng([seed, len(job.turns)])
         target = replace(target, mobility=opened_as_usual(target.mobility, MOST_TURN, job.turns, opening))
-        scans = scan(target, self.config, seed, to_train=job.role not in ("validation", "test"))
+        config = self.config
+        if job.role in VARIED:
+            config = replace(config, states=_states(config, job.variant))
+        scans = scan(target, config, seed, to_train=job.role not in ("validation", "test"))
         write_scans(job.path, target, scans, {"made_from": job.made_from, "role": job.role, "layout": job.layout})
         job.refusal.unlink(missing_ok=True)
 
@@ -232,8 +247,24 @@ def _is_done(job: Job) -> bool:
         return False
 
 
-def _frames(config: ScansConfig, role: Role) -> int:
-    return config.test_states * config.test_views if role in ("validation", "test") else config.states * config.views
+def _frames(config: ScansConfig, job: Job) -> int:
+    if job.role in ("validation", "test"):
+        return config.test_states * config.test_views
+    return (_states(config, job.variant) if job.role in VARIED else config.states) * config.views
+
+
+def _states(config: ScansConfig, variant: int) -> int:
+    """Those of an object, shared out among it and those like it."""
+    each, left = divmod(config.states, _variants(config))
+    return each + (variant < left)
+
+
+def _variants(config: ScansConfig) -> int:
+    return min(config.variants, config.states)
+
+
+def _count(jobs: Sequence[Job]) -> int:
+    return len({(job.role, job.found.id, job.layout) for job in jobs})
 
 
 def _chosen(entries: Sequence[IndexEntry], category: str | None) -> list[IndexEntry]:
@@ -248,12 +279,17 @@ def summary(files: Sequence[ScanFile]) -> dict[str, Any]:
         own = [file for file in files if file.category == category]
         moving = [file for file in own if file.provenance["role"] != "unlabelled"]
         found[category] = {
-            "objects": dict(Counter(file.provenance["role"] for file in own)),
+            "objects": _objects_by((str(file.provenance["role"]), file) for file in own),
             "frames": sum(file.frames for file in own),
-            "structures": dict(Counter(str(file.structure) for file in moving)),
+            "structures": _objects_by((str(file.structure), file) for file in moving),
             "refused": dict(sum((Counter(file.refused) for file in own), Counter())),
         }
     return found
+
+
+def _objects_by(files: Iterable[tuple[str, ScanFile]]) -> dict[str, int]:
+    """How many objects there are scans of, by what stands before the files."""
+    return dict(Counter(name for name, _ in {(name, file.object): None for name, file in files}))
 
 
 def _text(data: dict[str, Any]) -> str:

@@ -13,7 +13,7 @@ from kinmo.errors import InputError, did_you_mean
 from kinmo.formats import Layout
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.scan_file import ScanFile, open_scans
+from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
 from kinmo.splits import Split, kept_to_choose_by
 from kinmo.workspace import Workspace, digest
 
@@ -81,7 +81,9 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         there = f"; there are {', '.join(known)}" if known else ""
         raise InputError(workspace.scans, f"no scans of {category}{near}{there}: run kinmo render first")
     found = {role: _open_all(scans_of(workspace, spelling, role)) for role in ROLES}
-    structures = Counter(file.structure for file in found["train"] if file.frames)
+    structures = Counter(
+        structure for structure, _ in {(file.structure, file.object) for file in found["train"] if file.frames}
+    )
     if not structures:
         raise InputError(workspace.scans / spelling, "expected scans of a labelled shape to train on")
     most = max(structures.values())
@@ -92,7 +94,7 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     found["train"] = [file for file in found["train"] if file.id in counted]
     fitting = {role: [file for file in found[role] if file.frames and file.structure == structure] for role in ROLES}
     if not fitting["validation"]:
-        alone = len(fitting["train"]) == 1
+        alone = count_objects(fitting["train"]) == 1
         chosen = {file.id for file in fitting["train"]} if alone else kept_to_choose_by([file.id for file in fitting["train"]])
         found["validation"] += [file for file in found["train"] if file.id in chosen]
         if not alone:
@@ -102,9 +104,12 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     for role, some in found.items():
         fits = [file.frames > 0 and (role == "unlabelled" or file.structure == structure) for file in some]
         files[role] = tuple(file for file, has in zip(some, fits, strict=True) if has)
-        others.update(
-            (str(file.structure) if file.frames else "no frame", role) for file, has in zip(some, fits, strict=True) if not has
-        )
+        left_out = {
+            (file.object, str(file.structure) if file.frames else "no frame")
+            for file, has in zip(some, fits, strict=True)
+            if not has
+        }
+        others.update((reason, role) for _, reason in left_out)
     return ScanDataset(spelling, structure, files, others)
 
 

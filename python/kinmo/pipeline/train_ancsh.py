@@ -17,7 +17,7 @@ from kinmo.pipeline.journal import seconds_per_unit
 from kinmo.pipeline.scan_dataset import ScanDataset, Setting, fingerprint, open_scan_dataset, scanned_categories
 from kinmo.pipeline.self_label import SelfLabel, self_labels
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.scans.scan_file import ScanFile, open_scans
+from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
 from kinmo.typed_tables import to_table
 from kinmo.workspace import Workspace, digest, remove_leftovers
 
@@ -34,13 +34,14 @@ SECONDS_PER_FRAME = 0.010
 
 @dataclass(frozen=True)
 class ScanFitting:
-    """One network to be trained on some scans, and chosen by others."""
+    """One network to be trained on some scans, and chosen by others, of so many `objects` each."""
 
     workspace: Workspace
     cell: Cell
     network: AncshNetworkName
     training: tuple[Path, ...]
     validation: tuple[Path, ...]
+    objects: tuple[int, int]
     section: AncshConfig
     inputs: dict[str, Any]
     device: str
@@ -109,8 +110,8 @@ class TrainAncsh:
         fittings = list(self._fittings(config))
         pending = self._fitter.pending(fittings)
         steps += [
-            f"train {each.name} on scans of {len(each.training)} objects for {each.schedule.epochs} epochs, "
-            f"choose by {len(each.validation)}"
+            f"train {each.name} on scans of {each.objects[0]} objects for {each.schedule.epochs} epochs, "
+            f"choose by {each.objects[1]}"
             for each in fittings
             if each in pending
         ]
@@ -169,9 +170,11 @@ class TrainAncsh:
         if self.setting in BESIDE and not beside:
             raise InputError(folder, f"no scans of an object of {dataset.structure} {BESIDE[self.setting]}", self.setting)
         data = {"training": fingerprint(training), "validation": fingerprint(validation)}
+        objects = count_objects(training), count_objects(validation)
         for network in NETWORKS:
             inputs = {"network": network, "config": to_table(section), "seed": self.seed, "data": data}
-            yield ScanFitting(self.workspace, cell, network, _paths(training), _paths(validation), section, inputs, self.device)
+            paths = _paths(training), _paths(validation)
+            yield ScanFitting(self.workspace, cell, network, *paths, objects, section, inputs, self.device)
 
 
 def _paths(files: tuple[ScanFile, ...]) -> tuple[Path, ...]:

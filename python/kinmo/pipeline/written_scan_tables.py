@@ -18,6 +18,7 @@ from kinmo.pipeline.scan_dataset import ScanDataset, open_scan_dataset
 from kinmo.pipeline.scan_table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
 from kinmo.scans.articulated_object import Structure
+from kinmo.scans.scan_file import count_objects
 from kinmo.workspace import Workspace, write_text_atomically
 
 WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code measures"}
@@ -117,7 +118,7 @@ def _objects_of(dataset: ScanDataset) -> str:
     left_out = Counter[str]()
     for (_, role), count in dataset.others.items():
         left_out[role] += count
-    training, others = len(dataset.files["train"]), left_out["train"]
+    training, others = count_objects(dataset.files["train"]), left_out["train"]
     return (
         f"{dataset.category}, {training} labelled objects to train on ({others} of other structures are not, "
         f"nor are {left_out['test']} test objects)"

@@ -16,6 +16,7 @@ from kinmo.links import Link, links_of
 from kinmo.mobility import Body, Mobility
 from kinmo.normalisation import Normalisation
 from kinmo.scans.closing import closed
+from kinmo.scans.variants import changed
 from kinmo.shape import Mesh, Shape, Vector, bounds_of
 
 F64 = NDArray[np.float64]
@@ -87,11 +88,17 @@ class ArticulatedObject:
 
 
 def articulated_object(
-    shape: Shape, mobility: Mobility | None = None, *, smallest: float = SMALLEST_PART, closes: bool = True
+    shape: Shape,
+    mobility: Mobility | None = None,
+    *,
+    smallest: float = SMALLEST_PART,
+    closes: bool = True,
+    change: F64 | None = None,
 ) -> ArticulatedObject:
     """The parts of `shape` that move by `mobility` (in its frame; its own by default), in canonical order.
 
-    If it `closes`, the object is that which `closing.closed` makes of it, else (as in the paper's release) that of the file.
+    If it `closes`, the object is that which `closing.closed` makes of it, else (as in the paper's release) that of the file;
+    and then what `variants.changed` makes of that, if there is a `change` [3, 3].
 
     What is fastened together is one part, and a part smaller than `smallest` is fastened to what it moves against. Below one
     part come those with equal kinds of joints and equal parts below in a row, from the top down where that is how they lie,
@@ -115,6 +122,9 @@ def articulated_object(
     parts = Mobility(tuple(Body(i, link.name, link.leaves, link.parent, link.joint) for i, link in enumerate(links)))
     if closes:
         parts, joined = closed(parts, joined)
+    if change is not None:
+        parts, joined = changed(parts, joined, change)
+    if closes or change is not None:
         low, high = bounds_of(joined)
         frame = Normalisation(0.5 * (low + high), float(np.linalg.norm(high - low)))
         parts, joined = frame.mobility(parts), tuple(map(frame.mesh, joined))

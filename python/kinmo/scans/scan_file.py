@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -53,6 +53,11 @@ class ScanFile:
         except (SafetensorError, OSError) as error:
             raise InputError(self.path, f"not whole any more ({error}): run kinmo render again") from None
 
+    @property
+    def object(self) -> tuple[str, str]:
+        """What tells the object from others of its role; variants of one have the same."""
+        return self.id, str(self.provenance.get("layout", ""))
+
     @cached_property
     def _tensors(self) -> Any:
         """Opened once: a training reads tens of thousands of frames."""
@@ -61,6 +66,11 @@ class ScanFile:
     def scans(self) -> Scans:
         """All frames."""
         return Scans(**{name: self.read(name) for name in _ARRAYS}, refused=Counter(self.refused))
+
+
+def count_objects(files: Iterable[ScanFile]) -> int:
+    """How many objects there are scans of, each counted once with its variants."""
+    return len({file.object for file in files})
 
 
 class Described(Protocol):

@@ -209,7 +209,12 @@ def test_a_part_map_is_linear_the_same_for_all_points_and_nothing_before_it_has_
 
 
 def test_objects_with_true_labels_have_their_share_of_a_batch() -> None:
-    np.testing.assert_allclose(odds([True, False, False, False], 0.5), [1 / 2, 1 / 6, 1 / 6, 1 / 6])
+    np.testing.assert_allclose(odds("abcd", [True, False, False, False], 0.5), [1 / 2, 1 / 6, 1 / 6, 1 / 6])
     for trusted in ([True, True, True, False], [True, True], [False, False]):
-        np.testing.assert_allclose(odds(trusted, 0.5), 1 / len(trusted))
-    np.testing.assert_allclose(odds([True, False, False, False], 0.0), 1 / 4)
+        np.testing.assert_allclose(odds(range(len(trusted)), trusted, 0.5), 1 / len(trusted))
+    np.testing.assert_allclose(odds("abcd", [True, False, False, False], 0.0), 1 / 4)
+
+
+def test_an_object_is_drawn_as_often_in_few_files_as_in_many() -> None:
+    np.testing.assert_allclose(odds("aab", [True] * 3, 0.5), [1 / 4, 1 / 4, 1 / 2])
+    np.testing.assert_allclose(odds("aabb", [True, True, False, False], 0.8), [0.4, 0.4, 0.1, 0.1])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Hashable, Iterator, Sequence
 
 import numpy as np
 import torch
@@ -18,14 +19,14 @@ F64 = NDArray[np.float64]
 
 
 class ScanData:
-    """Frames of many objects, mixed anew every epoch; objects have equal odds whatever the number of their frames.
+    """Frames of many objects, mixed anew every epoch; objects have equal odds whatever the number of their frames, or files.
 
     Of every batch those with true labels have the share `config.trusted` at least, where there are others.
     """
 
     def __init__(self, training: Sequence[ScanFile], validation: Sequence[ScanFile], config: AncshConfig) -> None:
         self.training, self.validation, self.config = list(training), list(validation), config
-        self._odds = odds([has_true_labels(file) for file in training], config.trusted)
+        self._odds = odds([file.object for file in training], [has_true_labels(file) for file in training], config.trusted)
         self._rotations: dict[ScanFile, F64] = {}
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[ScanBatch]:
@@ -57,13 +58,17 @@ class ScanData:
         return np.asarray(self._rotations[file][row])
 
 
-def odds(trusted: Sequence[bool], least: float) -> F64:
-    """How likely each of n objects is to be drawn, [n]: all equally, but the `trusted` ones together `least` likely."""
-    is_trusted = np.array(trusted, bool)
-    share = is_trusted.mean()
-    if share in (0.0, 1.0) or share >= least:
-        return np.full(len(is_trusted), 1.0 / len(is_trusted))
-    return np.asarray(np.where(is_trusted, least / is_trusted.sum(), (1.0 - least) / (~is_trusted).sum()))
+def odds(objects: Sequence[Hashable], trusted: Sequence[bool], least: float) -> F64:
+    """How likely each of n files, of some `objects`, is to be drawn, [n]: all objects equally, but those of `trusted` files
+    together `least` likely.
+    """
+    is_trusted, files = np.array(trusted, bool), Counter(objects)
+    weights = np.array([1.0 / files[one] for one in objects])
+    weights /= weights.sum()
+    share = weights[is_trusted].sum()
+    if 0.0 < share < least:
+        weights = np.where(is_trusted, weights * least / share, weights * (1.0 - least) / (1.0 - share))
+    return np.asarray(weights)
 
 
 def has_true_labels(file: ScanFile) -> bool:

@@ -17,7 +17,7 @@ from kinmo.learning.training import FitResult, Learner, Progress, fit
 from kinmo.learning.weights import save_weights
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.renderers import NOTHING
-from kinmo.scans.scan_file import ScanFile
+from kinmo.scans.scan_file import ScanFile, count_objects
 from kinmo.scans.typical import Typical
 from kinmo.typed_tables import to_table
 
@@ -55,7 +55,7 @@ def train_ancsh(
         "classes": learner.classes,
         "typical": Typical.of([file for file in used[0] if has_true_labels(file)] or used[0]).to_data(),
         "seed": seed,
-        "objects": len(used[0]),
+        "objects": count_objects(used[0]),
         "frames": sum(file.frames for file in used[0]),
         "epochs": len(result.history),
         "error": result.best_error,
