@@ -302,6 +302,17 @@ def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path
     assert {row[1] for row in found.data[CATEGORY]["parts"]["rows"]} == {"not run"}
 
 
+def test_motion_networks_of_a_table_go_on_from_those_they_are_told_to(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace, told = Workspace(tmp_path / "workspace"), Listener()
+    stage = MakeTable("4", workspace, scanned.config, "kinmo", FAMILY, 1, start=Workspace(tmp_path / "none"), **HOW)
+    assert stage.run(told).failed == 1
+    (problem,) = (note for note in told.notes if note.startswith("not run"))
+    assert "generated" not in problem
+    assert str(tmp_path / "none") in problem
+    assert "expected the weights to go on from" in problem
+
+
 def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
     stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, "kinmo", FAMILY, **HOW)

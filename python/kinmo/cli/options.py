@@ -29,6 +29,9 @@ class ProtocolName(str, Enum):
     ANCSH = "ancsh"
 
 
+Start = Annotated[Path | None, Option("--from", help="A workspace whose ranking networks to go on from.", show_default=False)]
+
+
 @dataclass(frozen=True)
 class CommonOptions:
     """See the help texts."""

@@ -8,7 +8,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions, Method, ProtocolName
+from kinmo.cli.options import CommonOptions, Method, ProtocolName, Start
 
 
 class Name(str, Enum):
@@ -27,6 +27,7 @@ def table(
     category: Annotated[
         str | None, Option(help="Only this category.", show_default="those of the paper that are there")
     ] = None,
+    start: Start = None,
     seeds: Annotated[
         int | None, Option(min=1, max=100, help="How often every cell is trained.", show_default="3 or 1, by category")
     ] = None,
@@ -47,6 +48,7 @@ def table(
 
         kinmo table 2 --category refrigerator
         kinmo table 3 --hours 4
+        kinmo table 2 --category laptop --from procedural
     """
     from kinmo.pipeline.scan_tables import MakeTable
     from kinmo.workspace import Workspace
@@ -63,5 +65,6 @@ def table(
         options.seed,
         options.device,
         options.worker_count,
+        None if start is None else Workspace(start),
     )
     execute(options, stage)

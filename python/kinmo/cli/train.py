@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from enum import Enum
-from pathlib import Path
 from typing import Annotated
 
 from typer import Argument, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions, Method
+from kinmo.cli.options import CommonOptions, Method, Start
 from kinmo.errors import InputError
 
 
@@ -41,9 +40,7 @@ def train(
     category: Annotated[
         str | None, Option(help="Only shapes of this category, however it is spelled.", show_default=False)
     ] = None,
-    start: Annotated[
-        Path | None, Option("--from", help="A workspace whose ranking networks to go on from.", show_default=False)
-    ] = None,
+    start: Start = None,
     setting: Annotated[
         SettingName, Option(help="ancsh: which labels count beside those of the labelled shapes.")
     ] = SettingName.SEMI_WEAKLY,

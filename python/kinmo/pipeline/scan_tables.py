@@ -35,8 +35,8 @@ class MakeTable:
 
     With `hours`, no cell is begun that would not be done by then, as far as that can be told beforehand; cells that are not
     run, and those that cannot be, are shown as such. Without a category it is of those of the paper's that there are labelled
-    shapes of. `seeds` None means three for `MANY_SEEDS`, else one; `seed` is the first of them. Scans, motion networks and
-    pseudo labels are the same for all seeds.
+    shapes of. Motion networks go on from those of `start`, if that is given. `seeds` None means three for `MANY_SEEDS`, else
+    one; `seed` is the first of them. Scans, motion networks and pseudo labels are the same for all seeds.
     """
 
     name: str
@@ -50,6 +50,7 @@ class MakeTable:
     seed: int = 0
     device: str = "auto"
     workers: int = 1
+    start: Workspace | None = None
 
     def plan(self) -> Plan:
         steps, seconds = [], 0.0
@@ -119,7 +120,7 @@ class MakeTable:
     def _stages(self, row: RowOf, cell: Cell) -> Iterator[Stage]:
         place = row.workspace(self.workspace)
         if row.setting in ("semi-weakly", "dsg-net"):
-            yield Train(self.method, place, self.config, None, SHARED_SEED, self.device, self.workers)
+            yield Train(self.method, place, self.config, None, SHARED_SEED, self.device, self.workers, self.start)
             yield PseudoLabel(place, self.method, cell.category, None, self.device, self.workers)
         yield Render(place, self.config, cell.category, SHARED_SEED, self.workers, unlabelled=row.setting == "semi")
         tested = Workspace(self.workspace.root, is_rough=row.on_rough)

@@ -1,0 +1,90 @@
+"""Table 2 on real categories: what pseudo labels are worth for partial scans where most labels of real objects are hidden.
+
+    python bench/real_scans.py DATA... --cache DIR [--from WORKSPACE] [--category NAME ...] [--share 0.3] [--seeds 1] [--hours H]
+
+DATA are folders of PartNet-Mobility objects. Of each category, of its objects to train on, `--share` keep their joints; the
+others are shown without, as PartNet has them, and their joints are held back for the row with true labels. Objects of all other
+categories keep theirs, for the motion networks, which go on from those of `--from` (procedural shapes) if that is given. Cells
+are kept in DIR: the same command goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from kinmo.categories import canonical_category, same_category
+from kinmo.cli.console import LineObserver
+from kinmo.formats import Layout, discover
+from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.scan_tables import MakeTable
+from kinmo.splits import Split, split_of, within_share
+from kinmo.workspace import Workspace
+
+CATEGORIES = ("laptop", "bucket", "table", "safe", "box")
+JOINTS = ("mobility_v2.json", "mobility.urdf")
+
+
+def arrange(data: Iterable[Path], categories: Iterable[str], share: float, folder: Path) -> dict[str, tuple[int, int]]:
+    """Link the objects into `folder`, as labelled, or as unlabelled and held back; returns how many of either, by category."""
+    objects = {found.id: found.path for root in data for found in discover(root) if found.layout is Layout.PARTNET_MOBILITY}
+    category = {name: _category_of(path) for name, path in objects.items()}
+    hidden: set[str] = set()
+    counts = {}
+    for wanted in categories:
+        own = sorted(n for n in objects if same_category(category[n], wanted) and split_of(n) is Split.TRAIN)
+        kept = within_share([(name, category[name]) for name in own], share)
+        hidden |= {name for name, keeps in zip(own, kept, strict=True) if not keeps}
+        counts[wanted] = sum(kept), len(own) - sum(kept)
+    for name, path in objects.items():
+        if name not in hidden:
+            _link(path, folder / "labelled" / name)
+            continue
+        _link(path, folder / "unlabelled" / "held_back" / name)
+        for file in path.iterdir():
+            if file.name not in JOINTS:
+                _link(file, folder / "unlabelled" / name / file.name)
+    return counts
+
+
+def _category_of(path: Path) -> str:
+    return canonical_category(json.loads((path / "meta.json").read_text(encoding="utf-8"))["model_cat"])
+
+
+def _link(target: Path, place: Path) -> None:
+    place.parent.mkdir(parents=True, exist_ok=True)
+    if not place.is_symlink():
+        place.symlink_to(target.resolve())
+
+
+def main() -> None:
+    """Arrange, prepare, and make the table of one category after the other."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("data", nargs="+", type=Path)
+    parser.add_argument("--cache", type=Path, required=True)
+    parser.add_argument("--from", dest="start", type=Path)
+    parser.add_argument("--category", nargs="+", default=list(CATEGORIES))
+    parser.add_argument("--share", type=float, default=0.3)
+    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--hours", type=float)
+    parser.add_argument("--quick", action="store_true", help="only arrange and prepare")
+    options = parser.parse_args()
+    folder = options.cache / f"partnet-{options.share:g}"
+    for name, (kept, hidden) in arrange(options.data, CATEGORIES, options.share, folder).items():
+        print(f"{name}: {kept} objects to train on with joints, {hidden} without")
+    workspace, observer = Workspace(options.cache / f"workspace-{options.share:g}"), LineObserver()
+    workers = os.cpu_count() or 1
+    Prepare(folder, workspace, workers=workers, hold_back=(folder / "unlabelled" / "held_back",)).run(observer)
+    start = None if options.start is None else Workspace(options.start)
+    for category in () if options.quick else options.category:
+        table = MakeTable(
+            "2", workspace, "small", "kinmo", category, options.seeds, options.hours, workers=workers, start=start
+        )
+        print(table.run(observer).text)
+
+
+if __name__ == "__main__":
+    main()
