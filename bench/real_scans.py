@@ -1,6 +1,6 @@
 """Table 2 on real categories: what pseudo labels are worth for partial scans where most labels of real objects are hidden.
 
-    python bench/real_scans.py DATA... --cache DIR [--from WORKSPACE] [--category NAME ...] [--share 0.3] [--seeds 1] [--hours H]
+    python bench/real_scans.py DATA... --cache DIR [--from WORKSPACE] [--category NAME ...] [--share 0.3] [--seeds 1]
 
 DATA are folders of PartNet-Mobility objects. Of each category, of its objects to train on, `--share` keep their joints; the
 others are shown without, as PartNet has them, and their joints are held back for the row with true labels. Objects of all other
