@@ -13,7 +13,8 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Iterable
+import shutil
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from kinmo.categories import canonical_category, same_category
@@ -29,7 +30,7 @@ JOINTS = ("mobility_v2.json", "mobility.urdf")
 
 
 def arrange(data: Iterable[Path], categories: Iterable[str], share: float, folder: Path) -> dict[str, tuple[int, int]]:
-    """Link the objects into `folder`, as labelled, or as unlabelled and held back; returns how many of either, by category."""
+    """Copy the objects into `folder`, as labelled, or as unlabelled and held back; returns how many of either, by category."""
     objects = {found.id: found.path for root in data for found in discover(root) if found.layout is Layout.PARTNET_MOBILITY}
     category = {name: _category_of(path) for name, path in objects.items()}
     hidden: set[str] = set()
@@ -40,13 +41,10 @@ def arrange(data: Iterable[Path], categories: Iterable[str], share: float, folde
         hidden |= {name for name, keeps in zip(own, kept, strict=True) if not keeps}
         counts[wanted] = sum(kept), len(own) - sum(kept)
     for name, path in objects.items():
-        if name not in hidden:
-            _link(path, folder / "labelled" / name)
-            continue
-        _link(path, folder / "unlabelled" / "held_back" / name)
-        for file in path.iterdir():
-            if file.name not in JOINTS:
-                _link(file, folder / "unlabelled" / name / file.name)
+        labelled = folder / "unlabelled" / "held_back" if name in hidden else folder / "labelled"
+        _copy(path, labelled / name)
+        if name in hidden:
+            _copy(path, folder / "unlabelled" / name, without=JOINTS)
     return counts
 
 
@@ -54,10 +52,17 @@ def _category_of(path: Path) -> str:
     return canonical_category(json.loads((path / "meta.json").read_text(encoding="utf-8"))["model_cat"])
 
 
-def _link(target: Path, place: Path) -> None:
-    place.parent.mkdir(parents=True, exist_ok=True)
-    if not place.is_symlink():
-        place.symlink_to(target.resolve())
+def _copy(source: Path, place: Path, without: Sequence[str] = ()) -> None:
+    if not place.exists():
+        shutil.copytree(source, place, ignore=shutil.ignore_patterns(*without), copy_function=_link)
+
+
+def _link(source: str, place: str) -> None:
+    """The same file at another place, or where that is on another disk its copy."""
+    try:
+        os.link(source, place)
+    except OSError:
+        shutil.copy2(source, place)
 
 
 def main() -> None:
