@@ -19,6 +19,7 @@ from kinmo.errors import InputError
 from kinmo.workspace import write_atomically, write_text_atomically
 
 SCHEMA = 1
+OTHER_VERSION = "; if another version of kinmo trained it, train it again"
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,12 +37,12 @@ class Weights:
         own = module.state_dict()
         for name in sorted(own.keys() | self.tensors.keys()):
             if name not in self.tensors:
-                raise InputError(self.path, "missing tensor", name)
+                raise InputError(self.path, f"missing tensor{OTHER_VERSION}", name)
             if name not in own:
-                raise InputError(self.path, "unexpected tensor", name)
+                raise InputError(self.path, f"unexpected tensor{OTHER_VERSION}", name)
             if own[name].shape != self.tensors[name].shape:
                 found, expected = tuple(self.tensors[name].shape), tuple(own[name].shape)
-                raise InputError(self.path, f"shape {found}, expected {expected}", name)
+                raise InputError(self.path, f"shape {found}, expected {expected}{OTHER_VERSION}", name)
         module.load_state_dict(dict(self.tensors))
 
 
