@@ -54,7 +54,10 @@ def _category_of(path: Path) -> str:
 
 def _copy(source: Path, place: Path, without: Sequence[str] = ()) -> None:
     if not place.exists():
-        shutil.copytree(source, place, ignore=shutil.ignore_patterns(*without), copy_function=_link)
+        half = place.with_name(f".{place.name}")
+        shutil.rmtree(half, ignore_errors=True)
+        shutil.copytree(source, half, ignore=shutil.ignore_patterns(*without), copy_function=_link)
+        half.rename(place)
 
 
 def _link(source: str, place: str) -> None:
@@ -71,7 +74,7 @@ def main() -> None:
     parser.add_argument("data", nargs="+", type=Path)
     parser.add_argument("--cache", type=Path, required=True)
     parser.add_argument("--from", dest="start", type=Path)
-    parser.add_argument("--category", nargs="+", default=list(CATEGORIES))
+    parser.add_argument("--category", nargs="+", choices=CATEGORIES, default=list(CATEGORIES))
     parser.add_argument("--share", type=float, default=0.3)
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--hours", type=float)

@@ -213,12 +213,6 @@ def manhattan_frames(points: NDArray[np.float32]) -> F64:
     least area about it. Straub et al., The Manhattan Frame Model, 2018.
     """
 
-def share_facing_axes(points: F64) -> float:
-    """The share of the surface that points [n, 3] were drawn from which faces the coordinate axes; 0 where there is none.
-
-    What is off an axis by an angle a counts 1 - (sin a / .2)**2, and nothing from 11.5 degrees on.
-    """
-
 def find_similarities(
     source: F64, target: F64, starts: NDArray[np.int64], *, hypotheses: int, threshold: float, seed: int
 ) -> tuple[Poses, NDArray[np.bool_]]:

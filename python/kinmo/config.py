@@ -208,12 +208,13 @@ class ScansConfig:
 
     An object to train on is seen in `states` of its joints, from `views` cameras each; one to choose or test by in
     `test_states` and from `test_views`. The states are shared out among `variants` of an object to train on: itself, and
-    others like it (`scans.variants`), up to `stretch` times as long or as short in each direction. `sampling`: every joint has
-    a value of its own out of its range, or all go through theirs in `lockstep`, or as in the `release` all through the same
-    angles. Pictures have `size` pixels a side, frames `points` points; a frame in which a part has fewer than `least_pixels`
-    is refused. A part smaller than `smallest_part` diagonals goes with what it moves against. Networks learn the `canonical`
-    state of objects: `closed` (`scans.closing`), or whatever their `file` shows. `rough` is the sensor that takes `sensor`'s
-    place to tell what a bad one costs. `pybullet` is the paper's renderer.
+    others like it (`scans.variants`), up to `stretch` times as long or as short in each direction; only objects that are
+    `closed` have such. `sampling`: every joint has a value of its own out of its range, or all go through theirs in
+    `lockstep`, or as in the `release` all through the same angles. Pictures have `size` pixels a side, frames `points` points;
+    a frame in which a part has fewer than `least_pixels` is refused. A part smaller than `smallest_part` diagonals goes with
+    what it moves against. Networks learn the `canonical` state of objects: `closed` (`scans.closing`), or whatever their
+    `file` shows. `rough` is the sensor that takes `sensor`'s place to tell what a bad one costs. `pybullet` is the paper's
+    renderer.
     """
 
     states: Count = 31

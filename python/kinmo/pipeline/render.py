@@ -42,6 +42,8 @@ SECONDS_PER_FRAME = 0.012
 """On one core, until the journal knows better."""
 VARIED: tuple[Role, ...] = ("train", "hidden", "pseudo")
 """Roles of objects that are scanned in variants too: more like them is what networks need, and what tests must not see."""
+OPENING, CHANGING = 10, 11
+"""What random numbers are for, beside what `kinmo.scans.scan` draws of the same seed."""
 REFUSED = ".refused.json"
 """Ending of what stands in place of the scans of an object that cannot be scanned, and says why."""
 
@@ -106,7 +108,7 @@ class Render:
                 ):
                     if isinstance(problem, Crashed):
                         crashed.append(job)
-                    observer.progress("scanning objects", done, len(pending), job.found.id)
+                    observer.progress("scanning objects and variants", done, len(pending), job.found.id)
                 watch.amount = sum(_frames(config, job) for job in pending)
                 watch.what = f"{_count(pending)} objects"
             files = [open_scans(job.path) for job in jobs if job.path.exists()]
@@ -183,7 +185,8 @@ class Rendering:
     seed: int
 
     def _moving(self, shape: Shape, variant: int, seed: int) -> ArticulatedObject:
-        change = draw_change(np.asarray(shape.up), self.config.stretch, np.random.default_rng(seed)) if variant else None
+        changing = np.random.default_rng([seed, CHANGING])
+        change = draw_change(np.asarray(shape.up), self.config.stretch, changing) if variant else None
         closes = self.config.canonical == "closed"
         return articulated_object(shape, smallest=self.config.smallest_part, closes=closes, change=change)
 
@@ -196,13 +199,14 @@ class Rendering:
         except ValueError as error:
             _refuse(job, str(error))
             return
-        opening = np.random.default_rng([seed, len(job.turns)])
+        opening = np.random.default_rng([seed, OPENING])
         target = replace(target, mobility=opened_as_usual(target.mobility, MOST_TURN, job.turns, opening))
         config = self.config
         if job.role in VARIED:
             config = replace(config, states=_states(config, job.variant))
         scans = scan(target, config, seed, to_train=job.role not in ("validation", "test"))
-        write_scans(job.path, target, scans, {"made_from": job.made_from, "role": job.role, "layout": job.layout})
+        made = {"made_from": job.made_from, "role": job.role, "layout": job.layout, "variant": job.variant}
+        write_scans(job.path, target, scans, made)
         job.refusal.unlink(missing_ok=True)
 
 
@@ -260,7 +264,8 @@ def _states(config: ScansConfig, variant: int) -> int:
 
 
 def _variants(config: ScansConfig) -> int:
-    return min(config.variants, config.states)
+    """Only objects that are closed can be stretched, and each has a state of its own at least."""
+    return min(config.variants, config.states) if config.canonical == "closed" else 1
 
 
 def _count(jobs: Sequence[Job]) -> int:

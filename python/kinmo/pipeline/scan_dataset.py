@@ -95,8 +95,9 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     fitting = {role: [file for file in found[role] if file.frames and file.structure == structure] for role in ROLES}
     if not fitting["validation"]:
         alone = count_objects(fitting["train"]) == 1
-        chosen = {file.id for file in fitting["train"]} if alone else kept_to_choose_by([file.id for file in fitting["train"]])
-        found["validation"] += [file for file in found["train"] if file.id in chosen]
+        ids = {file.id for file in fitting["train"]}
+        chosen = ids if alone else kept_to_choose_by(ids)
+        found["validation"] += [file for file in found["train"] if file.id in chosen and not file.is_variant]
         if not alone:
             found["train"] = [file for file in found["train"] if file.id not in chosen]
     files: dict[Role, tuple[ScanFile, ...]] = {}
@@ -107,7 +108,7 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         left_out = {
             (file.object, str(file.structure) if file.frames else "no frame")
             for file, has in zip(some, fits, strict=True)
-            if not has
+            if not has and file.object not in {other.object for other in files[role]}
         }
         others.update((reason, role) for _, reason in left_out)
     return ScanDataset(spelling, structure, files, others)

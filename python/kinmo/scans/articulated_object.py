@@ -21,6 +21,9 @@ from kinmo.shape import Mesh, Shape, Vector, bounds_of
 
 F64 = NDArray[np.float64]
 
+FACING = np.cos(np.radians(6.0))
+"""From this cosine on a surface faces an axis."""
+
 SMALLEST_PART = 0.15
 """Diagonal of a part's box, in the object's, below which the part goes with what it moves against (knobs, buttons)."""
 
@@ -85,6 +88,11 @@ class ArticulatedObject:
     def part_extents(self) -> Extents:
         """Of the K parts, in the canonical state."""
         return _extents(mesh.vertices[np.unique(mesh.faces)] for mesh in self.meshes)
+
+    @cached_property
+    def facing(self) -> F64:
+        """The share [K] of every part's surface that faces an axis of the frame, in the canonical state."""
+        return np.array([_share_facing_axes(mesh) for mesh in self.meshes])
 
 
 def articulated_object(
@@ -194,6 +202,14 @@ def _in_a_row(centers: F64) -> NDArray[np.intp]:
 def _extents(clouds: Iterable[F64]) -> Extents:
     corners = np.array([(cloud.min(axis=0), cloud.max(axis=0)) for cloud in clouds])
     return Extents(corners.mean(axis=1), corners[:, 1] - corners[:, 0])
+
+
+def _share_facing_axes(mesh: Mesh) -> float:
+    corners = mesh.vertices[mesh.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    faces = np.abs(normals).max(axis=1) >= FACING * areas
+    return float(areas[faces].sum() / max(areas.sum(), np.finfo(float).tiny))
 
 
 def _joined(meshes: Iterable[Mesh]) -> Mesh:

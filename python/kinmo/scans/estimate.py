@@ -83,7 +83,7 @@ class ScanEstimate:
 def estimate(
     answers: Sequence[PointAnswers], structure: Structure, options: PoseOptions, typical: Typical | None = None
 ) -> list[ScanEstimate]:
-    """Poses by RANSAC, joints by the medians of what points say, and poses again that fit the joints (Li 2020, section 4.3).
+    """Poses by RANSAC, joints by what points and the scan as a whole say, and poses again that fit them (Li 2020, section 4.3).
 
     What is `typical` of such objects narrows them down, where the `tree` of joints ties all parts.
     """

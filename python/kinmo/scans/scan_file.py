@@ -22,7 +22,9 @@ from kinmo.scans.scan import Scans
 from kinmo.store import joint_from_data, joint_to_data
 from kinmo.workspace import write_bytes_atomically
 
-FORMAT = 1
+F64 = NDArray[np.float64]
+
+FORMAT = 2
 _HEADER_KEY = "kinmo"
 _ARRAYS = tuple(field.name for field in fields(Scans) if field.name != "refused")
 
@@ -31,8 +33,8 @@ _ARRAYS = tuple(field.name for field in fields(Scans) if field.name != "refused"
 class ScanFile:
     """The frames of one object; arrays stay on disk until they are asked for.
 
-    `joints` are those of parts 1 and up and `extents` the boxes of the parts, in the normalised frame; `provenance` is what the
-    file was made from.
+    `joints` are those of parts 1 and up and `extents` the boxes of the parts, in the normalised frame; `facing` [K] is the share
+    of each part's surface that faces an axis of it, NaN where that is not known; `provenance` is what the file was made from.
     """
 
     path: Path
@@ -41,6 +43,7 @@ class ScanFile:
     structure: Structure
     joints: tuple[Joint, ...]
     extents: Extents
+    facing: F64
     frames: int
     refused: Mapping[str, int]
     provenance: Mapping[str, Any]
@@ -57,6 +60,11 @@ class ScanFile:
     def object(self) -> tuple[str, str]:
         """What tells the object from others of its role; variants of one have the same."""
         return self.id, str(self.provenance.get("layout", ""))
+
+    @property
+    def is_variant(self) -> bool:
+        """Whether it is not of the object itself but of one like it."""
+        return bool(self.provenance.get("variant", 0))
 
     @cached_property
     def _tensors(self) -> Any:
@@ -76,7 +84,7 @@ def count_objects(files: Iterable[ScanFile]) -> int:
 class Described(Protocol):
     """What is known of an object whose frames are written: an `ArticulatedObject`, or what networks think of one.
 
-    `joints` and `part_extents` are in the normalised frame.
+    `joints` and `part_extents` are in the normalised frame. `facing` is as in `ScanFile`.
     """
 
     @property
@@ -94,11 +102,14 @@ class Described(Protocol):
     @property
     def part_extents(self) -> Extents: ...
 
+    @property
+    def facing(self) -> F64: ...
+
 
 def write_scans(path: Path, target: Described, scans: Scans, provenance: Mapping[str, Any]) -> None:
     """Write the frames of `target`, whole or not at all; the same frames give the same bytes. `provenance` is plain data."""
     tensors = {name: np.ascontiguousarray(getattr(scans, name)) for name in _ARRAYS}
-    tensors |= {"centers": target.part_extents.centers, "sizes": target.part_extents.sizes}
+    tensors |= {"centers": target.part_extents.centers, "sizes": target.part_extents.sizes, "facing": target.facing}
     header = {
         "format": FORMAT,
         "id": target.id,
@@ -127,6 +138,7 @@ def open_scans(path: Path) -> ScanFile:
                 Structure(tuple(joint.kind for joint in joints), tuple(data["parents"])),
                 joints,
                 Extents(file.get_tensor("centers"), file.get_tensor("sizes")),
+                file.get_tensor("facing"),
                 data["frames"],
                 data["refused"],
                 data["provenance"],

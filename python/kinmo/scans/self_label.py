@@ -23,13 +23,18 @@ UNSURE = "networks were not sure of it"
 
 @dataclass(frozen=True, eq=False)
 class SaidObject:
-    """What networks say of one object: its `joints` and the boxes of its parts in the normalised frame."""
+    """What networks say of one object: its `joints` and the boxes of its parts in the normalised frame; no more is known."""
 
     id: str
     category: str
     structure: Structure
     joints: tuple[Joint, ...]
     part_extents: Extents
+
+    @property
+    def facing(self) -> F64:
+        """As in `ScanFile`: not known."""
+        return np.full(self.structure.part_count, np.nan)
 
 
 def is_sure(found: ScanEstimate, confidence: float) -> bool:
@@ -72,7 +77,7 @@ def self_labelled(
 
 
 def _extents(answers: Sequence[PointAnswers], estimates: Sequence[ScanEstimate]) -> Extents:
-    """Boxes whose diagonals are the sizes of the parts in NAOCS, and whose proportions are those seen."""
+    """Boxes whose diagonals are the sizes of the parts in NAOCS, and whose proportions are those said."""
     scales = np.median([answer.part_scales for answer in answers], axis=0)
     shifts = np.median([answer.part_shifts for answer in answers], axis=0)
     shapes = np.median([found.half_extents / found.poses.scales[:, None] for found in estimates], axis=0)

@@ -1,17 +1,16 @@
-//! `manhattan_frames` and `share_facing_axes`.
+//! `manhattan_frames`.
 
-use kinmo_geometry::manhattan::{self, manhattan_frame};
+use kinmo_geometry::manhattan::manhattan_frame;
 use nalgebra::Point3;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::{Array, check_finite, points_of, stacks_of};
+use crate::arrays::{Array, check_finite, stacks_of};
 use crate::batches::map_in_batches;
 use crate::convert::value_error;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(manhattan_frames, module)?)?;
-    module.add_function(wrap_pyfunction!(share_facing_axes, module)?)
+    module.add_function(wrap_pyfunction!(manhattan_frames, module)?)
 }
 
 #[pyfunction]
@@ -26,11 +25,4 @@ fn manhattan_frames<'py>(py: Python<'py>, points: Array<'py, f32>) -> PyResult<B
     // nalgebra lies column after column
     let rows = frames.iter().flat_map(|frame| frame.matrix().transpose().data.0).flatten();
     PyArray1::from_iter(py, rows).reshape([frames.len(), 3, 3])
-}
-
-#[pyfunction]
-fn share_facing_axes(py: Python<'_>, points: Array<'_, f64>) -> PyResult<f64> {
-    let count = points.view().shape().first().copied().unwrap_or(0);
-    let points = points_of("points", points.view(), count).map_err(value_error)?;
-    Ok(py.detach(|| manhattan::share_facing_axes(&points)))
 }

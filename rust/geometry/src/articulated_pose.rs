@@ -106,11 +106,12 @@ impl Moments {
 
     /// Those of the pairs that are `kept`, each asked about once.
     fn of_some(pairs: &[Pair], mut kept: impl FnMut(&Pair) -> bool) -> Self {
-        // Sums about the first pair, which is no farther off than they spread, lose nothing to rounding.
-        let near = pairs.first().map_or([Vector3::zeros(); 2], |(source, target)| [source.coords, target.coords]);
+        // Sums about one of the pairs that count, which is no farther off than they spread, lose nothing to rounding.
+        let mut first = None;
         let (mut count, mut sums, mut products) = (0, [Vector3::zeros(); 2], Matrix3::zeros());
         for pair in pairs {
             if kept(pair) {
+                let near = first.get_or_insert([pair.0.coords, pair.1.coords]);
                 let [source, target] = [pair.0.coords - near[0], pair.1.coords - near[1]];
                 count += 1;
                 sums[0] += source;
@@ -120,6 +121,7 @@ impl Moments {
         }
         let [source, target] = sums.map(|sum| sum / count.max(1) as f64);
         let covariance = products - target * source.transpose() * count as f64;
+        let near = first.unwrap_or_default();
         Self { count, middles: [source + near[0], target + near[1]], covariance }
     }
 }
@@ -223,6 +225,22 @@ mod tests {
             prop_assert!(gap(&found) <= gap(&alone) + 0.01, "{} {}", gap(&found), gap(&alone));
             prop_assert!(gap(&poses) < 1e-9);
         }
+    }
+
+    #[test]
+    fn a_pair_far_off_that_does_not_count_costs_no_digit() {
+        let pose = Similarity {
+            rotation: Rotation3::new(Vector3::new(0.3, -0.2, 0.5)),
+            scale: 1.0,
+            translation: Vector3::zeros(),
+        };
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Point3::from);
+        let mut cloud = vec![(Point3::new(1e9, 0.0, 0.0), Point3::new(0.0, -1e9, 0.0))];
+        cloud.extend(corners.map(|corner| (corner, pose.apply(&corner))));
+        let off_by = Rotation3::new(Vector3::new(0.02, 0.01, 0.0)) * pose.rotation;
+        let tie = Tie { parts: [0, 1], kind: JointKind::Revolute, direction: Vector3::z_axis() };
+        let found = tie_poses(&[&cloud, &cloud], &[tie], &[Similarity { rotation: off_by, ..pose }; 2], 0.1);
+        assert!(off(&found[0], &pose) < 1e-12);
     }
 
     #[test]

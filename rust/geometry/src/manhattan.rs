@@ -16,8 +16,6 @@ const HYPOTHESES: usize = 200;
 const JUDGES: usize = 256;
 /// Normals count that are off an axis by less than the sine of these: first all that may be meant, then those that are.
 const REACHES: [f64; 7] = [0.4, 0.3, 0.2, 0.15, 0.1, 0.1, 0.1];
-/// What is off an axis by less than this sine faces it.
-const FACING: f64 = 0.2;
 /// A scan of which less than this share (of what faces the first axis) faces the others shows one side alone.
 const ONE_SIDED: f64 = 0.05;
 /// Of the draws: the same points always give the same frame.
@@ -38,13 +36,6 @@ pub fn manhattan_frame(points: &[Point3<f64>]) -> Rotation3<f64> {
     }
     let axes = flush_axes(points, found.matrix().column(first).into());
     Rotation3::from_matrix_unchecked(Matrix3::from_columns(&axes))
-}
-
-/// The share of the surface that `points` were drawn from which faces the coordinate axes.
-pub fn share_facing_axes(points: &[Point3<f64>]) -> f64 {
-    let normals = normals(points, NEIGHBOURS);
-    let all: f64 = normals.iter().map(|normal| normal.weight).sum();
-    faced(&Rotation3::identity(), &normals, FACING).sum() / all.max(f64::MIN_POSITIVE)
 }
 
 /// How much of `normals` is nearer to each axis of `frame` than by the sine `reach`, what is on it counted whole.
@@ -163,16 +154,6 @@ mod tests {
             let points = corners.iter().chain(&places).map(|[x, y]| turn * Point3::new(*x, 2.0 * y, 0.3));
             prop_assert!(apart(&manhattan_frame(&points.collect::<Vec<_>>()), &turn) < 1e-6);
         }
-    }
-
-    #[test]
-    fn boxes_face_the_axes_and_turned_ones_do_not() {
-        let side = |place: usize| Point3::new((place % 20) as f64, (place / 20) as f64, 3.0);
-        let points: Vec<_> = (0..400).map(side).collect();
-        assert!(share_facing_axes(&points) > 0.99);
-        let turn = Rotation3::new(Vector3::new(0.3, 0.4, 0.0));
-        assert_eq!(share_facing_axes(&points.iter().map(|point| turn * point).collect::<Vec<_>>()), 0.0);
-        assert_eq!(share_facing_axes(&[]), 0.0);
     }
 
     #[test]

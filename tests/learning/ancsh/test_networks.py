@@ -14,7 +14,15 @@ from kinmo.config import AncshConfig, ScansConfig, TrainingConfig, load_config
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.data import ScanData, odds
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
-from kinmo.learning.ancsh.network import AncshNetwork, JointAnswers, Layout, LayoutAnswers, PartAnswers, PartMaps, PartNetwork
+from kinmo.learning.ancsh.network import (
+    AncshNetwork,
+    JointAnswers,
+    LayoutAnswers,
+    LayoutHead,
+    PartAnswers,
+    PartMaps,
+    PartNetwork,
+)
 from kinmo.learning.ancsh.predict import Ancsh, to_naocs
 from kinmo.learning.ancsh.targets import layout
 from kinmo.learning.ancsh.train import train_ancsh
@@ -99,7 +107,7 @@ def test_a_layout_has_boxes_of_diagonal_one_and_the_pivots_next_to_the_parts_tha
 
 
 def test_nothing_learnt_all_scans_have_the_same_layout() -> None:
-    found = Layout(16, 3)(torch.rand(4, 1, 16))
+    found = LayoutHead(16, 3)(torch.rand(4, 1, 16))
     torch.testing.assert_close(found.half_sizes, torch.full((4, 3, 3), 0.5 / 3**0.5))
     torch.testing.assert_close(found.pivots, torch.full((4, 2, 3), 0.5))
 

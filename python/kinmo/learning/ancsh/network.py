@@ -113,7 +113,7 @@ class PartMaps(nn.Module):
         return self.SLOPE * mapped
 
 
-class Layout(nn.Module):
+class LayoutHead(nn.Module):
     """What is the same for all points of a scan, and so is asked of the scan as a whole."""
 
     def __init__(self, features: int, parts: int) -> None:
@@ -140,7 +140,7 @@ class AncshNetwork(PartNetwork):
         self.toward = nn.Linear(features, 3)
         self.heatmap = nn.Linear(features, 1)
         self.joint = nn.Linear(features, parts)
-        self.layout = Layout(self.backbone.whole_features, parts) if config.layout else None
+        self.layout = LayoutHead(self.backbone.whole_features, parts) if config.layout else None
 
     def forward_all(self, points: Tensor) -> tuple[PartAnswers, JointAnswers]:
         """`points` [B, n, 3]."""
