@@ -24,7 +24,7 @@ from kinmo.pipeline.predict_scan import PredictScan
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.render import REFUSED, Render
 from kinmo.pipeline.report import Report
-from kinmo.pipeline.scan_dataset import open_scan_dataset, scans_of
+from kinmo.pipeline.scan_dataset import ROLES, open_scan_dataset, scans_of
 from kinmo.pipeline.scan_report import OUTDATED
 from kinmo.pipeline.scan_table_rows import TABLES, printed_row
 from kinmo.pipeline.scan_tables import JudgeTrained, MakeTable
@@ -124,6 +124,27 @@ def test_objects_to_train_on_are_scanned_with_others_like_them_and_count_once(sc
     report = scanned.render(unlabelled=True).run(Listener()).data["categories"][CATEGORY]
     found = {role: count_objects(dataset.files[role]) for role in ("train", "hidden", "validation", "test")}
     assert {role: report["objects"][role] for role in found} == found
+
+
+def test_objects_that_stand_in_for_validation_ones_are_seen_as_they_are(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    shutil.rmtree(tmp_path / "workspace" / "scans" / CATEGORY / "validation")
+    before = open_scan_dataset(scanned.workspace, CATEGORY)
+    dataset = open_scan_dataset(Workspace(tmp_path / "workspace"), CATEGORY)
+    (chosen,) = dataset.files["validation"]
+    assert not chosen.is_variant
+    assert {file.id for file in dataset.files["train"]} == {file.id for file in before.files["train"]} - {chosen.id}
+    assert any(file.is_variant for file in dataset.files["train"])
+
+
+def test_objects_that_are_not_closed_have_no_variants(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace, config = Workspace(tmp_path / "workspace"), tmp_path / "file.toml"
+    text = Path(scanned.config).read_text(encoding="utf-8").replace("[scans]", '[scans]\ncanonical = "file"')
+    config.write_text(text, encoding="utf-8")
+    Render(workspace, str(config), FAMILY).run(Listener())
+    files = open_scan_dataset(workspace, CATEGORY).files
+    assert not any(file.is_variant for role in ROLES for file in files[role])
 
 
 def test_what_was_scanned_is_not_scanned_again(scanned: Scanned) -> None:

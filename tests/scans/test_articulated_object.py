@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from articulated import shape_of_boxes
 from kinmo.errors import InputError
 from kinmo.joint import JointKind
 from kinmo.mobility import Body, Mobility
 from kinmo.scans.articulated_object import articulated_object
-from kinmo.shape import Shape
+from kinmo.shape import Mesh, Shape
 from scanned import FRONT, cupboard, cupboard_object, hinge, slider
 
 
@@ -32,6 +33,29 @@ def test_small_parts_go_with_what_they_move_against() -> None:
     assert target.structure.parents == (0, 0, 0)
     assert len(target.meshes[3].vertices) == 16, "the door has the knob's vertices too"
     assert len(articulated_object(cupboard(), smallest=0.0).meshes) == 5
+
+
+def test_boxes_face_the_axes_a_turned_one_does_with_two_sides_and_a_tube_with_hardly_any() -> None:
+    np.testing.assert_allclose(cupboard_object().facing, 1.0)
+    shape = shape_of_boxes(
+        [((-1.0, -1.0, -1.0), (1.0, 0.0, 1.0)), ((-1.0, 0.0, -1.0), (1.0, 1.0, 1.0))],
+        [Body(0, "base", (1,)), Body(1, "turned", (2,), 0, hinge((0.0, 0.0, 0.0)))],
+    )
+    turned, parts = Rotation.from_euler("y", 40.0, degrees=True), list(shape.parts)
+    mesh = parts[2].mesh
+    assert mesh is not None
+    parts[2] = replace(parts[2], mesh=Mesh(turned.apply(mesh.vertices), mesh.faces))
+    found = articulated_object(replace(shape, parts=tuple(parts))).facing
+    np.testing.assert_allclose(found, [1.0, 2 * 4 / (2 * 4 + 4 * 2)])
+    angles = np.linspace(0.0, 2 * np.pi, 64, endpoint=False) + np.radians(2.0)
+    ring = np.stack([np.cos(angles), 0 * angles, np.sin(angles)], axis=1)
+    low, high = np.arange(64), np.roll(np.arange(64), -1)
+    tube = Mesh(
+        np.concatenate([ring, ring + [0.0, 2.0, 0.0]]),
+        np.concatenate([np.stack([low, high, low + 64], 1), np.stack([high, high + 64, low + 64], 1)]).astype(np.uint32),
+    )
+    parts[2] = replace(parts[2], mesh=tube)
+    assert articulated_object(replace(shape, parts=tuple(parts))).facing[1] < 0.2
 
 
 def test_lengths_are_diagonals_and_the_middle_is_the_origin() -> None:

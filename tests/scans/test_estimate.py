@@ -13,7 +13,9 @@ from scipy.spatial.transform import Rotation
 from articulated import shape_of_boxes
 from kinmo.config import ScansConfig
 from kinmo.evaluation.scan_metrics import score_frame
+from kinmo.learning.ancsh.targets import layout
 from kinmo.mobility import Body
+from kinmo.scans.answers import Layout
 from kinmo.scans.articulated_object import ArticulatedObject, articulated_object
 from kinmo.scans.estimate import PoseOptions, estimate, turn_about
 from kinmo.scans.input_frame import InputFrame
@@ -52,6 +54,18 @@ def test_answers_without_error_give_poses_joints_and_states_back(ties, kinds, on
         assert np.nanmax(score.line[told], initial=0.0) < 1e-4
         turning = np.array([kind.value == "R" for kind in target.structure.kinds])
         assert (score.state < np.where(turning, 0.01 * DEGREE, 1e-4))[told].all()
+
+
+def test_what_is_said_of_the_whole_makes_boxes_whole_and_places_axes_in_the_camera_s_frame() -> None:
+    target = cupboard_object()
+    scans = scan(target, OPTIONS, 0)
+    half_sizes, pivots, _ = layout(target.part_extents, target.joints)
+    answers = true_answers(target, scans, 0)
+    answers = replace(answers, pivots=answers.pivots + 1.0, layout=Layout(half_sizes.astype(float), pivots.astype(float)))
+    (found,) = estimate([answers], target.structure, SEARCH)
+    score = score_frame(found, true_estimate(target, scans, 0), target.structure)
+    assert score.iou.min() > 0.999
+    assert np.nanmax(score.line) < 1e-4
 
 
 def test_where_a_scan_lies_and_how_large_it_is_for_the_network_does_not_matter() -> None:

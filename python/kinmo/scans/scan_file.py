@@ -33,8 +33,8 @@ _ARRAYS = tuple(field.name for field in fields(Scans) if field.name != "refused"
 class ScanFile:
     """The frames of one object; arrays stay on disk until they are asked for.
 
-    `joints` are those of parts 1 and up and `extents` the boxes of the parts, in the normalised frame; `facing` [K] is the share
-    of each part's surface that faces an axis of it, NaN where that is not known; `provenance` is what the file was made from.
+    `joints` are those of parts 1 and up and `extents` the boxes of the parts, in the normalised frame; `facing` [K] is the
+    share of each part's surface that faces an axis, NaN where that is not known; `provenance` is what the file was made from.
     """
 
     path: Path
