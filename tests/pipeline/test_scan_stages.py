@@ -22,9 +22,10 @@ from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.predict_scan import PredictScan
 from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.render import REFUSED, Render
+from kinmo.pipeline.render import Render
 from kinmo.pipeline.report import Report
 from kinmo.pipeline.scan_dataset import ROLES, open_scan_dataset, scans_of
+from kinmo.pipeline.scan_jobs import REFUSED
 from kinmo.pipeline.scan_report import OUTDATED
 from kinmo.pipeline.scan_table_rows import TABLES, printed_row
 from kinmo.pipeline.scan_tables import JudgeTrained, MakeTable

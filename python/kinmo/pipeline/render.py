@@ -11,61 +11,28 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-import numpy as np
-
 from kinmo import __version__
 from kinmo.categories import canonical_category, same_category
 from kinmo.config import ScansConfig, SensorConfig, load_config
 from kinmo.errors import InputError, expecting
-from kinmo.formats import Found, Layout, discover, read_found
+from kinmo.formats import Found, Layout, discover
 from kinmo.joint import JointKind
-from kinmo.limits import MOST_TURN
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.pseudo_label import DECISIONS
 from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, ROLES, Role, scans_of
+from kinmo.pipeline.scan_jobs import VARIED, Job, Rendering, count_objects_of, frames_of, variants_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.scans.articulated_object import ArticulatedObject, articulated_object, still_object
-from kinmo.scans.articulation import opened_as_usual
-from kinmo.scans.scan import scan
-from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
-from kinmo.scans.variants import draw_change
-from kinmo.shape import Shape
+from kinmo.scans.scan_file import ScanFile, open_scans
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
 from kinmo.workers import Crashed, map_unordered
-from kinmo.workspace import Workspace, digest, remove_leftovers, write_text_atomically
+from kinmo.workspace import Workspace, digest, remove_leftovers
 
 STAGE = "render"
 SECONDS_PER_FRAME = 0.012
 """On one core, until the journal knows better."""
-VARIED: tuple[Role, ...] = ("train", "hidden", "pseudo")
-"""Roles of objects that are scanned in variants too: more like them is what networks need, and what tests must not see."""
-OPENING, CHANGING = 10, 11
-"""What random numbers are for, beside what `kinmo.scans.scan` draws of the same seed."""
-REFUSED = ".refused.json"
-"""Ending of what stands in place of the scans of an object that cannot be scanned, and says why."""
-
-
-@dataclass(frozen=True)
-class Job:
-    """One object to scan into `path`; `made_from` is a hash of all that its frames depend on."""
-
-    found: Found
-    category: str
-    role: Role
-    layout: str
-    path: Path
-    made_from: str
-    turns: tuple[float, ...] = ()
-    """How wide hinges of labelled shapes of the category open, in radians, for pseudo labels that do not know."""
-    variant: int = 0
-    """The object itself, or which one like it (`kinmo.scans.variants`)."""
-
-    @property
-    def refusal(self) -> Path:
-        return self.path.with_suffix(REFUSED)
 
 
 @dataclass(frozen=True)
@@ -85,10 +52,10 @@ class Render:
 
     def plan(self) -> Plan:
         config = self._scans()
-        pending = [job for job in self._jobs(config) if not _is_done(job)]
-        frames = sum(_frames(config, job) for job in pending)
+        pending = [job for job in self._jobs(config) if not job.is_done]
+        frames = sum(frames_of(config, job) for job in pending)
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
-        steps = (f"scan {_count(pending)} objects, {frames} frames",) if pending else ()
+        steps = (f"scan {count_objects_of(pending)} objects, {frames} frames",) if pending else ()
         return Plan(steps, frames * each)
 
     def run(self, observer: Observer) -> Outcome:
@@ -98,7 +65,7 @@ class Render:
                 remove_leftovers(folder)
             jobs = list(self._jobs(config))
             self._remove_stale(jobs)
-            pending = [job for job in jobs if not _is_done(job)]
+            pending = [job for job in jobs if not job.is_done]
             if jobs and not pending:
                 observer.note("scanned already")
             crashed: list[Job] = []
@@ -109,10 +76,10 @@ class Render:
                     if isinstance(problem, Crashed):
                         crashed.append(job)
                     observer.progress("scanning objects and variants", done, len(pending), job.found.id)
-                watch.amount = sum(_frames(config, job) for job in pending)
-                watch.what = f"{_count(pending)} objects"
+                watch.amount = sum(frames_of(config, job) for job in pending)
+                watch.what = f"{count_objects_of(pending)} objects"
             files = [open_scans(job.path) for job in jobs if job.path.exists()]
-            refused = {job.found.id: _reason(job) for job in jobs if job.refusal.exists()}
+            refused = {job.found.id: job.refusal for job in jobs if job.refusal is not None}
             refused |= {
                 job.found.id: f"{job.found.path}: the process that scanned it died (too little memory?)" for job in crashed
             }
@@ -127,7 +94,7 @@ class Render:
     def _jobs(self, config: ScansConfig) -> Iterator[Job]:
         """Raises InputError where there is no labelled shape of the categories."""
         for job in self._objects(config):
-            for variant in range(_variants(config) if job.role in VARIED else 1):
+            for variant in range(variants_of(config) if job.role in VARIED else 1):
                 name = f"{job.path.stem}.{variant}.safetensors" if variant else job.path.name
                 yield replace(job, path=job.path.with_name(name), variant=variant)
 
@@ -168,46 +135,13 @@ class Render:
 
     def _remove_stale(self, jobs: Sequence[Job]) -> None:
         """Remove scans, of the categories at hand, of objects that are no longer there or have another role."""
-        wanted = {path for job in jobs for path in (job.path, job.refusal)}
+        wanted = {path for job in jobs for path in job.files}
         kept = () if self.unlabelled else ("unlabelled",)
         for category in {job.category for job in jobs}:
             for role in (role for role in ROLES if role not in kept):
                 for path in scans_of(self.workspace, category, role).glob("*.*"):
                     if path not in wanted:
                         path.unlink()
-
-
-@dataclass(frozen=True)
-class Rendering:
-    """Scans an object, in whatever process; from the same sides and in the same states by whatever sensor."""
-
-    config: ScansConfig
-    seed: int
-
-    def _moving(self, shape: Shape, variant: int, seed: int) -> ArticulatedObject:
-        changing = np.random.default_rng([seed, CHANGING])
-        change = draw_change(np.asarray(shape.up), self.config.stretch, changing) if variant else None
-        closes = self.config.canonical == "closed"
-        return articulated_object(shape, smallest=self.config.smallest_part, closes=closes, change=change)
-
-    def __call__(self, job: Job) -> None:
-        job.path.parent.mkdir(parents=True, exist_ok=True)
-        seed = zlib.crc32(f"{job.found.id} {job.role} {self.seed}".encode()) + job.variant
-        try:
-            shape = read_found(job.found)
-            target = still_object(shape) if job.role == "unlabelled" else self._moving(shape, job.variant, seed)
-        except ValueError as error:
-            _refuse(job, str(error))
-            return
-        opening = np.random.default_rng([seed, OPENING])
-        target = replace(target, mobility=opened_as_usual(target.mobility, MOST_TURN, job.turns, opening))
-        config = self.config
-        if job.role in VARIED:
-            config = replace(config, states=_states(config, job.variant))
-        scans = scan(target, config, seed, to_train=job.role not in ("validation", "test"))
-        made = {"made_from": job.made_from, "role": job.role, "layout": job.layout, "variant": job.variant}
-        write_scans(job.path, target, scans, made)
-        job.refusal.unlink(missing_ok=True)
 
 
 def _turns(dataset: Dataset, category: str) -> tuple[float, ...]:
@@ -222,54 +156,6 @@ def _turns(dataset: Dataset, category: str) -> tuple[float, ...]:
 def _job(workspace: Workspace, found: Found, category: str, role: Role, layout: str, made_from: str) -> Job:
     name = f"{quote(found.id, safe=' ')}-{layout}.safetensors"
     return Job(found, category, role, layout, scans_of(workspace, category, role) / name, made_from)
-
-
-def _refuse(job: Job, reason: str) -> None:
-    job.path.unlink(missing_ok=True)
-    write_text_atomically(job.refusal, json.dumps({"made_from": job.made_from, "reason": reason}, ensure_ascii=False) + "\n")
-
-
-def _refused(job: Job) -> dict[str, str]:
-    """What `_refuse` wrote; empty if that is not there, or not whole."""
-    try:
-        data = json.loads(job.refusal.read_text(encoding="utf-8"))
-        return {"made_from": str(data["made_from"]), "reason": str(data["reason"])}
-    except (OSError, ValueError, KeyError, TypeError):
-        return {}
-
-
-def _reason(job: Job) -> str:
-    return _refused(job).get("reason", "")
-
-
-def _is_done(job: Job) -> bool:
-    if _refused(job).get("made_from") == job.made_from:
-        return True
-    try:
-        return bool(open_scans(job.path).provenance["made_from"] == job.made_from)
-    except (InputError, KeyError):
-        return False
-
-
-def _frames(config: ScansConfig, job: Job) -> int:
-    if job.role in ("validation", "test"):
-        return config.test_states * config.test_views
-    return (_states(config, job.variant) if job.role in VARIED else config.states) * config.views
-
-
-def _states(config: ScansConfig, variant: int) -> int:
-    """Those of an object, shared out among it and those like it."""
-    each, left = divmod(config.states, _variants(config))
-    return each + (variant < left)
-
-
-def _variants(config: ScansConfig) -> int:
-    """Only objects that are closed can be stretched, and each has a state of its own at least."""
-    return min(config.variants, config.states) if config.canonical == "closed" else 1
-
-
-def _count(jobs: Sequence[Job]) -> int:
-    return len({(job.role, job.found.id, job.layout) for job in jobs})
 
 
 def _chosen(entries: Sequence[IndexEntry], category: str | None) -> list[IndexEntry]:
