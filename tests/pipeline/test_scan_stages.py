@@ -280,6 +280,24 @@ def test_a_table_shows_what_was_not_run_and_the_authors_figures(scanned: Scanned
             assert not row.printed or all(printed_row(name, category, row.printed) for category in table.categories)
 
 
+def test_a_table_says_how_right_pseudo_labels_are_where_true_ones_are_held_back(scanned: Scanned, tmp_path: Path) -> None:
+    JudgeTrained(scanned.workspace, FAMILY, device="cpu").run(Listener())
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    written = WrittenTables(workspace, "2")
+    supervised, weakly = (scores_path(workspace, Cell(CATEGORY, name, 0), False) for name in ("supervised", "semi-weakly"))
+    hidden, pseudo = (scans_of(workspace, CATEGORY, role) for role in ("hidden", "pseudo"))
+    for is_run in (False, True):
+        if is_run:
+            shutil.copy(supervised, weakly)
+            shutil.copytree(hidden, pseudo)
+        written.write({CATEGORY: [0]})
+        text = (written.folder / CATEGORY / "means.md").read_text(encoding="utf-8")
+        count = count_objects(open_scan_dataset(workspace, CATEGORY).files["hidden"])
+        labels = f"Of {count} objects that pseudo labels give these joints {count} truly have them, {count} all in"
+        assert (labels in " ".join(text.split())) is is_run
+
+
 def test_what_is_trained_is_judged_where_there_are_scans_of_it(scanned: Scanned) -> None:
     stage = JudgeTrained(scanned.workspace, FAMILY, device="cpu")
     found = stage.run(Listener())

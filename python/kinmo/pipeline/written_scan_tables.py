@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from kinmo.evaluation.scan_labels import count_labels
 from kinmo.evaluation.scan_records import read_scores
 from kinmo.evaluation.scan_tables import ScanRow, by_part, gap_closed, measure_titles, over_categories, over_parts
 from kinmo.evaluation.tables import Caption, Table, as_text, write_table
@@ -65,7 +66,8 @@ class WrittenTables:
         dataset = open_scan_dataset(self.workspace, category)
         rows = [self._row(row, category, seeds, protocol) for row in TABLES[self.name].rows]
         caption = self._caption(str(dataset.structure), _objects_of(dataset), self._seeds_run(category, seeds), protocol)
-        summed = replace(caption, note=" ".join(filter(None, [caption.note, _gaps(rows, dataset.structure)])))
+        notes = [caption.note, _gaps(rows, dataset.structure), _labels(rows, dataset)]
+        summed = replace(caption, note=" ".join(filter(None, notes)))
         return {"parts": by_part(rows, dataset.structure, caption), "means": over_parts(rows, dataset.structure, summed)}
 
     def is_current(self, category: str) -> bool:
@@ -123,6 +125,12 @@ def _objects_of(dataset: ScanDataset) -> str:
         f"{dataset.category}, {training} labelled objects to train on ({others} of other structures are not, "
         f"nor are {left_out['test']} test objects)"
     )
+
+
+def _labels(rows: Sequence[ScanRow], dataset: ScanDataset) -> str:
+    """How right the pseudo labels are that the rows saw, where the true ones were held back."""
+    seen = any(row.name == "semi-weakly" and row.objects for row in rows)
+    return str(count_labels(dataset.beside("semi-weakly"), dataset.files["hidden"])) if seen and dataset.files["hidden"] else ""
 
 
 def _gaps(rows: Sequence[ScanRow], structure: Structure) -> str:

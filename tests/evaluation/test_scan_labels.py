@@ -1,0 +1,48 @@
+"""Pseudo labels of objects that are scanned, beside the labels that were held back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from kinmo.config import ScansConfig
+from kinmo.evaluation.scan_labels import LabelCounts, count_labels
+from kinmo.scans.scan import scan
+from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
+from scanned import cupboard_object
+
+TARGET = cupboard_object()
+
+
+def named(file: ScanFile, name: str, variant: int = 0) -> ScanFile:
+    return replace(file, id=name, provenance={"variant": variant})
+
+
+def moved(file: ScanFile, part: int, direction: tuple[float, float, float], shift: float) -> ScanFile:
+    """With another axis of the joint of `part`."""
+    joints = list(file.joints)
+    joint = joints[part - 1]
+    joints[part - 1] = replace(joint, direction=np.array(direction), pivot=joint.pivot + shift)
+    return replace(file, joints=tuple(joints))
+
+
+def test_labels_count_as_right_if_all_joints_are_in_their_places(tmp_path) -> None:
+    write_scans(tmp_path / "a.safetensors", TARGET, scan(TARGET, ScansConfig(states=1, views=1, size=64, points=16), 0), {})
+    file = open_scans(tmp_path / "a.safetensors")
+    kinds = [kind.value for kind in file.structure.kinds]
+    door, drawer = kinds.index("R") + 1, kinds.index("P") + 1
+    up, aside = (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
+    said = {
+        "right": file,
+        "reversed": moved(file, door, up, 0.0),
+        "drawer elsewhere": moved(file, drawer, tuple(file.joints[drawer - 1].direction), 0.3),
+        "hinge elsewhere": moved(file, door, up, 0.3),
+        "hinge askew": moved(file, door, aside, 0.0),
+        "truly another": file,
+    }
+    true = [named(file, name) for name in said if name != "truly another"] + [named(file, "not labelled")]
+    labels = [named(other, name) for name, other in said.items()]
+    assert count_labels(labels, true) == LabelCounts(labelled=6, are=5, right=3, true=6)
+    variants = [named(moved(file, door, aside, 0.0), "right", variant=2)]
+    assert count_labels([*labels, *variants], true) == count_labels(labels, true)
