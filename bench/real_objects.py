@@ -148,7 +148,7 @@ def segmented(shape: PreparedShape, ranking: JointRanking, gnn: MotionGnnPredict
     """Score the bodies and joints read off the hierarchy alone."""
     bare = replace(shape, mobility=None, body_boxes=None, edge_labels=None, body_types={})
     meshes = leaf_meshes(read_found(Found(Path(shape.source), Files(shape.layout), shape.id)), shape)
-    bodies = predicted_bodies(bare, moving_nodes(bare, ranking), gnn.predict_edges(bare))
+    bodies = predicted_bodies(bare, moving_nodes(bare, ranking).moving, gnn.predict_edges(bare))
     answers = ranked_bodies(bare, meshes, bodies, ranking, rests="first")
     tree, limited = tree_of(bare, meshes, bodies, [str(index) for index in range(len(bodies))], answers)
     frame = Normalisation(shape.center, shape.diagonal)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -34,6 +36,14 @@ def test_a_shape_is_accepted_exactly_if_all_its_joints_pass(found: list[float], 
     assert judgement.is_accepted == (judgement.refusal == "")
     assert len(judgement.joints) == len(found)
     assert judgement.score == (min(found) if found else None)
+
+
+@given(scores, st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_a_shape_is_refused_if_a_part_that_is_said_to_rest_may_well_move(found: list[float], doubt: float, most: float) -> None:
+    doubtful = replace(prediction(*found), doubt=doubt)
+    judgement = judge(doubtful, "partnet", 0.6, most)
+    assert judgement.is_accepted == (judge(doubtful, "partnet", 0.6).is_accepted and doubt <= most)
+    assert judgement.doubt == doubt
 
 
 @given(scores, st.floats(0.0, 1.0), st.floats(0.0, 1.0))

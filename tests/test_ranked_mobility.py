@@ -14,8 +14,8 @@ from kinmo.learning.joint_ranking.decide import same_joint
 from kinmo.mobility import Body
 from kinmo.prepare import prepare_shape
 from kinmo.prepared import PreparedShape
-from kinmo.ranked_mobility import predicted_bodies, ranked_bodies
-from small_shapes import cabinet
+from kinmo.ranked_mobility import SaidNodes, moving_nodes, predicted_bodies, ranked_bodies
+from small_shapes import cabinet, cabinet_shape
 
 SLIDE = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3))
 LIFT = Joint(JointKind.PRISMATIC, np.array([0.0, 1.0, 0.0]), np.zeros(3))
@@ -92,6 +92,28 @@ def test_as_many_bodies_rest_as_may(rests: str, rest: tuple[float, float], movin
     shape = prepare_shape(shape_of_boxes([box, lid], (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE))), points=64)
     answers = ranked_bodies(shape, None, shape.body_leaves, Undecided(rest), rests=rests)
     assert tuple(index for index, found in enumerate(answers) if found[0].joint is not None) == moving
+
+
+def test_the_surest_of_what_may_move_after_all_is_told_but_not_of_what_moves_along() -> None:
+    shape = prepare_shape(cabinet_shape()[0], points=64)
+    door = next(node for node, name in enumerate(shape.part_names) if name in ("door", "drawer"))
+    below = {node for node, parent in enumerate(shape.parents) if parent == door}
+    beside = [node for node in range(1, len(shape.parents)) if node not in {door, shape.parents[door], *below}]
+    assert below
+    assert len(beside) > 1
+
+    def told(of_door: float, of_parts: float, of_others: Sequence[float]) -> SaidNodes:
+        rest = np.ones(len(shape.parents) - 1)
+        rest[door - 1] = of_door
+        rest[[node - 1 for node in below]] = of_parts
+        rest[[node - 1 for node in beside]] = [of_others[i % len(of_others)] for i in range(len(beside))]
+        return moving_nodes(shape, Undecided(rest))
+
+    assert told(0.1, 0.6, (0.9, 0.7)).moving.keys() == {door}
+    assert told(0.1, 0.6, (0.9, 0.7)).doubt == pytest.approx(0.3)
+    assert told(0.1, 0.6, (1.0,)).doubt == 0.0
+    assert told(0.8, 1.0, (1.0,)).moving == {}
+    assert told(0.8, 1.0, (1.0,)).doubt == pytest.approx(0.2)
 
 
 @pytest.mark.parametrize(("rest", "moving"), [((0.1, 0.2), (2,)), ((0.1, 0.9), (2,)), ((0.9, 0.1), (2,))])

@@ -29,7 +29,8 @@ class Prediction:
     """A mobility tree for one shape, in the shape's own frame and lengths.
 
     `estimates[i]` holds the ranked answers for body `i` of `mobility`, best first; the first one is the body's joint.
-    `network_estimates[i]` is what the motion GNN alone said of that body, before refinement.
+    `network_estimates[i]` is what the motion GNN alone said of that body, before refinement. `doubt` is the largest chance that
+    a part of those moves that are said to rest; 0 where none is told.
     """
 
     shape_id: str
@@ -38,3 +39,4 @@ class Prediction:
     estimates: tuple[tuple[JointEstimate, ...], ...]
     network_estimates: tuple[JointEstimate, ...]
     method: str
+    doubt: float = 0.0

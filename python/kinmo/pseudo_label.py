@@ -27,13 +27,14 @@ class JudgedJoint:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What is thought of one shape. `refusal` says why it gets no label; empty if it gets one."""
+    """What is thought of one shape, `doubt` as in `Prediction`. `refusal` says why it gets no label; empty if it gets one."""
 
     shape_id: str
     layout: str
     category: str
     joints: tuple[JudgedJoint, ...] = ()
     refusal: str = ""
+    doubt: float = 0.0
 
     @property
     def is_accepted(self) -> bool:
@@ -45,8 +46,9 @@ class Judgement:
         return min((joint.score for joint in self.joints), default=None)
 
 
-def judge(prediction: Prediction, layout: str, threshold: float) -> Judgement:
-    """Accept a shape if every one of its joints scores more than `threshold` (the paper's tau, 0.6), and it has one.
+def judge(prediction: Prediction, layout: str, threshold: float, doubt: float = 1.0) -> Judgement:
+    """Accept a shape if every one of its joints scores more than `threshold` (the paper's tau, 0.6), it has one, and no part
+    that is said to rest moves by a chance above `doubt`.
 
     A shape is taken or refused as a whole: a label with a joint too few teaches that the part does not move.
     """
@@ -59,7 +61,9 @@ def judge(prediction: Prediction, layout: str, threshold: float) -> Judgement:
         refusal = "no moving part was found"
     elif (worst := min(joints, key=lambda joint: joint.score)).score <= threshold:
         refusal = f"a joint scores no more than {threshold:g}: {worst.type}"
-    return Judgement(prediction.shape_id, layout, prediction.category, tuple(joints), refusal)
+    elif prediction.doubt > doubt:
+        refusal = f"a part that is said to rest moves by a chance above {doubt:g}"
+    return Judgement(prediction.shape_id, layout, prediction.category, tuple(joints), refusal, float(prediction.doubt))
 
 
 def _name(motion: MotionType | CoarseType) -> str:

@@ -8,7 +8,7 @@ bodies are then ranked like given ones.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -100,13 +100,23 @@ def scene_of(shape: PreparedShape, meshes: _core.Meshes) -> Scene:
     return Scene.of(meshes, shape.leaf_points, shape.leaf_normals, shape.leaf_areas, shape.up)
 
 
-def moving_nodes(shape: PreparedShape, ranking: JointRanking) -> dict[int, Joint]:
-    """The nodes that rather move against their surroundings than rest, each with its best joint (normalised frame).
+@dataclass(frozen=True, eq=False)
+class SaidNodes:
+    """The nodes that move, each with its best joint (normalised frame), and `doubt`: the largest chance that one of those moves
+    that are said to rest, of nodes that neither are part of a moving one nor have one below them.
+    """
+
+    moving: Mapping[int, Joint]
+    doubt: float
+
+
+def moving_nodes(shape: PreparedShape, ranking: JointRanking) -> SaidNodes:
+    """The nodes that rather move against their surroundings than rest.
 
     A node with the same joint as the moving node that it is in moves with that, not against it.
     """
     if len(shape.parents) < 2:
-        return {}
+        return SaidNodes({}, 0.0)
     evidence = Evidence.of(shape.evidence)
     view = node_view(replace(shape, mobility=None), evidence)
     probabilities, rest = ranking.probabilities(view)
@@ -120,7 +130,16 @@ def moving_nodes(shape: PreparedShape, ranking: JointRanking) -> dict[int, Joint
                 above = shape.parents[above]
             if above not in moving or not same_joint(moving[above], best):
                 moving[node] = best
-    return moving
+    touched = {other for node in moving for other in (node, *_above(shape, node))}
+    resting = (node for node in range(1, len(shape.parents)) if node not in touched and not moving.keys() & _above(shape, node))
+    return SaidNodes(moving, max((1.0 - float(rest[node - 1]) for node in resting), default=0.0))
+
+
+def _above(shape: PreparedShape, node: int) -> set[int]:
+    above = set()
+    while (node := shape.parents[node]) >= 0:
+        above.add(node)
+    return above
 
 
 def predicted_bodies(shape: PreparedShape, moving: Mapping[int, Joint], edges: EdgePredictions) -> list[tuple[int, ...]]:

@@ -22,9 +22,10 @@ def pseudo_label(
 ) -> None:
     """Give joints to the prepared shapes that have none.
 
-    A shape whose joints all score above the threshold is written to pseudo/<id>/ in PartNet-Mobility's own layout, so that
-    whatever reads that reads it too. Copies of labelled shapes are left alone. pseudo/acceptance.json says how many shapes and
-    joints there are at which score, by category and type, and what was refused and why.
+    A shape whose joints all score above the threshold, and whose other parts surely rest, is written to pseudo/<id>/ in
+    PartNet-Mobility's own layout, so that whatever reads that reads it too. Copies of labelled shapes are left alone.
+    pseudo/acceptance.json says how many shapes and joints there are at which score, by category and type, and what was refused
+    and why.
 
     For example:
 

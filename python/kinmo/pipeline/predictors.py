@@ -173,10 +173,11 @@ class KinmoPredictor:
 
     def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         edges, ranking = self._edges(shape), self._ranking(shape)
-        bodies = predicted_bodies(shape, moving_nodes(shape, ranking), edges)
+        said = moving_nodes(shape, ranking)
+        bodies = predicted_bodies(shape, said.moving, edges)
         names = ["base", *(shape.part_names[maximal_nodes(shape, leaves)[0]] for leaves in bodies[1:])]
         answers = ranked_bodies(shape, meshes, bodies, ranking, rests="first")
-        return self._assembled(shape, meshes, edges, bodies, names, answers)
+        return replace(self._assembled(shape, meshes, edges, bodies, names, answers), doubt=said.doubt)
 
     def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         if shape.mobility is None:

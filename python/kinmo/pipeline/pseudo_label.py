@@ -81,6 +81,10 @@ class PseudoLabel:
         return trained_config(self.workspace).refinement.threshold if self.threshold is None else self.threshold
 
     @property
+    def _doubt(self) -> float:
+        return trained_config(self.workspace).refinement.doubt
+
+    @property
     def _report(self) -> Path:
         return self.workspace.pseudo / ACCEPTANCE
 
@@ -89,7 +93,7 @@ class PseudoLabel:
 
     def _way(self, predictor: Predictor) -> dict[str, Any]:
         way = {"method": predictor.method, "weights": predictor.weights, "config": dict(predictor.config)}
-        return {**way, "threshold": self._threshold, "kinmo": __version__}
+        return {**way, "threshold": self._threshold, "doubt": self._doubt, "kinmo": __version__}
 
     def _remove_stale(self, whole: Dataset) -> None:
         """Remove folders and decisions that belong to none of the unlabelled shapes that there are."""
@@ -114,7 +118,7 @@ class PseudoLabel:
             known = read_decision(self._decision(entry))
             if known is None or known.made_from != made_from:
                 jobs.append(Job(entry, self.workspace.pseudo / _name(entry), made_from))
-        labelling = Labelling(dataset.store.folder, predictor, self._threshold)
+        labelling = Labelling(dataset.store.folder, predictor, self._threshold, self._doubt)
         done = len(dataset.unlabelled) - len(jobs)
         with timed(self.workspace, LABELLING) as watch:
             for job, judgement in each_shape(labelling, jobs, self.workers, self.device):
@@ -146,6 +150,7 @@ class Labelling:
     store: Path
     predictor: Predictor
     threshold: float
+    doubt: float
 
     def __call__(self, job: Job) -> Judgement:
         entry = job.entry
@@ -155,7 +160,7 @@ class Labelling:
             prediction = self.predictor.predict(prepared, leaf_meshes(shape, prepared))
         except ValueError as error:
             return self.refused(job, str(error))
-        judgement = judge(prediction, entry.layout, self.threshold)
+        judgement = judge(prediction, entry.layout, self.threshold, self.doubt)
         if judgement.is_accepted:
             made_by = {
                 "layout": entry.layout,
