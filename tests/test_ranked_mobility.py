@@ -94,26 +94,24 @@ def test_as_many_bodies_rest_as_may(rests: str, rest: tuple[float, float], movin
     assert tuple(index for index, found in enumerate(answers) if found[0].joint is not None) == moving
 
 
-def test_the_surest_of_what_may_move_after_all_is_told_but_not_of_what_moves_along() -> None:
+def test_the_surest_is_told_of_what_may_move_after_all_if_it_is_large_and_does_not_move_along() -> None:
     shape = prepare_shape(cabinet_shape()[0], points=64)
-    door = next(node for node, name in enumerate(shape.part_names) if name in ("door", "drawer"))
-    below = {node for node, parent in enumerate(shape.parents) if parent == door}
-    beside = [node for node in range(1, len(shape.parents)) if node not in {door, shape.parents[door], *below}]
-    assert below
-    assert len(beside) > 1
+    frame, top, door, board, handle = (shape.part_names.index(n) for n in ("frame", "top", "door", "surface_board", "handle"))
 
-    def told(of_door: float, of_parts: float, of_others: Sequence[float]) -> SaidNodes:
-        rest = np.ones(len(shape.parents) - 1)
-        rest[door - 1] = of_door
-        rest[[node - 1 for node in below]] = of_parts
-        rest[[node - 1 for node in beside]] = [of_others[i % len(of_others)] for i in range(len(beside))]
-        return moving_nodes(shape, Undecided(rest))
+    def told(**rest: float) -> SaidNodes:
+        """Every node rests, but for those that are named, by these chances."""
+        chances = [rest.get(name, 1.0) for name in shape.part_names[1:]]
+        return moving_nodes(shape, Undecided(chances))
 
-    assert told(0.1, 0.6, (0.9, 0.7)).moving.keys() == {door}
-    assert told(0.1, 0.6, (0.9, 0.7)).doubt == pytest.approx(0.3)
-    assert told(0.1, 0.6, (1.0,)).doubt == 0.0
-    assert told(0.8, 1.0, (1.0,)).moving == {}
-    assert told(0.8, 1.0, (1.0,)).doubt == pytest.approx(0.2)
+    assert shape.parents[board] == shape.parents[handle] == door
+    assert shape.parents[top] == frame
+    assert told(door=0.1, surface_board=0.6, handle=0.6).moving.keys() == {door}
+    assert told(door=0.1, surface_board=0.6, handle=0.6).doubt == 0.0, "the parts of the door"
+    assert told(door=0.1, top=0.7, frame=0.9).doubt == pytest.approx(0.3)
+    assert told(top=0.1, frame=0.6, door=0.8).doubt == pytest.approx(0.2), "not the frame, a part of which moves"
+    assert told(handle=0.7).moving == {}
+    assert told(handle=0.7).doubt == 0.0, "too small"
+    assert told(surface_board=0.7).doubt == pytest.approx(0.3)
 
 
 @pytest.mark.parametrize(("rest", "moving"), [((0.1, 0.2), (2,)), ((0.1, 0.9), (2,)), ((0.9, 0.1), (2,))])

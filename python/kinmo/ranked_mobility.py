@@ -38,6 +38,8 @@ F64 = NDArray[np.float64]
 CONTACT_SCALE = 0.01
 FIXED = 0.5
 """Moving siblings are one body if the GNN's mean probability of FIXED between them is above this."""
+LARGE = 0.03
+"""Of the surface of a shape: that a smaller part, a pin of a hinge or a button, moves after all spoils no label."""
 OFF_LINE, ALONG_LINE = 0.02, 0.9
 """How far (diagonals) a shaft's middle may be from the line it turns about, and the least cosine between that and its own."""
 
@@ -102,8 +104,9 @@ def scene_of(shape: PreparedShape, meshes: _core.Meshes) -> Scene:
 
 @dataclass(frozen=True, eq=False)
 class SaidNodes:
-    """The nodes that move, each with its best joint (normalised frame), and `doubt`: the largest chance that one of those moves
-    that are said to rest, of nodes that neither are part of a moving one nor have one below them.
+    """The nodes that move, each with its best joint (normalised frame), and `doubt`: the largest chance that one of those
+    moves that are said to rest, of nodes with at least the share `LARGE` of the surface that neither are part of a moving one
+    nor have one below them.
     """
 
     moving: Mapping[int, Joint]
@@ -130,9 +133,20 @@ def moving_nodes(shape: PreparedShape, ranking: JointRanking) -> SaidNodes:
                 above = shape.parents[above]
             if above not in moving or not same_joint(moving[above], best):
                 moving[node] = best
+    return SaidNodes(moving, _doubt(shape, moving, rest))
+
+
+def _doubt(shape: PreparedShape, moving: Mapping[int, Joint], rest: F64) -> float:
     touched = {other for node in moving for other in (node, *_above(shape, node))}
-    resting = (node for node in range(1, len(shape.parents)) if node not in touched and not moving.keys() & _above(shape, node))
-    return SaidNodes(moving, max((1.0 - float(rest[node - 1]) for node in resting), default=0.0))
+    least = LARGE * shape.leaf_areas.sum()
+    chances = [
+        1.0 - float(rest[node - 1])
+        for node in range(1, len(shape.parents))
+        if node not in touched
+        and not moving.keys() & _above(shape, node)
+        and shape.leaf_areas[list(shape.leaves_below[node])].sum() >= least
+    ]
+    return max(chances, default=0.0)
 
 
 def _above(shape: PreparedShape, node: int) -> set[int]:
