@@ -101,7 +101,7 @@ def test_every_object_has_one_role_and_its_frames(scanned: Scanned) -> None:
     dataset = open_scan_dataset(scanned.workspace, CATEGORY.lower())
     assert dataset.category == CATEGORY
     assert str(dataset.structure) == "2 parts (R on 0)"
-    for role, frames in (("train", 4), ("hidden", 4), ("unlabelled", 4), ("validation", 2), ("test", 2)):
+    for role, frames in (("train", 4), ("hidden", 4), ("unlabelled", 2), ("validation", 2), ("test", 2)):
         assert dataset.files[role], role
         drawn = Counter[str]()
         for file in dataset.files[role]:

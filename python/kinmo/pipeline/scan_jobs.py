@@ -111,9 +111,7 @@ class Rendering:
             return
         opening = np.random.default_rng([seed, OPENING])
         target = replace(target, mobility=opened_as_usual(target.mobility, MOST_TURN, job.turns, opening))
-        config = self.config
-        if job.role in VARIED:
-            config = replace(config, states=_states(config, job.variant))
+        config = replace(self.config, states=_states(self.config, job))
         job.write(target, scan(target, config, seed, to_train=job.role not in ("validation", "test")))
 
 
@@ -121,13 +119,16 @@ def frames_of(config: ScansConfig, job: Job) -> int:
     """How many frames it gets, refused ones included."""
     if job.role in ("validation", "test"):
         return config.test_states * config.test_views
-    return (_states(config, job.variant) if job.role in VARIED else config.states) * config.views
+    return _states(config, job) * config.views
 
 
-def _states(config: ScansConfig, variant: int) -> int:
-    """Those of an object, shared out among it and those like it."""
+def _states(config: ScansConfig, job: Job) -> int:
+    """Of an object that is not to choose or test by: those there are, shared out among it and those like it.
+
+    What stands still looks the same in all states, and gets as many as one of those.
+    """
     each, left = divmod(config.states, variants_of(config))
-    return each + (variant < left)
+    return each + (job.variant < left)
 
 
 def variants_of(config: ScansConfig) -> int:
