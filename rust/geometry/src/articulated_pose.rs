@@ -39,11 +39,15 @@ pub fn tie_poses(parts: &[&[Pair]], ties: &[Tie], poses: &[Similarity], threshol
     let mut poses = poses.to_vec();
     let mut before: Vec<Vec<bool>> = Vec::new();
     for _ in 0..MOST_ROUNDS {
-        let found = parts.iter().zip(&poses).map(|(pairs, pose)| moments_of_inliers(pairs, pose, threshold));
-        let (inliers, moments): (Vec<_>, Vec<_>) = found.unzip();
+        let fits = parts.iter().zip(&poses).map(|(pairs, pose)| inliers_of(pairs, pose, threshold));
+        let inliers: Vec<Vec<bool>> = fits.collect();
         if inliers == before {
             break;
         }
+        let kept = parts.iter().zip(&inliers).map(|(pairs, inliers)| {
+            Moments::of(pairs.iter().zip(inliers).filter_map(|(pair, inlier)| inlier.then_some(pair)))
+        });
+        let moments: Vec<Moments> = kept.collect();
         poses = tied(&moments, ties, &poses);
         before = inliers;
     }
@@ -100,41 +104,27 @@ struct Moments {
 }
 
 impl Moments {
-    fn of(pairs: &[Pair]) -> Self {
-        Self::of_some(pairs, |_| true)
-    }
-
-    /// Those of the pairs that are `kept`, each asked about once.
-    fn of_some(pairs: &[Pair], mut kept: impl FnMut(&Pair) -> bool) -> Self {
-        // Sums about one of the pairs that count, which is no farther off than they spread, lose nothing to rounding.
-        let mut first = None;
+    fn of<'a>(pairs: impl IntoIterator<Item = &'a Pair>) -> Self {
+        let mut pairs = pairs.into_iter().peekable();
+        // Sums about the first, which is no farther off than they spread, lose nothing to rounding.
+        let near = pairs.peek().map_or([Vector3::zeros(); 2], |(source, target)| [source.coords, target.coords]);
         let (mut count, mut sums, mut products) = (0, [Vector3::zeros(); 2], Matrix3::zeros());
         for pair in pairs {
-            if kept(pair) {
-                let near = first.get_or_insert([pair.0.coords, pair.1.coords]);
-                let [source, target] = [pair.0.coords - near[0], pair.1.coords - near[1]];
-                count += 1;
-                sums[0] += source;
-                sums[1] += target;
-                products += target * source.transpose();
-            }
+            let [source, target] = [pair.0.coords - near[0], pair.1.coords - near[1]];
+            count += 1;
+            sums[0] += source;
+            sums[1] += target;
+            products += target * source.transpose();
         }
         let [source, target] = sums.map(|sum| sum / count.max(1) as f64);
         let covariance = products - target * source.transpose() * count as f64;
-        let near = first.unwrap_or_default();
         Self { count, middles: [source + near[0], target + near[1]], covariance }
     }
 }
 
-/// Which pairs fit a pose, and their moments.
-fn moments_of_inliers(pairs: &[Pair], pose: &Similarity, threshold: f64) -> (Vec<bool>, Moments) {
-    let mut inliers = Vec::with_capacity(pairs.len());
-    let moments = Moments::of_some(pairs, |pair| {
-        let fits = is_inlier(pose, pair, threshold);
-        inliers.push(fits);
-        fits
-    });
-    (inliers, moments)
+/// Which pairs fit a pose.
+fn inliers_of(pairs: &[Pair], pose: &Similarity, threshold: f64) -> Vec<bool> {
+    pairs.iter().map(|pair| is_inlier(pose, pair, threshold)).collect()
 }
 
 /// Least squares over all pairs and ties, with the scales of `poses`.
