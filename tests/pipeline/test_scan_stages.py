@@ -342,7 +342,7 @@ def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path
     assert {row[1] for row in found.data[CATEGORY]["parts"]["rows"]} == {"not run"}
 
 
-def test_motion_networks_of_a_table_go_on_from_those_they_are_told_to(scanned: Scanned, tmp_path: Path) -> None:
+def test_a_table_whose_motion_networks_have_none_to_go_on_from_says_so(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     workspace, told = Workspace(tmp_path / "workspace"), Listener()
     stage = MakeTable("4", workspace, scanned.config, "kinmo", FAMILY, 1, start=Workspace(tmp_path / "none"), **HOW)

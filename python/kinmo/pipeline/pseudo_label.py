@@ -77,14 +77,6 @@ class PseudoLabel:
             return Outcome(self.workspace.pseudo, data, data["text"])
 
     @property
-    def _threshold(self) -> float:
-        return trained_config(self.workspace).refinement.threshold if self.threshold is None else self.threshold
-
-    @property
-    def _doubt(self) -> float:
-        return trained_config(self.workspace).refinement.doubt
-
-    @property
     def _report(self) -> Path:
         return self.workspace.pseudo / ACCEPTANCE
 
@@ -93,7 +85,9 @@ class PseudoLabel:
 
     def _way(self, predictor: Predictor) -> dict[str, Any]:
         way = {"method": predictor.method, "weights": predictor.weights, "config": dict(predictor.config)}
-        return {**way, "threshold": self._threshold, "doubt": self._doubt, "kinmo": __version__}
+        told = trained_config(self.workspace).refinement
+        threshold = told.threshold if self.threshold is None else self.threshold
+        return {**way, "threshold": threshold, "doubt": told.doubt, "kinmo": __version__}
 
     def _remove_stale(self, whole: Dataset) -> None:
         """Remove folders and decisions that belong to none of the unlabelled shapes that there are."""
@@ -112,19 +106,19 @@ class PseudoLabel:
 
     def _label(self, dataset: Dataset, predictor: Predictor, observer: Observer) -> None:
         """Decide on the shapes on which nothing has been decided from the same files in the same way."""
-        jobs = []
+        jobs, way = [], self._way(predictor)
         for entry in dataset.unlabelled:
-            made_from = digest([dataset.fingerprint([entry]), self._way(predictor)])
+            made_from = digest([dataset.fingerprint([entry]), way])
             known = read_decision(self._decision(entry))
             if known is None or known.made_from != made_from:
                 jobs.append(Job(entry, self.workspace.pseudo / _name(entry), made_from))
-        labelling = Labelling(dataset.store.folder, predictor, self._threshold, self._doubt)
+        labelling = Labelling(dataset.store.folder, predictor, way["threshold"], way["doubt"])
         done = len(dataset.unlabelled) - len(jobs)
         with timed(self.workspace, LABELLING) as watch:
             for job, judgement in each_shape(labelling, jobs, self.workers, self.device):
                 if isinstance(judgement, Crashed):
                     judgement = labelling.refused(job, "the process that labelled it died")
-                decision = Decision(judgement, job.made_from, self.method, self._threshold)
+                decision = Decision(judgement, job.made_from, self.method, way["threshold"])
                 write_decision(self._decision(job.entry), decision)
                 done += 1
                 observer.progress("labelling shapes", done, len(dataset.unlabelled), job.entry.id)

@@ -45,7 +45,7 @@ def closed(mobility: Mobility, meshes: Sequence[Mesh]) -> tuple[Mobility, tuple[
 def _oriented(index: int, joint: Joint, mobility: Mobility, clouds: Sequence[NDArray[np.float64]]) -> Joint:
     """The joint with its closed end below."""
     if joint.lower is None or joint.upper is None:
-        return endless(joint)
+        return pointed_as_usual(joint)
     low, high = (_room(forward(mobility, {index: end}), clouds) for end in (joint.lower, joint.upper))
     if abs(low - high) <= ALIKE * max(low, high):
         is_reversed = joint.rest - joint.lower > joint.upper - joint.rest
@@ -54,8 +54,8 @@ def _oriented(index: int, joint: Joint, mobility: Mobility, clouds: Sequence[NDA
     return joint.reversed() if is_reversed else joint
 
 
-def endless(joint: Joint) -> Joint:
-    """A joint without limits, its direction that of the two whose largest coordinate is positive."""
+def pointed_as_usual(joint: Joint) -> Joint:
+    """A joint without limits, with that direction of the two whose largest coordinate is positive."""
     return joint if joint.direction[np.argmax(np.abs(joint.direction))] > 0.0 else joint.reversed()
 
 

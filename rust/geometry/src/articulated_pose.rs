@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::coupled_rotations::{Coupling, couple_rotations};
 use crate::motion::JointKind;
 use crate::ransac::{Pair, Search, is_inlier, three_of};
-use crate::similarity::Similarity;
+use crate::similarity::{Moments, Similarity};
 
 /// Inliers are looked for again at most so often.
 const MOST_ROUNDS: usize = 20;
@@ -93,35 +93,6 @@ fn share_of_inliers(pairs: &[Pair], pose: &Similarity, threshold: f64) -> f64 {
     pairs.iter().filter(|pair| is_inlier(pose, pair, threshold)).count() as f64 / pairs.len() as f64
 }
 
-/// What a least-squares fit needs of some pairs.
-#[derive(Debug, Clone, Copy)]
-struct Moments {
-    count: usize,
-    /// Middles of the sources and of the targets.
-    middles: [Vector3<f64>; 2],
-    /// Sum of `target * source^T` about the middles.
-    covariance: Matrix3<f64>,
-}
-
-impl Moments {
-    fn of<'a>(pairs: impl IntoIterator<Item = &'a Pair>) -> Self {
-        let mut pairs = pairs.into_iter().peekable();
-        // Sums about the first, which is no farther off than they spread, lose nothing to rounding.
-        let near = pairs.peek().map_or([Vector3::zeros(); 2], |(source, target)| [source.coords, target.coords]);
-        let (mut count, mut sums, mut products) = (0, [Vector3::zeros(); 2], Matrix3::zeros());
-        for pair in pairs {
-            let [source, target] = [pair.0.coords - near[0], pair.1.coords - near[1]];
-            count += 1;
-            sums[0] += source;
-            sums[1] += target;
-            products += target * source.transpose();
-        }
-        let [source, target] = sums.map(|sum| sum / count.max(1) as f64);
-        let covariance = products - target * source.transpose() * count as f64;
-        Self { count, middles: [source + near[0], target + near[1]], covariance }
-    }
-}
-
 /// Which pairs fit a pose.
 fn inliers_of(pairs: &[Pair], pose: &Similarity, threshold: f64) -> Vec<bool> {
     pairs.iter().map(|pair| is_inlier(pose, pair, threshold)).collect()
@@ -136,8 +107,7 @@ fn tied(parts: &[Moments], ties: &[Tie], poses: &[Similarity]) -> Vec<Similarity
     let starts: Vec<Rotation3<f64>> = poses.iter().map(|pose| pose.rotation).collect();
     let rotations = couple_rotations(&covariances, &couplings, &starts);
     let fitted = rotations.into_iter().zip(poses).zip(parts).map(|((rotation, pose), part)| {
-        let [source, target] = part.middles;
-        let shifted = target - rotation * source * pose.scale;
+        let shifted = part.target - rotation * part.source * pose.scale;
         let translation = if part.count > 0 { shifted } else { pose.translation };
         Similarity { rotation, translation, ..*pose }
     });

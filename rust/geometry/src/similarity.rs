@@ -26,7 +26,10 @@ impl Similarity {
     ///
     /// Umeyama, Least-squares estimation of transformation parameters between two point patterns, 1991.
     pub fn fit(pairs: &[(Point3<f64>, Point3<f64>)]) -> Option<Self> {
-        let moments = Moments::of(pairs)?;
+        if pairs.len() < 3 {
+            return None;
+        }
+        let moments = Moments::of(pairs);
         let (rotation, stretches) = nearest_rotation(moments.covariance)?;
         if stretches[1] <= NEGLIGIBLE * stretches[0] || moments.spread == 0.0 {
             return None;
@@ -75,29 +78,42 @@ pub(crate) fn angle_between(a: &Rotation3<f64>, b: &Rotation3<f64>) -> f64 {
 }
 
 /// What least squares need to know of pairs of points.
-struct Moments {
-    source: Vector3<f64>,
-    target: Vector3<f64>,
-    covariance: Matrix3<f64>,
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moments {
+    pub(crate) count: usize,
+    /// Middle of the source points.
+    pub(crate) source: Vector3<f64>,
+    /// Middle of the target points.
+    pub(crate) target: Vector3<f64>,
+    /// Sum of `target * source^T` about the middles.
+    pub(crate) covariance: Matrix3<f64>,
     /// Sum of the squared distances of the source points from their middle.
     spread: f64,
 }
 
 impl Moments {
-    fn of(pairs: &[(Point3<f64>, Point3<f64>)]) -> Option<Self> {
-        if pairs.len() < 3 {
-            return None;
+    pub(crate) fn of<'a>(pairs: impl IntoIterator<Item = &'a (Point3<f64>, Point3<f64>)>) -> Self {
+        let mut pairs = pairs.into_iter().peekable();
+        // Sums about the first, which is no farther off than they spread, lose nothing to rounding.
+        let near = pairs.peek().map_or([Vector3::zeros(); 2], |(source, target)| [source.coords, target.coords]);
+        let (mut count, mut sums, mut products, mut squares) = (0, [Vector3::zeros(); 2], Matrix3::zeros(), 0.0);
+        for pair in pairs {
+            let [source, target] = [pair.0.coords - near[0], pair.1.coords - near[1]];
+            count += 1;
+            sums[0] += source;
+            sums[1] += target;
+            products += target * source.transpose();
+            squares += source.norm_squared();
         }
-        let share = 1.0 / pairs.len() as f64;
-        let source = pairs.iter().map(|(a, _)| a.coords).sum::<Vector3<f64>>() * share;
-        let target = pairs.iter().map(|(_, b)| b.coords).sum::<Vector3<f64>>() * share;
-        let (mut covariance, mut spread) = (Matrix3::zeros(), 0.0);
-        for (a, b) in pairs {
-            let from = a.coords - source;
-            covariance += (b.coords - target) * from.transpose();
-            spread += from.norm_squared();
+        let whole = count as f64;
+        let [source, target] = sums.map(|sum| sum / whole.max(1.0));
+        Self {
+            count,
+            source: source + near[0],
+            target: target + near[1],
+            covariance: products - target * source.transpose() * whole,
+            spread: (squares - source.norm_squared() * whole).max(0.0),
         }
-        Some(Self { source, target, covariance, spread })
     }
 
     fn similarity(&self, rotation: Rotation3<f64>, scale: f64) -> Option<Similarity> {
