@@ -53,6 +53,20 @@ def gather_points(features: Tensor, index: Tensor) -> Tensor:
     return features.reshape(-1, width).index_select(0, _rows(index, size).flatten()).view(*index.shape, width)
 
 
+def weighted_sum(features: Tensor, index: Tensor, weights: Tensor) -> Tensor:
+    """Sums [B, m, C] of the points `index` [B, m, k] of `features` [B, n, C], times `weights` [B, m, k]."""
+    bags = _rows(index, features.shape[1]).flatten(0, 1)
+    sums = nn.functional.embedding_bag(bags, features.flatten(0, 1), mode="sum", per_sample_weights=weights.flatten(0, 1))
+    return sums.view(*index.shape[:2], -1)
+
+
+def max_over_points(features: Tensor) -> Tensor:
+    """Maxima [B, m, C] of `features` [B, m, k, C] over k."""
+    # unlike amax, a pool goes backward through the maxima alone
+    pooled: Tensor = nn.functional.max_pool2d(features.permute(0, 3, 1, 2), (1, features.shape[2]))
+    return pooled.squeeze(3).transpose(1, 2)
+
+
 def neighbour_max(features: Tensor, index: Tensor) -> Tensor:
     """Maxima [B, n, C] of `features` [B, n, C] over the points `index` [B, n, k]."""
     if not (features.is_cpu and torch.is_grad_enabled()):

@@ -8,7 +8,7 @@ from itertools import pairwise
 import torch
 from torch import Tensor, nn
 
-from kinmo.learning.layers import channel_norm, gather_points
+from kinmo.learning.layers import channel_norm, gather_points, max_over_points, weighted_sum
 
 INTERPOLATED = 3
 """Nearest points that features are interpolated from."""
@@ -16,15 +16,16 @@ INTERPOLATED = 3
 
 def farthest_points(points: Tensor, count: int) -> Tensor:
     """Indices [B, count] of points of `points` [B, n, 3], from the first on always the one farthest from those before."""
-    batch, _, _ = points.shape
-    chosen = torch.zeros(batch, count, dtype=torch.long, device=points.device)
-    nearest = torch.full(points.shape[:2], torch.inf, dtype=points.dtype, device=points.device)
-    rows = torch.arange(batch, device=points.device)
-    for step in range(1, count):
-        last = points[rows, chosen[:, step - 1]].unsqueeze(1)
-        nearest = torch.minimum(nearest, (points - last).square().sum(-1))
-        chosen[:, step] = nearest.argmax(1)
-    return chosen
+    x, y, z = points.permute(2, 0, 1).contiguous()  # sums over an axis of three are slow
+    last = torch.zeros(len(points), 1, dtype=torch.long, device=points.device)
+    nearest = torch.full_like(x, torch.inf)
+    chosen = [last]
+    for _ in range(1, count):
+        apart = sum((each - each.gather(1, last)).square() for each in (x, y, z))
+        nearest = torch.minimum(nearest, apart)
+        last = nearest.argmax(1, keepdim=True)
+        chosen.append(last)
+    return torch.cat(chosen, 1)
 
 
 def within_radius(points: Tensor, centers: Tensor, radius: float, count: int) -> Tensor:
@@ -47,7 +48,7 @@ def interpolated(features: Tensor, places: Tensor, at: Tensor, power: int) -> Te
     distances, index = torch.cdist(at, places).topk(min(INTERPOLATED, places.shape[1]), dim=-1, largest=False)
     weights = distances.clamp(min=1e-6) ** -power
     weights = weights / weights.sum(-1, keepdim=True)
-    return (gather_points(features, index) * weights.unsqueeze(-1)).sum(2)
+    return weighted_sum(features, index, weights)
 
 
 class SharedLayers(nn.Sequential):
@@ -58,6 +59,14 @@ class SharedLayers(nn.Sequential):
         for before, after in pairwise(widths):
             layers += [nn.Linear(before, after, bias=False), channel_norm("batch", after), nn.ReLU()]
         super().__init__(*layers)
+
+    def maxima(self, x: Tensor) -> Tensor:
+        """Of [B, m, k, C] over the last axis but one, [B, m, C']; the last ReLU changes no order, so that it can come after."""
+        *before, last = self
+        for layer in before:
+            x = layer(x)
+        pooled: Tensor = last(max_over_points(x))
+        return pooled
 
 
 class SetAbstraction(nn.Module):
@@ -72,14 +81,14 @@ class SetAbstraction(nn.Module):
         """`points` [B, n, 3], `features` [B, n, C] -> places [B, m, 3] and features [B, m, C']."""
         if not self.centers:
             seen = points if features is None else torch.cat([points, features], -1)
-            return torch.zeros_like(points[:, :1]), self.layers(seen).amax(1, keepdim=True)
+            return torch.zeros_like(points[:, :1]), self.layers.maxima(seen.unsqueeze(1))
         chosen = farthest_points(points, min(self.centers, points.shape[1]))
         places = torch.gather(points, 1, chosen.unsqueeze(-1).expand(-1, -1, 3))
         index = within_radius(points, places, self.radius, self.neighbours)
         seen = gather_points(points, index) - places.unsqueeze(2)
         if features is not None:
             seen = torch.cat([seen, gather_points(features, index)], -1)
-        return places, self.layers(seen).amax(2)
+        return places, self.layers.maxima(seen)
 
 
 class FeaturePropagation(nn.Module):
