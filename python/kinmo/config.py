@@ -260,17 +260,17 @@ class AncshConfig:
     `centers`, `radii` and `neighbours` of the two levels of PointNet++, and the `width` of its layers over the printed ones;
     features are interpolated with weights 1 / distance ** `distance_power`. `normalised`: scans are brought to the true size
     of the whole `object`, as in the release, or to that of the visible `scan`, which is all that a user has. `axes`: they are
-    seen along those of the `camera`, as in the release, or along those that most surfaces face (`manhattan`). `maps`: NPCS of
-    a part are a linear map of the points, told of the scan as a whole, and what every point adds; or as in the release what
-    every point says alone. `layout`: of the scan as a whole is asked what is the same for all points, the proportions of the
-    parts' boxes and the places of the joints' axes, which in the release follow from what every point says. `joint_labels`: a
-    point near to two joints tells of the `nearest`, or as in the `release` of the last, where joints without a place have one
-    too. An epoch has `batches_per_epoch` batches of `batch_frames` scans of `points` points; `validation_frames` an object
-    choose the best. `ties`: predicted joints tie the poses of all parts of the `tree` together, and what is typical of the
-    objects trained on narrows these down; or as in the release joints tie two parts at a time (`pairs`), or `none`. What
-    networks say of a scan is a label for others where of every part at least the share `confidence` of its points agrees on
-    where that is. Objects with true labels have the share `trusted` of the scans of a batch at least (0: all objects have
-    equal odds).
+    seen along those of the `camera`, as in the release, along those that most surfaces face (`manhattan`), or twice, the
+    second time along those that the surfaces of the `base` face. `maps`: NPCS of a part are a linear map of the points, told
+    of the scan as a whole, and what every point adds; or as in the release what every point says alone. `layout`: of the scan
+    as a whole is asked what is the same for all points, the proportions of the parts' boxes and the places of the joints'
+    axes, which in the release follow from what every point says. `joint_labels`: a point near to two joints tells of the
+    `nearest`, or as in the `release` of the last, where joints without a place have one too. An epoch has `batches_per_epoch`
+    batches of `batch_frames` scans of `points` points; `validation_frames` an object choose the best. `ties`: predicted
+    joints tie the poses of all parts of the `tree` together, and what is typical of the objects trained on narrows these
+    down; or as in the release joints tie two parts at a time (`pairs`), or `none`. What networks say of a scan is a label for
+    others where of every part at least the share `confidence` of its points agrees on where that is. Objects with true labels
+    have the share `trusted` of the scans of a batch at least (0: all objects have equal odds).
     """
 
     training: TrainingConfig
@@ -283,7 +283,7 @@ class AncshConfig:
     distance_power: Annotated[int, Within(1, 2)] = 2
     dropout: Share = 0.5
     normalised: Literal["object", "scan"] = "scan"
-    axes: Literal["camera", "manhattan"] = "manhattan"
+    axes: Literal["camera", "manhattan", "base"] = "base"
     maps: bool = True
     layout: bool = True
     joint_labels: Literal["nearest", "release"] = "nearest"

@@ -15,8 +15,12 @@ F64 = NDArray[np.float64]
 
 Normalised = Literal["object", "scan"]
 """Whose size and place a scan is brought to: the object's true diagonal, its place kept; or the visible points' own."""
-Axes = Literal["camera", "manhattan"]
-"""Along which axes networks see a scan: the camera's; or those that its surfaces face (`manhattan_axes`)."""
+Axes = Literal["camera", "manhattan", "base"]
+"""Along which axes networks see a scan: the camera's; those that its surfaces face (`manhattan_axes`); or those that the
+surfaces of the base face, at a second look, when it has been said what that is (`base_axes`)."""
+
+LEAST_BASE_POINTS = 50
+"""With fewer of the base what it faces says less than what the whole scan does."""
 
 USUALLY_UP = np.array([0.0, -1.0, -1.0]) / np.sqrt(2.0)
 """In the frame of a camera that is held upright and looks down at an object, anywhere between level and straight down."""
@@ -59,10 +63,19 @@ class InputFrame:
 
 
 def scan_rotations(points: NDArray[np.floating], axes: Axes) -> F64:
-    """Columns [F, 3, 3] are the axes that networks see scans [F, n, 3] along, in the camera's frame."""
+    """Columns [F, 3, 3] are the axes that networks see scans [F, n, 3] along at first sight, in the camera's frame."""
     if axes == "camera":
         return np.tile(np.eye(3), (len(points), 1, 1))
     return manhattan_axes(points)
+
+
+def base_axes(points: NDArray[np.floating], is_base: NDArray[np.bool_], first: F64) -> F64:
+    """The axes [3, 3] that the base in a scan [n, 3] faces, its points marked by `is_base` [n]; `first` where these are few.
+
+    Of the whole scan, an open door may decide.
+    """
+    own = points[is_base]
+    return np.asarray(manhattan_axes(own[None])[0]) if len(own) >= LEAST_BASE_POINTS else first
 
 
 def manhattan_axes(points: NDArray[np.floating]) -> F64:

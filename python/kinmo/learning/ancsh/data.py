@@ -12,10 +12,13 @@ from numpy.typing import NDArray
 from kinmo.config import AncshConfig
 from kinmo.learning.ancsh.loss import ScanBatch
 from kinmo.learning.ancsh.targets import canonical_coordinates, layout, surroundings
-from kinmo.scans.input_frame import InputFrame, manhattan_axes
+from kinmo.scans.input_frame import InputFrame, base_axes, scan_rotations
 from kinmo.scans.scan_file import ScanFile
 
 F64 = NDArray[np.float64]
+
+FIRST_LOOKS = 0.25
+"""The share of scans that are seen as at first sight, where networks look twice."""
 
 
 class ScanData:
@@ -27,7 +30,7 @@ class ScanData:
     def __init__(self, training: Sequence[ScanFile], validation: Sequence[ScanFile], config: AncshConfig) -> None:
         self.training, self.validation, self.config = list(training), list(validation), config
         self._odds = odds([file.object for file in training], [has_true_labels(file) for file in training], config.trusted)
-        self._rotations: dict[ScanFile, F64] = {}
+        self._rotations: dict[ScanFile, tuple[F64, F64]] = {}
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[ScanBatch]:
         size = self.config.batch_frames
@@ -46,16 +49,27 @@ class ScanData:
 
     def batch(self, frames: Sequence[tuple[ScanFile, int]], rng: np.random.Generator) -> ScanBatch:
         """Frames, each given as a row of a file."""
-        columns = [_seen_and_said(file, row, self._rotation(file, row), self.config, rng) for file, row in frames]
+        columns = [_seen_and_said(file, row, self._rotation(file, row, rng), self.config, rng) for file, row in frames]
         return ScanBatch(*(torch.from_numpy(np.stack(column)) for column in zip(*columns, strict=True)))
 
-    def _rotation(self, file: ScanFile, row: int) -> F64:
-        """The axes [3, 3] of a frame; those of all frames of a file are looked for at once, and once."""
+    def _rotation(self, file: ScanFile, row: int, rng: np.random.Generator) -> F64:
+        """The axes [3, 3] that a frame is seen along."""
         if self.config.axes == "camera":
             return np.eye(3)
         if file not in self._rotations:
-            self._rotations[file] = manhattan_axes(file.read("points"))
-        return np.asarray(self._rotations[file][row])
+            self._rotations[file] = self._looks(file)
+        first, second = self._rotations[file]
+        is_first = self.config.axes != "base" or rng.random() < FIRST_LOOKS
+        return np.asarray((first if is_first else second)[row])
+
+    def _looks(self, file: ScanFile) -> tuple[F64, F64]:
+        """The axes [F, 3, 3] of all frames of a file at the first look and, if there is one, at the second."""
+        scans = file.read("points")
+        first = scan_rotations(scans, self.config.axes)
+        if self.config.axes != "base":
+            return first, first
+        bases = file.read("parts") == 0
+        return first, np.stack([base_axes(*each) for each in zip(scans, bases, first, strict=True)])
 
 
 def odds(objects: Sequence[Hashable], trusted: Sequence[bool], least: float) -> F64:

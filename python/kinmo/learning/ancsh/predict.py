@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from kinmo.learning.weights import Weights, load_weights, pick_device
 from kinmo.scans.answers import Layout, PointAnswers
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import PoseOptions, ScanEstimate, estimate
-from kinmo.scans.input_frame import InputFrame, scan_rotations
+from kinmo.scans.input_frame import InputFrame, base_axes, scan_rotations
 from kinmo.scans.typical import Typical
 from kinmo.typed_tables import from_table
 
@@ -77,30 +77,40 @@ class Ancsh:
         `diagonals` are those of the objects, without which networks that were trained with `normalised = "object"` take the
         lengths of the scans for diagonals. All scans must have as many points.
         """
-        frames = [
-            InputFrame.of(points, self.config.normalised, 1.0 if diagonals is None else diagonals[row], rotation)
-            for row, (points, rotation) in enumerate(zip(scans, self._rotations(scans), strict=True))
-        ]
-        answers: list[PointAnswers] = []
+        sizes = np.ones(len(scans)) if diagonals is None else diagonals
+        if not len(scans):
+            return []
+        rotations = scan_rotations(np.stack(scans), self.config.axes)
+        if self.config.axes == "base":
+            said = np.concatenate([self._said_parts(seen) for seen, _ in self._batches(scans, sizes, rotations)])
+            rotations = np.stack([base_axes(*each) for each in zip(scans, said == 0, rotations, strict=True)])
+        return [one for seen, frames in self._batches(scans, sizes, rotations) for one in self._answer(seen, frames)]
+
+    def _batches(
+        self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | F64, rotations: F64
+    ) -> Iterator[tuple[torch.Tensor, list[InputFrame]]]:
+        """Points [B, n, 3] as the networks see them, and how they came to be so."""
         for start in range(0, len(scans), SCANS_AT_ONCE):
             some = slice(start, start + SCANS_AT_ONCE)
-            seen = np.stack([frame.apply(points) for frame, points in zip(frames[some], scans[some], strict=True)])
-            answers += self._answer(seen, frames[some])
-        return answers
+            each = list(zip(scans[some], diagonals[some], rotations[some], strict=True))
+            frames = [InputFrame.of(points, self.config.normalised, size, axes) for points, size, axes in each]
+            seen = np.stack([frame.apply(points) for frame, (points, _, _) in zip(frames, each, strict=True)])
+            yield torch.from_numpy(seen).to(self.device), frames
 
-    def _rotations(self, scans: Sequence[NDArray[np.floating]]) -> F64:
-        return scan_rotations(np.stack(scans), self.config.axes) if len(scans) else np.zeros((0, 3, 3))
+    def _said_parts(self, seen: torch.Tensor) -> NDArray[np.int64]:
+        """The part [B, n] of every point."""
+        return np.asarray(self.parts(seen).parts.argmax(-1).cpu().numpy())
 
-    def _answer(self, seen: NDArray[np.float32], frames: Sequence[InputFrame]) -> list[PointAnswers]:
-        points = torch.from_numpy(seen).to(self.device)
-        own, joints = self.joints.forward_all(points)
-        parts = own if self.parts is self.joints else self.parts(points)
+    def _answer(self, seen: torch.Tensor, frames: Sequence[InputFrame]) -> list[PointAnswers]:
+        own, joints = self.joints.forward_all(seen)
+        parts = own if self.parts is self.joints else self.parts(seen)
         naocs = joints.naocs(own.npcs)
         said = parts.parts.argmax(-1)
         home = own.parts.argmax(-1)
         arrays = [
             values.double().cpu().numpy()
             for values in (
+                seen,
                 _of_part(parts.npcs, said),
                 _of_part(naocs, home) + joints.toward * ((1.0 - joints.heatmap) * REACH).unsqueeze(-1),
                 joints.axes,
@@ -113,9 +123,8 @@ class Ancsh:
         layouts = [None] * len(frames) if joints.layout is None else _layouts(joints.layout)
         answers = []
         for row, frame in enumerate(frames):
-            npcs, pivots, axes, own_npcs, own_naocs = (array[row] for array in arrays)
+            points, npcs, pivots, axes, own_npcs, own_naocs = (array[row] for array in arrays)
             scales, shifts = to_naocs(own_npcs, own_naocs, homes[row])
-            points = seen[row].astype(np.float64)
             answers.append(
                 PointAnswers(frame, points, labels[row], npcs, scales, shifts, told[row], axes, pivots, layouts[row])
             )
