@@ -185,6 +185,27 @@ def box_iou(centers_a: F64, axes_a: F64, half_a: F64, centers_b: F64, axes_b: F6
     0 where neither box has volume.
     """
 
+def seen_boxes(
+    points: F64,
+    starts: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    cameras: F64,
+    centers: F64,
+    axes: F64,
+    half: F64,
+    *,
+    frames: NDArray[np.int64],
+) -> tuple[F64, F64, F64]:
+    """The boxes of parts, their sides moved to where scans show them.
+
+    The scans of F cameras, at `cameras` [F, 3], lie one after the other in `points` [N, 3], between the numbers `starts` [F +
+    1]; of the boxes, given as in `box_intersection_volume`, those of scan f are `frames[f]` to `frames[f + 1]`, and `owners`
+    [N] has the number of the one among them that a point is of (-1: of none). No point of a box is outside: its sides go out
+    to the outermost. Where a side is farther out than all points, and most of the surface between would be seen and is not,
+    it goes in to the outermost. What is hidden, or too thin to tell, stays, as do boxes with fewer than 10 points, and axes.
+    Returns `(centers, axes, half_extents)`.
+    """
+
 def closest_points(meshes: Meshes, group: Sequence[int], points: F64) -> tuple[F64, F64, F64]:
     """Where the surfaces of the meshes `group` are nearest to points [N, 3].
 

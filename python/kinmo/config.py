@@ -268,9 +268,10 @@ class AncshConfig:
     `nearest`, or as in the `release` of the last, where joints without a place have one too. An epoch has `batches_per_epoch`
     batches of `batch_frames` scans of `points` points; `validation_frames` an object choose the best. `ties`: predicted
     joints tie the poses of all parts of the `tree` together, and what is typical of the objects trained on narrows these
-    down; or as in the release joints tie two parts at a time (`pairs`), or `none`. What networks say of a scan is a label for
-    others where of every part at least the share `confidence` of its points agrees on where that is. Objects with true labels
-    have the share `trusted` of the scans of a batch at least (0: all objects have equal odds).
+    down; or as in the release joints tie two parts at a time (`pairs`), or `none`. `boxes` of parts are as `said`, or have
+    their sides where these are `seen`. What networks say of a scan is a label for others where of every part at least the
+    share `confidence` of its points agrees on where that is. Objects with true labels have the share `trusted` of the scans
+    of a batch at least (0: all objects have equal odds).
     """
 
     training: TrainingConfig
@@ -291,6 +292,7 @@ class AncshConfig:
     batches_per_epoch: Count = 100
     validation_frames: Count = 4
     ties: Literal["tree", "pairs", "none"] = "tree"
+    boxes: Literal["seen", "said"] = "seen"
     confidence: Share = 0.8
     trusted: Share = 0.5
 

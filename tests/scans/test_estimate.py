@@ -62,10 +62,29 @@ def test_what_is_said_of_the_whole_makes_boxes_whole_and_places_axes_in_the_came
     half_sizes, pivots, _ = layout(target.part_extents, target.joints)
     answers = true_answers(target, scans, 0)
     answers = replace(answers, pivots=answers.pivots + 1.0, layout=Layout(half_sizes.astype(float), pivots.astype(float)))
-    (found,) = estimate([answers], target.structure, SEARCH)
+    (found,) = estimate([answers], target.structure, replace(SEARCH, boxes="said"))
     score = score_frame(found, true_estimate(target, scans, 0), target.structure)
     assert score.iou.min() > 0.999
     assert np.nanmax(score.line) < 1e-4
+
+
+@pytest.mark.parametrize("said", [0.8, 1.25])
+def test_boxes_that_are_said_too_small_or_too_large_have_sides_where_these_are_seen(said) -> None:
+    target = cupboard_object()
+    scans = scan(target, OPTIONS, 0)
+    half_sizes, pivots, _ = layout(target.part_extents, target.joints)
+    answers = [
+        replace(true_answers(target, scans, row), layout=Layout(said * half_sizes.astype(float), pivots.astype(float)))
+        for row in range(len(scans))
+    ]
+    overlaps = {}
+    for boxes in ("said", "seen"):
+        found = estimate(answers, target.structure, replace(SEARCH, boxes=boxes))
+        scores = [score_frame(one, true_estimate(target, scans, row), target.structure) for row, one in enumerate(found)]
+        overlaps[boxes] = np.mean([score.iou for score in scores])
+        assert np.max([score.translation for score in scores]) < 1e-4
+    assert overlaps["said"] < 0.55
+    assert overlaps["seen"] > overlaps["said"] + 0.05
 
 
 def test_where_a_scan_lies_and_how_large_it_is_for_the_network_does_not_matter() -> None:

@@ -109,6 +109,7 @@ def _slide_error(found: ScanEstimate, true: ScanEstimate, row: int, cloud: NDArr
     """For the visible points `cloud` [n, 3] of the part that joint `row` moves against the base."""
     base, part = found.poses.rotations[0], row + 1
     begins = ((cloud - found.poses.translations[0]) @ base)[:, 0].min()
-    begins_by_network = 0.5 - found.half_extents[part, 0] / found.poses.scales[part]
+    middle = (found.centers[part] - found.poses.translations[part]) @ found.poses.rotations[part]
+    begins_by_network = (middle[0] - found.half_extents[part, 0]) / found.poses.scales[part]
     slid = base[:, 0] * (begins - begins_by_network)
     return float(np.linalg.norm(true.states[row] * true.directions[row] - slid))

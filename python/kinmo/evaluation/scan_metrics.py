@@ -24,9 +24,9 @@ F64 = NDArray[np.float64]
 class FrameScore:
     """Errors of one scan with K parts; NaN where the part or the joint was not found.
 
-    By part [K]: `rotation` (radians), `translation` of the part's middle, `iou` of the amodal boxes. By joint [K - 1]: `state`
-    (radians, or diagonals where it slides), `axis` (radians) and `line`, the distance of the two axes (NaN too for a joint
-    without a pivot). Lengths are diagonals of the object.
+    By part [K]: `rotation` (radians), `translation` of the part's middle by its pose, `iou` of the amodal boxes. By joint [K
+    - 1]: `state` (radians, or diagonals where it slides), `axis` (radians) and `line`, the distance of the two axes (NaN too
+    for a joint without a pivot). Lengths are diagonals of the object.
     """
 
     rotation: F64
@@ -51,7 +51,8 @@ def truth(poses: F64, values: F64, joints: Sequence[Joint], structure: Structure
     directions = np.stack([pose[:3, :3] @ joint.direction for pose, joint in zip(above, joints, strict=True)])
     pivots = np.stack([pose[:3, :3] @ joint.pivot + pose[:3, 3] for pose, joint in zip(above, joints, strict=True)])
     states = values - np.array([joint.rest for joint in joints])
-    return ScanEstimate(PartPoses(turns, sizes, shifts), 0.5 * extents.sizes, np.ones(len(sizes)), directions, pivots, states)
+    placed = PartPoses(turns, sizes, shifts)
+    return ScanEstimate(placed, placed.middles, 0.5 * extents.sizes, np.ones(len(sizes)), directions, pivots, states)
 
 
 def score_frame(found: ScanEstimate, true: ScanEstimate, structure: Structure) -> FrameScore:
@@ -66,7 +67,7 @@ def score_frame(found: ScanEstimate, true: ScanEstimate, structure: Structure) -
     line = [_line(found, true, row, kind) if known[row] else math.nan for row, kind in enumerate(structure.kinds)]
     return FrameScore(
         np.array(turned),
-        np.linalg.norm(found.centers - true.centers, axis=1),
+        np.linalg.norm(found.poses.middles - true.poses.middles, axis=1),
         _overlaps(found, true),
         np.array(state),
         np.array(axis),

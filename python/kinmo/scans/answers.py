@@ -60,6 +60,10 @@ class PointAnswers:
         own = self.parts == part
         return self.npcs[own], self.points[own]
 
+    def on(self, part: int, naocs: F64) -> F64:
+        """Places [..., 3] on the whole object, in the coordinates of a part."""
+        return np.asarray((naocs - self.part_shifts[part]) / self.part_scales[part])
+
 
 def said_half_sizes(answer: PointAnswers) -> F64:
     """Of the boxes [K, 3] in NPCS, whose middles are at `MIDDLE`; without a layout those that hold what is seen, NaN for parts

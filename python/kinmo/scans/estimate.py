@@ -13,8 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from kinmo import _core
 from kinmo.joint import KIND_CODES, JointKind
-from kinmo.scans.answers import MIDDLE, PointAnswers, said_half_sizes, said_joints
+from kinmo.scans.answers import MIDDLE, PointAnswers, said_joints
 from kinmo.scans.articulated_object import Structure
+from kinmo.scans.input_frame import InputFrame
+from kinmo.scans.part_boxes import said_boxes, seen_boxes
 from kinmo.scans.typical import Typical
 
 F64 = NDArray[np.float64]
@@ -27,13 +29,15 @@ class PoseOptions:
     what is seen of it) has the diagonal 1.
 
     `ties`: the joints tie the parts of the `tree` to each other all at once, or as in the release joint by joint (`pairs`,
-    with `pair_hypotheses` of each), or not at all.
+    with `pair_hypotheses` of each), or not at all. `boxes`: as they are `said` to be, or with their sides where they are
+    `seen`.
     """
 
     hypotheses: int = 10_000
     threshold: float = 0.1
     ties: Literal["tree", "pairs", "none"] = "tree"
     pair_hypotheses: int = 200
+    boxes: Literal["seen", "said"] = "seen"
     seed: int = 0
 
 
@@ -53,6 +57,11 @@ class PartPoses:
         return np.asarray(self.scales[part] * npcs @ self.rotations[part].T + self.translations[part])
 
     @property
+    def middles(self) -> F64:
+        """Of the parts [K, 3]."""
+        return np.stack([self.apply(part, MIDDLE) for part in range(len(self.scales))])
+
+    @property
     def found(self) -> NDArray[np.bool_]:
         """[K]."""
         return np.isfinite(self.scales)
@@ -62,22 +71,19 @@ class PartPoses:
 class ScanEstimate:
     """Parts, joints and joint states of one scan, in the camera's frame and lengths.
 
-    `half_extents` [K, 3] are those of the parts' amodal boxes, whose middles are at (0.5, 0.5, 0.5) of NPCS; `inliers` [K] the
-    shares of points that fit. `directions` and `pivots` [K - 1, 3] are the axes of the joints of parts 1 and up where they now
-    are, `states` [K - 1] how far these are from where the canonical frame has them: radians, or lengths. NaN where unknown.
+    `centers` and `half_extents` [K, 3] are those of the parts' amodal boxes, whose axes are the columns of the rotations;
+    `inliers` [K] the shares of points that fit. `directions` and `pivots` [K - 1, 3] are the axes of the joints of parts 1 and
+    up where they now are, `states` [K - 1] how far these are from where the canonical frame has them: radians, or lengths. NaN
+    where unknown.
     """
 
     poses: PartPoses
+    centers: F64
     half_extents: F64
     inliers: F64
     directions: F64
     pivots: F64
     states: F64
-
-    @property
-    def centers(self) -> F64:
-        """Middles [K, 3] of the boxes."""
-        return np.stack([self.poses.apply(part, MIDDLE) for part in range(len(self.half_extents))])
 
 
 def estimate(
@@ -98,15 +104,19 @@ def estimate(
     shares = np.array([right[a:b].mean() if b > a else np.nan for a, b in pairwise(starts)])
     joints = [said_joints(answer, structure, typical) for answer in answers]
     tied = _tied(free, source, target, starts, joints, structure, options, typical)
+    boxes = seen_boxes(answers, tied, options.threshold) if options.boxes == "seen" else said_boxes(answers, tied)
     estimates = []
     for frame, answer in enumerate(answers):
         own = slice(frame * count, (frame + 1) * count)
-        rotations, scales, translations = (values[own] for values in tied)
-        turned, placed = answer.frame.undo_rotations(rotations), answer.frame.undo(translations)
-        poses = PartPoses(turned, scales / answer.frame.scale, placed)
-        half_extents = said_half_sizes(answer) * poses.scales[:, None]
-        estimates.append(_with_joints(poses, half_extents, shares[own], answer, joints[frame], structure))
+        poses = _in_camera(answer.frame, *(values[own] for values in tied))
+        centers, half_extents = answer.frame.undo(boxes[0][own]), boxes[1][own] / answer.frame.scale
+        found = _joints(poses, answer, joints[frame], structure, options)
+        estimates.append(ScanEstimate(poses, centers, half_extents, shares[own], *found))
     return estimates
+
+
+def _in_camera(frame: InputFrame, rotations: F64, scales: F64, translations: F64) -> PartPoses:
+    return PartPoses(frame.undo_rotations(rotations), scales / frame.scale, frame.undo(translations))
 
 
 def _tied(
@@ -172,23 +182,22 @@ def _tied(
     return rotations, scales, translations
 
 
-def _with_joints(
-    poses: PartPoses,
-    half_extents: F64,
-    inliers: F64,
-    answer: PointAnswers,
-    said: tuple[F64, F64],
-    structure: Structure,
-) -> ScanEstimate:
-    """Axes and states of the joints, seen with the part that each moves against."""
+def _joints(
+    poses: PartPoses, answer: PointAnswers, said: tuple[F64, F64], structure: Structure, options: PoseOptions
+) -> tuple[F64, F64, F64]:
+    """Directions, pivots and states of the joints.
+
+    An axis is turned as the part that it is on is, and passes where that part has it; in the `tree`, half way to where the part
+    that moves has it.
+    """
     directions, pivots = (np.full((structure.part_count - 1, 3), np.nan) for _ in range(2))
     states = np.full(structure.part_count - 1, np.nan)
     for row, (kind, parent) in enumerate(zip(structure.kinds, structure.parents, strict=True)):
-        scale, shift = answer.part_scales[parent], answer.part_shifts[parent]
         directions[row] = poses.rotations[parent] @ said[0][row]
-        pivots[row] = poses.apply(parent, (said[1][row] - shift) / scale)
+        holders = [parent, row + 1] if options.ties == "tree" and poses.found[row + 1] else [parent]
+        pivots[row] = np.mean([poses.apply(part, answer.on(part, said[1][row])) for part in holders], axis=0)
         states[row] = _state(poses, row + 1, parent, kind, said[0][row], answer)
-    return ScanEstimate(poses, half_extents, inliers, directions, pivots, states)
+    return directions, pivots, states
 
 
 def _state(poses: PartPoses, part: int, parent: int, kind: JointKind, direction: F64, answer: PointAnswers) -> float:
@@ -198,7 +207,7 @@ def _state(poses: PartPoses, part: int, parent: int, kind: JointKind, direction:
         return turn_about(poses.rotations[parent].T @ poses.rotations[part], direction)
     # where the middle of the part is, and where it would be if it had gone along with its parent
     middle = answer.part_scales[part] * MIDDLE + answer.part_shifts[part]
-    along = poses.apply(parent, (middle - answer.part_shifts[parent]) / answer.part_scales[parent])
+    along = poses.apply(parent, answer.on(parent, middle))
     return float((poses.apply(part, MIDDLE) - along) @ (poses.rotations[parent] @ direction))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.joint import Joint
-from kinmo.scans.answers import MIDDLE, PointAnswers, said_joints
+from kinmo.scans.answers import MIDDLE, PointAnswers, said_half_sizes, said_joints
 from kinmo.scans.articulated_object import Extents, Structure
 from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.scan import Scans
@@ -60,7 +60,7 @@ def self_labelled(
     sure = [row for row, found in enumerate(estimates) if is_sure(found, confidence)]
     if not sure:
         return None
-    extents = _extents([answers[row] for row in sure], [estimates[row] for row in sure])
+    extents = _extents([answers[row] for row in sure])
     said = SaidObject(*name, structure, _joints([answers[row] for row in sure], structure, typical), extents)
     places = np.zeros((len(sure), *points.shape[1:]), np.float32)
     for frame, row in enumerate(sure):
@@ -76,11 +76,11 @@ def self_labelled(
     return said, Scans(points[sure], parts_of, places, poses_of, unknown, unknown.copy(), refused)
 
 
-def _extents(answers: Sequence[PointAnswers], estimates: Sequence[ScanEstimate]) -> Extents:
+def _extents(answers: Sequence[PointAnswers]) -> Extents:
     """Boxes whose diagonals are the sizes of the parts in NAOCS, and whose proportions are those said."""
     scales = np.median([answer.part_scales for answer in answers], axis=0)
     shifts = np.median([answer.part_shifts for answer in answers], axis=0)
-    shapes = np.median([found.half_extents / found.poses.scales[:, None] for found in estimates], axis=0)
+    shapes = np.median([said_half_sizes(answer) for answer in answers], axis=0)
     sizes = shapes / np.linalg.norm(shapes, axis=1, keepdims=True) * scales[:, None]
     return Extents(shifts + MIDDLE * scales[:, None] - MIDDLE, sizes)
 

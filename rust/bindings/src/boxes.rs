@@ -23,15 +23,15 @@ pub fn to_arrays<'py>(py: Python<'py>, boxes: &[OrientedBox]) -> PyResult<Boxes<
     Ok((centers.reshape([count, 3])?, axes.reshape([count, 3, 3])?, half_extents.reshape([count, 3])?))
 }
 
-/// The boxes in the arguments `centers_x`, `axes_x` and `half_x`, where `x` is the `side`; their axes may be left-handed.
+/// The boxes in three arguments, `centers`, `axes` and `half` where their names end in nothing; axes may be left-handed.
 pub fn boxes_of(
-    side: &str,
+    ending: &str,
     centers: &Array<'_, f64>,
     axes: &Array<'_, f64>,
     half: &Array<'_, f64>,
 ) -> Result<Vec<OrientedBox>> {
     let count = centers.view().shape().first().copied().unwrap_or(0);
-    let name = |of: &str| format!("{of}_{side}");
+    let name = |of: &str| format!("{of}{ending}");
     let centers = points_of(&name("centers"), centers.view(), count)?;
     let axes = matrices_of(&name("axes"), axes.view(), count)?;
     let half = vectors_of(&name("half"), half.view(), count)?;

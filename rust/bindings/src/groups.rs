@@ -1,4 +1,6 @@
-//! Groups of meshes and pairs of groups.
+//! Groups of meshes, pairs of groups, and ranges of rows.
+
+use std::ops::Range;
 
 use kinmo_geometry::{GeometryError, Result};
 
@@ -33,4 +35,14 @@ pub fn pairs_of(groups: usize, pairs: &Array<'_, u32>) -> Result<Vec<(usize, usi
         }
     }
     Ok(pairs)
+}
+
+/// Ranges between numbers that do not fall, from 0 to `count`.
+pub fn ranges_of(name: &str, bounds: &Array<'_, i64>, count: usize) -> Result<Vec<Range<usize>>> {
+    let bounds: Vec<i64> = bounds.view().iter().copied().collect();
+    let ends = bounds.first() == Some(&0) && bounds.last() == i64::try_from(count).ok().as_ref();
+    if !ends || bounds.windows(2).any(|two| two[0] > two[1]) {
+        return Err(GeometryError::new(name, format!("expected numbers that rise from 0 to {count}")));
+    }
+    Ok(bounds.windows(2).map(|two| two[0] as usize..two[1] as usize).collect())
 }

@@ -28,8 +28,8 @@ macro_rules! measure_of_box_pairs {
             axes_b: Array<'py, f64>,
             half_b: Array<'py, f64>,
         ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-            let a = boxes_of("a", &centers_a, &axes_a, &half_a).map_err(value_error)?;
-            let b = boxes_of("b", &centers_b, &axes_b, &half_b).map_err(value_error)?;
+            let a = boxes_of("_a", &centers_a, &axes_a, &half_a).map_err(value_error)?;
+            let b = boxes_of("_b", &centers_b, &axes_b, &half_b).map_err(value_error)?;
             if a.len() != b.len() {
                 let problem = format!("{} boxes, but centers_a has {}", b.len(), a.len());
                 return Err(value_error(GeometryError::new("centers_b", problem)));

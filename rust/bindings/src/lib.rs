@@ -19,6 +19,7 @@ mod poses;
 mod proximity;
 mod raster;
 mod sampling;
+mod seen_boxes;
 mod sweep;
 mod symmetry;
 
@@ -39,6 +40,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         proximity::register,
         raster::register,
         sampling::register,
+        seen_boxes::register,
         sweep::register,
         symmetry::register,
     ] {

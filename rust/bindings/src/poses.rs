@@ -16,7 +16,7 @@ use crate::arrays::{Array, check_shape, matrices_of, rows_of, triples_of, values
 use crate::batches::map_in_batches;
 use crate::boxes::is_orthonormal;
 use crate::convert::value_error;
-use crate::groups::pairs_of;
+use crate::groups::{pairs_of, ranges_of};
 use crate::joints::{kinds_of, unit_vectors_of};
 use crate::numbers::{count_of, integer, seed as seed_of};
 
@@ -203,16 +203,6 @@ impl Parts {
     fn of_frame(&self, parts: &Range<usize>) -> Vec<&[Pair]> {
         parts.clone().map(|part| self.pairs(part)).collect()
     }
-}
-
-/// Ranges between numbers that do not fall, from 0 to `count`.
-fn ranges_of(name: &str, bounds: &Array<'_, i64>, count: usize) -> Result<Vec<Range<usize>>> {
-    let bounds: Vec<i64> = bounds.view().iter().copied().collect();
-    let ends = bounds.first() == Some(&0) && bounds.last() == i64::try_from(count).ok().as_ref();
-    if !ends || bounds.windows(2).any(|two| two[0] > two[1]) {
-        return Err(GeometryError::new(name, format!("expected numbers that rise from 0 to {count}")));
-    }
-    Ok(bounds.windows(2).map(|two| two[0] as usize..two[1] as usize).collect())
 }
 
 fn ties_of(

@@ -35,6 +35,7 @@ mod rectangle;
 mod revolution;
 mod sample_elimination;
 pub mod sampling;
+pub mod seen_box;
 pub mod settled_pose;
 pub mod similarity;
 #[cfg(test)]

@@ -22,6 +22,13 @@ pub struct Normal {
 ///
 /// A point that is there several times is one.
 pub fn normals(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal> {
+    let (distinct, places) = distinct(points);
+    let found = normals_of_distinct(&distinct, neighbours);
+    places.into_iter().map(|place| found[place]).collect()
+}
+
+/// The points without those that are there before, and the place of each among them.
+pub(crate) fn distinct(points: &[Point3<f64>]) -> (Vec<Point3<f64>>, Vec<usize>) {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|a, b| compare(&points[*a], &points[*b]));
     let mut distinct: Vec<Point3<f64>> = Vec::with_capacity(points.len());
@@ -32,8 +39,7 @@ pub fn normals(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal> {
         }
         places[index] = distinct.len() - 1;
     }
-    let found = normals_of_distinct(&distinct, neighbours);
-    places.into_iter().map(|place| found[place]).collect()
+    (distinct, places)
 }
 
 fn compare(a: &Point3<f64>, b: &Point3<f64>) -> Ordering {

@@ -68,7 +68,8 @@ class Ancsh:
     ) -> tuple[list[PointAnswers], list[ScanEstimate]]:
         """What the networks say of scans, as in `answer`, and the parts and joints that follow."""
         answers = self.answer(scans, diagonals)
-        return answers, estimate(answers, self.structure, PoseOptions(ties=self.config.ties, seed=seed), self.typical)
+        options = PoseOptions(ties=self.config.ties, boxes=self.config.boxes, seed=seed)
+        return answers, estimate(answers, self.structure, options, self.typical)
 
     @torch.inference_mode()
     def answer(self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None) -> list[PointAnswers]:
