@@ -17,7 +17,7 @@ from kinmo.scans.scan_file import ScanFile
 
 F64 = NDArray[np.float64]
 
-FIRST_LOOKS = 0.25
+FIRST_LOOKS = 0.5
 """The share of scans that are seen as at first sight, where networks look twice."""
 
 
