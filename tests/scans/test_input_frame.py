@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from kinmo.scans.camera import Viewpoints
-from kinmo.scans.input_frame import InputFrame, manhattan_axes, scan_rotations
+from kinmo.scans.input_frame import LEAST_BASE_POINTS, InputFrame, base_axes, manhattan_axes, scan_rotations
 
 UP = np.array([0.0, 1.0, 0.0])
 
@@ -59,3 +59,16 @@ def test_a_scan_is_brought_to_its_own_size_along_the_axes_it_is_seen_along():
     np.testing.assert_allclose(seen.min(axis=0), -seen.max(axis=0), atol=1e-6)
     assert np.linalg.norm(np.ptp(seen, axis=0)) == pytest.approx(1.0, abs=1e-6)
     np.testing.assert_array_equal(scan_rotations(points[None], "camera"), np.eye(3)[None])
+
+
+def test_of_a_box_behind_a_large_open_door_the_box_tells_the_axes():
+    box, turn = seen_box((0.6, 1.0, 0.5), 3)
+    about_up = Rotation.from_rotvec(0.5 * turn @ UP).as_matrix()
+    door = (box - box.mean(axis=0)) @ about_up.T + box.mean(axis=0) - 2.0 * turn[:, 0]
+    points = np.concatenate([box[:300], door])
+    is_base = np.arange(len(points)) < 300
+    (first,) = manhattan_axes(points[None])
+    assert np.abs(turn.T @ first).max(axis=0).min() < 0.95
+    assert np.abs(turn.T @ base_axes(points, is_base, first)).max(axis=0).min() > 0.999
+    few = np.arange(len(points)) < LEAST_BASE_POINTS - 1
+    np.testing.assert_array_equal(base_axes(points, few, first), first)

@@ -26,6 +26,7 @@ from kinmo.learning.ancsh.network import (
 from kinmo.learning.ancsh.predict import Ancsh, to_naocs
 from kinmo.learning.ancsh.targets import layout
 from kinmo.learning.ancsh.train import train_ancsh
+from kinmo.scans.input_frame import base_axes, scan_rotations
 from kinmo.scans.scan import scan
 from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
 from kinmo.scans.typical import Typical
@@ -226,3 +227,43 @@ def test_objects_with_true_labels_have_their_share_of_a_batch() -> None:
 def test_an_object_is_drawn_as_often_in_few_files_as_in_many() -> None:
     np.testing.assert_allclose(odds("aab", [True] * 3, 0.5), [1 / 4, 1 / 4, 1 / 2])
     np.testing.assert_allclose(odds("aabb", [True, True, False, False], 0.8), [0.4, 0.4, 0.1, 0.1])
+
+
+def turned_apart(file: ScanFile) -> int:
+    """A frame whose axes are others when it is known what is base."""
+    points, parts = file.read("points"), file.read("parts")
+    first = scan_rotations(points, "base")
+    second = np.stack([base_axes(*each) for each in zip(points, parts == 0, first, strict=True)])
+    return int(np.abs(second - first).max(axis=(1, 2)).argmax())
+
+
+def test_half_of_the_scans_to_train_on_are_seen_along_the_axes_of_the_base(file: ScanFile) -> None:
+    row = turned_apart(file)
+    data = ScanData([file], [file], replace(TINY, axes="base", points=256))
+    rng = np.random.default_rng(0)
+    seen = [data.batch([(file, row)], rng).points[0].sort(dim=0).values for _ in range(40)]
+    likeness = np.array([torch.allclose(cloud, seen[0], atol=1e-5) for cloud in seen])
+    assert 0.25 < likeness.mean() < 0.75
+    others = [cloud for cloud, alike in zip(seen, likeness, strict=True) if not alike]
+    assert all(torch.allclose(cloud, others[0], atol=1e-5) for cloud in others)
+
+
+def test_networks_look_again_along_the_axes_of_what_they_say_is_base(file: ScanFile, monkeypatch: pytest.MonkeyPatch) -> None:
+    row, count = turned_apart(file), file.structure.part_count
+    network = AncshNetwork(TINY, count, count).eval()
+    points, parts = file.read("points", row), file.read("parts", row)
+    monkeypatch.setattr(Ancsh, "_said_parts", lambda self, seen: np.tile(parts, (len(seen), 1)))
+    rotations = {}
+    for axes in ("manhattan", "base"):
+        networks = Ancsh(network, network, replace(TINY, axes=axes), file.structure, Typical.unknown(file.structure), "cpu")
+        rotations[axes] = networks.answer([points])[0].frame.rotation
+    (first,) = scan_rotations(points[None], "manhattan")
+    np.testing.assert_allclose(rotations["manhattan"], first)
+    np.testing.assert_allclose(rotations["base"], base_axes(points, parts == 0, first))
+    assert np.abs(rotations["base"] - first).max() > 0.1
+
+
+def test_no_scans_have_no_answers(file: ScanFile) -> None:
+    count = file.structure.part_count
+    network = AncshNetwork(TINY, count, count).eval()
+    assert Ancsh(network, network, TINY, file.structure, Typical.unknown(file.structure), "cpu").answer([]) == []
