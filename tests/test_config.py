@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -53,6 +54,30 @@ def test_a_missing_section_is_named(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text("")
     with pytest.raises(InputError, match="gnn: missing"):
+        load_config(path)
+
+
+def test_a_file_that_extends_another_says_only_what_differs(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('extends = "small"\n[ancsh]\nwidth = 0.25\n[ancsh.training]\nepochs = 3\n')
+    small, mine = load_config("small"), load_config(path)
+    training = replace(small.ancsh.training, epochs=3)
+    assert mine == replace(small, ancsh=replace(small.ancsh, width=0.25, training=training))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('extends = "smal"', "extends: 'smal', expected one of paper, small"),
+        ("extends = 3", "extends: 3, expected one of paper, small"),
+        ('extends = "small"\n[gnn]\ncolour = 1', "gnn.colour: unknown key"),
+        ('extends = "small"\ngnn = 1', "gnn: expected a table"),
+    ],
+)
+def test_a_mistake_in_a_file_that_extends_another_is_named(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=f"mine.toml: {message}"):
         load_config(path)
 
 

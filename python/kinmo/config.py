@@ -1,8 +1,8 @@
 """Typed configurations, read from TOML.
 
-A configuration is a tree of frozen dataclasses. `paper` holds the sizes of the paper and its release, `small` those that train
-on two CPU cores; a user's own file has the same keys. Unknown keys and wrong types end in an InputError that names file and
-key (`kinmo.typed_tables`).
+A configuration is a tree of frozen dataclasses. `paper` holds the sizes of the paper and its release, `small` those that
+train on two CPU cores; a user's own file has the same keys, or `extends` one of these by name and has those that differ.
+Unknown keys and wrong types end in an InputError that names file and key (`kinmo.typed_tables`).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import sys
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from kinmo.errors import InputError, did_you_mean
 from kinmo.typed_tables import Within, from_table
@@ -20,6 +20,9 @@ if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
+
+EXTENDS = "extends"
+"""The key of a file that goes on from a configuration that comes with kinmo."""
 
 Count = Annotated[int, Within(1)]
 Number = Annotated[int, Within(0)]
@@ -335,17 +338,43 @@ class Config:
 def load_config(name: str | Path) -> Config:
     """The configuration in a TOML file, or one of those that come with kinmo (`paper`, `small`) by name.
 
+    A file that says `extends = "small"` need only say what is to differ from that.
+
     Raises InputError for a file that is absent or no TOML, an unknown or missing key, or a value of the wrong type.
     """
-    path = Path(str(files("kinmo") / "configs" / f"{name}.toml")) if str(name) in builtin_configs() else Path(name)
+    path = _builtin_path(str(name)) if str(name) in builtin_configs() else Path(name)
+    table = _read_table(path)
+    if EXTENDS in table:
+        extended = table.pop(EXTENDS)
+        if extended not in builtin_configs():
+            raise InputError(path, f"{extended!r}, expected one of {', '.join(builtin_configs())}", EXTENDS)
+        table = _merged(_read_table(_builtin_path(extended)), table)
+    return from_table(Config, table, path)
+
+
+def _builtin_path(name: str) -> Path:
+    return Path(str(files("kinmo") / "configs" / f"{name}.toml"))
+
+
+def _read_table(path: Path) -> dict[str, Any]:
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        near, known = did_you_mean(str(name), builtin_configs()), ", ".join(builtin_configs())
+        near, known = did_you_mean(str(path), builtin_configs()), ", ".join(builtin_configs())
         raise InputError(path, f"expected a TOML file or one of {known} ({error.strerror}){near}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(path, f"expected TOML ({error})") from error
-    return from_table(Config, table, path)
+    return table
+
+
+def _merged(table: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
+    """`table` with `changes`, key by key in tables of both."""
+    both = {name: _merged(table[name], value) for name, value in changes.items() if _is_table(value, table.get(name))}
+    return table | changes | both
+
+
+def _is_table(*values: object) -> bool:
+    return all(isinstance(value, dict) for value in values)
 
 
 def builtin_configs() -> tuple[str, ...]:
