@@ -287,10 +287,11 @@ def settle_poses(
 
     Arguments as in `tie_poses`; `ranges` [J, 2] are the angles in radians between which joints turn their second part against
     their first (NaN: not known), and `square` [P] are parts whose surfaces face their axes. A part that hangs by nothing is
-    turned, if square, so that what is seen of it does. One that slides is turned as what it slides in. One that turns is tried
-    at all angles of its range, the best has the least sum of residuals (each counted up to `threshold`), and if square it is
-    turned about its joint, so that what is seen of it faces its axes. What pairs clearly tell of an angle out of the range,
-    or of one the other way round, is taken. What turns without a known range goes along; parts without pairs stay.
+    turned, if square, so that what is seen of it does, in that of all ways that fits best. One that slides is turned as what
+    it slides in. One that turns is tried at all angles of its range, the best has the least sum of residuals (each counted up
+    to `threshold`), and if square it is turned about its joint, so that what is seen of it faces its axes. What pairs clearly
+    tell of an angle out of the range, or of one the other way round, is taken. What turns without a known range goes along;
+    parts without pairs stay.
     """
 
 def find_tied_poses(

@@ -1,8 +1,8 @@
 //! Turns of parts whose surfaces face their axes, corrected by the normals of what is seen of them.
 
-use nalgebra::{Point3, Rotation3, Unit, Vector3};
+use nalgebra::{Matrix3, Point3, Rotation3, Unit, Vector3};
 
-use crate::manhattan::{NEIGHBOURS, faced, fitted};
+use crate::manhattan::{NEIGHBOURS, faced, fitted, manhattan_frame};
 use crate::normals::{Normal, normals};
 use crate::ransac::Pair;
 use crate::similarity::angle_between;
@@ -56,6 +56,27 @@ impl<'a> Facing<'a> {
         let found = if is_one_sided { tilted().unwrap_or(rotation) } else { found };
         let is_near = angle_between(&found, &rotation) <= FARTHEST;
         if is_near && faced.sum() >= LEAST_SHARE * all && all > 0.0 { found } else { rotation }
+    }
+
+    /// The 24 rotations that make what is seen of a part, the targets of its `pairs`, face its axes; none if too little does.
+    pub fn rotations(&self, part: usize, pairs: &[Pair]) -> Vec<Rotation3<f64>> {
+        if !self.square[part] {
+            return Vec::new();
+        }
+        let points: Vec<Point3<f64>> = pairs.iter().map(|pair| pair.1).collect();
+        let frame = manhattan_frame(&points);
+        let all: f64 = self.normals[part].iter().map(|normal| normal.weight).sum();
+        if all == 0.0 || faced(&frame, &self.normals[part], REACHES[REACHES.len() - 1]).sum() < LEAST_SHARE * all {
+            return Vec::new();
+        }
+        let signed = [1.0, -1.0].into_iter().flat_map(|sign| (0..3).map(move |axis| (axis, sign)));
+        let column = |(axis, sign): (usize, f64)| frame.matrix().column(axis) * sign;
+        let pairs = signed.clone().flat_map(|first| signed.clone().map(move |second| (first, second)));
+        let frames = pairs.filter(|(first, second)| first.0 != second.0).map(|(first, second)| {
+            let (x, y) = (column(first), column(second));
+            Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, y, x.cross(&y)]))
+        });
+        frames.collect()
     }
 
     /// As [`Self::turned`], about a `direction` of the part alone.
@@ -114,6 +135,20 @@ mod tests {
             let found = Facing::new(&[&pairs], &[true]).turned(0, start);
             prop_assert!(angle_between(&found, &truth) < 0.01);
             prop_assert_eq!(Facing::new(&[&pairs], &[false]).turned(0, start), start);
+        }
+
+        #[test]
+        fn a_box_faces_its_axes_in_24_ways(
+            turn in prop::array::uniform3(-3.0..3.0), places in prop::collection::vec(prop::array::uniform3(0.0..1.0), 200)
+        ) {
+            let truth = Rotation3::new(turn.into());
+            let pairs = sides(&places, truth);
+            let found = Facing::new(&[&pairs], &[true]).rotations(0, &pairs);
+            prop_assert_eq!(found.len(), 24);
+            prop_assert_eq!(found.iter().filter(|found| angle_between(found, &truth) < 0.01).count(), 1);
+            prop_assert!(found.iter().all(|found| (found.matrix().determinant() - 1.0).abs() < 1e-9));
+            prop_assert!(Facing::new(&[&pairs], &[false]).rotations(0, &pairs).is_empty());
+            prop_assert!(Facing::new(&[&[]], &[true]).rotations(0, &[]).is_empty());
         }
 
         #[test]

@@ -34,14 +34,14 @@ impl View {
         Self { camera, rays: rays.collect(), reach: REACH * spacing(&points) }
     }
 
-    /// Whether nothing is seen in the direction of `place`, or only what is behind it.
+    /// Whether nothing is seen in the direction of `place`, or only what is behind it; not if it may be `place` that is seen.
     fn is_seen_through(&self, place: &Point3<f64>) -> bool {
         let ray = place - self.camera;
         let distance = ray.norm();
-        let cosine = |(direction, _): &(Vector3<f64>, f64)| direction.dot(&ray);
-        let Some(nearest) = self.rays.iter().max_by(|a, b| cosine(a).total_cmp(&cosine(b))) else { return true };
-        let aside = (ray - nearest.0 * cosine(nearest)).norm();
-        cosine(nearest) <= 0.0 || aside > self.reach || nearest.1 > distance + self.reach
+        let ahead = self.rays.iter().map(|(direction, far)| (direction.dot(&ray), direction, far));
+        let Some((along, direction, far)) = ahead.max_by(|a, b| a.0.total_cmp(&b.0)) else { return true };
+        let aside = (ray - direction * along).norm();
+        along <= 0.0 || aside > self.reach || *far > distance + self.reach
     }
 }
 

@@ -17,13 +17,16 @@ const MARGIN: f64 = 0.1;
 /// What is turned to face its axes may disagree with its pairs by so many times what it did: answers without errors are better
 /// than normals.
 const MOST_RISE: f64 = 1.5;
+/// What hangs by nothing may do so by so many times, where it faces its axes in the best of all ways: to say two things of one
+/// side and turn half way between them is worse.
+const MOST_RISE_OF_FIRST: f64 = 2.0;
 /// Of angles.
 const ROUNDING: f64 = 1e-9;
 /// A shift is fitted anew to its inliers so often.
 const FITS: usize = 2;
 
 /// The poses of all parts, where what is known of the object leaves them: a part that hangs by nothing is turned to face its
-/// axes, if it is `square`, and every other as its tie lets it against the first part of that.
+/// axes, if it is `square`, in the way that fits best, and every other as its tie lets it against the first part of that.
 ///
 /// What slides is turned as that, what turns is tried at every angle of its tie's range (of `ranges`), and the best taken: that
 /// with the least sum of residuals, each counted up to `threshold`. Where pairs clearly tell of an angle out of the range, or of
@@ -41,7 +44,11 @@ pub fn settled(
     let mut settled = poses.to_vec();
     for part in (0..poses.len()).filter(|part| ties.iter().all(|tie| tie.parts[1] != *part)) {
         let rotation = facing.turned(part, poses[part].rotation);
-        settled[part] = turned_if_it_fits(parts[part], &poses[part], rotation, threshold);
+        let turned = turned_if_it_fits(parts[part], &poses[part], rotation, threshold);
+        let place = |rotation| placed(parts[part], rotation, turned.scale, threshold);
+        let faced = facing.rotations(part, parts[part]).into_iter().map(place).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let fits = |faced: &Placed| faced.cost <= MOST_RISE_OF_FIRST * cost(parts[part], &turned, threshold);
+        settled[part] = faced.filter(fits).map_or(turned, |faced| faced.pose);
     }
     let mut waiting: Vec<(&Tie, &Option<[f64; 2]>)> = ties.iter().zip(ranges).collect();
     while !waiting.is_empty() {
