@@ -125,7 +125,8 @@ class Report:
     def _curves(self) -> Section | None:
         charts: list[str] = []
         for path in sorted(self.workspace.models.rglob(METRICS)):
-            name = " ".join(path.parent.relative_to(self.workspace.models).parts)
+            parts = path.parent.relative_to(self.workspace.models).parts
+            name = " ".join(parts[1:] or parts)  # the last part of a cell's folder says what network it is
             with expecting("one entry an epoch", path):
                 charts += _training_charts(name, _json(path) or [])
         charts = [chart for chart in charts if chart]

@@ -37,7 +37,7 @@ def line_chart(title: str, series: Mapping[str, Points], x_label: str) -> str:
         v = top + PLOT - (y - upward[0]) / (upward[-1] - upward[0]) * PLOT
         return f"{u:.1f},{v:.1f}"
 
-    pieces = [f'<text class="title" x="{LEFT}" y="{TITLE - 2}">{escape(title)}</text>']
+    pieces = [f'<text class="title" x="2" y="{TITLE - 2}">{escape(title)}</text>']
     for y in upward:
         u, v = place(across[0], y).split(",")
         pieces.append(f'<line class="grid" x1="{u}" x2="{WIDTH - RIGHT}" y1="{v}" y2="{v}"/>')
