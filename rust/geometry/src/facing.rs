@@ -28,6 +28,7 @@ const ALONG: f64 = 0.7;
 
 /// What is seen of the parts of one object, and which of them are `square`: those whose surfaces face their axes.
 pub struct Facing<'a> {
+    points: Vec<Vec<Point3<f64>>>,
     normals: Vec<Vec<Normal>>,
     square: &'a [bool],
 }
@@ -35,9 +36,11 @@ pub struct Facing<'a> {
 impl<'a> Facing<'a> {
     /// From the targets of the pairs of all parts, which are points of one surface.
     pub fn new(parts: &[&[Pair]], square: &'a [bool]) -> Self {
-        let targets: Vec<Point3<f64>> = parts.iter().flat_map(|pairs| pairs.iter().map(|pair| pair.1)).collect();
-        let mut all = normals(&targets, NEIGHBOURS).into_iter();
-        Self { normals: parts.iter().map(|pairs| all.by_ref().take(pairs.len()).collect()).collect(), square }
+        let points: Vec<Vec<Point3<f64>>> =
+            parts.iter().map(|pairs| pairs.iter().map(|pair| pair.1).collect()).collect();
+        let mut all = normals(&points.concat(), NEIGHBOURS).into_iter();
+        let normals = points.iter().map(|own| all.by_ref().take(own.len()).collect()).collect();
+        Self { points, normals, square }
     }
 
     /// `rotation` of a part, turned a little, so that what is seen of it faces its axes; as it is if too little would.
@@ -58,13 +61,12 @@ impl<'a> Facing<'a> {
         if is_near && faced.sum() >= LEAST_SHARE * all && all > 0.0 { found } else { rotation }
     }
 
-    /// The 24 rotations that make what is seen of a part, the targets of its `pairs`, face its axes; none if too little does.
-    pub fn rotations(&self, part: usize, pairs: &[Pair]) -> Vec<Rotation3<f64>> {
+    /// The 24 rotations that make what is seen of a part face its axes; none if too little does.
+    pub fn rotations(&self, part: usize) -> Vec<Rotation3<f64>> {
         if !self.square[part] {
             return Vec::new();
         }
-        let points: Vec<Point3<f64>> = pairs.iter().map(|pair| pair.1).collect();
-        let frame = manhattan_frame(&points);
+        let frame = manhattan_frame(&self.points[part]);
         let all: f64 = self.normals[part].iter().map(|normal| normal.weight).sum();
         if all == 0.0 || faced(&frame, &self.normals[part], REACHES[REACHES.len() - 1]).sum() < LEAST_SHARE * all {
             return Vec::new();
@@ -143,12 +145,12 @@ mod tests {
         ) {
             let truth = Rotation3::new(turn.into());
             let pairs = sides(&places, truth);
-            let found = Facing::new(&[&pairs], &[true]).rotations(0, &pairs);
+            let found = Facing::new(&[&pairs], &[true]).rotations(0);
             prop_assert_eq!(found.len(), 24);
             prop_assert_eq!(found.iter().filter(|found| angle_between(found, &truth) < 0.01).count(), 1);
             prop_assert!(found.iter().all(|found| (found.matrix().determinant() - 1.0).abs() < 1e-9));
-            prop_assert!(Facing::new(&[&pairs], &[false]).rotations(0, &pairs).is_empty());
-            prop_assert!(Facing::new(&[&[]], &[true]).rotations(0, &[]).is_empty());
+            prop_assert!(Facing::new(&[&pairs], &[false]).rotations(0).is_empty());
+            prop_assert!(Facing::new(&[&[]], &[true]).rotations(0).is_empty());
         }
 
         #[test]

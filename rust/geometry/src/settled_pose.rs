@@ -46,7 +46,7 @@ pub fn settled(
         let rotation = facing.turned(part, poses[part].rotation);
         let turned = turned_if_it_fits(parts[part], &poses[part], rotation, threshold);
         let place = |rotation| placed(parts[part], rotation, turned.scale, threshold);
-        let faced = facing.rotations(part, parts[part]).into_iter().map(place).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let faced = facing.rotations(part).into_iter().map(place).min_by(|a, b| a.cost.total_cmp(&b.cost));
         let fits = |faced: &Placed| faced.cost <= MOST_RISE_OF_FIRST * cost(parts[part], &turned, threshold);
         settled[part] = faced.filter(fits).map_or(turned, |faced| faced.pose);
     }
