@@ -65,18 +65,15 @@ def fit_symmetric_boxes(
 def fit_aligned_boxes(meshes: Meshes, frame: F64, groups: Groups = None) -> tuple[F64, F64, F64]:
     """Boxes along the rows of `frame` [3, 3] (orthonormal, right-handed), kept in their order: as `fit_boxes`."""
 
-def fit_upright_boxes(meshes: Meshes, up: F64, groups: Groups = None) -> tuple[F64, F64, F64]:
-    """Boxes of minimum volume with the third axis along `up` [3] (any length but zero), the first the longer of the others."""
-
 def find_symmetries(
     meshes: Meshes, groups: Groups = None, *, seed: int = 0, samples: int = 100, tolerance: float = 0.01
 ) -> tuple[U32, NDArray[np.uint8], U32, F64, F64, F64]:
     """Mirror planes and rotation axes of every part, as K rows in the order of the groups.
 
-    Returns the group [K], the kind [K] (0 reflection, 1 rotation), the order [K] (of a rotation the finest that holds, 0 if any
-    angle does; 2 for reflections), a point [K, 3] and the unit direction [K, 3] of the axis, or normal of the plane, and the
-    error [K]: the 90th percentile of the distances of mapped surface samples to the surface over the part's diagonal, which is
-    below `tolerance`.
+    Returns the group [K], the kind [K] (0 reflection, 1 rotation), the order [K] (of a rotation the largest of 2, 3, 4, 5, 6
+    and 8 that holds, 0 if any angle does; 2 for reflections), a point [K, 3] and the unit direction [K, 3] of the axis, or
+    normal of the plane, and the error [K]: the 90th percentile of the distances of mapped surface samples to the surface over
+    the part's diagonal, which is below `tolerance`.
     """
 
 def part_distances(
@@ -221,7 +218,8 @@ def render(
     `transforms` [F, P, 4, 4] bring every mesh into the camera's frame, once a picture: x to the right, y down, z forward.
     `size` is width and height, `focal` [2] and `center` [2] are in pixels; the point (x, y, z) is seen at column focal[0] x /
     z + center[0] and row focal[1] y / z + center[1], and the middle of the pixel (i, j) is at (i + 1/2, j + 1/2). Depths are
-    distances along z, and what is nearer than `near` or farther than `far` is not seen. Both sides of a triangle are.
+    distances along z, in single precision, and what is nearer than `near` or farther than `far` is not seen. Both sides of a
+    triangle are.
     """
 
 Poses = tuple[F64, F64, F64]
@@ -242,7 +240,9 @@ def find_similarities(
     The pairs `source` [T, 3] and `target` [T, 3] from `starts[i]` up to `starts[i + 1]` are those of part i; `starts` [P + 1]
     rises from 0 to T. Of so many fits to three pairs drawn at random the one with the smallest sum of squared residuals, each
     counted up to the squared `threshold`, is taken, and fitted anew to its inliers (residual below `threshold`) until they
-    stay the same. NaN for a part whose pairs do not determine it: fewer than three, or all on a line.
+    stay the same. What is drawn depends on `seed` and the number of pairs alone. NaN for a part that nothing drawn determines:
+    of fewer than three pairs, or all on a line, or nearly all the same. Compared in single precision: lengths should be within
+    1e-18 and 1e18, and no pair farther off than a million times what the others span.
     """
 
 def tie_poses(

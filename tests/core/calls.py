@@ -52,14 +52,13 @@ def _calls() -> dict[str, Call]:
     motion: Arrays = {"points": rng.normal(size=(7, 3)).astype(np.float32), **joints}
     motion |= {"angles": rng.normal(size=(3, 2)), "shifts": rng.normal(size=(3, 2))}
     travels: Arrays = {**joints, "lower": -np.ones(3), "upper": np.ones(3), "pitches": np.full(3, 0.1)}
-    return {
+    return _scan_calls(parts) | {
         "Meshes": Call(
             lambda vertices, faces: _core.fit_boxes(_core.Meshes([vertices], [faces])), {"vertices": BOX[0], "faces": BOX[1]}
         ),
         "fit_aligned_boxes": Call(
             lambda frame: _core.fit_aligned_boxes(parts, frame), {"frame": joints["directions"] * _sign(joints)}
         ),
-        "fit_upright_boxes": Call(lambda up: _core.fit_upright_boxes(parts, up), {"up": np.array([0.0, 1.0, 0.5])}),
         "part_distances": Call(lambda pairs: _core.part_distances(parts, pairs=pairs), {"pairs": pairs}),
         "interaction_regions": Call(_core.interaction_regions, {"points": clouds, "pairs": pairs}),
         "move_points": Call(_core.move_points, motion),
@@ -68,6 +67,62 @@ def _calls() -> dict[str, Call]:
         "box_iou": Call(_core.box_iou, boxes),
         "closest_points": Call(lambda points: _core.closest_points(parts, [0, 1], points), {"points": clouds[0]}),
     }
+
+
+def _scan_calls(parts: _core.Meshes) -> dict[str, Call]:
+    """Of what sees and places parts in scans: two objects of two parts each, tied by a joint."""
+    rng = np.random.default_rng(1)
+    cloud = rng.uniform(size=(80, 3))
+    points: Arrays = {
+        "source": cloud,
+        "target": 0.5 * cloud @ np.linalg.qr(rng.normal(size=(3, 3)))[0] + [0.0, 0.0, 2.0],
+        "starts": np.array([0, 20, 40, 60, 80]),
+    }
+    joints: Arrays = {
+        "pairs": np.array([[0, 1], [2, 3]], np.uint32),
+        "kinds": np.array([0, 1], np.uint8),
+        "directions": np.eye(3)[:2],
+    }
+    turns = np.stack([np.eye(3)] * 4)
+    poses: Arrays = {"rotations": turns, "scales": np.full(4, 0.5), "translations": rng.normal(size=(4, 3))}
+    objects: Arrays = {"frames": np.array([0, 2, 4])}
+    known: Arrays = {"ranges": np.array([[0.0, 1.0], [-1.0, 0.0]]), "square": np.array([True, False, True, False])}
+    search: dict[str, Any] = {"hypotheses": 50, "threshold": 0.05, "seed": 3}
+    camera = np.eye(4)[None, None].repeat(2, axis=1) + np.eye(4, k=3) * [0.0, 0.0, 0.0, 1.0]
+    camera[..., 2, 3] = 9.0
+    return {
+        "render": Call(
+            lambda **arrays: _core.render(parts, size=(16, 12), near=0.1, far=50.0, **arrays),
+            {"transforms": camera, "focal": np.array([12.0, 12.0]), "center": np.array([8.0, 6.0])},
+        ),
+        "manhattan_frames": Call(_core.manhattan_frames, {"points": rng.uniform(size=(2, 30, 3)).astype(np.float32)}),
+        "find_similarities": Call(lambda **arrays: _flat(_core.find_similarities(**arrays, **search)), points),
+        "tie_poses": Call(lambda **arrays: _core.tie_poses(**arrays, threshold=0.05), {**points, **joints, **poses, **objects}),
+        "settle_poses": Call(
+            lambda **arrays: _core.settle_poses(**arrays, threshold=0.05), {**points, **joints, **known, **poses, **objects}
+        ),
+        "find_tied_poses": Call(
+            lambda **arrays: _flat(_core.find_tied_poses(**arrays, **search)), {**points, **joints, "scales": poses["scales"]}
+        ),
+        "seen_boxes": Call(
+            _core.seen_boxes,
+            {
+                "points": cloud,
+                "starts": np.array([0, 40, 80]),
+                "owners": np.arange(80) // 10 % 2,
+                "cameras": np.zeros((2, 3)),
+                "centers": rng.normal(size=(4, 3)),
+                "axes": turns,
+                "half": np.full((4, 3), 0.3),
+                **objects,
+            },
+        ),
+    }
+
+
+def _flat(result: tuple[Any, ...]) -> tuple[NDArray[Any], ...]:
+    """Arrays of tuples of arrays."""
+    return tuple(array for one in result for array in (one if isinstance(one, tuple) else (one,)))
 
 
 def _sign(joints: Arrays) -> float:

@@ -99,7 +99,6 @@ def test_boxes_and_symmetries_are_finite_and_extend_as_the_part_does(name: str, 
     for fit in (
         _core.fit_boxes,
         lambda parts: _core.fit_symmetric_boxes(parts)[:3],
-        lambda parts: _core.fit_upright_boxes(parts, np.array([0.0, 0.0, 1.0])),
         lambda parts: _core.fit_aligned_boxes(parts, np.eye(3)),
     ):
         centers, axes, half_extents = fit(meshes(part))

@@ -61,7 +61,6 @@ def test_boxes_hold_their_vertices_and_touch_them(part: MeshArrays, seed: int, e
     check_boxes(boxes, [placed[0]])
     assert ordered(boxes)
     check_boxes(_core.fit_symmetric_boxes(mesh)[:3], [placed[0]])
-    check_boxes(_core.fit_upright_boxes(mesh, np.array([0.0, 1.0, 0.0])), [placed[0]])
     check_boxes(_core.fit_aligned_boxes(mesh, np.eye(3)), [placed[0]])
 
 
@@ -139,21 +138,6 @@ def test_a_group_has_the_box_of_its_union() -> None:
         np.testing.assert_array_equal(a, b)
 
 
-@given(part=clouds(), seed=seeds)
-@settings(max_examples=30, deadline=None)
-def test_upright_boxes_stand_along_up_on_the_least_rectangle(part: MeshArrays, seed: int) -> None:
-    up = rotation(seed)[0]
-    boxes = _core.fit_upright_boxes(meshes(part), 7.0 * up)
-    np.testing.assert_allclose(boxes[1][0, 2], up, atol=1e-12)
-    first, second = np.linalg.svd(up[None])[2][1:]
-    area = 4 * boxes[2][0, 0] * boxes[2][0, 1]
-    for angle in np.linspace(0.0, np.pi / 2, 60):
-        along = np.cos(angle) * first + np.sin(angle) * second
-        across = np.cross(up, along)
-        assert area <= np.ptp(part[0] @ along) * np.ptp(part[0] @ across) * (1 + 1e-6) + 1e-12
-    assert boxes[2][0, 0] >= boxes[2][0, 1]
-
-
 def test_aligned_boxes_keep_the_frame() -> None:
     frame = rotation(9)
     boxes = _core.fit_aligned_boxes(meshes(CYLINDER), frame)
@@ -173,12 +157,6 @@ def test_aligned_boxes_keep_the_frame() -> None:
 def test_a_frame_that_is_none_is_refused(frame: F64, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         _core.fit_aligned_boxes(meshes(BOX), frame)
-
-
-@pytest.mark.parametrize("up", [np.zeros(3), np.ones(2), np.array([0.0, np.nan, 1.0]), np.array([0.0, np.inf, 1.0])])
-def test_an_up_that_is_none_is_refused(up: F64) -> None:
-    with pytest.raises(ValueError, match="up"):
-        _core.fit_upright_boxes(meshes(BOX), up)
 
 
 @pytest.mark.real

@@ -100,7 +100,7 @@ def test_pairs_without_noise_give_the_poses_back(seed: int, parts: int) -> None:
 
 @settings(max_examples=10, deadline=None)
 @given(st.integers(0, 2**32 - 1))
-def test_two_wrong_pairs_of_five_leave_the_poses_near_the_truth(seed: int) -> None:
+def test_two_wrong_pairs_of_five_leave_the_poses_near_the_truth_and_joints_alike_in_both_parts(seed: int) -> None:
     given_ = problem(seed, 3, 300, noise=0.01, wrong=0.4)
     (rotations, scales, translations), _ = _core.find_similarities(*given_.points, hypotheses=2000, threshold=THRESHOLD, seed=1)
     assert degrees_off(rotations, given_.rotations).max() < 5.0
@@ -110,7 +110,7 @@ def test_two_wrong_pairs_of_five_leave_the_poses_near_the_truth(seed: int) -> No
     for row, (first, second) in enumerate(given_.pairs):
         seen = tied[0][[first, second]] @ given_.directions[row]
         before = rotations[[first, second]] @ given_.directions[row]
-        assert np.linalg.norm(seen[0] - seen[1]) <= np.linalg.norm(before[0] - before[1]) + 1e-9
+        assert np.linalg.norm(seen[0] - seen[1]) < 0.2 * np.linalg.norm(before[0] - before[1]) + 1e-3
 
 
 @settings(max_examples=8, deadline=None)

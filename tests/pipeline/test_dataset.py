@@ -53,6 +53,15 @@ def test_what_is_held_back_tests_and_is_labelled_without_its_labels(tmp_path, en
     assert ids(dataset.copies) == tests | set(ANNOTATED[:20])
 
 
+def test_of_what_is_hidden_or_a_copy_of_it_the_truth_is_known(tmp_path):
+    far, other = (f"{name}-{next(i for i in range(60) if split_of(f'{name}-{i}') is Split.TRAIN)}" for name in ("far", "other"))
+    again = entry("again", "dsg_net", labelled=False, geometry=far)
+    alone = entry("alone", "partnet", labelled=False)
+    dataset = open_dataset(workspace(tmp_path, [entry(far, held_back=True), entry(other), again, alone]))
+    assert ids(dataset.unlabelled) == {"again", "alone"}
+    assert dataset.truths == {("again", "dsg_net"): far, (far, "partnet_mobility"): far}
+
+
 @pytest.mark.parametrize("labels", [0.8, 0.5, 0.3])
 def test_a_share_of_labels_leaves_as_many_to_train_on_and_the_rest_to_label(tmp_path, entries, labels):
     whole, part = (open_dataset(workspace(tmp_path, entries, share)) for share in (1.0, labels))

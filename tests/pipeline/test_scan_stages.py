@@ -17,11 +17,13 @@ from whole_road import Listener, contents, tiny_config
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.predict import POINTS_TO_ASK_ABOUT
 from kinmo.pipeline.ancsh_files import Cell, scores_path, trained_cells
+from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.predict_scan import PredictScan
 from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.pseudo_label import folder_name
 from kinmo.pipeline.render import Render
 from kinmo.pipeline.report import Report
 from kinmo.pipeline.scan_dataset import ROLES, open_scan_dataset, scans_of
@@ -34,6 +36,7 @@ from kinmo.pipeline.train_all import TrainAll
 from kinmo.pipeline.train_ancsh import TrainAncsh
 from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
+from kinmo.store import read_header
 from kinmo.synth.generate import HELD_BACK
 from kinmo.workspace import Workspace
 
@@ -247,15 +250,45 @@ def test_a_cell_that_cannot_be_run_leaves_the_others(scanned: Scanned, tmp_path:
     assert run == {"supervised": "1", "generated shapes": "not run"}
 
 
-def test_networks_are_chosen_by_labels_that_count(scanned: Scanned, tmp_path: Path) -> None:
+def test_objects_that_stand_in_for_validation_ones_are_the_same_for_all_shares_of_labels(
+    scanned: Scanned, tmp_path: Path
+) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     shutil.rmtree(tmp_path / "workspace" / "scans" / CATEGORY / "validation")
+    found = set()
     for share in (1.0, 0.5, 0.1):
         dataset = open_scan_dataset(Workspace(tmp_path / "workspace", share), CATEGORY)
         ids = {role: {file.id for file in dataset.files[role]} for role in ("train", "validation", "hidden")}
-        assert ids["train"] and ids["validation"]
+        assert ids["train"]
         assert not ids["validation"] & ids["hidden"]
         assert len(ids["train"]) == 1 or not ids["validation"] & ids["train"]
+        found.add(frozenset(ids["validation"]))
+    (same,) = found
+    assert same
+
+
+def test_scans_by_a_pseudo_label_are_made_anew_when_the_label_or_the_shape_changes(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    dataset = open_dataset(workspace, FAMILY)
+    sources = {shape.id: shape.source for shape in dataset.hidden}
+    (entry, *_) = dataset.unlabelled
+    folder = workspace.pseudo / folder_name(entry)
+    shutil.copytree(sources[dataset.truths[entry.id, entry.layout]], folder)
+    stage = Render(workspace, scanned.config, FAMILY)
+    assert len(stage.plan().steps) == 1
+    stage.run(Listener())
+    assert stage.plan().steps == ()
+    (of_it, *_) = open_scan_dataset(workspace, CATEGORY).files["pseudo"]
+    assert of_it.id == entry.id, "whatever its folder is called"
+    label = folder / "mobility_v2.json"
+    label.write_text(label.read_text(encoding="utf-8") + " ", encoding="utf-8")
+    assert len(stage.plan().steps) == 1
+    stage.run(Listener())
+    prepared = workspace.prepared / entry.file
+    made_from = read_header(prepared)["provenance"]["made_from"].encode()
+    prepared.write_bytes(prepared.read_bytes().replace(made_from, b"f" * len(made_from)))
+    assert len(stage.plan().steps) == 1
 
 
 def test_without_motion_networks_the_tables_of_scans_are_there_alone(scanned: Scanned) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
@@ -19,7 +19,8 @@ class Dataset:
 
     `category` is what all of them are, as the index spells it, or None. `hidden` are shapes that could be trained on, had their
     labels not been held back, or left out by the workspace's share of labels. They are `unlabelled` too, unless they have an
-    unlabelled copy, which then is.
+    unlabelled copy, which then is. `truths` tells for shapes (id and layout) that are hidden ones, or copies of such, the id of
+    the hidden one.
     """
 
     store: PreparedStore
@@ -28,6 +29,7 @@ class Dataset:
     unlabelled: tuple[IndexEntry, ...]
     copies: tuple[IndexEntry, ...]
     hidden: tuple[IndexEntry, ...] = ()
+    truths: Mapping[tuple[str, str], str] = field(default_factory=dict)
 
     def load(self, entries: Iterable[IndexEntry]) -> list[PreparedShape]:
         return [self.store.load(entry) for entry in entries]
@@ -70,7 +72,8 @@ def open_dataset(workspace: Workspace, category: str | None = None) -> Dataset:
     counted = (*(entry for entry in store.entries if entry.is_labelled and entry not in hidden), *originals)
     alone = tuple(entry for entry, copied in zip(own_hidden, leaks(own_hidden, counted, ()), strict=True) if not copied)
     spelling = None if category is None else min(entry.category for entry in entries)
-    return Dataset(store, spelling, by_split, originals + alone, copies, own_hidden)
+    unlabelled_ones = originals + alone
+    return Dataset(store, spelling, by_split, unlabelled_ones, copies, own_hidden, _truths(unlabelled_ones, own_hidden))
 
 
 def _hidden(entries: Iterable[IndexEntry], share: float) -> frozenset[IndexEntry]:
@@ -82,3 +85,16 @@ def _hidden(entries: Iterable[IndexEntry], share: float) -> frozenset[IndexEntry
     training = [entry for entry in labelled if entry not in hidden and split_of(entry.id) is Split.TRAIN]
     kept = within_share(((entry.id, entry.category) for entry in training), share)
     return frozenset(hidden | {entry for entry, keep in zip(training, kept, strict=True) if not keep})
+
+
+def _truths(unlabelled: Iterable[IndexEntry], hidden: Iterable[IndexEntry]) -> dict[tuple[str, str], str]:
+    """What tells copies is what `leaks` goes by."""
+    known = list(hidden)
+    by_annotation = {entry.partnet_id: entry.id for entry in known if entry.partnet_id is not None}
+    by_hash = {entry.geometry_hash: entry.id for entry in known}
+    found = {(entry.id, entry.layout): entry.id for entry in known}
+    for entry in unlabelled:
+        truth = by_annotation.get(entry.partnet_id or "") or by_hash.get(entry.geometry_hash)
+        if truth is not None:
+            found[entry.id, entry.layout] = truth
+    return found

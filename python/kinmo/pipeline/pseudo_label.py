@@ -91,7 +91,7 @@ class PseudoLabel:
 
     def _remove_stale(self, whole: Dataset) -> None:
         """Remove folders and decisions that belong to none of the unlabelled shapes that there are."""
-        names = {_name(entry) for entry in whole.unlabelled}
+        names = {folder_name(entry) for entry in whole.unlabelled}
         for folder in self.workspace.pseudo.glob("*"):
             if folder.is_dir() and folder.name not in names | {DECISIONS}:
                 shutil.rmtree(folder)
@@ -111,7 +111,7 @@ class PseudoLabel:
             made_from = digest([dataset.fingerprint([entry]), way])
             known = read_decision(self._decision(entry))
             if known is None or known.made_from != made_from:
-                jobs.append(Job(entry, self.workspace.pseudo / _name(entry), made_from))
+                jobs.append(Job(entry, self.workspace.pseudo / folder_name(entry), made_from))
         labelling = Labelling(dataset.store.folder, predictor, way["threshold"], way["doubt"])
         done = len(dataset.unlabelled) - len(jobs)
         with timed(self.workspace, LABELLING) as watch:
@@ -125,7 +125,7 @@ class PseudoLabel:
             watch.amount, watch.what = len(jobs), f"{len(jobs)} shapes by {self.method}"
 
     def _decision(self, entry: IndexEntry) -> Path:
-        return self.workspace.pseudo / DECISIONS / f"{_name(entry)}.json"
+        return self.workspace.pseudo / DECISIONS / f"{folder_name(entry)}.json"
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ class Labelling:
         return Judgement(job.entry.id, job.entry.layout, job.entry.category, refusal=f"failed: {reason}")
 
 
-def _name(entry: IndexEntry) -> str:
+def folder_name(entry: IndexEntry) -> str:
     """A folder's name: the id, and for what is not PartNet's, which may have the same ids, the layout."""
     name = quote(entry.id, safe=" ")
     return name if entry.layout == Layout.PARTNET.value else f"{name}-{entry.layout}"

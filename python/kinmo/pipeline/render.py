@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import zlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -12,14 +11,14 @@ from typing import Any
 from urllib.parse import quote
 
 from kinmo import __version__
-from kinmo.categories import canonical_category, same_category
+from kinmo.categories import same_category
 from kinmo.config import ScansConfig, SensorConfig, load_config
-from kinmo.errors import InputError, expecting
-from kinmo.formats import Found, Layout, discover
+from kinmo.errors import InputError
+from kinmo.formats import Found, Layout
 from kinmo.joint import JointKind
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.pseudo_label import DECISIONS
+from kinmo.pipeline.pseudo_label import folder_name
 from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, ROLES, Role, scans_of
 from kinmo.pipeline.scan_jobs import VARIED, Job, Rendering, count_objects_of, frames_of, variants_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
@@ -119,19 +118,16 @@ class Render:
         yield from self._pseudo_jobs(own, {entry.category for entry in labelled["train"]}, way)
 
     def _pseudo_jobs(self, own: Dataset, categories: set[str], way: dict[str, Any]) -> Iterator[Job]:
-        if not self.workspace.pseudo.exists():
-            return
         turns = {category: _turns(own, category) for category in categories}
-        for found in discover(self.workspace.pseudo, skip=(self.workspace.pseudo / DECISIONS,)):
-            meta = found.path / "meta.json"
-            with expecting("what kinmo pseudo-label writes", meta):
-                data = json.loads(meta.read_text(encoding="utf-8"))
-                category, layout = canonical_category(data["model_cat"]), data["pseudo_label"]["layout"]
-            if category in categories:
-                label = (found.path / "mobility_v2.json").read_bytes()
-                made_from = digest([zlib.crc32(label), way, turns[category]])
-                job = _job(self.workspace, found, category, "pseudo", layout, made_from)
-                yield replace(job, turns=turns[category])
+        for entry in own.unlabelled:
+            folder = self.workspace.pseudo / folder_name(entry)
+            label = folder / "mobility_v2.json"
+            if entry.category in categories and label.exists():
+                own_turns = turns[entry.category]
+                made_from = digest([own.fingerprint([entry]), zlib.crc32(label.read_bytes()), way, own_turns])
+                found = Found(folder, Layout.PARTNET_MOBILITY, entry.id)
+                job = _job(self.workspace, found, entry.category, "pseudo", entry.layout, made_from)
+                yield replace(job, turns=own_turns)
 
     def _remove_stale(self, jobs: Sequence[Job]) -> None:
         """Remove scans, of the categories at hand, of objects that are no longer there or have another role."""

@@ -13,7 +13,7 @@ from kinmo.errors import InputError, did_you_mean
 from kinmo.formats import Layout
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
+from kinmo.scans.scan_file import ScanFile, open_scans
 from kinmo.splits import Split, kept_to_choose_by
 from kinmo.workspace import Workspace, digest
 
@@ -39,13 +39,14 @@ class ScanDataset:
     """The scans of a category's objects of one structure, by role; those of `unlabelled` objects have no structure.
 
     `others` counts objects that were scanned but have another structure, by that and by role: no network of this structure can
-    say what they are.
+    say what they are. `truths` are as in `Dataset`.
     """
 
     category: str
     structure: Structure
     files: Mapping[Role, tuple[ScanFile, ...]]
     others: Mapping[tuple[str, Role], int]
+    truths: Mapping[tuple[str, str], str]
 
     def beside(self, setting: Setting) -> tuple[ScanFile, ...]:
         """What to train on in a setting beside the labelled shapes; what networks label for `semi` is not among them."""
@@ -72,7 +73,8 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
 
     Where as many have another, that with fewer parts is taken. What is trained on and what is hidden is as the workspace's
     share of labels has it; the structure does not depend on that, nor do validation shapes. If none of these has the structure,
-    some of those to train on are kept to choose by; a single one does both. Raises InputError if nothing of it was scanned.
+    some of all labelled ones take their place, and are trained on too only where nothing else is left. Raises InputError if
+    nothing of it was scanned.
     """
     known = scanned_categories(workspace)
     spelling = next((name for name in known if same_category(name, category)), None)
@@ -90,16 +92,16 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     structure = min((s for s, count in structures.items() if count == most), key=lambda s: (s.part_count, str(s)))
     dataset = open_dataset(workspace, spelling)
     counted = {entry.id for entry in dataset.labelled[Split.TRAIN]}
-    found["hidden"] += [file for file in found["train"] if file.id not in counted]
-    found["train"] = [file for file in found["train"] if file.id in counted]
     fitting = {role: [file for file in found[role] if file.frames and file.structure == structure] for role in ROLES}
+    kept = frozenset[str]()
     if not fitting["validation"]:
-        alone = count_objects(fitting["train"]) == 1
         ids = {file.id for file in fitting["train"]}
-        chosen = ids if alone else kept_to_choose_by(ids)
-        found["validation"] += [file for file in found["train"] if file.id in chosen and not file.is_variant]
-        if not alone:
-            found["train"] = [file for file in found["train"] if file.id not in chosen]
+        kept = kept_to_choose_by(ids)
+        found["validation"] += [file for file in found["train"] if file.id in kept and not file.is_variant]
+        kept = kept if ids & (counted - kept) else kept - counted
+    labelled = [file for file in found["train"] if file.id not in kept]
+    found["hidden"] += [file for file in labelled if file.id not in counted]
+    found["train"] = [file for file in labelled if file.id in counted]
     files: dict[Role, tuple[ScanFile, ...]] = {}
     others: Counter[tuple[str, Role]] = Counter()
     for role, some in found.items():
@@ -111,7 +113,7 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
             if not has and file.object not in {other.object for other in files[role]}
         }
         others.update((reason, role) for _, reason in left_out)
-    return ScanDataset(spelling, structure, files, others)
+    return ScanDataset(spelling, structure, files, others, dataset.truths)
 
 
 def _open_all(folder: Path) -> list[ScanFile]:

@@ -104,7 +104,7 @@ class Rendering:
         job.path.parent.mkdir(parents=True, exist_ok=True)
         seed = zlib.crc32(f"{job.found.id} {job.role} {self.seed}".encode()) + job.variant
         try:
-            shape = read_found(job.found)
+            shape = replace(read_found(job.found), id=job.found.id)
             target = still_object(shape) if job.role == "unlabelled" else self._moving(shape, job.variant, seed)
         except ValueError as error:
             job.refuse(str(error))

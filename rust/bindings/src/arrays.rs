@@ -119,12 +119,6 @@ pub fn triples_of<'a>(name: &str, array: &'a ArrayViewD<'_, f64>, len: usize) ->
     })
 }
 
-/// A finite vector of three.
-pub fn vector_of(name: &str, array: ArrayViewD<'_, f64>) -> Result<Vector3<f64>> {
-    let values = values_of(name, array, 3)?;
-    Ok(Vector3::new(values[0], values[1], values[2]))
-}
-
 /// `len` finite points.
 pub fn points_of(name: &str, array: ArrayViewD<'_, f64>, len: usize) -> Result<Vec<Point3<f64>>> {
     Ok(vectors_of(name, array, len)?.into_iter().map(Point3::from).collect())

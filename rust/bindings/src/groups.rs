@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use kinmo_geometry::{GeometryError, Result};
 
-use crate::arrays::{Array, rows_of};
+use crate::arrays::{Array, check_shape, rows_of};
 
 /// The indices of the meshes of every group, checked; without groups, every mesh by itself.
 pub fn groups_of(meshes: usize, groups: Option<Vec<Vec<i64>>>) -> Result<Vec<Vec<usize>>> {
@@ -39,7 +39,9 @@ pub fn pairs_of(groups: usize, pairs: &Array<'_, u32>) -> Result<Vec<(usize, usi
 
 /// Ranges between numbers that do not fall, from 0 to `count`.
 pub fn ranges_of(name: &str, bounds: &Array<'_, i64>, count: usize) -> Result<Vec<Range<usize>>> {
-    let bounds: Vec<i64> = bounds.view().iter().copied().collect();
+    let bounds = bounds.view();
+    check_shape(name, &bounds, &[bounds.len()])?;
+    let bounds: Vec<i64> = bounds.iter().copied().collect();
     let ends = bounds.first() == Some(&0) && bounds.last() == i64::try_from(count).ok().as_ref();
     if !ends || bounds.windows(2).any(|two| two[0] > two[1]) {
         return Err(GeometryError::new(name, format!("expected numbers that rise from 0 to {count}")));

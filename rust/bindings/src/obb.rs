@@ -1,12 +1,12 @@
-//! `fit_boxes`, `fit_aligned_boxes`, `fit_upright_boxes`.
+//! `fit_boxes`, `fit_aligned_boxes`.
 
 use kinmo_geometry::GeometryError;
-use kinmo_geometry::obb::{aligned_box, minimum_volume_box, upright_box};
+use kinmo_geometry::obb::{aligned_box, minimum_volume_box};
 use kinmo_geometry::oriented_box::OrientedBox;
 use nalgebra::{Point3, Vector3};
 use pyo3::prelude::*;
 
-use crate::arrays::{Array, matrix_of, vector_of};
+use crate::arrays::{Array, matrix_of};
 use crate::batches::map_in_batches;
 use crate::boxes::{Boxes, is_orthonormal, to_arrays};
 use crate::convert::value_error;
@@ -15,8 +15,7 @@ use crate::meshes::Meshes;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit_boxes, module)?)?;
-    module.add_function(wrap_pyfunction!(fit_aligned_boxes, module)?)?;
-    module.add_function(wrap_pyfunction!(fit_upright_boxes, module)?)
+    module.add_function(wrap_pyfunction!(fit_aligned_boxes, module)?)
 }
 
 #[pyfunction]
@@ -35,18 +34,6 @@ fn fit_aligned_boxes<'py>(
 ) -> PyResult<Boxes<'py>> {
     let axes = right_handed_rows(&frame).map_err(value_error)?;
     fit_each(py, meshes, groups, |points| aligned_box(points, axes))
-}
-
-#[pyfunction]
-#[pyo3(signature = (meshes, up, groups=None))]
-fn fit_upright_boxes<'py>(
-    py: Python<'py>,
-    meshes: &Meshes,
-    up: Array<'py, f64>,
-    groups: Option<Vec<Vec<i64>>>,
-) -> PyResult<Boxes<'py>> {
-    let up = unit("up", &up).map_err(value_error)?;
-    fit_each(py, meshes, groups, |points| upright_box(points, up))
 }
 
 fn fit_each<'py>(
@@ -69,11 +56,4 @@ fn right_handed_rows(frame: &Array<'_, f64>) -> Result<[Vector3<f64>; 3], Geomet
         return Err(GeometryError::new("frame", "rows are not orthonormal and right-handed"));
     }
     Ok([0, 1, 2].map(|axis| rows.row(axis).transpose()))
-}
-
-fn unit(argument: &str, direction: &Array<'_, f64>) -> Result<Vector3<f64>, GeometryError> {
-    let vector = vector_of(argument, direction.view())?;
-    // Scaled first: the square of a very long or short vector is out of range.
-    let scaled = vector / vector.amax();
-    scaled.try_normalize(0.0).filter(|unit| unit.x.is_finite()).ok_or_else(|| GeometryError::new(argument, "is zero"))
 }

@@ -49,8 +49,8 @@ fn find_similarities<'py>(
 ) -> PyResult<(Poses<'py>, Bound<'py, PyArray1<bool>>)> {
     let parts = Parts::of(&source, &target, &starts).map_err(value_error)?;
     let search = search_of(&hypotheses, threshold, &seed)?;
-    let found = map_in_batches(py, (0..parts.len()).map(|part| (part, parts.pairs(part))), |(part, pairs)| {
-        ransac::find_similarity(pairs, &Search { seed: own_seed(search.seed, part), ..search })
+    let found = map_in_batches(py, (0..parts.len()).map(|part| parts.pairs(part)), |pairs| {
+        ransac::find_similarity(pairs, &search)
     })?;
     let inliers = found.iter().enumerate().flat_map(|(part, found)| {
         parts.pairs(part).iter().map(move |pair| found.is_some_and(|found| is_inlier(&found, pair, threshold)))
@@ -109,9 +109,8 @@ fn find_tied_poses<'py>(
     let search = search_of(&hypotheses, threshold, &seed)?;
     let ties = ties_of(parts.len(), &pairs, &kinds, &directions).map_err(value_error)?;
     let scales = positive_of("scales", &scales, parts.len()).map_err(value_error)?;
-    let found = map_in_batches(py, ties.iter().enumerate(), |(row, tie)| {
+    let found = map_in_batches(py, ties.iter(), |tie| {
         let (clouds, scales) = (tie.parts.map(|part| parts.pairs(part)), tie.parts.map(|part| scales[part]));
-        let search = Search { seed: own_seed(search.seed, row), ..search };
         articulated_pose::find_tied_poses(clouds, scales, tie.kind, tie.direction, &search)
     })?;
     let side = |place: usize| found.iter().map(|found| found.map(|poses| poses[place])).collect::<Vec<_>>();
@@ -273,11 +272,6 @@ fn check_threshold(threshold: f64) -> Result<()> {
         return Ok(());
     }
     Err(GeometryError::new("threshold", format!("{threshold}, expected a length above 0")))
-}
-
-/// What one item draws does not depend on which others there are before it.
-fn own_seed(seed: u64, item: usize) -> u64 {
-    seed.wrapping_add((item as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15))
 }
 
 /// The poses as arrays; what was not found is NaN.

@@ -3,7 +3,7 @@
 use kinmo_geometry::raster::{self, Pinhole};
 use kinmo_geometry::{GeometryError, Result};
 use nalgebra::Matrix3x4;
-use numpy::ndarray::Axis;
+use numpy::ndarray::{ArrayViewD, Axis, array};
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -43,6 +43,7 @@ fn render<'py>(
     let frames = transforms.shape().first().copied().unwrap_or(0);
     check_shape("transforms", &transforms, &[frames, meshes.parts.len(), 4, 4]).map_err(value_error)?;
     check_finite("transforms", &transforms).map_err(value_error)?;
+    check_last_rows(&transforms).map_err(value_error)?;
     let depths = zeros::<f32>(py, &[frames, height, width])?;
     let parts = zeros::<i32>(py, &[frames, height, width])?;
     {
@@ -57,6 +58,15 @@ fn render<'py>(
         })?;
     }
     Ok((depths, parts))
+}
+
+/// Affine maps of columns have 0, 0, 0, 1 there; a transposed one has not.
+fn check_last_rows(transforms: &ArrayViewD<'_, f64>) -> Result<()> {
+    let last = transforms.index_axis(Axis(2), 3);
+    match last.rows().into_iter().find(|row| *row != array![0.0, 0.0, 0.0, 1.0]) {
+        Some(row) => Err(GeometryError::new("transforms", format!("a last row is {row}, expected 0, 0, 0, 1"))),
+        None => Ok(()),
+    }
 }
 
 fn camera_of(

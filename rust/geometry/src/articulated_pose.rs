@@ -182,7 +182,7 @@ mod tests {
             let gap = |poses: &[Similarity]| (poses[0].rotation * direction.as_ref() - poses[1].rotation * direction.as_ref()).norm();
             let tie = Tie { parts: [0, 1], kind, direction };
             let found = tie_poses(&[&pairs[0], &pairs[1]], &[tie], &alone, SEARCH.threshold);
-            prop_assert!(gap(&found) <= gap(&alone) + 0.01, "{} {}", gap(&found), gap(&alone));
+            prop_assert!(gap(&found) < 0.2 * gap(&alone) + 1e-3, "{} {}", gap(&found), gap(&alone));
             prop_assert!(gap(&poses) < 1e-9);
         }
     }

@@ -38,7 +38,8 @@ impl<'a> Facing<'a> {
     pub fn new(parts: &[&[Pair]], square: &'a [bool]) -> Self {
         let points: Vec<Vec<Point3<f64>>> =
             parts.iter().map(|pairs| pairs.iter().map(|pair| pair.1).collect()).collect();
-        let mut all = normals(&points.concat(), NEIGHBOURS).into_iter();
+        let seen = if square.contains(&true) { points.concat() } else { Vec::new() };
+        let mut all = normals(&seen, NEIGHBOURS).into_iter();
         let normals = points.iter().map(|own| all.by_ref().take(own.len()).collect()).collect();
         Self { points, normals, square }
     }

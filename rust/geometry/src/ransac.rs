@@ -31,7 +31,7 @@ pub struct Search {
 /// The similarity with the smallest sum of squared residuals, each counted up to the squared threshold (MSAC).
 ///
 /// Every hypothesis is the fit to three pairs drawn at random, and is given up as soon as its sum is above the best one. The best
-/// is fitted anew to its inliers until they stay the same. `None` where no triple determines a similarity.
+/// is fitted anew to its inliers until they stay the same. `None` where no triple that is drawn determines a similarity.
 ///
 /// Torr and Zisserman, MLESAC, 2000.
 pub fn find_similarity(pairs: &[Pair], search: &Search) -> Option<Similarity> {
