@@ -26,6 +26,16 @@ class Mesh:
     faces: NDArray[np.uint32]
 
 
+def join(*meshes: Mesh) -> Mesh:
+    """One mesh with all vertices and faces of some, or of none."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)]).astype(np.uint32)
+    faces = [mesh.faces + start for mesh, start in zip(meshes, starts[:-1], strict=True)]
+    nothing = np.zeros((0, 3))
+    return Mesh(
+        np.concatenate([nothing, *(mesh.vertices for mesh in meshes)]), np.concatenate([nothing.astype(np.uint32), *faces])
+    )
+
+
 def bounds_of(meshes: Iterable[Mesh]) -> tuple[Vector, Vector]:
     """Smallest and largest corner [3] of the axis-aligned box of all vertices that a face uses; there must be some."""
     used = [mesh.vertices[np.unique(mesh.faces)] for mesh in meshes]

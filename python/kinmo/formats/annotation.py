@@ -10,9 +10,9 @@ from kinmo.errors import InputError
 from kinmo.formats.field import Field, clean_text
 from kinmo.formats.files import inside, read_json
 from kinmo.formats.hierarchy import Hierarchy, Node, build, walk
-from kinmo.formats.meshes import has_surface, join
+from kinmo.formats.meshes import has_surface
 from kinmo.formats.obj import read_obj
-from kinmo.shape import Mesh
+from kinmo.shape import Mesh, join
 
 UNKNOWN_CATEGORY = "unknown"
 MESH_FOLDERS = ("textured_objs", "objs")
@@ -57,7 +57,7 @@ def _leaf_mesh(node: Node, source: Path, folder: Path) -> Mesh | None:
     meshes = [mesh for name in names if (mesh := read_obj(source / name, folder)) is not None]
     if not meshes:
         return None
-    mesh = join(meshes)
+    mesh = join(*meshes)
     return mesh if has_surface(mesh) else None
 
 

@@ -16,8 +16,10 @@ from kinmo.links import Link, links_of
 from kinmo.mobility import Body, Mobility
 from kinmo.normalisation import Normalisation
 from kinmo.scans.closing import closed
+from kinmo.scans.part_order import canonical_order
 from kinmo.scans.variants import changed
-from kinmo.shape import Mesh, Shape, Vector, bounds_of
+from kinmo.scans.visible_base import with_visible_base
+from kinmo.shape import Mesh, Shape, Vector, bounds_of, join
 
 F64 = NDArray[np.float64]
 
@@ -108,9 +110,8 @@ def articulated_object(
     If it `closes`, the object is that which `closing.closed` makes of it, else (as in the paper's release) that of the file;
     and then what `variants.changed` makes of that, if there is a `change` [3, 3].
 
-    What is fastened together is one part, and a part smaller than `smallest` is fastened to what it moves against. Below one
-    part come those with equal kinds of joints and equal parts below in a row, from the top down where that is how they lie,
-    else from one side to the other, else from front to back: the order depends neither on the file nor on who labelled it.
+    What is fastened together is one part, and a part smaller than `smallest` is fastened to what it moves against; a base that
+    small, or of nothing, is no base (`visible_base`). The order is that of `part_order`.
 
     Raises InputError where nothing moves, or nothing that the rest could move against is there.
     """
@@ -124,11 +125,15 @@ def articulated_object(
     links = _without_small(links_of(mobility), meshes, smallest)
     if len(links) == 1:
         raise InputError(shape.source, "no part of it moves that is large enough to be seen")
-    if not all(link.leaves for link in links):
-        raise InputError(shape.source, "nothing stands still that its parts could move against")
-    joined = tuple(_joined(meshes[leaf] for leaf in link.leaves) for link in links)
+    joined = tuple(join(*(meshes[leaf] for leaf in link.leaves)) for link in links)
     parts = Mobility(tuple(Body(i, link.name, link.leaves, link.parent, link.joint) for i, link in enumerate(links)))
+    to_z_up = z_up_rotation(up)
     if closes:
+        parts, joined = closed(parts, joined)
+    parts, joined = with_visible_base(parts, joined, smallest, to_z_up)
+    if not parts.bodies[0].leaves:
+        raise InputError(shape.source, "nothing stands still that its parts could move against")
+    if closes:  # once more: of parts that open the same way the one that is a base now does not close
         parts, joined = closed(parts, joined)
     if change is not None:
         parts, joined = changed(parts, joined, change)
@@ -136,7 +141,7 @@ def articulated_object(
         low, high = bounds_of(joined)
         frame = Normalisation(0.5 * (low + high), float(np.linalg.norm(high - low)))
         parts, joined = frame.mobility(parts), tuple(map(frame.mesh, joined))
-    order = _canonical_order(links, _extents(mesh.vertices for mesh in joined).centers @ z_up_rotation(up).T)
+    order = canonical_order(parts.bodies, _extents(mesh.vertices for mesh in joined).centers @ to_z_up.T)
     place = {index: position for position, index in enumerate(order)}
     bodies = (parts.bodies[index] for index in order)
     ordered = (replace(b, id=place[b.id], parent=None if b.parent is None else place[b.parent]) for b in bodies)
@@ -147,7 +152,7 @@ def still_object(shape: Shape) -> ArticulatedObject:
     """All of `shape` as one part that nothing moves, whatever is known of its joints."""
     frame = Normalisation.of(shape)
     base = Body(0, "base", tuple(shape.leaves), None, None)
-    mesh = _joined(frame.mesh(mesh) for mesh in shape.meshes())
+    mesh = join(*(frame.mesh(mesh) for mesh in shape.meshes()))
     return ArticulatedObject(shape.id, shape.category, np.asarray(shape.up, np.float64), Mobility((base,)), (mesh,))
 
 
@@ -170,35 +175,6 @@ def _without_small(links: Sequence[Link], meshes: dict[int, Mesh], smallest: flo
     return result
 
 
-def _canonical_order(links: Sequence[Link], centers: F64) -> list[int]:
-    """Indices of the links, parents first. `centers` [N, 3] are in a frame with z up and the front at -x."""
-    below: list[list[int]] = [[i for i, link in enumerate(links) if link.parent == index] for index in range(len(links))]
-
-    def form(index: int) -> tuple[object, ...]:
-        joint = links[index].joint
-        return ("" if joint is None else joint.kind.value, tuple(sorted(map(form, below[index]), key=repr)))
-
-    order = [0]
-    for index in order:
-        groups: dict[str, list[int]] = {}
-        for child in below[index]:
-            groups.setdefault(repr(form(child)), []).append(child)
-        for _, group in sorted(groups.items()):
-            order += [group[row] for row in _in_a_row(centers[group])]
-    return order
-
-
-HEIGHT_FIRST = 1.2
-"""Parts count as lying side by side only where they lie this much farther apart sideways than upwards."""
-
-
-def _in_a_row(centers: F64) -> NDArray[np.intp]:
-    """Order of places [N, 3] along the direction in which they spread most: from the top, from the left, from the front."""
-    x, y, z = np.ptp(centers, axis=0)
-    along = -centers[:, 2] if HEIGHT_FIRST * z >= max(x, y) else -centers[:, 1] if y >= x else centers[:, 0]
-    return np.argsort(along, kind="stable")
-
-
 def _extents(clouds: Iterable[F64]) -> Extents:
     corners = np.array([(cloud.min(axis=0), cloud.max(axis=0)) for cloud in clouds])
     return Extents(corners.mean(axis=1), corners[:, 1] - corners[:, 0])
@@ -210,14 +186,3 @@ def _share_facing_axes(mesh: Mesh) -> float:
     areas = np.linalg.norm(normals, axis=1)
     faces = np.abs(normals).max(axis=1) >= FACING * areas
     return float(areas[faces].sum() / max(areas.sum(), np.finfo(float).tiny))
-
-
-def _joined(meshes: Iterable[Mesh]) -> Mesh:
-    vertices: list[F64] = []
-    faces: list[NDArray[np.uint32]] = []
-    count = 0
-    for mesh in meshes:
-        vertices.append(mesh.vertices)
-        faces.append(mesh.faces + np.uint32(count))
-        count += len(mesh.vertices)
-    return Mesh(np.concatenate(vertices), np.concatenate(faces))

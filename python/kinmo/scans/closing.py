@@ -60,9 +60,8 @@ def pointed_as_usual(joint: Joint) -> Joint:
 
 
 def _room(poses: Pose, clouds: Sequence[NDArray[np.float64]]) -> float:
-    moved = [_moved(pose, cloud) for pose, cloud in zip(poses, clouds, strict=True)]
-    sizes = np.max([cloud.max(axis=0) for cloud in moved], axis=0) - np.min([cloud.min(axis=0) for cloud in moved], axis=0)
-    return float(np.prod(np.maximum(sizes, 1e-9)))
+    moved = np.concatenate([_moved(pose, cloud) for pose, cloud in zip(poses, clouds, strict=True)])
+    return float(np.prod(np.maximum(np.ptp(moved, axis=0), 1e-9)))
 
 
 def _moved(pose: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.shape import Mesh
+from kinmo.shape import Mesh, join
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import SynthObject
-from kinmo.synth.primitives.place import inside_out, join
+from kinmo.synth.primitives.place import inside_out
 
 UNWELDED_SHARE = 0.2
 """Share of objects whose triangles share no vertices."""

@@ -5,14 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.shape import Mesh
-from kinmo.synth.details.posture import lay
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
 from kinmo.synth.primitives import arc_path, cylinder, extrude, mirror, move, rounded_path, sweep, torus
 
 
 def build(draw: Draw) -> SynthObject:
-    """Built closed, along z with the blades to +z and the screw at the origin, flat across y."""
+    """Built closed, along z with the blades to +z and the screw at the origin, flat across y.
+
+    All lie alike: two equal halves can be told apart by where they lie alone.
+    """
     thickness = draw.between(0.015, 0.04)
     root = Node("scissors")
     sets = []
@@ -32,11 +34,9 @@ def build(draw: Draw) -> SynthObject:
         motions = [hinge((0, 0, 0), (0, sense, 0), 0.0, 0.5 * opening, rest=0.5 * lean) for sense in (1, -1)]
         links = [fixed, *(Link("leg", [group], fixed, motion) for group, motion in zip(sets, motions, strict=True))]
     else:
-        fixed.nodes.append(sets[1])
-        links = [fixed, Link("leg", [sets[0]], fixed, hinge((0, 0, 0), (0, 1, 0), 0.0, opening, rest=lean))]
-    shape = SynthObject("Scissors", root, links)
-    lay(draw, shape)
-    return shape
+        fixed.nodes.append(sets[0])
+        links = [fixed, Link("leg", [sets[1]], fixed, hinge((0, 0, 0), (0, -1, 0), 0.0, opening, rest=lean))]
+    return SynthObject("Scissors", root, links)
 
 
 class _Half:

@@ -1,6 +1,7 @@
 """Building blocks of procedural parts: functions that return a `Mesh`, from twelve triangles to some thousands."""
 
-from kinmo.synth.primitives.place import X, Y, Z, along, inside_out, join, mirror, move, scale, transform, turn
+from kinmo.shape import join
+from kinmo.synth.primitives.place import X, Y, Z, along, inside_out, mirror, move, scale, transform, turn
 from kinmo.synth.primitives.solids import (
     box,
     box_between,

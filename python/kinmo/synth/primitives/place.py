@@ -71,12 +71,5 @@ def along(mesh: Mesh, axis: str) -> Mesh:
     return Mesh(mesh.vertices[:, order], mesh.faces)
 
 
-def join(*meshes: Mesh) -> Mesh:
-    """One mesh of several, without welding."""
-    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])]).astype(np.uint32)
-    vertices = np.concatenate([mesh.vertices for mesh in meshes])
-    return Mesh(vertices, np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]))
-
-
 def inside_out(mesh: Mesh) -> Mesh:
     return Mesh(mesh.vertices, mesh.faces[:, ::-1])

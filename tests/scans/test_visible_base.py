@@ -1,0 +1,125 @@
+"""What parts move against where the file's base is too small to be seen."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from articulated import directions, shape_of_boxes, vectors
+from kinmo.errors import InputError
+from kinmo.joint import Joint, JointKind
+from kinmo.kinematics import forward
+from kinmo.mobility import Body, Mobility
+from kinmo.scans.articulated_object import articulated_object
+from kinmo.scans.visible_base import against, with_visible_base
+from kinmo.shape import Shape
+from scanned import FRONT, hinge, slider
+
+SAME = np.eye(3)
+ends = st.floats(-1.0, 1.0)
+
+
+def scissors(pin: float = 0.02, tip: float = 1.0) -> Shape:
+    """Two bars that cross over a pin, both turning against it, opened by a quarter of a radian each."""
+    boxes = [
+        ((-pin, -pin, -pin), (pin, pin, pin)),
+        ((-0.3, -1.0, 0.0), (0.0, tip, 0.05)),
+        ((0.0, -1.0, -0.05), (0.3, 1.0, 0.0)),
+        ((0.28, -1.0, -0.05), (0.3, -0.98, 0.0)),
+    ]
+    legs = (Joint(JointKind.REVOLUTE, sign * FRONT, np.zeros(3), 0.0, 0.5, 0.25) for sign in (1.0, -1.0))
+    left, right = (Body(i, "leg", (i + 1,), 0, joint) for i, joint in enumerate(legs, 1))
+    knob = Body(3, "knob", (4,), 2, hinge((0.29, -0.99, 0.0), FRONT))
+    return shape_of_boxes(boxes, [Body(0, "pin", (1,)), left, right, knob])
+
+
+def test_one_leg_of_scissors_moves_against_the_other_as_far_as_both_against_their_pin() -> None:
+    found = articulated_object(scissors())
+    assert str(found.structure) == "2 parts (R on 0)"
+    (joint,) = found.joints
+    assert joint.lower is not None
+    assert joint.upper is not None
+    assert joint.upper - joint.lower == pytest.approx(1.0)
+    assert joint.rest == joint.lower, "closed"
+    assert found.part_extents.centers[0, 0] < found.part_extents.centers[1, 0], "the left one stands still"
+    np.testing.assert_allclose(abs(joint.direction @ FRONT), 1.0)
+
+
+def test_a_base_that_is_large_enough_stays() -> None:
+    assert str(articulated_object(scissors(pin=0.4)).structure) == "3 parts (R on 0, R on 0)"
+    assert str(articulated_object(scissors(), smallest=0.0).structure) == "4 parts (R on 0, R on 0, R on 1)"
+
+
+def test_of_unequal_parts_the_larger_one_is_the_base() -> None:
+    found = articulated_object(scissors(tip=-0.2))
+    assert found.part_extents.diagonals[0] > found.part_extents.diagonals[1]
+
+
+def test_what_hangs_by_nothing_moves_against_its_sibling() -> None:
+    shape = scissors()
+    assert shape.mobility is not None
+    bodies = [
+        Body(body.id, body.name, body.leaves if body.id else (), body.parent, body.joint) for body in shape.mobility.bodies
+    ]
+    assert str(articulated_object(shape, Mobility(tuple(bodies))).structure) == "2 parts (R on 0)"
+
+
+def test_a_single_part_has_nothing_else_to_move_against() -> None:
+    shape = scissors()
+    assert shape.mobility is not None
+    pin, left, *_ = shape.mobility.bodies
+    nothing = Body(0, "pin", (), None, None)
+    assert str(articulated_object(shape, Mobility((pin, left))).structure) == "2 parts (R on 0)", "as the file has it"
+    with pytest.raises(InputError, match="nothing stands still"):
+        articulated_object(shape, Mobility((nothing, left)))
+
+
+@st.composite
+def pairs_of_joints(draw: st.DrawFn) -> tuple[Joint, Joint]:
+    """Two that turn about one axis, or slide along one line, in whatever direction each."""
+    kind = draw(st.sampled_from([JointKind.REVOLUTE, JointKind.PRISMATIC]))
+    direction, pivot = draw(directions), draw(vectors)
+    found = []
+    for sign in (1.0, draw(st.sampled_from([1.0, -1.0]))):
+        lower = draw(ends)
+        upper = lower + draw(st.floats(0.0, 1.0))
+        place = pivot + draw(ends) * direction
+        found.append(Joint(kind, sign * direction, place, lower, upper, lower + draw(st.floats(0.0, 1.0)) * (upper - lower)))
+    return found[0], found[1]
+
+
+@settings(max_examples=60)
+@given(pairs_of_joints(), ends, ends)
+def test_parts_move_against_each_other_as_they_do_against_what_both_hang_by(
+    joints: tuple[Joint, Joint], first: float, second: float
+) -> None:
+    base, moving = joints
+    both = Mobility((Body(0, "pin", (), None), Body(1, "a", (1,), 0, base), Body(2, "b", (2,), 0, moving)))
+    own = against(moving, base)
+    alone = Mobility((Body(0, "a", (1,), None), Body(1, "b", (2,), 0, own)))
+    poses = forward(both, {1: first, 2: second})
+    sign = np.sign(base.direction @ moving.direction)
+    found = forward(alone, {1: second - sign * first})
+    np.testing.assert_allclose(found[1], np.linalg.inv(poses[1]) @ poses[2], atol=1e-9)
+    values = {(a, b): b - sign * a for a in (base.lower, base.upper) for b in (moving.lower, moving.upper)}
+    np.testing.assert_allclose([own.lower, own.upper], [min(values.values()), max(values.values())], atol=1e-12)
+    assert own.lower - 1e-12 <= own.rest <= own.upper + 1e-12
+
+
+def test_a_joint_about_another_axis_stays_as_it_is() -> None:
+    mine = hinge((0.0, 0.0, 0.0))
+    for other in (hinge((0.1, 0.0, 0.0)), hinge((0.0, 0.0, 0.0), FRONT), slider(FRONT)):
+        assert against(mine, other) is mine
+
+
+def test_parts_below_keep_what_they_hang_by() -> None:
+    shape = scissors()
+    assert shape.mobility is not None
+    mobility, meshes = with_visible_base(shape.mobility, tuple(shape.meshes()), 0.2, SAME)
+    names = [body.name for body in mobility.bodies]
+    assert names == ["leg", "leg", "knob"]
+    knob = mobility.bodies[2]
+    assert mobility.bodies[knob.parent or 0].leaves in ((3,), (1, 3))
+    assert len(meshes[0].vertices) == 16, "the pin goes with the base"
