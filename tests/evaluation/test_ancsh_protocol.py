@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -94,4 +94,6 @@ def test_a_slider_is_taken_to_move_along_x_of_the_base(seen):
 
 def test_a_frame_with_anything_missing_is_dropped(seen):
     true = seen[2][0]
-    assert coded_score(seen, replace(true, states=np.full_like(true.states, np.nan))) is None
+    dropped = coded_score(seen, replace(true, states=np.full_like(true.states, np.nan)))
+    assert not dropped.is_whole
+    assert all(np.isnan(getattr(dropped, field.name)).all() for field in fields(dropped))

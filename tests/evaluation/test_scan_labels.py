@@ -43,6 +43,13 @@ def test_labels_count_as_right_if_all_joints_are_in_their_places(tmp_path) -> No
     }
     true = [named(file, name) for name in said if name != "truly another"] + [named(file, "not labelled")]
     labels = [named(other, name) for name, other in said.items()]
-    assert count_labels(labels, true) == LabelCounts(labelled=6, are=5, right=3, true=6)
+    originals = {label.object: label.id for label in labels}
+    assert count_labels(labels, true, originals) == LabelCounts(labelled=6, are=5, right=3, true=6)
     variants = [named(moved(file, door, aside, 0.0), "right", variant=2)]
-    assert count_labels([*labels, *variants], true) == count_labels(labels, true)
+    assert count_labels([*labels, *variants], true, originals) == count_labels(labels, true, originals)
+    more = count_labels([*labels, named(file, "new")], true, originals)
+    assert more == LabelCounts(labelled=6, are=5, right=3, true=6, unknown=1), "nobody knows of that one"
+    assert str(more).endswith("Of 1 more that they give them the truth is not known.")
+    other = {label.object: f"original of {label.id}" for label in labels}
+    renamed = [replace(one, id=f"original of {one.id}") for one in true]
+    assert count_labels(labels, renamed, other) == count_labels(labels, true, originals), "whatever a copy is called"

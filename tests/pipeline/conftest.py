@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 import torch
+from scan_road import Scanned, made_in
 from whole_road import COUNT, FAMILIES, METHODS, Listener, Road, tiny_config
 
 from kinmo.pipeline.evaluate import Evaluate
@@ -36,4 +37,12 @@ def road(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Road]:
     for name, stage in stages.items():
         made.outcomes[name] = stage.run(Listener())
     yield made
+    torch.set_num_threads(threads)
+
+
+@pytest.fixture(scope="session")
+def scanned(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scanned]:
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield made_in(tmp_path_factory.mktemp("scans"))
     torch.set_num_threads(threads)

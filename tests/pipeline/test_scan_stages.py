@@ -1,103 +1,32 @@
-"""From labelled and pseudo-labelled shapes to networks that see scans, their tables, and a user's scan."""
+"""From labelled and pseudo-labelled shapes to networks that see scans, and a user's scan."""
 
 from __future__ import annotations
 
 import json
 import shutil
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
-from whole_road import Listener, contents, tiny_config
+from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from whole_road import Listener, contents
 
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.predict import POINTS_TO_ASK_ABOUT
 from kinmo.pipeline.ancsh_files import Cell, scores_path, trained_cells
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.evaluate import Evaluate
-from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.predict_scan import PredictScan
-from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.pseudo_label import folder_name
 from kinmo.pipeline.render import Render
-from kinmo.pipeline.report import Report
 from kinmo.pipeline.scan_dataset import ROLES, open_scan_dataset, scans_of
 from kinmo.pipeline.scan_jobs import REFUSED
-from kinmo.pipeline.scan_report import OUTDATED
-from kinmo.pipeline.scan_table_rows import TABLES, printed_row
-from kinmo.pipeline.scan_tables import JudgeTrained, MakeTable
-from kinmo.pipeline.synth import Synth
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.pipeline.train_ancsh import TrainAncsh
-from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
 from kinmo.store import read_header
-from kinmo.synth.generate import HELD_BACK
 from kinmo.workspace import Workspace
-
-FAMILY, CATEGORY = "laptop", "Laptop"
-SCANS = """
-[ancsh]
-points = 128
-centers = [32, 8]
-neighbours = 8
-width = 0.125
-batch_frames = 4
-batches_per_epoch = 2
-confidence = 0.0
-[ancsh.training]
-epochs = 1
-learning_rate = 1e-3
-weight_decay = 0.0
-decay_epochs = 0
-threads = 1
-[scans]
-states = 2
-views = 2
-test_states = 1
-test_views = 2
-size = 96
-points = 256
-least_pixels = 1
-"""
-HOW = {"device": "cpu"}
-
-
-@dataclass
-class Scanned:
-    """A workspace with scans, and the configuration that they were made with."""
-
-    workspace: Workspace
-    config: str
-
-    def render(self, **options: object) -> Render:
-        return Render(self.workspace, self.config, FAMILY, **options)  # type: ignore[arg-type]
-
-    def train(self, setting: str) -> TrainAncsh:
-        return TrainAncsh(self.workspace, self.config, FAMILY, setting, **HOW)  # type: ignore[arg-type]
-
-
-@pytest.fixture(scope="module")
-def scanned(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scanned]:
-    folder = tmp_path_factory.mktemp("scans")
-    config = tiny_config(folder)
-    others, _ = config.read_text(encoding="utf-8").split("[ancsh]\n")
-    config.write_text(others + SCANS, encoding="utf-8")
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    Synth(folder / "partnet", 6, (FAMILY,), ("partnet_mobility", "partnet"), held_back=True).run(Listener())
-    workspace = Workspace(folder / "workspace")
-    Prepare(folder / "partnet", workspace, hold_back=(folder / "partnet" / HELD_BACK,)).run(Listener())
-    made = Scanned(workspace, str(config))
-    made.render(unlabelled=True).run(Listener())
-    made.train("supervised").run(Listener())
-    yield made
-    torch.set_num_threads(threads)
 
 
 def test_every_object_has_one_role_and_its_frames(scanned: Scanned) -> None:
@@ -239,17 +168,6 @@ def test_a_setting_without_anything_of_its_own_is_none(scanned: Scanned) -> None
             scanned.train(setting).plan()
 
 
-def test_a_cell_that_cannot_be_run_leaves_the_others(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    told = Listener()
-    stage = MakeTable("4", Workspace(tmp_path / "workspace"), scanned.config, "kinmo", FAMILY, 1, **HOW)
-    found = stage.run(told)
-    assert found.failed == 1
-    assert [note for note in told.notes if note.startswith(f"not run: {CATEGORY}, dsg-net") and "DSG-Net" in note]
-    run = {row[0]: row[1] for row in found.data[CATEGORY]["parts"]["rows"]}
-    assert run == {"supervised": "1", "generated shapes": "not run"}
-
-
 def test_objects_that_stand_in_for_validation_ones_are_the_same_for_all_shares_of_labels(
     scanned: Scanned, tmp_path: Path
 ) -> None:
@@ -289,101 +207,6 @@ def test_scans_by_a_pseudo_label_are_made_anew_when_the_label_or_the_shape_chang
     made_from = read_header(prepared)["provenance"]["made_from"].encode()
     prepared.write_bytes(prepared.read_bytes().replace(made_from, b"f" * len(made_from)))
     assert len(stage.plan().steps) == 1
-
-
-def test_without_motion_networks_the_tables_of_scans_are_there_alone(scanned: Scanned) -> None:
-    shapes = Evaluate(scanned.workspace, ("kinmo", "paper"), FAMILY)
-    stage, told = EvaluateAll(shapes, JudgeTrained(scanned.workspace, FAMILY, device="cpu")), Listener()
-    found = stage.run(told)
-    assert list(found.data) == ["table-2"]
-    assert [note for note in told.notes if note.startswith("no Table 1:")]
-
-
-def test_a_table_shows_what_was_not_run_and_the_authors_figures(scanned: Scanned) -> None:
-    EvaluateScans(scanned.workspace, Cell(CATEGORY, "supervised", 0), "cpu").run(Listener())
-    found = WrittenTables(scanned.workspace, "2").of(CATEGORY, (0,))
-    run = {row[0]: row[1] for row in found["parts"].rows}
-    assert run["semi"] == run["semi-weakly"] == run["true labels"] == "not run"
-    assert run["supervised"] == "1"
-    assert printed_row("2", "fridge", "ANCSH") is None
-    assert printed_row("2", "refrigerator", "ANCSH")[0] == [12.09, 18.43, 21.7]
-    assert printed_row("4", "StorageFurniture", "ANCSH (DSG)")[0] == [40.0, 45.5, 42.0]
-    for name, table in TABLES.items():
-        for row in table.rows:
-            assert not row.printed or all(printed_row(name, category, row.printed) for category in table.categories)
-
-
-def test_a_table_says_how_right_pseudo_labels_are_where_true_ones_are_held_back(scanned: Scanned, tmp_path: Path) -> None:
-    JudgeTrained(scanned.workspace, FAMILY, device="cpu").run(Listener())
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace = Workspace(tmp_path / "workspace")
-    written = WrittenTables(workspace, "2")
-    supervised, weakly = (scores_path(workspace, Cell(CATEGORY, name, 0), False) for name in ("supervised", "semi-weakly"))
-    hidden, pseudo = (scans_of(workspace, CATEGORY, role) for role in ("hidden", "pseudo"))
-    for is_run in (False, True):
-        if is_run:
-            shutil.copy(supervised, weakly)
-            shutil.copytree(hidden, pseudo)
-        written.write({CATEGORY: [0]})
-        text = (written.folder / CATEGORY / "means.md").read_text(encoding="utf-8")
-        count = count_objects(open_scan_dataset(workspace, CATEGORY).files["hidden"])
-        labels = f"Of {count} objects that pseudo labels give these joints {count} truly have them, {count} all in"
-        assert (labels in " ".join(text.split())) is is_run
-
-
-def test_what_is_trained_is_judged_where_there_are_scans_of_it(scanned: Scanned) -> None:
-    stage = JudgeTrained(scanned.workspace, FAMILY, device="cpu")
-    found = stage.run(Listener())
-    assert list(found.data) == ["table-2"], "no rough scans, and no category of the other tables"
-    assert (stage.plan().steps, stage.plan().seconds) == ((), 0.0)
-    assert list(found.data["table-2"]) == [CATEGORY]
-
-
-def test_the_report_says_that_figures_of_scans_are_outdated(scanned: Scanned, tmp_path: Path) -> None:
-    JudgeTrained(scanned.workspace, FAMILY, device="cpu").run(Listener())
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace = Workspace(tmp_path / "workspace")
-    page = workspace.report / "index.html"
-    Report(workspace).run(Listener())
-    assert "Table 2, poses" in page.read_text(encoding="utf-8")
-    assert OUTDATED not in page.read_text(encoding="utf-8")
-    weights, _ = Cell(CATEGORY, "supervised", 0).weights(workspace) or pytest.fail("not trained")
-    header = weights.with_suffix(".json")
-    header.write_text(json.dumps(json.loads(header.read_text()) | {"sha256": "of others"}))
-    Report(workspace).run(Listener())
-    assert OUTDATED in page.read_text(encoding="utf-8")
-
-
-def test_a_category_without_test_objects_is_said_to_be_not_judged(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
-    shutil.rmtree(tmp_path / "workspace" / "scans" / CATEGORY / "test")
-    stage, told = JudgeTrained(Workspace(tmp_path / "workspace"), FAMILY, device="cpu"), Listener()
-    assert stage.plan().steps == ()
-    stage.run(told)
-    assert [note for note in told.notes if "not judged" in note and "expected scans of a test object" in note]
-
-
-def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
-    told = Listener()
-    stage = MakeTable("2", Workspace(tmp_path / "workspace"), scanned.config, "kinmo", FAMILY, 1, hours=0.0, **HOW)
-    found = stage.run(told)
-    assert sum(note.startswith("not run") for note in told.notes) == len(TABLES["2"].rows)
-    assert (found.path / CATEGORY / "parts.md").exists()
-    assert {row[1] for row in found.data[CATEGORY]["parts"]["rows"]} == {"not run"}
-
-
-def test_a_table_whose_motion_networks_have_none_to_go_on_from_says_so(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace, told = Workspace(tmp_path / "workspace"), Listener()
-    stage = MakeTable("4", workspace, scanned.config, "kinmo", FAMILY, 1, start=Workspace(tmp_path / "none"), **HOW)
-    assert stage.run(told).failed == 1
-    (problem,) = (note for note in told.notes if note.startswith("not run"))
-    assert "generated" not in problem
-    assert str(tmp_path / "none") in problem
-    assert "expected the weights to go on from" in problem
 
 
 def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> None:

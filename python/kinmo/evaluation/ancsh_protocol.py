@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.evaluation.metrics import axis_error
-from kinmo.evaluation.scan_metrics import FrameScore
+from kinmo.evaluation.scan_metrics import FrameScore, nothing_found
 from kinmo.joint import JointKind
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
@@ -32,11 +32,11 @@ CORNER, ENDS = (1, -1, 1), ((1, -1, -1), (-1, -1, -1), (1, 1, 1))
 
 def score_as_ancsh(
     found: ScanEstimate, true: ScanEstimate, structure: Structure, points: NDArray[np.floating], parts: NDArray[np.integer]
-) -> FrameScore | None:
-    """Errors of `found` in the scan `points` [n, 3] that are said to be of `parts` [n]; None for a frame that is dropped."""
+) -> FrameScore:
+    """Errors of `found` in the scan `points` [n, 3] that are said to be of `parts` [n]; all NaN for a frame that is dropped."""
     known = (found.poses.scales, found.half_extents, found.directions, found.states)
     if not all(np.isfinite(values).all() for values in known):
-        return None
+        return nothing_found(structure)
     with np.errstate(invalid="ignore", divide="ignore"):
         turned = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
         corners = np.linalg.norm(found.poses.translations - true.poses.translations, axis=1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from kinmo.evaluation.metrics import axis_error, line_distance_at_part
@@ -13,28 +13,36 @@ from kinmo.scans.scan_file import ScanFile
 
 @dataclass(frozen=True)
 class LabelCounts:
-    """Of objects of one structure: how many are `labelled` so, how many of these truly `are` so, and how many of those have all
-    joints in the `right` places; and how many there are to label (`true`).
+    """Of objects of one structure whose truth is held back: how many are `labelled` so, how many of these truly `are` so, and
+    how many of those have all joints in the `right` places; how many there are to label (`true`); and of how many more that are
+    labelled so the truth is `unknown`.
     """
 
     labelled: int
     are: int
     right: int
     true: int
+    unknown: int = 0
 
     def __str__(self) -> str:
-        return (
+        found = (
             f"Of {self.labelled} objects that pseudo labels give these joints {self.are} truly have them, {self.right} all in "
             f"the right places ({math.degrees(AXIS_WITHIN):g} degrees, {LINE_WITHIN:g} diagonals). In all, {self.true} do."
         )
+        return f"{found} Of {self.unknown} more that they give them the truth is not known." if self.unknown else found
 
 
-def count_labels(said: Sequence[ScanFile], true: Sequence[ScanFile]) -> LabelCounts:
-    """Compare the joints of objects by id; all files are of one structure, and those of variants are passed over."""
-    labels, truths = ({file.id: file for file in files if not file.is_variant} for files in (said, true))
-    known = labels.keys() & truths.keys()
-    right = sum(_is_right(labels[name], truths[name]) for name in known)
-    return LabelCounts(len(labels), len(known), right, len(truths))
+def count_labels(said: Sequence[ScanFile], true: Sequence[ScanFile], originals: Mapping[tuple[str, str], str]) -> LabelCounts:
+    """Compare the joints of labelled objects with those of their `originals`, which are ids by `ScanFile.object`.
+
+    All files are of one structure, those of variants are passed over. An original that is not among `true` has another one.
+    """
+    labels = {file.object: file for file in said if not file.is_variant}
+    truths = {file.id: file for file in true if not file.is_variant}
+    held_back = [(file, originals[name]) for name, file in labels.items() if name in originals]
+    pairs = [(file, truths[original]) for file, original in held_back if original in truths]
+    right = sum(_is_right(*pair) for pair in pairs)
+    return LabelCounts(len(held_back), len(pairs), right, len(truths), len(labels) - len(held_back))
 
 
 def _is_right(said: ScanFile, true: ScanFile) -> bool:

@@ -42,6 +42,12 @@ class FrameScore:
         return bool(np.isfinite(self.rotation).all())
 
 
+def nothing_found(structure: Structure) -> FrameScore:
+    """That of a scan in which nothing was found."""
+    parts, joints = np.full(structure.part_count, np.nan), np.full(len(structure.kinds), np.nan)
+    return FrameScore(parts, parts, parts, joints, joints, joints)
+
+
 def truth(poses: F64, values: F64, joints: Sequence[Joint], structure: Structure, extents: Extents) -> ScanEstimate:
     """What there is to find in a scan with these `poses` [K, 4, 4] and `values` [K - 1] (`kinmo.scans.scan.Scans`)."""
     turns, sizes = poses[:, :3, :3], extents.diagonals

@@ -10,28 +10,34 @@ from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed
 from kinmo.evaluation.tables import Caption, Cell, Column, Table
 from kinmo.scans.articulated_object import Structure
 
-NOT_RUN = "not run"
+NOT_RUN, OUTDATED = "not run", "outdated"
+FAILED = Column("failed (%)", 1)
 PaperRow = Sequence[Sequence[float | None]]
 """What the paper prints of a row: a list a measure (rotation, translation, IoU, state, axis, line), in it a value a part."""
 
 
 @dataclass(frozen=True)
 class ScanRow:
-    """One row of a table: the objects that were judged (none if it was not run), and what the paper prints there."""
+    """One row of a table: the objects that were judged, with networks of `seeds`, and what the paper prints there.
+
+    `absent` says why there are no objects, if there are none.
+    """
 
     name: str
     objects: tuple[ObjectScans, ...]
     printed: PaperRow | None = None
+    seeds: tuple[int, ...] = ()
+    absent: str = NOT_RUN
 
 
 def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> Table:
     """A line a part, its joint beside it, for every row; the paper's figures below the row's own."""
     measures = _measures(structure)
-    columns = (Column("trained on"), Column("part"), *(Column(m.title, m.decimals) for m in measures), Column("failed (%)", 1))
+    columns = (Column("trained on"), Column("part"), *(Column(m.title, m.decimals) for m in measures), FAILED)
     lines: list[tuple[Cell, ...]] = []
     for row in rows:
         if not row.objects:
-            lines.append((row.name, NOT_RUN, *([None] * (len(measures) + 1))))
+            lines.append((row.name, row.absent, *([None] * (len(measures) + 1))))
         else:
             for part in range(structure.part_count):
                 figures = [of_rows(m, [place]) for m in measures if (place := rows_of(m, structure).get(part)) is not None]
@@ -45,18 +51,23 @@ def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> 
 
 
 def over_parts(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> Table:
-    """Means over all parts, or joints, with their 95 % intervals over the objects."""
-    measures = _measures(structure)
-    columns = [Column("trained on")]
-    for measure in measures:
+    """Means over all parts, or joints, with their 95 % intervals over the objects, and the share of frames that failed."""
+    columns = [Column("trained on"), Column("seeds")]
+    for measure in _measures(structure):
         columns += [Column(measure.title, measure.decimals), Column("95 %")]
     lines: list[tuple[Cell, ...]] = []
     for row in rows:
-        cells: list[Cell] = [row.name]
-        for measure, estimate in zip(measures, summary(row.objects, structure), strict=True):
-            cells += [_value(estimate), _interval(estimate, measure.decimals) if row.objects else NOT_RUN]
-        lines.append(tuple(cells))
-    return Table(_counted(caption, rows), tuple(columns), tuple(lines))
+        cells: list[Cell] = [row.name, ", ".join(map(str, row.seeds)) if row.objects else row.absent]
+        for measure, estimate in zip(_measures(structure), summary(row.objects, structure), strict=True):
+            cells += [_value(estimate), _interval(estimate, measure.decimals)]
+        lines.append((*cells, failures(row.objects)))
+    return Table(_counted(caption, rows), (*columns, FAILED), tuple(lines))
+
+
+def of_nothing(rows: Sequence[ScanRow], caption: Caption) -> Table:
+    """A table of a category of which nothing is scanned yet, so that its structure is not known."""
+    lines = ((row.name, row.absent) for row in rows)
+    return Table(caption, (Column("trained on"), Column("seeds")), tuple(lines))
 
 
 def over_categories(
@@ -66,11 +77,12 @@ def over_categories(
 
     A category counts in the measures that its structure has; one that was not run, in none.
     """
-    columns = [
+    columns = (
         Column("trained on"),
         Column("categories", 0),
         *(Column(measure.title, measure.decimals) for measure in MEASURES),
-    ]
+        FAILED,
+    )
     lines: list[tuple[Cell, ...]] = []
     for name, by_category in rows.items():
         run = {category: objects for category, objects in by_category.items() if objects}
@@ -80,9 +92,10 @@ def over_categories(
             for measure, estimate in zip(_measures(structure), summary(objects, structure), strict=True):
                 if estimate is not None:
                     values[measure].append(estimate.value)
-        means = (sum(some) / len(some) if some else None for some in values.values())
-        lines.append((name, len(run), *means) if run else (name, NOT_RUN, *([None] * len(MEASURES))))
-    return Table(caption, tuple(columns), tuple(lines))
+        lost = [share for objects in run.values() if (share := failures(objects)) is not None]
+        means = (sum(some) / len(some) if some else None for some in (*values.values(), lost))
+        lines.append((name, len(run) or NOT_RUN, *means))
+    return Table(caption, columns, tuple(lines))
 
 
 def gap_closed(
@@ -105,6 +118,12 @@ def summary(objects: Sequence[ObjectScans], structure: Structure) -> list[Estima
     """Means over all parts, or joints, of the measures that the structure has."""
     figures = [of_rows(measure, list(rows_of(measure, structure).values())) for measure in _measures(structure)]
     return micro(sums_of(objects, figures))
+
+
+def failures(objects: Sequence[ObjectScans]) -> float | None:
+    """The share of frames, in percent, in which a part was not found; None without frames."""
+    (found,) = micro(sums_of(objects, [failed()]), draws=1)
+    return _value(found)
 
 
 def measure_titles(structure: Structure) -> list[str]:

@@ -34,10 +34,17 @@ class Cell:
         """That of one of the two networks."""
         return workspace.models / "ancsh" / self.category / self.setting / str(self.seed) / network
 
+    def stage(self, network: AncshNetworkName) -> str:
+        """What the record of the training of one of the two is called."""
+        return f"train-{network}-{self.key}"
+
     def weights(self, workspace: Workspace) -> tuple[Path, Path] | None:
-        """The weights of both networks, once they are trained."""
+        """The weights of both networks, once they are trained, on the same scans in the same way."""
         ancsh, npcs = (self.folder(workspace, network) / WEIGHTS for network in NETWORKS)
-        return (ancsh, npcs) if ancsh.exists() and npcs.exists() else None
+        records = [workspace.record(self.stage(network)) for network in NETWORKS]
+        trained = [dict(record.inputs) | {"network": None} for record in records if record is not None]
+        are_of_one_kind = len(trained) == len(NETWORKS) and trained[0] == trained[1]
+        return (ancsh, npcs) if are_of_one_kind and ancsh.exists() and npcs.exists() else None
 
 
 def trained_cells(workspace: Workspace) -> list[Cell]:

@@ -31,7 +31,7 @@ class EvaluateScans:
     on_rough: bool = False
 
     def plan(self) -> Plan:
-        if self._scans.is_current():
+        if self._scans.held():
             return Plan((), 0.0)
         files = self._scans.files()
         frames = sum(file.frames for file in files)
@@ -41,7 +41,7 @@ class EvaluateScans:
     def run(self, observer: Observer) -> Outcome:
         path = scores_path(self.workspace, self.cell, self.on_rough)
         with self.workspace.locked():
-            if self._scans.is_current():
+            if self._scans.held():
                 observer.note(f"{self.cell}: judged already")
                 return Outcome(path)
             weights = self.cell.weights(self.workspace)
@@ -58,8 +58,7 @@ class EvaluateScans:
                         book.offer(frame)
                         scores["kinmo"].append((file.id, frame.score))
                         coded = score_as_ancsh(frame.found, frame.true, network.structure, frame.points, frame.said_parts)
-                        if coded is not None:
-                            scores["ancsh"].append((file.id, coded))
+                        scores["ancsh"].append((file.id, coded))
                     observer.progress(f"judging {self.cell}", done, len(files), file.id)
                 watch.amount = len(scores["kinmo"])
                 watch.what = f"{watch.amount} scans of {self.cell.category}"

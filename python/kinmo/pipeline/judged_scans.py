@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from kinmo.errors import InputError
-from kinmo.pipeline.ancsh_files import Cell
+from kinmo.pipeline.ancsh_files import Cell, Protocol, scores_path
 from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scan_dataset import fingerprint, open_scan_dataset
 from kinmo.scans.scan_file import ScanFile
@@ -38,6 +39,16 @@ class JudgedScans:
         """What the judgement depends on."""
         return {"test": fingerprint(self.files()), "weights": networks_digest(self.cell.weights(self.workspace) or ())}
 
-    def is_current(self) -> bool:
-        """Whether the cell was judged, and nothing that this depends on has changed."""
-        return self.cell.weights(self.workspace) is not None and self.workspace.is_current(self.stage, self.inputs())
+    def scores(self, protocol: Protocol) -> Path:
+        """Where the errors are written, by a protocol."""
+        return scores_path(self.workspace, self.cell, self.on_rough, protocol)
+
+    def held(self) -> dict[str, Any] | None:
+        """What the judgement was made from, if there is one, and nothing that it depends on has changed or gone."""
+        if self.cell.weights(self.workspace) is None or self.workspace.record(self.stage) is None:
+            return None
+        try:
+            inputs = self.inputs()
+        except InputError:
+            return None
+        return inputs if self.workspace.is_current(self.stage, inputs) else None

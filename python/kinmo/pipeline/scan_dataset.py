@@ -105,13 +105,10 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     files: dict[Role, tuple[ScanFile, ...]] = {}
     others: Counter[tuple[str, Role]] = Counter()
     for role, some in found.items():
-        fits = [file.frames > 0 and (role == "unlabelled" or file.structure == structure) for file in some]
-        files[role] = tuple(file for file, has in zip(some, fits, strict=True) if has)
-        left_out = {
-            (file.object, str(file.structure) if file.frames else "no frame")
-            for file, has in zip(some, fits, strict=True)
-            if not has and file.object not in {other.object for other in files[role]}
-        }
+        files[role] = tuple(f for f in some if f.frames > 0 and (role == "unlabelled" or f.structure == structure))
+        kept_objects = {file.object for file in files[role]}
+        rest = (file for file in some if file.object not in kept_objects)
+        left_out = {(file.object, str(file.structure) if file.frames else "no frame") for file in rest}
         others.update((reason, role) for _, reason in left_out)
     return ScanDataset(spelling, structure, files, others, dataset.truths)
 

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 from kinmo.evaluation.tables import read_table
 from kinmo.pipeline.ancsh_files import Cell, pictures_path, trained_cells
-from kinmo.pipeline.evaluation_folder import ALL
 from kinmo.pipeline.report_tables import shown
 from kinmo.pipeline.scan_pictures import HIT_DEGREES, HIT_IOU, read_pictures
 from kinmo.pipeline.scan_table_rows import TABLES
@@ -21,8 +20,8 @@ LEGEND = (
 )
 
 OUTDATED = (
-    "Some of these figures are of networks or scans that have changed since: the same kinmo eval, or kinmo table, gives those "
-    "of what is there now."
+    "Since these tables were written, networks or scans have changed, or more was judged: the same kinmo eval, or kinmo table, "
+    "gives the figures of what is there now."
 )
 
 
@@ -31,14 +30,12 @@ def table_sections(workspace: Workspace) -> Iterator[Section]:
     for name, table in TABLES.items():
         written = WrittenTables(workspace, name)
         folders = sorted(path for path in written.folder.glob("*") if path.is_dir())
-        categories = {folder.name for folder in folders} - {ALL}
-        outdated = {category for category in categories if not written.is_current(category)}
         for folder in folders:
             found = {path.stem: read_table(path) for path in sorted(folder.glob("*.json"))}
             tables = [shown(found[key]) for key in ("means", "parts") if key in found]
             more = [shown(other) for key, other in found.items() if key not in ("means", "parts")]
-            is_outdated = bool(outdated) if folder.name == ALL else folder.name in outdated
-            yield Section(f"{table.title}: {folder.name}", OUTDATED if is_outdated else "", tables=tables, more=more)
+            note = "" if written.is_current(folder.name) else OUTDATED
+            yield Section(f"{table.title}: {folder.name}", note, tables=tables, more=more)
 
 
 def picture_sections(workspace: Workspace) -> Iterator[Section]:

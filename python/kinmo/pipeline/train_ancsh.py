@@ -52,7 +52,7 @@ class ScanFitting:
 
     @property
     def stage(self) -> str:
-        return f"train-{self.network}-{self.cell.key}"
+        return self.cell.stage(self.network)
 
     @property
     def folder(self) -> Path:

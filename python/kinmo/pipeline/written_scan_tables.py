@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
+from kinmo.errors import InputError
 from kinmo.evaluation.scan_labels import count_labels
 from kinmo.evaluation.scan_records import read_scores
-from kinmo.evaluation.scan_tables import ScanRow, by_part, gap_closed, measure_titles, over_categories, over_parts
+from kinmo.evaluation.scan_tables import (
+    NOT_RUN,
+    OUTDATED,
+    ScanRow,
+    by_part,
+    gap_closed,
+    measure_titles,
+    of_nothing,
+    over_categories,
+    over_parts,
+)
 from kinmo.evaluation.tables import Caption, Table, as_text, write_table
-from kinmo.pipeline.ancsh_files import PROTOCOLS, Protocol, scores_path, trained_cells
+from kinmo.pipeline.ancsh_files import PROTOCOLS, Protocol
 from kinmo.pipeline.evaluation_folder import ALL
 from kinmo.pipeline.judged_scans import JudgedScans
 from kinmo.pipeline.scan_dataset import ScanDataset, open_scan_dataset
@@ -20,75 +31,110 @@ from kinmo.pipeline.scan_table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import count_objects
-from kinmo.workspace import Workspace, write_text_atomically
+from kinmo.workspace import StageRecord, Workspace
 
 WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code measures"}
+COMPARED = ("supervised", "semi-weakly", "true labels")
+"""Rows, in this order: how far the second goes from the first to the third."""
+
+
+HeldBySeed = Mapping[int, Mapping[str, dict[str, Any] | None]]
+"""By seed and row: what a judgement was made from, None for one that is not there or holds no more."""
+Held = Mapping[str, HeldBySeed]
+"""The same by category."""
 
 
 @dataclass(frozen=True)
 class WrittenTables:
-    """A table (`scan_table_rows.TABLES`), a category at a time. Rows that were not run say so."""
+    """A table (`scan_table_rows.TABLES`), a category at a time. Rows that were not run, or are outdated, say so."""
 
     workspace: Workspace
     name: str
 
     @property
     def folder(self) -> Path:
-        """Where it is written, a folder a category."""
+        """Where it is written, a folder a category, and one of all where there are several."""
         return self.workspace.evaluation / f"table-{self.name}"
 
     def write(self, seeds: Mapping[str, Sequence[int]], shown: Protocol = "kinmo") -> Outcome:
         """Write it for the categories of `seeds`, by each protocol; the text is that of the one to be `shown`."""
         texts, data = [], {}
-        for place, protocol, tables in self._all(seeds):
-            for name, table in tables.items():
-                write_table(table, self.folder / place, name if protocol == "kinmo" else f"{name}_{protocol}")
-            if protocol == shown:
-                texts += [as_text(table) for table in tables.values()]
-                data[place] = {
-                    name: {"columns": [column.title for column in table.columns], "rows": table.rows}
-                    for name, table in tables.items()
-                }
-        write_text_atomically(self.folder / "table.json", json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+        whole = self._held(seeds)
+        places = {category: {category: by_seed} for category, by_seed in whole.items()}
+        for place, held in (places | {ALL: whole} if len(seeds) > 1 else places).items():
+            self.workspace.forget(self._stage(place))
+            paths: list[Path] = []
+            for protocol in PROTOCOLS:
+                tables = self._over_categories(held, protocol) if place == ALL else self._of(place, held[place], protocol)
+                for name, table in tables.items():
+                    paths += write_table(table, self.folder / place, name if protocol == "kinmo" else f"{name}_{protocol}")
+                if protocol == shown:
+                    texts += [as_text(table) for table in tables.values()]
+                    data[place] = {
+                        name: {"columns": [column.title for column in table.columns], "rows": table.rows}
+                        for name, table in tables.items()
+                    }
+            outputs = tuple(str(path.relative_to(self.workspace.path)) for path in paths)
+            self.workspace.write_record(self._stage(place), StageRecord(_inputs(held), outputs))
         return Outcome(self.folder, data, "\n".join(texts))
 
-    def _all(self, seeds: Mapping[str, Sequence[int]]) -> Iterator[tuple[str, Protocol, dict[str, Table]]]:
-        """The tables by category and protocol, and those of all categories where there are several."""
-        for category, own in seeds.items():
-            for protocol in PROTOCOLS:
-                yield category, protocol, self.of(category, own, protocol)
-        if len(seeds) > 1:
-            for protocol in PROTOCOLS:
-                yield ALL, protocol, {"means": self.over_categories(seeds, protocol)}
+    def is_current(self, place: str) -> bool:
+        """Whether what was written, of a category or of `ALL`, is still what there is to show."""
+        record = self.workspace.record(self._stage(place))
+        if record is None:
+            return False
+        seeds = {category: list(map(int, by_seed)) for category, by_seed in record.inputs["held"].items()}
+        return self.workspace.is_current(self._stage(place), _inputs(self._held(seeds)))
 
-    def of(self, category: str, seeds: Sequence[int], protocol: Protocol = "kinmo") -> dict[str, Table]:
-        """The tables of one category: part by part, and over all parts."""
-        dataset = open_scan_dataset(self.workspace, category)
-        rows = [self._row(row, category, seeds, protocol) for row in TABLES[self.name].rows]
-        caption = self._caption(str(dataset.structure), _objects_of(dataset), self._seeds_run(category, seeds), protocol)
-        notes = [caption.note, _gaps(rows, dataset.structure), _labels(rows, dataset)]
+    def _held(self, seeds: Mapping[str, Sequence[int]]) -> Held:
+        """The judgements that there are to show."""
+        rows = TABLES[self.name].rows
+        return {
+            category: {seed: {row.title: self._judged(row, category, seed).held() for row in rows} for seed in own}
+            for category, own in seeds.items()
+        }
+
+    def _of(self, category: str, by_seed: HeldBySeed, protocol: Protocol) -> dict[str, Table]:
+        """The tables of one category: over all parts, and part by part."""
+        rows = [self._row(row, category, by_seed, protocol) for row in TABLES[self.name].rows]
+        run = _seeds(rows)
+        dataset = self._dataset(category)
+        if dataset is None:
+            return {"means": of_nothing(rows, self._caption(category, "nothing is scanned yet", run, protocol))}
+        caption = self._caption(str(dataset.structure), _objects_of(dataset), run, protocol)
+        notes = [caption.note, self._gaps(category, by_seed, dataset.structure, protocol), _labels(rows, dataset)]
         summed = replace(caption, note=" ".join(filter(None, notes)))
-        return {"parts": by_part(rows, dataset.structure, caption), "means": over_parts(rows, dataset.structure, summed)}
+        return {"means": over_parts(rows, dataset.structure, summed), "parts": by_part(rows, dataset.structure, caption)}
 
-    def is_current(self, category: str) -> bool:
-        """Whether nothing has changed since its figures were measured."""
-        for row in TABLES[self.name].rows:
-            place = row.workspace(self.workspace)
-            cells = [cell for cell in trained_cells(place) if (cell.category, cell.setting) == (category, row.setting)]
-            shown = (cell for cell in cells if self._scores(row, category, cell.seed).exists())
-            if not all(JudgedScans(place, cell, row.on_rough).is_current() for cell in shown):
-                return False
-        return True
-
-    def over_categories(self, seeds: Mapping[str, Sequence[int]], protocol: Protocol = "kinmo") -> Table:
-        """Means over the categories of `seeds`. (The paper's own average degrees together with lengths.)"""
-        structures = {category: open_scan_dataset(self.workspace, category).structure for category in seeds}
+    def _over_categories(self, held: Held, protocol: Protocol) -> dict[str, Table]:
+        """Means over categories. (The paper's own average degrees together with lengths.)"""
+        structures = {name: dataset.structure for name in held if (dataset := self._dataset(name)) is not None}
         rows = {
-            row.title: {category: self._row(row, category, own, protocol).objects for category, own in seeds.items()}
+            row.title: {category: self._row(row, category, held[category], protocol) for category in structures}
             for row in TABLES[self.name].rows
         }
-        run = tuple(sorted({seed for category, own in seeds.items() for seed in self._seeds_run(category, own)}))
-        return over_categories(rows, structures, self._caption("means over categories", ", ".join(seeds), run, protocol))
+        run = _seeds([row for by_category in rows.values() for row in by_category.values()])
+        objects = {name: {place: row.objects for place, row in by_category.items()} for name, by_category in rows.items()}
+        caption = self._caption("means over categories", ", ".join(held), run, protocol)
+        return {"means": over_categories(objects, structures, caption)}
+
+    def _row(self, row: RowOf, category: str, by_seed: HeldBySeed, protocol: Protocol) -> ScanRow:
+        paths = {seed: self._judged(row, category, seed).scores(protocol) for seed in by_seed}
+        seeds = tuple(seed for seed, judged in by_seed.items() if judged[row.title] is not None)
+        objects = read_scores([paths[seed] for seed in seeds])
+        absent = OUTDATED if any(path.exists() for path in paths.values()) else NOT_RUN
+        return ScanRow(row.title, tuple(objects), printed_row(self.name, category, row.printed), seeds, absent)
+
+    def _gaps(self, category: str, by_seed: HeldBySeed, structure: Structure, protocol: Protocol) -> str:
+        """How far pseudo labels go from no labels to true ones, over the seeds for which all three were run."""
+        compared = [row for row in TABLES[self.name].rows if row.title in COMPARED]
+        whole = {seed: judged for seed, judged in by_seed.items() if all(judged[row.title] for row in compared)}
+        if len(compared) < len(COMPARED) or not whole:
+            return ""
+        less, more, best = (self._row(row, category, whole, protocol).objects for row in compared)
+        shares = zip(measure_titles(structure), gap_closed(less, more, best, structure), strict=True)
+        texts = [f"{title} {share:.0%}" for title, share in shares if share is not None]
+        return f"Share of the gap to true labels that pseudo labels close: {', '.join(texts)}." if texts else ""
 
     def _caption(self, what: str, of: str, seeds: tuple[int, ...], protocol: Protocol) -> Caption:
         table = TABLES[self.name]
@@ -102,17 +148,27 @@ class WrittenTables:
             note=table.note,
         )
 
-    def _row(self, row: RowOf, category: str, seeds: Sequence[int], protocol: Protocol) -> ScanRow:
-        paths = (self._scores(row, category, seed, protocol) for seed in seeds)
-        objects = read_scores([path for path in paths if path.exists()])
-        return ScanRow(row.title, tuple(objects), printed_row(self.name, category, row.printed))
+    def _dataset(self, category: str) -> ScanDataset | None:
+        """The scans of a category; None before there are any."""
+        try:
+            return open_scan_dataset(self.workspace, category)
+        except InputError:
+            return None
 
-    def _scores(self, row: RowOf, category: str, seed: int, protocol: Protocol = "kinmo") -> Path:
-        return scores_path(row.workspace(self.workspace), row.cell(category, seed), row.on_rough, protocol)
+    def _judged(self, row: RowOf, category: str, seed: int) -> JudgedScans:
+        return JudgedScans(row.workspace(self.workspace), row.cell(category, seed), row.on_rough)
 
-    def _seeds_run(self, category: str, seeds: Sequence[int]) -> tuple[int, ...]:
-        rows = TABLES[self.name].rows
-        return tuple(seed for seed in seeds if any(self._scores(row, category, seed).exists() for row in rows))
+    def _stage(self, place: str) -> str:
+        return f"table-{self.name}-{place}"
+
+
+def _inputs(held: Held) -> dict[str, Any]:
+    """What a table shows, as JSON has it, whose keys are text."""
+    return {"held": {category: {str(seed): dict(rows) for seed, rows in by_seed.items()} for category, by_seed in held.items()}}
+
+
+def _seeds(rows: Sequence[ScanRow]) -> tuple[int, ...]:
+    return tuple(sorted({seed for row in rows for seed in row.seeds}))
 
 
 def _objects_of(dataset: ScanDataset) -> str:
@@ -130,17 +186,6 @@ def _objects_of(dataset: ScanDataset) -> str:
 def _labels(rows: Sequence[ScanRow], dataset: ScanDataset) -> str:
     """How right the pseudo labels are that the rows saw, where the true ones were held back."""
     seen = any(row.name == "semi-weakly" and row.objects for row in rows)
-    return str(count_labels(dataset.beside("semi-weakly"), dataset.files["hidden"])) if seen and dataset.files["hidden"] else ""
-
-
-def _gaps(rows: Sequence[ScanRow], structure: Structure) -> str:
-    """How far pseudo labels go from no labels to true ones, where all three were run."""
-    named = {row.name: row.objects for row in rows}
-    less, more, best = (named.get(name, ()) for name in ("supervised", "semi-weakly", "true labels"))
-    if not (less and more and best):
+    if not (seen and dataset.truths):
         return ""
-    shares = gap_closed(less, more, best, structure)
-    texts = [
-        f"{title} {share:.0%}" for title, share in zip(measure_titles(structure), shares, strict=True) if share is not None
-    ]
-    return f"Share of the gap to true labels that pseudo labels close: {', '.join(texts)}." if texts else ""
+    return str(count_labels(dataset.beside("semi-weakly"), dataset.files["hidden"], dataset.truths))

@@ -1,0 +1,195 @@
+"""The tables of networks that see scans: what they show, and what they say of what is not there."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from whole_road import Listener
+
+from kinmo.evaluation.scan_tables import NOT_RUN
+from kinmo.evaluation.scan_tables import OUTDATED as OUTDATED_ROW
+from kinmo.pipeline.ancsh_files import NETWORKS, Cell
+from kinmo.pipeline.evaluate import Evaluate
+from kinmo.pipeline.evaluate_all import EvaluateAll
+from kinmo.pipeline.evaluate_scans import EvaluateScans
+from kinmo.pipeline.report import Report
+from kinmo.pipeline.scan_dataset import Setting, open_scan_dataset, scans_of
+from kinmo.pipeline.scan_report import OUTDATED
+from kinmo.pipeline.scan_table_rows import TABLES, printed_row
+from kinmo.pipeline.scan_tables import JudgeTrained, MakeTable
+from kinmo.pipeline.written_scan_tables import WrittenTables
+from kinmo.scans.scan_file import count_objects
+from kinmo.workspace import StageRecord, Workspace
+
+
+def test_a_cell_that_cannot_be_run_leaves_the_others(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    told = Listener()
+    stage = MakeTable("4", Workspace(tmp_path / "workspace"), scanned.config, "kinmo", FAMILY, 1, **HOW)
+    found = stage.run(told)
+    assert found.failed == 1
+    assert [note for note in told.notes if note.startswith(f"not run: {CATEGORY}, dsg-net") and "DSG-Net" in note]
+    run = {row[0]: row[1] for row in found.data[CATEGORY]["parts"]["rows"]}
+    assert run == {"supervised": "1", "generated shapes": "not run"}
+
+
+def test_without_motion_networks_the_tables_of_scans_are_there_alone(scanned: Scanned) -> None:
+    shapes = Evaluate(scanned.workspace, ("kinmo", "paper"), FAMILY)
+    stage, told = EvaluateAll(shapes, JudgeTrained(scanned.workspace, FAMILY, device="cpu")), Listener()
+    found = stage.run(told)
+    assert list(found.data) == ["table-2"]
+    assert [note for note in told.notes if note.startswith("no Table 1:")]
+
+
+def test_a_table_shows_what_was_not_run_and_the_authors_figures(scanned: Scanned) -> None:
+    EvaluateScans(scanned.workspace, Cell(CATEGORY, "supervised", 0), "cpu").run(Listener())
+    found = WrittenTables(scanned.workspace, "2").write({CATEGORY: [0]}).data[CATEGORY]
+    run = {row[0]: row[1] for row in found["means"]["rows"]}
+    assert run == {"supervised": "0", "semi": NOT_RUN, "semi-weakly": NOT_RUN, "true labels": NOT_RUN}
+    assert printed_row("2", "fridge", "ANCSH") is None
+    assert printed_row("2", "refrigerator", "ANCSH")[0] == [12.09, 18.43, 21.7]
+    assert printed_row("4", "StorageFurniture", "ANCSH (DSG)")[0] == [40.0, 45.5, 42.0]
+    for name, table in TABLES.items():
+        for row in table.rows:
+            assert not row.printed or all(printed_row(name, category, row.printed) for category in table.categories)
+
+
+def taken_for(workspace: Workspace, setting: Setting, seed: int) -> None:
+    """Take the trained networks for those of another setting and seed, and judge them."""
+    known, wanted = Cell(CATEGORY, "supervised", 0), Cell(CATEGORY, setting, seed)
+    for network in NETWORKS:
+        shutil.copytree(known.folder(workspace, network), wanted.folder(workspace, network))
+        record = workspace.record(known.stage(network))
+        assert record is not None
+        workspace.write_record(wanted.stage(network), StageRecord(record.inputs))
+    EvaluateScans(workspace, wanted, "cpu").run(Listener())
+
+
+@pytest.fixture
+def judged(scanned: Scanned, tmp_path: Path) -> Workspace:
+    """A workspace of one's own, whose supervised networks are judged."""
+    JudgeTrained(scanned.workspace, FAMILY, device="cpu").run(Listener())
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    return Workspace(tmp_path / "workspace")
+
+
+def test_a_table_says_how_right_pseudo_labels_are_where_true_ones_are_held_back(judged: Workspace) -> None:
+    written = WrittenTables(judged, "2")
+    hidden, pseudo = (scans_of(judged, CATEGORY, role) for role in ("hidden", "pseudo"))
+    for is_run in (False, True):
+        if is_run:
+            taken_for(judged, "semi-weakly", 0)
+            shutil.copytree(hidden, pseudo)
+        written.write({CATEGORY: [0]})
+        text = (written.folder / CATEGORY / "means.md").read_text(encoding="utf-8")
+        count = count_objects(open_scan_dataset(judged, CATEGORY).files["hidden"])
+        labels = f"Of {count} objects that pseudo labels give these joints {count} truly have them, {count} all in"
+        assert (labels in " ".join(text.split())) is is_run
+
+
+def test_rows_say_which_seeds_they_are_of_and_gaps_are_over_those_that_all_have(judged: Workspace) -> None:
+    for setting, seed in (("supervised", 1), ("semi-weakly", 1), ("ceiling", 1), ("ceiling", 2)):
+        taken_for(judged, setting, seed)  # type: ignore[arg-type]
+    written = WrittenTables(judged, "2")
+    found = written.write({CATEGORY: [0, 1, 2]}).data[CATEGORY]["means"]["rows"]
+    assert {row[0]: row[1] for row in found} == {
+        "supervised": "0, 1",
+        "semi": NOT_RUN,
+        "semi-weakly": "1",
+        "true labels": "1, 2",
+    }
+    text = (written.folder / CATEGORY / "means.md").read_text(encoding="utf-8")
+    assert "seeds 0, 1, 2." in text
+    assert "Share of the gap" not in text, "of the seed that all have, all are equal"
+
+
+def test_what_was_judged_before_a_change_is_outdated_and_not_shown(judged: Workspace) -> None:
+    written = WrittenTables(judged, "2")
+    assert written.is_current(CATEGORY)
+    test = next(scans_of(judged, CATEGORY, "test").glob("*.safetensors"))
+    test.unlink()
+    assert not written.is_current(CATEGORY)
+    found = written.write({CATEGORY: [0]}).data[CATEGORY]["means"]["rows"]
+    assert found[0][1:] == (OUTDATED_ROW, *[None] * (len(found[0]) - 2))
+    assert written.is_current(CATEGORY), "it says that it is outdated"
+
+
+def test_a_table_is_outdated_once_more_was_judged(judged: Workspace) -> None:
+    written = WrittenTables(judged, "2")
+    written.write({CATEGORY: [0, 1]})
+    assert written.is_current(CATEGORY)
+    taken_for(judged, "supervised", 1)
+    assert not written.is_current(CATEGORY)
+
+
+def test_networks_of_which_one_is_trained_anew_are_none(judged: Workspace) -> None:
+    cell = Cell(CATEGORY, "supervised", 0)
+    assert cell.weights(judged)
+    record = judged.record(cell.stage("npcs"))
+    assert record is not None
+    judged.forget(cell.stage("npcs"))
+    assert cell.weights(judged) is None
+    judged.write_record(cell.stage("npcs"), StageRecord({**record.inputs, "data": "others"}))
+    assert cell.weights(judged) is None, "what the one says does not go with what the other says"
+
+
+def test_what_is_trained_is_judged_where_there_are_scans_of_it(scanned: Scanned) -> None:
+    stage = JudgeTrained(scanned.workspace, FAMILY, device="cpu")
+    found = stage.run(Listener())
+    assert list(found.data) == ["table-2"], "no rough scans, and no category of the other tables"
+    assert (stage.plan().steps, stage.plan().seconds) == ((), 0.0)
+    assert list(found.data["table-2"]) == [CATEGORY]
+
+
+def test_the_report_says_that_figures_of_scans_are_outdated(judged: Workspace) -> None:
+    page = judged.report / "index.html"
+    Report(judged).run(Listener())
+    assert "Table 2, poses" in page.read_text(encoding="utf-8")
+    assert OUTDATED not in page.read_text(encoding="utf-8")
+    weights, _ = Cell(CATEGORY, "supervised", 0).weights(judged) or pytest.fail("not trained")
+    header = weights.with_suffix(".json")
+    header.write_text(json.dumps(json.loads(header.read_text()) | {"sha256": "of others"}))
+    Report(judged).run(Listener())
+    assert OUTDATED in page.read_text(encoding="utf-8")
+    shutil.rmtree(judged.scans)
+    Report(judged).run(Listener())
+    assert OUTDATED in page.read_text(encoding="utf-8"), "also where scans are gone"
+
+
+def test_a_category_without_test_objects_is_said_to_be_not_judged(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
+    shutil.rmtree(tmp_path / "workspace" / "scans" / CATEGORY / "test")
+    stage, told = JudgeTrained(Workspace(tmp_path / "workspace"), FAMILY, device="cpu"), Listener()
+    assert stage.plan().steps == ()
+    stage.run(told)
+    assert [note for note in told.notes if "not judged" in note and "expected scans of a test object" in note]
+
+
+@pytest.mark.parametrize("is_scanned", [True, False])
+def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path: Path, is_scanned: bool) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    for folder in ("eval", *(() if is_scanned else ("scans", "own-scans", "models"))):
+        shutil.rmtree(tmp_path / "workspace" / folder, ignore_errors=True)
+    told = Listener()
+    stage = MakeTable("2", Workspace(tmp_path / "workspace"), scanned.config, "kinmo", FAMILY, 1, hours=0.0, **HOW)
+    found = stage.run(told)
+    assert sum(note.startswith("not run") for note in told.notes) == len(TABLES["2"].rows)
+    assert (found.path / CATEGORY / "means.md").exists()
+    assert (found.path / CATEGORY / "parts.md").exists() is is_scanned
+    assert {row[1] for row in found.data[CATEGORY]["means"]["rows"]} == {NOT_RUN}
+
+
+def test_a_table_whose_motion_networks_have_none_to_go_on_from_says_so(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace, told = Workspace(tmp_path / "workspace"), Listener()
+    stage = MakeTable("4", workspace, scanned.config, "kinmo", FAMILY, 1, start=Workspace(tmp_path / "none"), **HOW)
+    assert stage.run(told).failed == 1
+    (problem,) = (note for note in told.notes if note.startswith("not run"))
+    assert "generated" not in problem
+    assert str(tmp_path / "none") in problem
+    assert "expected the weights to go on from" in problem
