@@ -269,12 +269,12 @@ class AncshConfig:
     as a whole is asked what is the same for all points, the proportions of the parts' boxes and the places of the joints'
     axes, which in the release follow from what every point says. `joint_labels`: a point near to two joints tells of the
     `nearest`, or as in the `release` of the last, where joints without a place have one too. An epoch has `batches_per_epoch`
-    batches of `batch_frames` scans of `points` points; `validation_frames` an object choose the best. `ties`: predicted
+    batches of `batch_frames` scans of `points` points; validation sees `validation_frames` an object. `ties`: predicted
     joints tie the poses of all parts of the `tree` together, and what is typical of the objects trained on narrows these
     down; or as in the release joints tie two parts at a time (`pairs`), or `none`. `boxes` of parts are as `said`, or have
     their sides where these are `seen`. What networks say of a scan is a label for others where of every part at least the
-    share `confidence` of its points agrees on where that is. Objects with true labels have the share `trusted` of the scans
-    of a batch at least (0: all objects have equal odds).
+    share `confidence` of its points agrees on where that is. Objects with true labels have the share `trusted` of all
+    scans that are drawn at least (0: all objects have equal odds).
     """
 
     training: TrainingConfig

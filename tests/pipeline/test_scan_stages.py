@@ -148,6 +148,9 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(s
     text = Path(scanned.config).read_text(encoding="utf-8").replace("batches_per_epoch = 2", "batches_per_epoch = 60")
     config.write_text(text.replace("learning_rate = 1e-3", "learning_rate = 1e-2"), encoding="utf-8")
     stage = TrainAncsh(workspace, str(config), FAMILY, "semi", **HOW)
+    planned = stage.plan()
+    assert [step.split(" (")[0] for step in planned.steps if step.startswith("train")] == ["train ancsh", "train npcs"] * 2
+    assert [step for step in planned.steps if step.startswith("label")]
     told = Listener()
     stage.run(told)
     assert stage.plan().steps == ()

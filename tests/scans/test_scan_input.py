@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from zipfile import ZipFile
 
 import numpy as np
 import pytest
 import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from PIL import Image
 
 from kinmo.errors import InputError
@@ -71,6 +74,10 @@ def written(folder: Path, what: str) -> Path:
         np.savez(path, depth=np.ones((8, 8)))
     elif what == "bad_camera.npz":
         np.savez(path, depth=np.ones((8, 8)), intrinsics=np.ones((2, 2)))
+    elif what == "turned_camera.npz":
+        np.savez(path, depth=np.ones((8, 8)), intrinsics=np.array([[100.0, 0.0, 4.0], [0.0, 100.0, 4.0], [0.0, 0.0, 1.0]]).T)
+    elif what == "colours.npy":
+        np.save(path, np.hstack([POINTS, POINTS]))
     elif what == "empty.npy":
         np.save(path, np.full((64, 3), np.nan))
     else:
@@ -91,7 +98,9 @@ def written(folder: Path, what: str) -> Path:
         ("shape.npz", r"points: expected \[n, 3\]"),
         ("other.npz", "expected points or depth, got cloud"),
         ("no_camera.npz", "--intrinsics fx,fy,cx,cy"),
-        ("bad_camera.npz", "intrinsics: expected a matrix"),
+        ("bad_camera.npz", "intrinsics: expected the matrix"),
+        ("turned_camera.npz", "intrinsics: expected the matrix"),
+        ("colours.npy", r"points: expected \[n, 3\], got \[100, 6\]"),
         ("cut.npz", "expected arrays of NumPy"),
         ("cut.ply", "expected a PLY file"),
         ("cut.png", "expected a depth image"),
@@ -114,3 +123,19 @@ def test_pixels_without_a_place_are_left_out_and_other_arrays_are_not_looked_at(
 def test_a_file_that_is_not_there_is_said_to_be_missing(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         read_scan(tmp_path / "none.npz")
+
+
+@settings(max_examples=200)
+@given(st.data())
+def test_a_damaged_archive_is_refused_in_one_line_or_read(tmp_path_factory, data):
+    whole = io.BytesIO()
+    np.savez_compressed(whole, points=POINTS)
+    contents = bytearray(whole.getvalue())
+    place = data.draw(st.integers(0, len(contents) - 1))
+    contents[place] ^= data.draw(st.integers(1, 255))
+    path = tmp_path_factory.getbasetemp() / "damaged.npz"
+    path.write_bytes(contents[: data.draw(st.sampled_from([None, place]))])
+    try:
+        assert read_scan(path).shape[1] == 3
+    except InputError as error:
+        assert "\n" not in str(error)

@@ -34,7 +34,7 @@ SECONDS_PER_FRAME = 0.010
 
 @dataclass(frozen=True)
 class ScanFitting:
-    """One network to be trained on some scans, and chosen by others, of so many `objects` each."""
+    """One network to be trained on some scans, and validated on others, of so many `objects` each."""
 
     workspace: Workspace
     cell: Cell
@@ -107,11 +107,15 @@ class TrainAncsh:
             plan = stage.plan()
             steps += plan.steps
             seconds += plan.seconds
+        if steps:  # what they leave decides what is trained on
+            cells = [Cell(category, self.setting, self.seed) for category in self._categories()]
+            steps += [f"train {network} ({cell})" for cell in cells for network in NETWORKS]
+            return Plan(tuple(steps), seconds + len(cells) * training_seconds(config.ancsh, self.workers))
         fittings = list(self._fittings(config))
         pending = self._fitter.pending(fittings)
         steps += [
             f"train {each.name} on scans of {each.objects[0]} objects for {each.schedule.epochs} epochs, "
-            f"choose by {each.objects[1]}"
+            f"validate on {each.objects[1]}"
             for each in fittings
             if each in pending
         ]
@@ -164,7 +168,7 @@ class TrainAncsh:
             beside = tuple(self_labels(self.workspace, dataset.category, self.seed))
         training = dataset.files["train"] + beside
         folder = self.workspace.scans / dataset.category
-        for files, role in ((training, "train"), (validation, "choose by")):
+        for files, role in ((training, "train"), (validation, "validate on")):
             if not files:
                 raise InputError(folder, f"expected scans of an object of {dataset.structure} to {role}")
         if self.setting in BESIDE and not beside:

@@ -72,9 +72,9 @@ class ScanEstimate:
     """Parts, joints and joint states of one scan, in the camera's frame and lengths.
 
     `centers` and `half_extents` [K, 3] are those of the parts' amodal boxes, whose axes are the columns of the rotations;
-    `inliers` [K] the shares of points that fit. `directions` and `pivots` [K - 1, 3] are the axes of the joints of parts 1 and
-    up where they now are, `states` [K - 1] how far these are from where the canonical frame has them: radians, or lengths. NaN
-    where unknown.
+    `inliers` [K] the shares of points that fit the pose which RANSAC found of the part alone. `directions` and `pivots` [K - 1,
+    3] are the axes of the joints of parts 1 and up where they now are, `states` [K - 1] how far these are from where the
+    canonical frame has them: radians, or lengths. NaN where unknown.
     """
 
     poses: PartPoses

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tokenize import TokenError
 from zipfile import BadZipFile
+from zlib import error as ZlibError
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,12 @@ F64 = NDArray[np.float64]
 CLOUDS = (".npz", ".npy", ".ply")
 IMAGES = (".png", ".tif", ".tiff")
 LEAST_POINTS = 32
+NARROWEST = 16
+"""Pixels across a depth image: an array of fewer columns is one of points."""
+
+
+READING = (OSError, ValueError, EOFError, SyntaxError, AttributeError, RuntimeError, TokenError, BadZipFile, ZlibError)
+"""What NumPy raises for files that are no arrays, cut off, damaged, or locked."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +49,14 @@ class Intrinsics:
         """From [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], or from (fx, fy, cx, cy)."""
         values = np.asarray(matrix, np.float64)
         if values.shape == (3, 3):
-            values = values[[0, 1, 0, 1], [0, 1, 2, 2]]
+            fx, fy, cx, cy = numbers = values[[0, 1, 0, 1], [0, 1, 2, 2]]
+            is_one = np.allclose(values, [[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]], rtol=0.0, atol=1e-6)
+            values = numbers if is_one else np.zeros(0)
         try:
             return cls._checked(values.tolist() if values.ndim == 1 else [], str(source))
         except ValueError:
-            raise InputError(source, "expected a matrix [3, 3], or fx, fy, cx, cy", "intrinsics") from None
+            problem = "expected the matrix [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], or fx, fy, cx, cy"
+            raise InputError(source, problem, "intrinsics") from None
 
     @classmethod
     def _checked(cls, values: list[float], where: str) -> Intrinsics:
@@ -87,12 +97,12 @@ def _arrays(path: Path, intrinsics: Intrinsics | None, depth_scale: float) -> F6
     try:
         loaded = np.load(path, allow_pickle=False)
         if isinstance(loaded, np.ndarray):
-            arrays = {"points" if loaded.ndim == 2 and loaded.shape[1] == 3 else "depth": loaded}
+            arrays = {"points" if loaded.ndim == 2 and loaded.shape[1] < NARROWEST else "depth": loaded}
         else:
             arrays = {name: loaded[name] for name in ("points", "depth", "intrinsics") if name in loaded.files}
             if not {"points", "depth"} & arrays.keys():
                 raise InputError(path, f"expected points or depth, got {', '.join(loaded.files) or 'nothing'}")
-    except (OSError, ValueError, EOFError, SyntaxError, AttributeError, TokenError, BadZipFile) as error:
+    except READING as error:
         if isinstance(error, InputError):
             raise
         raise InputError(path, f"expected arrays of NumPy ({error})") from None

@@ -38,7 +38,7 @@ class SaidObject:
 
 
 def is_sure(found: ScanEstimate, confidence: float) -> bool:
-    """Whether every part was found, and at least the share `confidence` of the points of each fits where it is."""
+    """Whether every part was found, and at least the share `confidence` of the points of each agrees on where it is."""
     return bool(found.poses.found.all() and np.isfinite(found.directions).all() and found.inliers.min() >= confidence)
 
 

@@ -24,7 +24,7 @@ FIRST_LOOKS = 0.5
 class ScanData:
     """Frames of many objects, mixed anew every epoch; objects have equal odds whatever the number of their frames, or files.
 
-    Of every batch those with true labels have the share `config.trusted` at least, where there are others.
+    Of all that are drawn those with true labels have the share `config.trusted` at least, where there are others.
     """
 
     def __init__(self, training: Sequence[ScanFile], validation: Sequence[ScanFile], config: AncshConfig) -> None:

@@ -34,7 +34,8 @@ def train_ancsh(
     fingerprint: str = "",
     on_progress: Callable[[Progress], None] | None = None,
 ) -> FitResult:
-    """Train on scans of objects of one structure; leaves `weights.safetensors` and `.json` of the best epoch in `run_dir`.
+    """Train on scans of objects of one structure; leaves `weights.safetensors` and `.json` of the epoch to
+    keep (`TrainingConfig.keep`) in `run_dir`.
 
     Resumes what was cut off (`training.fit`). Raises InputError if either set is empty, or structures differ.
     """
@@ -75,7 +76,7 @@ def structure_of(files: Sequence[ScanFile]) -> Structure:
 
 
 class AncshLearner(Learner):
-    """The weighted sum of the losses; the best epoch has the least of it on validation."""
+    """The weighted sum of the losses, which is the error on validation, too."""
 
     def __init__(self, config: AncshConfig, which: AncshNetworkName, parts: int, classes: int) -> None:
         super().__init__(config.training)
