@@ -199,7 +199,8 @@ def seen_boxes(
     1]; of the boxes, given as in `box_intersection_volume`, those of scan f are `frames[f]` to `frames[f + 1]`, and `owners`
     [N] has the number of the one among them that a point is of (-1: of none). No point of a box is outside: its sides go out
     to the outermost. Where a side is farther out than all points, and most of the surface between would be seen and is not,
-    it goes in to the outermost. What is hidden, or too thin to tell, stays, as do boxes with fewer than 10 points, and axes.
+    it goes in to the outermost. What is hidden, seen too flatly, or too thin to tell, stays, as do boxes with fewer than 10
+    points, and axes.
     Returns `(centers, axes, half_extents)`.
     """
 

@@ -12,6 +12,8 @@ const LEAST_POINTS: usize = 10;
 const REACH: f64 = 3.0;
 /// Places along each side of a face that are looked at.
 const PLACES: usize = 5;
+/// Sine of the angle between a surface and a ray below which a depth camera may see nothing there.
+const FLATTEST: f64 = 0.25;
 
 /// A scan as its camera sees it: what lies in which direction.
 pub struct View {
@@ -67,7 +69,7 @@ fn spacing(points: &[Point3<f64>]) -> f64 {
 ///
 /// No point is outside: a side goes out to the outermost. Where a side is said to be farther out than all points, what lies
 /// between is looked at from the camera. If most of its surface would be seen there and is not, the side goes in to the
-/// outermost point; what is hidden, or too thin to tell, stays as it is said. Axes stay as they are.
+/// outermost point; what is hidden, seen too flatly, or too thin to tell, stays as it is said. Axes stay as they are.
 pub fn seen_box(view: &View, own: &[Point3<f64>], said: &OrientedBox) -> OrientedBox {
     if own.len() < LEAST_POINTS {
         return *said;
@@ -119,6 +121,10 @@ impl Frame<'_> {
                 for (other, step) in others.into_iter().zip([index % PLACES, index / PLACES]) {
                     let share = (step as f64 + 0.5) / PLACES as f64;
                     place[other] = beyond.ends[0][other] * (1.0 - share) + beyond.ends[1][other] * share;
+                }
+                let ray = self.camera - place;
+                if ray[axis].abs() < FLATTEST * ray.norm() {
+                    continue;
                 }
                 places += 1;
                 seen_through += usize::from(self.view.is_seen_through(&self.place(&place)));
@@ -236,13 +242,26 @@ mod tests {
         }
     }
 
+    /// A box along the axes.
+    fn straight(center: [f64; 3], half_extents: [f64; 3]) -> OrientedBox {
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        OrientedBox { center: center.into(), axes, half_extents: half_extents.into() }
+    }
+
+    #[test]
+    fn a_side_that_is_seen_too_flatly_stays_and_one_that_is_not_goes_in() {
+        // Nothing came back from the top: once the camera is a little above it, once far.
+        for (height, depth) in [(0.1, 0.5), (1.5, 0.0)] {
+            let said = straight([0.0, -height - 0.2, 3.0], [0.2, 0.2, 0.5]);
+            let points: Vec<_> = scan(&said).into_iter().filter(|point| point.z < 2.5 + 1e-9).collect();
+            let found = seen_box(&View::new(&points, Point3::origin()), &points, &said);
+            assert!((found.half_extents - Vector3::new(0.2, 0.2, depth)).amax() < 1e-9, "{height}: {found:?}");
+        }
+    }
+
     #[test]
     fn few_points_say_nothing() {
-        let said = OrientedBox {
-            center: Point3::new(0.0, 0.0, 3.0),
-            axes: [Vector3::x(), Vector3::y(), Vector3::z()],
-            half_extents: Vector3::repeat(0.5),
-        };
+        let said = straight([0.0, 0.0, 3.0], [0.5; 3]);
         let points = [Point3::new(0.0, 0.0, 9.0); LEAST_POINTS - 1];
         assert_eq!(seen_box(&View::new(&points, Point3::origin()), &points, &said), said);
     }
