@@ -49,7 +49,6 @@ def main() -> None:
     weights = cell.weights(workspace)
     if weights is None:
         parser.error(f"no networks for {cell}")
-    ids = {file.id for file in dataset.files["test"]}
     network, rough = Ancsh.load(*weights), load_config("small").scans.rough
     sensors = {"clean": SensorConfig(), "rough": rough}
     sensors |= {name: replace(SensorConfig(), **{name: getattr(rough, name)}) for name in ("noise", "holes", "crop", "steep")}

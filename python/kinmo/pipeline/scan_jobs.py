@@ -94,18 +94,22 @@ class Rendering:
     config: ScansConfig
     seed: int
 
-    def _moving(self, shape: Shape, variant: int, seed: int) -> ArticulatedObject:
+    def _moving(self, shape: Shape, job: Job, seed: int) -> ArticulatedObject:
         changing = np.random.default_rng([seed, CHANGING])
-        change = draw_change(np.asarray(shape.up), self.config.stretch, changing) if variant else None
-        closes = self.config.canonical == "closed"
-        return articulated_object(shape, smallest=self.config.smallest_part, closes=closes, change=change)
+        return articulated_object(
+            shape,
+            smallest=self.config.smallest_part,
+            closes=self.config.canonical == "closed",
+            is_guessed=job.role == "pseudo",
+            change=draw_change(np.asarray(shape.up), self.config.stretch, changing) if job.variant else None,
+        )
 
     def __call__(self, job: Job) -> None:
         job.path.parent.mkdir(parents=True, exist_ok=True)
         seed = zlib.crc32(f"{job.found.id} {job.role} {self.seed}".encode()) + job.variant
         try:
             shape = replace(read_found(job.found), id=job.found.id)
-            target = still_object(shape) if job.role == "unlabelled" else self._moving(shape, job.variant, seed)
+            target = still_object(shape) if job.role == "unlabelled" else self._moving(shape, job, seed)
         except ValueError as error:
             job.refuse(str(error))
             return

@@ -41,7 +41,7 @@ def joint_range(joint: Joint) -> tuple[float, float]:
 
 
 def opened_as_usual(mobility: Mobility, endless: float, turns: Sequence[float], rng: np.random.Generator) -> Mobility:
-    """The same, its hinges that open as far as `endless` radians, which says that no end is known, opening as others do.
+    """The same, its hinges that are `endless` radians wide, which says that no end is known, opening as others do.
 
     Each opens as far as one of `turns`, the widths in radians of hinges of known objects, drawn at random.
     """
@@ -52,7 +52,7 @@ def opened_as_usual(mobility: Mobility, endless: float, turns: Sequence[float], 
         joint = body.joint
         if joint is not None and joint.kind is JointKind.REVOLUTE and joint.lower is not None and joint.upper is not None:
             wanted = turns[int(rng.integers(len(turns)))]
-            if joint.upper >= endless - ROUNDING:
+            if joint.upper - joint.lower >= endless - ROUNDING:
                 joint = replace(joint, upper=max(joint.upper, joint.lower + wanted))
         bodies.append(replace(body, joint=joint))
     return replace(mobility, bodies=tuple(bodies))

@@ -1,0 +1,110 @@
+"""Where hinges of pseudo labels are closed: their limits only tell how far nothing stops them, too far or not far enough.
+
+What is closed lies straight and takes up no room: a door that a file shows open is closed where its sides face the axes of the
+file, one that could be pushed in through its frame is closed as it stands.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from kinmo.joint import Joint, JointKind
+from kinmo.kinematics import joint_motion
+from kinmo.mobility import Mobility
+from kinmo.scans.closing import ALIKE
+from kinmo.shape import Mesh
+
+F64 = NDArray[np.float64]
+
+FARTHEST = math.radians(135.0)
+"""From the pose of the file, to either side, within which a hinge is thought to be closed."""
+STEP = math.radians(3.0)
+MOST_CROOKED = 1.12
+"""Mean sum of the coordinates of normals, 1 of a box along the axes, up to which a part is one that can lie straight."""
+AS_STRAIGHT = 0.03
+"""Within so much of the least such sum a part lies straight."""
+QUARTER = 0.5 * math.pi
+PER_QUARTER, OUT_OF_REACH = 0.25, 0.4
+"""What it costs to be closed a quarter of a turn from the pose of the file, or farther beyond the limits than half of that. To
+take up twice the room, with what it hangs by, costs 1."""
+OPENING = math.radians(30.0)
+"""Which way a closed part opens is where it takes up more room after this."""
+NEAR = math.radians(2.0)
+"""A part that is as near to closed is closed."""
+
+
+def likely_closed(mobility: Mobility, meshes: Sequence[Mesh], widest: float) -> Mobility:
+    """The same, its hinges with one end where they are thought to be closed, and the other `widest` radians from there at most.
+
+    `meshes` are those of the bodies. What cannot lie straight keeps its limits.
+    """
+    bodies = list(mobility.bodies)
+    for index, body in mobility.movable():
+        if body.joint is not None and body.joint.kind is JointKind.REVOLUTE and body.parent is not None:
+            bodies[index] = replace(body, joint=_likely(body.joint, meshes[index], meshes[body.parent], widest))
+    return replace(mobility, bodies=tuple(bodies))
+
+
+def _likely(joint: Joint, mesh: Mesh, parent: Mesh, widest: float) -> Joint:
+    if joint.lower is None or joint.upper is None or not len(parent.vertices):
+        return joint
+    straight = _straight(joint, mesh)
+    if not len(straight):
+        return joint
+    cloud, base = (some.vertices[np.unique(some.faces)] for some in (mesh, parent))
+    rooms = np.array([_room(joint, cloud, base, angle) for angle in straight])
+    beyond = np.maximum(straight - (joint.upper - joint.rest), (joint.lower - joint.rest) - straight)
+    costs = rooms / rooms.min() + PER_QUARTER * np.abs(straight) / QUARTER + OUT_OF_REACH * (beyond > 0.5 * QUARTER)
+    closed = float(straight[np.argmin(costs)])
+    ways = {1.0: joint.upper - joint.rest - closed, -1.0: closed + joint.rest - joint.lower}
+    opens = _opens(joint, cloud, base, closed, ways)
+    width = min(ways[opens], widest) if ways[opens] > OPENING else widest
+    ends = sorted((joint.rest + closed, joint.rest + closed + opens * width))
+    return replace(joint, lower=ends[0], upper=ends[1])
+
+
+def _straight(joint: Joint, mesh: Mesh) -> F64:
+    """The angles from the pose of the file at which the sides of a part face the axes."""
+    corners = mesh.vertices[mesh.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = float(np.linalg.norm(normals, axis=1).sum())
+
+    def crooked(angle: float) -> float:
+        turned = normals @ joint_motion(joint, joint.rest + angle)[:3, :3].T
+        return float(np.abs(turned).sum()) / max(area, np.finfo(float).tiny)
+
+    angles = np.arange(-FARTHEST, FARTHEST + STEP, STEP)
+    tried = np.array([crooked(angle) for angle in angles])
+    if np.ptp(tried) <= AS_STRAIGHT:
+        return np.zeros(0)  # as straight at any angle, such as a lid that turns in its plane
+    least = 1 + np.flatnonzero((tried[1:-1] <= tried[:-2]) & (tried[1:-1] <= tried[2:]))
+    ends = [minimize_scalar(crooked, bounds=(angle - STEP, angle + STEP), method="bounded") for angle in angles[least]]
+    most = min(MOST_CROOKED, min((float(end.fun) for end in ends), default=math.inf) + AS_STRAIGHT)
+    return np.array([float(end.x) for end in ends if end.fun <= most])
+
+
+def _opens(joint: Joint, cloud: F64, base: F64, closed: float, ways: Mapping[float, float]) -> float:
+    """The way from closed to open, 1 or -1: to where the file shows it, where it takes up more room, or is free for longer."""
+    if abs(closed) > NEAR:
+        return -math.copysign(1.0, closed)
+    rooms = {way: _room(joint, cloud, base, closed + way * OPENING) for way in ways}
+    alike = abs(rooms[1.0] - rooms[-1.0]) <= ALIKE * max(rooms.values())
+    by = ways if alike else rooms
+    return max(by, key=lambda way: by[way])
+
+
+def _room(joint: Joint, cloud: F64, base: F64, angle: float) -> float:
+    """The volume of the box of a part, turned by an angle from the pose of the file, and what it hangs by."""
+    both = np.concatenate([_turned(joint, cloud, angle), base])
+    return float(np.prod(np.maximum(np.ptp(both, axis=0), 1e-9)))
+
+
+def _turned(joint: Joint, cloud: F64, angle: float) -> F64:
+    pose = joint_motion(joint, joint.rest + angle)
+    return np.asarray(cloud @ pose[:3, :3].T + pose[:3, 3])

@@ -1,0 +1,99 @@
+"""Where hinges with guessed limits are closed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from articulated import box_mesh
+from kinmo.joint import Joint, JointKind
+from kinmo.kinematics import joint_motion
+from kinmo.mobility import Body, Mobility
+from kinmo.scans.articulated_object import articulated_object
+from kinmo.scans.likely_closed import likely_closed
+from kinmo.shape import Mesh, join
+from scanned import UP, cupboard
+
+QUARTER = 0.5 * math.pi
+BODY = box_mesh((-1.0, 0.0, -1.0), (1.0, 2.0, 0.8))
+
+
+def door(width: float, handle: float) -> Mesh:
+    """Before the body, its hinge at the left; with a handle at its free end."""
+    panel = box_mesh((-1.0, 0.0, 0.8), (width - 1.0, 2.0, 0.9))
+    return join(panel, box_mesh((width - 1.2, 0.5, 0.9), (width - 1.15, 1.5, 0.9 + handle)))
+
+
+def hinged(mesh: Mesh, open_by: float, lower: float, upper: float, side: float) -> tuple[Mobility, tuple[Mesh, Mesh]]:
+    """A file that shows the door open; limits are from there on, about an axis that points up or down."""
+    joint = Joint(JointKind.REVOLUTE, side * UP, np.array([-1.0, 0.0, 0.8]))
+    pose = joint_motion(joint, -side * open_by)
+    shown = Mesh(mesh.vertices @ pose[:3, :3].T + pose[:3, 3], mesh.faces)
+    ends = (lower, upper) if side < 0 else (-upper, -lower)
+    joint = replace(joint, lower=ends[0], upper=ends[1])
+    return Mobility((Body(0, "body", (1,)), Body(1, "door", (2,), 0, joint))), (BODY, shown)
+
+
+def ends_of(mobility: Mobility, side: float) -> tuple[float, float]:
+    """Its limits, the way it opens counted as positive."""
+    joint = mobility.bodies[1].joint
+    assert joint is not None
+    assert joint.lower is not None
+    assert joint.upper is not None
+    return (joint.lower, joint.upper) if side < 0 else (-joint.upper, -joint.lower)
+
+
+@settings(max_examples=60)
+@given(
+    st.floats(1.2, 2.0),
+    st.floats(0.01, 0.2),
+    st.floats(0.0, 1.4),
+    st.floats(0.0, QUARTER),
+    st.floats(0.6, QUARTER),
+    st.sampled_from([1.0, -1.0]),
+)
+def test_a_door_is_closed_where_it_lies_before_the_body_however_far_the_file_shows_it_open_and_labels_let_it_go(
+    width: float, handle: float, open_by: float, back: float, forth: float, side: float
+) -> None:
+    assume(back <= open_by + 0.5 or open_by < 0.03)
+    mobility, meshes = hinged(door(width, handle), open_by, -back, forth, side)
+    lower, upper = ends_of(likely_closed(mobility, meshes, QUARTER), side)
+    assert lower == pytest.approx(-open_by, abs=1e-3)
+    assert upper - lower == pytest.approx(min(forth + open_by, QUARTER), abs=2e-3)
+
+
+@pytest.mark.parametrize("tip", [[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]])
+def test_what_cannot_lie_straight_or_lies_so_at_any_angle_keeps_its_limits(tip: list[float]) -> None:
+    angles = np.linspace(0.0, 2.0 * np.pi, 30, endpoint=False)
+    ring = np.stack([np.cos(angles), np.zeros(30), np.sin(angles)], axis=1)
+    cone = Mesh(np.concatenate([ring, [tip]]), np.array([[i, (i + 1) % 30, 30] for i in range(30)], np.uint32))
+    mobility, (body, _) = hinged(door(1.0, 0.1), 0.0, -0.3, 0.5, 1.0)
+    assert likely_closed(mobility, (body, cone), QUARTER).bodies[1].joint is mobility.bodies[1].joint
+
+
+def test_what_has_no_limits_has_none_and_sliders_keep_theirs() -> None:
+    mobility, meshes = hinged(door(1.0, 0.1), 0.3, -0.3, 0.5, 1.0)
+    joint = mobility.bodies[1].joint
+    assert joint is not None
+    for other in (replace(joint, lower=None, upper=None), replace(joint, kind=JointKind.PRISMATIC)):
+        changed = replace(mobility, bodies=(mobility.bodies[0], replace(mobility.bodies[1], joint=other)))
+        assert likely_closed(changed, meshes, QUARTER).bodies[1].joint is other
+
+
+def test_guessed_limits_of_an_object_do_not_decide_where_its_door_is_closed() -> None:
+    shape = cupboard()
+    assert shape.mobility is not None
+    bodies = list(shape.mobility.bodies)
+    place = next(index for index, body in enumerate(bodies) if body.name == "door")
+    joint = bodies[place].joint
+    assert joint is not None
+    bodies[place] = replace(bodies[place], joint=replace(joint, lower=-1.2, upper=1.0))
+    found = articulated_object(shape, Mobility(tuple(bodies)), is_guessed=True)
+    true = articulated_object(shape)
+    for mesh, other in zip(found.meshes, true.meshes, strict=True):
+        np.testing.assert_allclose(mesh.vertices, other.vertices, atol=1e-6)
