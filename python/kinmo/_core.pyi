@@ -4,7 +4,7 @@ Every function takes and returns NumPy arrays, in any memory layout, runs withou
 (`RAYON_NUM_THREADS` bounds them), looks for Ctrl-C about every twentieth of a second (between two items of the batch, where one
 takes longer), and gives the same result for a seed whatever the number of threads. It raises ValueError, its text starting with
 the argument's name, for NaN, numbers beyond 1e60 and counts out of range, empty meshes, indices out of range and wrong shapes;
-TypeError for another type of value; MemoryError where the result would not fit. Lengths below 1e-150 count as none.
+TypeError for another type of value; MemoryError where the result would not fit. Lengths below 1e-100 may count as none.
 P is the number of meshes, G of groups.
 A group is a list of indices of meshes taken as one part; `groups=None` takes every mesh by itself.
 """

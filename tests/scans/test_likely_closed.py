@@ -1,4 +1,4 @@
-"""Where hinges with guessed limits are closed."""
+"""Where joints with guessed limits are closed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from kinmo.mobility import Body, Mobility
 from kinmo.scans.articulated_object import articulated_object
 from kinmo.scans.likely_closed import likely_closed
 from kinmo.shape import Mesh, join
-from scanned import UP, cupboard
+from scanned import FRONT, UP, cupboard
 
 QUARTER = 0.5 * math.pi
 BODY = box_mesh((-1.0, 0.0, -1.0), (1.0, 2.0, 0.8))
@@ -76,13 +76,31 @@ def test_what_cannot_lie_straight_or_lies_so_at_any_angle_keeps_its_limits(tip: 
     assert likely_closed(mobility, (body, cone), QUARTER).bodies[1].joint is mobility.bodies[1].joint
 
 
-def test_what_has_no_limits_has_none_and_sliders_keep_theirs() -> None:
+def test_what_has_no_limits_has_none_and_screws_keep_theirs() -> None:
     mobility, meshes = hinged(door(1.0, 0.1), 0.3, -0.3, 0.5, 1.0)
     joint = mobility.bodies[1].joint
     assert joint is not None
-    for other in (replace(joint, lower=None, upper=None), replace(joint, kind=JointKind.PRISMATIC)):
+    for other in (replace(joint, lower=None, upper=None), replace(joint, kind=JointKind.SCREW)):
         changed = replace(mobility, bodies=(mobility.bodies[0], replace(mobility.bodies[1], joint=other)))
         assert likely_closed(changed, meshes, QUARTER).bodies[1].joint is other
+
+
+@given(st.floats(0.0, 0.9), st.floats(0.3, 0.8), st.sampled_from([1.0, -1.0]), st.sampled_from([1.0, -1.0]))
+def test_a_drawer_that_is_pulled_out_is_closed_where_it_does_not_stick_out(
+    out: float, width: float, side: float, said: float
+) -> None:
+    assume(abs(out - 0.3) > 1e-6)
+    drawer = box_mesh((-0.5, 0.5, out - 0.2), (0.5, 1.0, out + 0.8))
+    ends = sorted((0.0, said * width))
+    joint = Joint(JointKind.PRISMATIC, side * FRONT, np.zeros(3), ends[0], ends[1])
+    mobility = Mobility((Body(0, "body", (1,)), Body(1, "drawer", (2,), 0, joint)))
+    found = likely_closed(mobility, (BODY, drawer), QUARTER).bodies[1].joint
+    assert found is not None
+    if out < 0.3:
+        assert found is joint
+    else:
+        expected = sorted((-side * out, side * (max(width, out) - out)))
+        assert (found.lower, found.upper) == pytest.approx(tuple(expected), abs=1e-9)
 
 
 def test_guessed_limits_of_an_object_do_not_decide_where_its_door_is_closed() -> None:

@@ -1,7 +1,7 @@
-"""Where hinges of pseudo labels are closed: their limits only tell how far nothing stops them, too far or not far enough.
+"""Where joints of pseudo labels are closed: their limits only tell how far nothing stops them, too far or not far enough.
 
 What is closed lies straight and takes up no room: a door that a file shows open is closed where its sides face the axes of the
-file, one that could be pushed in through its frame is closed as it stands.
+file, one that could be pushed in through its frame is closed as it stands, and a drawer that sticks out is closed further in.
 """
 
 from __future__ import annotations
@@ -33,6 +33,9 @@ QUARTER = 0.5 * math.pi
 PER_QUARTER, OUT_OF_REACH = 0.25, 0.4
 """What it costs to be closed a quarter of a turn from the pose of the file, or farther beyond the limits than half of that. To
 take up twice the room, with what it hangs by, costs 1."""
+PULLED_OUT = 0.3
+"""Share of a slider's length by which it sticks out of what it hangs by, from which on it is thought to be pulled out. It is
+closed where it does not stick out any more."""
 OPENING = math.radians(30.0)
 """Which way a closed part opens is where it takes up more room after this."""
 NEAR = math.radians(2.0)
@@ -40,24 +43,40 @@ NEAR = math.radians(2.0)
 
 
 def likely_closed(mobility: Mobility, meshes: Sequence[Mesh], widest: float) -> Mobility:
-    """The same, its hinges with one end where they are thought to be closed, and the other `widest` radians from there at most.
+    """The same, its joints with one end where they are thought to be closed, hinges with the other within `widest` radians.
 
-    `meshes` are those of the bodies. What cannot lie straight keeps its limits.
+    `meshes` are those of the bodies. Hinges of what cannot lie straight keep their limits, as do sliders that are not pulled
+    out.
     """
     bodies = list(mobility.bodies)
     for index, body in mobility.movable():
-        if body.joint is not None and body.joint.kind is JointKind.REVOLUTE and body.parent is not None:
-            bodies[index] = replace(body, joint=_likely(body.joint, meshes[index], meshes[body.parent], widest))
+        joint, parent = body.joint, body.parent
+        if joint is None or parent is None or joint.lower is None or not len(meshes[parent].vertices):
+            continue
+        if joint.kind is JointKind.REVOLUTE:
+            joint = _likely_hinge(joint, meshes[index], meshes[parent], widest)
+        elif joint.kind is JointKind.PRISMATIC:
+            joint = _likely_slider(joint, _cloud(meshes[index]), _cloud(meshes[parent]))
+        bodies[index] = replace(body, joint=joint)
     return replace(mobility, bodies=tuple(bodies))
 
 
-def _likely(joint: Joint, mesh: Mesh, parent: Mesh, widest: float) -> Joint:
-    if joint.lower is None or joint.upper is None or not len(parent.vertices):
+def _likely_slider(joint: Joint, cloud: F64, base: F64) -> Joint:
+    own, fixed = cloud @ joint.direction, base @ joint.direction
+    sticks_out = {1.0: float(own.max() - fixed.max()), -1.0: float(fixed.min() - own.min())}
+    way = max(sticks_out, key=lambda way: sticks_out[way])
+    if sticks_out[way] <= PULLED_OUT * float(np.ptp(own)) or joint.lower is None or joint.upper is None:
         return joint
+    closed = joint.rest - way * sticks_out[way]
+    ends = sorted((closed, closed + way * max(joint.upper - joint.lower, sticks_out[way])))
+    return replace(joint, lower=ends[0], upper=ends[1])
+
+
+def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float) -> Joint:
     straight = _straight(joint, mesh)
-    if not len(straight):
+    if joint.lower is None or joint.upper is None or not len(straight):
         return joint
-    cloud, base = (some.vertices[np.unique(some.faces)] for some in (mesh, parent))
+    cloud, base = _cloud(mesh), _cloud(parent)
     rooms = np.array([_room(joint, cloud, base, angle) for angle in straight])
     beyond = np.maximum(straight - (joint.upper - joint.rest), (joint.lower - joint.rest) - straight)
     costs = rooms / rooms.min() + PER_QUARTER * np.abs(straight) / QUARTER + OUT_OF_REACH * (beyond > 0.5 * QUARTER)
@@ -103,6 +122,10 @@ def _room(joint: Joint, cloud: F64, base: F64, angle: float) -> float:
     """The volume of the box of a part, turned by an angle from the pose of the file, and what it hangs by."""
     both = np.concatenate([_turned(joint, cloud, angle), base])
     return float(np.prod(np.maximum(np.ptp(both, axis=0), 1e-9)))
+
+
+def _cloud(mesh: Mesh) -> F64:
+    return mesh.vertices[np.unique(mesh.faces)]
 
 
 def _turned(joint: Joint, cloud: F64, angle: float) -> F64:
