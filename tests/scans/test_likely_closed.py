@@ -15,7 +15,7 @@ from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import joint_motion
 from kinmo.mobility import Body, Mobility
 from kinmo.scans.articulated_object import articulated_object
-from kinmo.scans.likely_closed import likely_closed
+from kinmo.scans.likely_closed import PULLED_OUT, likely_closed
 from kinmo.shape import Mesh, join
 from scanned import FRONT, UP, cupboard
 
@@ -89,14 +89,14 @@ def test_what_has_no_limits_has_none_and_screws_keep_theirs() -> None:
 def test_a_drawer_that_is_pulled_out_is_closed_where_it_does_not_stick_out(
     out: float, width: float, side: float, said: float
 ) -> None:
-    assume(abs(out - 0.3) > 1e-6)
+    assume(abs(out - PULLED_OUT) > 1e-6)
     drawer = box_mesh((-0.5, 0.5, out - 0.2), (0.5, 1.0, out + 0.8))
     ends = sorted((0.0, said * width))
     joint = Joint(JointKind.PRISMATIC, side * FRONT, np.zeros(3), ends[0], ends[1])
     mobility = Mobility((Body(0, "body", (1,)), Body(1, "drawer", (2,), 0, joint)))
     found = likely_closed(mobility, (BODY, drawer), QUARTER).bodies[1].joint
     assert found is not None
-    if out < 0.3:
+    if out < PULLED_OUT:
         assert found is joint
     else:
         expected = sorted((-side * out, side * (max(width, out) - out)))

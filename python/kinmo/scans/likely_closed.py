@@ -33,7 +33,7 @@ QUARTER = 0.5 * math.pi
 PER_QUARTER, OUT_OF_REACH = 0.25, 0.4
 """What it costs to be closed a quarter of a turn from the pose of the file, or farther beyond the limits than half of that. To
 take up twice the room, with what it hangs by, costs 1."""
-PULLED_OUT = 0.3
+PULLED_OUT = 0.35
 """Share of a slider's length by which it sticks out of what it hangs by, from which on it is thought to be pulled out. It is
 closed where it does not stick out any more."""
 OPENING = math.radians(30.0)
