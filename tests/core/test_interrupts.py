@@ -27,7 +27,27 @@ turn = Rotation.from_rotvec([0.3, 0.5, 0.7]).as_matrix()
 box, turned = (
     [np.tile(array, (500_000, *[1] * array.ndim)) for array in (np.zeros(3), axes, np.ones(3))] for axes in (np.eye(3), turn)
 )
+parts = 60_000
+cloud, rows = rng.uniform(size=(20 * parts, 3)), np.arange(0, 20 * parts + 1, 20)
+up = np.tile([0.0, 0.0, 1.0], (parts // 2, 1))
+ties = np.arange(parts, dtype=np.uint32).reshape(-1, 2), np.zeros(parts // 2, np.uint8), up
+poses = np.tile(np.eye(3), (parts, 1, 1)), np.ones(parts), np.zeros((parts, 3))
+objects = np.arange(0, parts + 1, 2)
+known = np.tile([0.0, 1.0], (parts // 2, 1)), np.ones(parts, bool)
+search = {"hypotheses": 1000, "threshold": 0.1, "seed": 0}
 calls = {
+    "render": lambda: _core.render(
+        tangle, np.tile(np.eye(4), (40_000, 2, 1, 1)), (32, 32), np.full(2, 16.0), np.full(2, 16.0), near=0.01, far=9.0
+    ),
+    "manhattan_frames": lambda: _core.manhattan_frames(rng.uniform(size=(20_000, 100, 3)).astype(np.float32)),
+    "find_similarities": lambda: _core.find_similarities(cloud, cloud, rows, **search),
+    "tie_poses": lambda: _core.tie_poses(cloud, cloud[::-1].copy(), rows, *ties, *poses, frames=objects, threshold=9.0),
+    "settle_poses": lambda: _core.settle_poses(cloud, cloud, rows, *ties, *known, *poses, frames=objects, threshold=9.0),
+    "find_tied_poses": lambda: _core.find_tied_poses(cloud, cloud, rows, *ties, np.ones(parts), **search),
+    "seen_boxes": lambda: _core.seen_boxes(
+        cloud, rows[::20], np.zeros(20 * parts, int), np.zeros((parts // 20, 3)), poses[2][::20] + 5.0, poses[0][::20],
+        np.ones((parts // 20, 3)), frames=np.arange(parts // 20 + 1)
+    ),
     "Meshes": lambda: _core.Meshes([np.broadcast_to(np.zeros(3), (1_000_000, 3))] * 3000, [faces] * 3000),
     "sample_surface": lambda: _core.sample_surface(_core.Meshes([np.eye(3)] * 900, [faces[:1]] * 900), 5_000, blue_noise=True),
     "fit_boxes": lambda: _core.fit_boxes(tangle, often),
@@ -85,6 +105,13 @@ def outcomes() -> dict[str, str]:
         "sweep",
         "box_iou",
         "closest_points",
+        "render",
+        "manhattan_frames",
+        "find_similarities",
+        "tie_poses",
+        "settle_poses",
+        "find_tied_poses",
+        "seen_boxes",
     ],
 )
 def test_ctrl_c_stops_a_long_call_while_another_thread_runs(outcomes: dict[str, str], name: str) -> None:
