@@ -111,7 +111,7 @@ def test_guessed_limits_of_an_object_do_not_decide_where_its_door_is_closed() ->
     joint = bodies[place].joint
     assert joint is not None
     bodies[place] = replace(bodies[place], joint=replace(joint, lower=-1.2, upper=1.0))
-    found = articulated_object(shape, Mobility(tuple(bodies)), is_guessed=True)
+    found = articulated_object(shape, Mobility(tuple(bodies)), guessed_within=QUARTER)
     true = articulated_object(shape)
     for mesh, other in zip(found.meshes, true.meshes, strict=True):
         np.testing.assert_allclose(mesh.vertices, other.vertices, atol=1e-6)

@@ -100,7 +100,7 @@ class Rendering:
             shape,
             smallest=self.config.smallest_part,
             closes=self.config.canonical == "closed",
-            is_guessed=job.role == "pseudo",
+            guessed_within=MOST_TURN if job.role == "pseudo" else None,
             change=draw_change(np.asarray(shape.up), self.config.stretch, changing) if job.variant else None,
         )
 

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from kinmo.errors import InputError
 from kinmo.frames import z_up_rotation
 from kinmo.joint import Joint, JointKind
-from kinmo.limits import MOST_TURN
 from kinmo.links import Link, links_of
 from kinmo.mobility import Body, Mobility
 from kinmo.normalisation import Normalisation
@@ -105,14 +104,14 @@ def articulated_object(
     *,
     smallest: float = SMALLEST_PART,
     closes: bool = True,
-    is_guessed: bool = False,
+    guessed_within: float | None = None,
     change: F64 | None = None,
 ) -> ArticulatedObject:
     """The parts of `shape` that move by `mobility` (in its frame; its own by default), in canonical order.
 
     If it `closes`, the object is that which `closing.closed` makes of it, else (as in the paper's release) that of the file;
-    and then what `variants.changed` makes of that, if there is a `change` [3, 3]. Of limits that are guesses
-    (`is_guessed`) the closed ends are put where `likely_closed` has them.
+    and then what `variants.changed` makes of that, if there is a `change` [3, 3]. Limits that are guesses have
+    their closed ends put where `likely_closed` has them, and hinges the others `guessed_within` radians from there at most.
 
     What is fastened together is one part, and a part smaller than `smallest` is fastened to what it moves against; a base that
     small, or of nothing, is no base (`visible_base`). The order is that of `part_order`.
@@ -133,7 +132,7 @@ def articulated_object(
     parts = Mobility(tuple(Body(i, link.name, link.leaves, link.parent, link.joint) for i, link in enumerate(links)))
     to_z_up = z_up_rotation(up)
     if closes:
-        parts, joined = closed(likely_closed(parts, joined, MOST_TURN) if is_guessed else parts, joined)
+        parts, joined = closed(parts if guessed_within is None else likely_closed(parts, joined, guessed_within), joined)
     parts, joined = with_visible_base(parts, joined, smallest, to_z_up)
     if not parts.bodies[0].leaves:
         raise InputError(shape.source, "nothing stands still that its parts could move against")
