@@ -78,10 +78,14 @@ def real(folder: Path) -> Iterator[tuple[str, JointKind, float]]:
             continue
         right = opened(true, true.mobility)
         bodies = [replace(body, joint=body.joint and nothing_said(body.joint)) for body in true.mobility.bodies]
-        for way, mobility in ways(true, Mobility(tuple(bodies))):
+        free = Mobility(tuple(bodies))
+        said = {body.leaves: body.joint for body in free.bodies}
+        for way, mobility in ways(true, free):
             for leaves, (joint, value) in opened(true, mobility).items():
                 if joint.kind is JointKind.REVOLUTE and leaves in right and right[leaves][0].is_limited:
                     yield way, joint.kind, value - right[leaves][1]
+                    if joint is not said[leaves]:
+                        yield "likely, of what can lie straight", joint.kind, value - right[leaves][1]
 
 
 def as_in_file(shape: Shape) -> ArticulatedObject | None:
