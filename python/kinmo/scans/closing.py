@@ -38,7 +38,7 @@ def closed(mobility: Mobility, meshes: Sequence[Mesh]) -> tuple[Mobility, tuple[
         placed[index] = replace(
             joint, direction=above[:3, :3] @ joint.direction, pivot=pivot, rest=values.get(index, joint.rest)
         )
-    moved = (Mesh(_moved(pose, mesh.vertices), mesh.faces) for pose, mesh in zip(poses, meshes, strict=True))
+    moved = (Mesh(moved_by(pose, mesh.vertices), mesh.faces) for pose, mesh in zip(poses, meshes, strict=True))
     return _with_joints(mobility, placed), tuple(moved)
 
 
@@ -60,11 +60,17 @@ def pointed_as_usual(joint: Joint) -> Joint:
 
 
 def _room(poses: Pose, clouds: Sequence[NDArray[np.float64]]) -> float:
-    moved = np.concatenate([_moved(pose, cloud) for pose, cloud in zip(poses, clouds, strict=True)])
-    return float(np.prod(np.maximum(np.ptp(moved, axis=0), 1e-9)))
+    moved = np.concatenate([moved_by(pose, cloud) for pose, cloud in zip(poses, clouds, strict=True)])
+    return room_of(moved)
 
 
-def _moved(pose: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def room_of(points: NDArray[np.float64]) -> float:
+    """The volume of the box of some points along the axes."""
+    return float(np.prod(np.maximum(np.ptp(points, axis=0), 1e-9)))
+
+
+def moved_by(pose: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points [n, 3] where a pose takes them."""
     return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])
 
 

@@ -17,7 +17,7 @@ from scipy.optimize import minimize_scalar
 from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import joint_motion
 from kinmo.mobility import Mobility
-from kinmo.scans.closing import ALIKE
+from kinmo.scans.closing import ALIKE, moved_by, room_of
 from kinmo.shape import Mesh
 
 F64 = NDArray[np.float64]
@@ -120,14 +120,9 @@ def _opens(joint: Joint, cloud: F64, base: F64, closed: float, ways: Mapping[flo
 
 def _room(joint: Joint, cloud: F64, base: F64, angle: float) -> float:
     """The volume of the box of a part, turned by an angle from the pose of the file, and what it hangs by."""
-    both = np.concatenate([_turned(joint, cloud, angle), base])
-    return float(np.prod(np.maximum(np.ptp(both, axis=0), 1e-9)))
+    turned = moved_by(joint_motion(joint, joint.rest + angle), cloud)
+    return room_of(np.concatenate([turned, base]))
 
 
 def _cloud(mesh: Mesh) -> F64:
     return mesh.vertices[np.unique(mesh.faces)]
-
-
-def _turned(joint: Joint, cloud: F64, angle: float) -> F64:
-    pose = joint_motion(joint, joint.rest + angle)
-    return np.asarray(cloud @ pose[:3, :3].T + pose[:3, 3])
