@@ -20,7 +20,7 @@ from kinmo.joint import Joint, JointKind
 from kinmo.limits import MOST_TURN
 from kinmo.mobility import Mobility
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.pseudo_label import folder_name
+from kinmo.pipeline.label_decisions import folder_name
 from kinmo.scans.articulated_object import ArticulatedObject, articulated_object
 from kinmo.scans.closing import closed
 from kinmo.scans.likely_closed import likely_closed

@@ -138,6 +138,16 @@ class Workspace:
         self.report = self.path / "report"
         self._records = self.path / "records"
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Workspace) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[Path, float, bool]:
+        return self.root, self.labels, self.is_rough
+
     @contextmanager
     def locked(self) -> Iterator[None]:
         """Keeps other kinmo processes from writing here (`locked`)."""

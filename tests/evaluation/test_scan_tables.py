@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from kinmo.errors import InputError
+from kinmo.evaluation.paper_tables import paper_tables
 from kinmo.evaluation.scan_metrics import FrameScore
 from kinmo.evaluation.scan_records import ObjectScans, read_scores, write_scores
 from kinmo.evaluation.scan_tables import (
@@ -16,6 +17,7 @@ from kinmo.evaluation.scan_tables import (
     measure_titles,
     over_categories,
     over_parts,
+    printed_structure,
     summary,
 )
 from kinmo.evaluation.tables import Caption, as_text
@@ -72,6 +74,10 @@ def test_a_row_that_was_not_run_says_so_and_the_papers_figures_stand_beside():
     assert [row["rotation (deg)"] for row in authors] == [12.0, 18.0, 21.0]
     assert [row["state (deg)"] for row in authors] == [None, 16.0, None]
     assert [row["state (diag.)"] for row in authors] == [None, None, 0.3]
+    means = over_parts(rows, STRUCTURE, CAPTION)
+    (row,) = (dict(zip([c.title for c in means.columns], row, strict=True)) for row in means.rows if "authors" in str(row[0]))
+    assert (row["rotation (deg)"], row["axis (deg)"]) == (pytest.approx(17.0), pytest.approx(1.765))
+    assert (row["state (deg)"], row["state (diag.)"]) == (16.0, 0.3)
     assert NOT_RUN in as_text(over_parts(rows, STRUCTURE, CAPTION))
 
 
@@ -81,7 +87,11 @@ def test_categories_count_alike_and_only_in_what_they_have():
     two = np.array([0.4, 0.4])
     drawer = FrameScore(two, two, two, np.array([0.2]), np.array([0.1]), np.array([np.nan]))
     drawers = [ObjectScans("drawer", (drawer,))]
-    rows = {"one": {"Door": doors, "Table": drawers}, "two": {"Door": doors, "Table": []}, "three": {"Door": [], "Table": []}}
+    run = {"one": (doors, drawers), "two": (doors, ()), "three": ((), ())}
+    rows = {
+        name: {"Door": ScanRow(name, tuple(those)), "Table": ScanRow(name, tuple(these))}
+        for name, (those, these) in run.items()
+    }
     table = over_categories(rows, {"Door": STRUCTURE, "Table": slides}, CAPTION)
     found = [dict(zip([column.title for column in table.columns], row, strict=True)) for row in table.rows]
     assert [row["categories"] for row in found] == [2, 1, NOT_RUN]
@@ -101,3 +111,21 @@ def test_the_share_of_the_gap_is_how_far_errors_have_gone_from_the_worse_to_the_
     middle = objects([frame(iou=(0.5,) * 3)])
     more = dict(zip(measure_titles(STRUCTURE), gap_closed(low, middle, high, STRUCTURE), strict=True))
     assert more["3D IoU (%)"] == pytest.approx(0.75)
+
+
+def test_means_of_the_papers_figures_average_no_lengths_with_degrees():
+    """reference.md 0.9: the mean state that the paper prints of Table 2 has the table's .30 among the degrees."""
+    tables = paper_tables()["table2"]
+    for name, state in (("ANCSH", 23.91), ("ANCSH (Semi)", 27.68), ("ANCSH (Semi-weakly)", 16.60)):
+        by_category = {key: ScanRow("ours", (), figures[name]) for key, figures in tables["categories"].items()}
+        table = over_categories({"ours": by_category}, {}, CAPTION)
+        ours, authors = (dict(zip([column.title for column in table.columns], row, strict=True)) for row in table.rows)
+        assert ours["categories"] == NOT_RUN
+        assert authors["categories"] == 5
+        rotation, _, iou, _, axis, _ = tables["printed_mean"][name]
+        assert authors["rotation (deg)"] == pytest.approx(rotation, abs=0.006)
+        assert authors["3D IoU (%)"] == pytest.approx(iou, abs=0.06)
+        assert authors["axis (deg)"] == pytest.approx(axis, abs=0.006)
+        assert authors["state (deg)"] == pytest.approx(state, abs=0.006)
+    (authors,) = (printed_structure(tables["categories"]["table"]["ANCSH"]).kinds,)
+    assert authors == (JointKind.PRISMATIC,)

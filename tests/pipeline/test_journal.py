@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 from kinmo.pipeline.journal import runs, seconds_per_unit, timed
@@ -29,3 +30,15 @@ def test_a_line_that_a_killed_process_left_unfinished_spoils_no_other(tmp_path: 
     run(workspace, "report", 7)
     assert [found.amount for found in runs(workspace)] == [3, 5, 7]
     assert seconds_per_unit(workspace, "no such stage", 0.5) == 0.5
+
+
+def test_what_never_ran_takes_as_long_as_the_last_of_its_kind(tmp_path: Path) -> None:
+    workspace = Workspace(tmp_path)
+    lines = [
+        {"stage": name, "started": "", "seconds": seconds, "amount": 2, "what": ""}
+        for name, seconds in (("train-npcs-Safe-0", 8.0), ("train-npcs-Door-0", 4.0), ("train-gnn", 2.0))
+    ]
+    (tmp_path / "journal.jsonl").write_text("".join(f"{json.dumps(line)}\n" for line in lines), encoding="utf-8")
+    assert seconds_per_unit(workspace, "train-npcs-Safe-0", 0.5, kind="train-npcs-") == 4.0
+    assert seconds_per_unit(workspace, "train-npcs-Table-0", 0.5, kind="train-npcs-") == 2.0
+    assert seconds_per_unit(workspace, "train-npcs-Table-0", 0.5) == 0.5

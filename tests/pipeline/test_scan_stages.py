@@ -17,11 +17,12 @@ from kinmo.learning.ancsh.predict import POINTS_TO_ASK_ABOUT
 from kinmo.pipeline.ancsh_files import Cell, scores_path, trained_cells
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluate_scans import EvaluateScans
+from kinmo.pipeline.label_decisions import folder_name
 from kinmo.pipeline.predict_scan import PredictScan
-from kinmo.pipeline.pseudo_label import folder_name
 from kinmo.pipeline.render import Render
 from kinmo.pipeline.scan_dataset import ROLES, open_scan_dataset, scans_of
 from kinmo.pipeline.scan_jobs import REFUSED
+from kinmo.pipeline.self_label import SelfLabel
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.pipeline.train_ancsh import TrainAncsh
 from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
@@ -163,6 +164,15 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(s
     before = contents(workspace.path)
     stage.run(Listener())
     assert contents(workspace.path) == before
+    own, gone = SelfLabel(workspace, CATEGORY, confidence=0.0, **HOW), labelled[0].read_bytes()
+    assert own.plan().steps == ()
+    workspace.forget(f"self-label-{CATEGORY}-0")  # as if it had been killed before the first one was done
+    labelled[0].unlink()
+    kept = {path: path.stat().st_mtime_ns for path in labelled[1:]}
+    assert len(own.plan().steps) == 1
+    own.run(Listener())
+    assert {path: path.stat().st_mtime_ns for path in labelled[1:]} == kept, "what was labelled stays as it is"
+    assert labelled[0].read_bytes() == gone
 
 
 def test_a_setting_without_anything_of_its_own_is_none(scanned: Scanned) -> None:

@@ -16,11 +16,14 @@ from kinmo.pipeline.ancsh_files import NETWORKS, Cell
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.evaluate_scans import EvaluateScans
+from kinmo.pipeline.judge_trained import JudgeTrained
+from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.report import Report
 from kinmo.pipeline.scan_dataset import Setting, open_scan_dataset, scans_of
 from kinmo.pipeline.scan_report import OUTDATED
-from kinmo.pipeline.scan_table_rows import TABLES, printed_row
-from kinmo.pipeline.scan_tables import JudgeTrained, MakeTable
+from kinmo.pipeline.scan_table_rows import SHARES, TABLES, printed_row
+from kinmo.pipeline.scan_tables import MakeTable
+from kinmo.pipeline.synth import Synth
 from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.scans.scan_file import count_objects
 from kinmo.workspace import StageRecord, Workspace
@@ -30,11 +33,30 @@ def test_a_cell_that_cannot_be_run_leaves_the_others(scanned: Scanned, tmp_path:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     told = Listener()
     stage = MakeTable("4", Workspace(tmp_path / "workspace"), scanned.config, "kinmo", FAMILY, 1, **HOW)
+    assert stage.plan().steps == (f"{CATEGORY}, supervised, seed 0: judge",), "the other has nothing to learn from"
     found = stage.run(told)
     assert found.failed == 1
-    assert [note for note in told.notes if note.startswith(f"not run: {CATEGORY}, dsg-net") and "DSG-Net" in note]
+    assert [note for note in told.notes if note.startswith(f"not run: {CATEGORY}, generated shapes") and "DSG-Net" in note]
     run = {row[0]: row[1] for row in found.data[CATEGORY]["parts"]["rows"]}
     assert run == {"supervised": "1", "generated shapes": "not run"}
+    assert "Not run: generated shapes: no shapes of Laptop in DSG-Net's layout." in found.text
+    assert "Not run: generated" in WrittenTables(stage.workspace, "4").write({CATEGORY: [0]}).text, "whoever writes it again"
+
+
+def test_without_labels_that_are_held_back_the_row_of_true_ones_is_no_failure(tmp_path: Path) -> None:
+    Synth(tmp_path / "partnet", 2, (FAMILY,), ("partnet_mobility",)).run(Listener())
+    workspace, told = Workspace(tmp_path / "workspace"), Listener()
+    Prepare(tmp_path / "partnet", workspace).run(Listener())
+    stage = MakeTable("2", workspace, "small", "kinmo", FAMILY, 1, hours=0.0, **HOW)
+    assert [step.split(":")[0] for step in stage.plan().steps] == [f"{CATEGORY}, supervised, seed 0"]
+    found = stage.run(told)
+    assert found.failed == 2, "semi and semi-weakly: there is nothing without labels"
+    assert [note for note in told.notes if "true labels" in note and "kinmo prepare --hold-back" in note]
+    assert "Not run: true labels: no shapes of Laptop whose labels are held back" in found.text
+    Synth(tmp_path / "partnet", 3, (FAMILY,), ("partnet_mobility",)).run(Listener())
+    Prepare(tmp_path / "partnet", workspace).run(Listener())
+    text = WrittenTables(workspace, "2").write({CATEGORY: [0]}).text
+    assert "whose labels are held back" not in text, "other shapes may change that"
 
 
 def test_without_motion_networks_the_tables_of_scans_are_there_alone(scanned: Scanned) -> None:
@@ -48,7 +70,9 @@ def test_without_motion_networks_the_tables_of_scans_are_there_alone(scanned: Sc
 def test_a_table_shows_what_was_not_run_and_the_authors_figures(scanned: Scanned) -> None:
     EvaluateScans(scanned.workspace, Cell(CATEGORY, "supervised", 0), "cpu").run(Listener())
     found = WrittenTables(scanned.workspace, "2").write({CATEGORY: [0]}).data[CATEGORY]
-    run = {row[0]: row[1] for row in found["means"]["rows"]}
+    run = {row[0]: row[2] for row in found["means"]["rows"]}
+    trained = found["means"]["rows"][0][1]
+    assert int(trained) == count_objects(open_scan_dataset(scanned.workspace, CATEGORY).files["train"])
     assert run == {"supervised": "0", "semi": NOT_RUN, "semi-weakly": NOT_RUN, "true labels": NOT_RUN}
     assert printed_row("2", "fridge", "ANCSH") is None
     assert printed_row("2", "refrigerator", "ANCSH")[0] == [12.09, 18.43, 21.7]
@@ -96,7 +120,7 @@ def test_rows_say_which_seeds_they_are_of_and_gaps_are_over_those_that_all_have(
         taken_for(judged, setting, seed)  # type: ignore[arg-type]
     written = WrittenTables(judged, "2")
     found = written.write({CATEGORY: [0, 1, 2]}).data[CATEGORY]["means"]["rows"]
-    assert {row[0]: row[1] for row in found} == {
+    assert {row[0]: row[2] for row in found} == {
         "supervised": "0, 1",
         "semi": NOT_RUN,
         "semi-weakly": "1",
@@ -114,7 +138,7 @@ def test_what_was_judged_before_a_change_is_outdated_and_not_shown(judged: Works
     test.unlink()
     assert not written.is_current(CATEGORY)
     found = written.write({CATEGORY: [0]}).data[CATEGORY]["means"]["rows"]
-    assert found[0][1:] == (OUTDATED_ROW, *[None] * (len(found[0]) - 2))
+    assert found[0][1:] == (None, OUTDATED_ROW, *[None] * (len(found[0]) - 3))
     assert written.is_current(CATEGORY), "it says that it is outdated"
 
 
@@ -181,15 +205,16 @@ def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path
     assert sum(note.startswith("not run") for note in told.notes) == len(TABLES["2"].rows)
     assert (found.path / CATEGORY / "means.md").exists()
     assert (found.path / CATEGORY / "parts.md").exists() is is_scanned
-    assert {row[1] for row in found.data[CATEGORY]["means"]["rows"]} == {NOT_RUN}
+    assert {row[2 if is_scanned else 1] for row in found.data[CATEGORY]["means"]["rows"]} == {NOT_RUN}
 
 
 def test_a_table_whose_motion_networks_have_none_to_go_on_from_says_so(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     workspace, told = Workspace(tmp_path / "workspace"), Listener()
-    stage = MakeTable("4", workspace, scanned.config, "kinmo", FAMILY, 1, start=Workspace(tmp_path / "none"), **HOW)
-    assert stage.run(told).failed == 1
-    (problem,) = (note for note in told.notes if note.startswith("not run"))
-    assert "generated" not in problem
-    assert str(tmp_path / "none") in problem
-    assert "expected the weights to go on from" in problem
+    stage = MakeTable("3", workspace, scanned.config, "kinmo", FAMILY, 1, start=Workspace(tmp_path / "none"), **HOW)
+    assert stage.run(told).failed == len(SHARES)
+    problems = [note for note in told.notes if note.startswith("not run")]
+    assert len(problems) == len(SHARES)
+    for problem in problems:
+        assert str(tmp_path / "none") in problem
+        assert "expected the weights to go on from" in problem

@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from kinmo.evaluation.aggregate import Estimate, micro, sums_of
+from kinmo.evaluation.paper_tables import MARK
 from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed, of_rows, rows_of
 from kinmo.evaluation.tables import Caption, Cell, Column, Table
+from kinmo.joint import JointKind
 from kinmo.scans.articulated_object import Structure
 
 NOT_RUN, OUTDATED = "not run", "outdated"
@@ -20,7 +22,8 @@ PaperRow = Sequence[Sequence[float | None]]
 class ScanRow:
     """One row of a table: the objects that were judged, with networks of `seeds`, and what the paper prints there.
 
-    `absent` says why there are no objects, if there are none.
+    `trained_on` counts the objects that networks learnt from: labelled ones, and others. `absent` says that there are no
+    judged objects, if there are none, and `reason` why, where that is known.
     """
 
     name: str
@@ -28,6 +31,8 @@ class ScanRow:
     printed: PaperRow | None = None
     seeds: tuple[int, ...] = ()
     absent: str = NOT_RUN
+    trained_on: str | None = None
+    reason: str | None = None
 
 
 def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> Table:
@@ -46,21 +51,25 @@ def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> 
                 lines.append((row.name, str(part), *cells, _value(next(found))))
         if row.printed is not None:
             for part in range(max(map(len, row.printed))):
-                lines.append((f"{row.name}, authors' data", str(part), *_printed(row.printed, part, measures, structure), None))
+                lines.append((_authors(row), str(part), *_printed(row.printed, part, measures, structure), None))
     return Table(_counted(caption, rows), columns, tuple(lines))
 
 
 def over_parts(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> Table:
     """Means over all parts, or joints, with their 95 % intervals over the objects, and the share of frames that failed."""
-    columns = [Column("trained on"), Column("seeds")]
+    columns = [Column("trained on"), Column("objects"), Column("seeds")]
     for measure in _measures(structure):
         columns += [Column(measure.title, measure.decimals), Column("95 %")]
     lines: list[tuple[Cell, ...]] = []
     for row in rows:
-        cells: list[Cell] = [row.name, ", ".join(map(str, row.seeds)) if row.objects else row.absent]
+        cells: list[Cell] = [row.name, row.trained_on, ", ".join(map(str, row.seeds)) if row.objects else row.absent]
         for measure, estimate in zip(_measures(structure), summary(row.objects, structure), strict=True):
             cells += [_value(estimate), _interval(estimate, measure.decimals)]
         lines.append((*cells, failures(row.objects)))
+        if row.printed is not None:
+            means = printed_means(row.printed, structure)
+            figures = [cell for measure in _measures(structure) for cell in (means.get(measure), None)]
+            lines.append((_authors(row), None, None, *figures, None))
     return Table(_counted(caption, rows), (*columns, FAILED), tuple(lines))
 
 
@@ -70,9 +79,7 @@ def of_nothing(rows: Sequence[ScanRow], caption: Caption) -> Table:
     return Table(caption, (Column("trained on"), Column("seeds")), tuple(lines))
 
 
-def over_categories(
-    rows: Mapping[str, Mapping[str, Sequence[ObjectScans]]], structures: Mapping[str, Structure], caption: Caption
-) -> Table:
+def over_categories(rows: Mapping[str, Mapping[str, ScanRow]], structures: Mapping[str, Structure], caption: Caption) -> Table:
     """Means over categories of their means over all parts, or joints: `rows` are by name, then by category.
 
     A category counts in the measures that its structure has; one that was not run, in none.
@@ -85,17 +92,25 @@ def over_categories(
     )
     lines: list[tuple[Cell, ...]] = []
     for name, by_category in rows.items():
-        run = {category: objects for category, objects in by_category.items() if objects}
-        values: dict[Measure, list[float]] = {measure: [] for measure in MEASURES}
+        run = {category: row.objects for category, row in by_category.items() if row.objects}
+        values: list[dict[Measure, float]] = []
         for category, objects in run.items():
             structure = structures[category]
-            for measure, estimate in zip(_measures(structure), summary(objects, structure), strict=True):
-                if estimate is not None:
-                    values[measure].append(estimate.value)
+            found = zip(_measures(structure), summary(objects, structure), strict=True)
+            values.append({measure: estimate.value for measure, estimate in found if estimate is not None})
         lost = [share for objects in run.values() if (share := failures(objects)) is not None]
-        means = (sum(some) / len(some) if some else None for some in (*values.values(), lost))
-        lines.append((name, len(run) or NOT_RUN, *means))
+        lines.append((name, len(run) or NOT_RUN, *_means(values), sum(lost) / len(lost) if lost else None))
+        printed = [row for row in by_category.values() if row.printed is not None]
+        if printed:
+            own = [printed_means(row.printed, printed_structure(row.printed)) for row in printed if row.printed is not None]
+            lines.append((_authors(printed[0]), len(printed), *_means(own), None))
     return Table(caption, columns, tuple(lines))
+
+
+def _means(values: Sequence[Mapping[Measure, float]]) -> list[Cell]:
+    """Of every measure, over those that have it."""
+    known = [[some[measure] for some in values if measure in some] for measure in MEASURES]
+    return [sum(some) / len(some) if some else None for some in known]
 
 
 def gap_closed(
@@ -154,6 +169,30 @@ def _printed(row: PaperRow, part: int, measures: Sequence[Measure], structure: S
         fits = part in rows_of(measure, structure) and 0 <= place < len(values)
         cells.append(values[place] if fits else None)
     return cells
+
+
+def printed_structure(printed: PaperRow) -> Structure:
+    """What the paper must have printed a row of: joints that it has distances of lines of turn, the others slide."""
+    lines = len(printed[PAPER_COLUMNS["line"]])
+    joints = len(printed[PAPER_COLUMNS["axis"]])
+    kinds = tuple(JointKind.REVOLUTE if joint < lines else JointKind.PRISMATIC for joint in range(joints))
+    return Structure(kinds, (0,) * joints)
+
+
+def printed_means(printed: PaperRow, structure: Structure) -> dict[Measure, float]:
+    """Means over all parts, or joints, of what the paper prints in a row; without measures that it has no figures of."""
+    measures = _measures(structure)
+    rows = [_printed(printed, part, measures, structure) for part in range(structure.part_count)]
+    found = {}
+    for measure, column in zip(measures, zip(*rows, strict=True), strict=True):
+        known = [float(value) for value in column if isinstance(value, float | int)]
+        if known:
+            found[measure] = sum(known) / len(known)
+    return found
+
+
+def _authors(row: ScanRow) -> str:
+    return f"{row.name}, {MARK}"
 
 
 def _counted(caption: Caption, rows: Sequence[ScanRow]) -> Caption:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from kinmo.errors import InputError
 from kinmo.pipeline.ancsh_files import trained_cells
 from kinmo.pipeline.evaluate import Evaluate
-from kinmo.pipeline.scan_tables import JudgeTrained
+from kinmo.pipeline.judge_trained import JudgeTrained
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 
 

@@ -35,7 +35,7 @@ class EvaluateScans:
             return Plan((), 0.0)
         files = self._scans.files()
         frames = sum(file.frames for file in files)
-        each = seconds_per_unit(self.workspace, self._scans.stage, SECONDS_PER_FRAME)
+        each = seconds_per_unit(self.workspace, self._scans.stage, SECONDS_PER_FRAME, kind=self._scans.kind)
         return Plan((f"judge {self.cell} on {frames} scans of {len(files)} test objects",), frames * each)
 
     def run(self, observer: Observer) -> Outcome:

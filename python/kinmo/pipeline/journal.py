@@ -70,9 +70,15 @@ def runs(workspace: Workspace) -> list[Run]:
     return found
 
 
-def seconds_per_unit(workspace: Workspace, stage: str, otherwise: float) -> float:
-    """How long a unit of the stage's work took the last time; `otherwise` if it never ran."""
-    past = [run for run in runs(workspace) if run.stage == stage]
+def seconds_per_unit(workspace: Workspace, stage: str, otherwise: float, kind: str | None = None) -> float:
+    """How long a unit of the stage's work took the last time, or else of a stage whose name begins with `kind`.
+
+    `otherwise` if none of these ever ran.
+    """
+    known = runs(workspace)
+    past = [run for run in known if run.stage == stage]
+    if not past and kind is not None:
+        past = [run for run in known if run.stage.startswith(kind)]
     return past[-1].seconds / past[-1].amount if past else otherwise
 
 

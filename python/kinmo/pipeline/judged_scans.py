@@ -11,7 +11,8 @@ from kinmo.pipeline.ancsh_files import Cell, Protocol, scores_path
 from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scan_dataset import fingerprint, open_scan_dataset
 from kinmo.scans.scan_file import ScanFile
-from kinmo.workspace import Workspace
+from kinmo.store import PreparedStore
+from kinmo.workspace import StageRecord, Workspace, digest
 
 
 @dataclass(frozen=True)
@@ -23,8 +24,13 @@ class JudgedScans:
     on_rough: bool = False
 
     @property
+    def kind(self) -> str:
+        """What the names of all such stages begin with."""
+        return f"eval-{'rough-' if self.on_rough else ''}scans-"
+
+    @property
     def stage(self) -> str:
-        return f"eval-{'rough-' if self.on_rough else ''}scans-{self.cell.key}"
+        return self.kind + self.cell.key
 
     def files(self) -> tuple[ScanFile, ...]:
         """Raises InputError if no test object has the structure that the networks know."""
@@ -42,6 +48,24 @@ class JudgedScans:
     def scores(self, protocol: Protocol) -> Path:
         """Where the errors are written, by a protocol."""
         return scores_path(self.workspace, self.cell, self.on_rough, protocol)
+
+    def cannot_be(self, reason: str) -> None:
+        """Keep why there is no such judgement, for as long as the prepared shapes are those that there are now."""
+        self.workspace.write_record(self._absence, StageRecord({"shapes": self._shapes(), "reason": reason}))
+
+    def reason(self) -> str | None:
+        """Why there can be no such judgement, if that was told of the prepared shapes that there are now."""
+        record = self.workspace.record(self._absence)
+        is_known = record is not None and record.inputs.get("shapes") == self._shapes()
+        return str(record.inputs["reason"]) if record is not None and is_known else None
+
+    @property
+    def _absence(self) -> str:
+        return f"no-{self.stage}"
+
+    def _shapes(self) -> str:
+        store = PreparedStore(self.workspace.prepared)
+        return digest([[entry.layout, entry.id, entry.geometry_hash, entry.is_held_back] for entry in store.entries])
 
     def held(self) -> dict[str, Any] | None:
         """What the judgement was made from, if there is one, and nothing that it depends on has changed or gone."""

@@ -60,6 +60,13 @@ def networks_digest(paths: tuple[Path, ...]) -> str:
     return digest(found)
 
 
+def trained_on(weights: Path) -> int:
+    """How many objects a network for scans was trained on, as its header says."""
+    path = weights.with_suffix(".json")
+    with expecting("what weights are for", path):
+        return int(json.loads(path.read_text(encoding="utf-8"))["facts"]["objects"])
+
+
 def trained_config(workspace: Workspace) -> Config:
     """The configuration that the workspace's networks were trained with; `small` if none was trained."""
     path = workspace.models / CONFIG

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from kinmo import __version__
 from kinmo.errors import expecting
@@ -17,16 +16,24 @@ from kinmo.formats import Found, Layout, read_found
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.each_shape import each_shape
 from kinmo.pipeline.journal import seconds_per_unit, timed
+from kinmo.pipeline.label_decisions import (
+    DECISIONS,
+    LABELS,
+    Decision,
+    acceptance,
+    decision_path,
+    folder_name,
+    read_decision,
+    write_decision,
+)
 from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pseudo_label import ACCEPTANCE, LABELLING, STEPS, JudgedJoint, Judgement, Tally, judge, tally, tally_types
+from kinmo.pseudo_label import ACCEPTANCE, LABELLING, Judgement, judge
 from kinmo.store import IndexEntry, read_prepared
 from kinmo.workers import Crashed
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers, write_text_atomically
 
-DECISIONS = "decisions"
-"""A file a shape, accepted or not, written when all else of the shape is: what was decided, and from what."""
 SECONDS_PER_SHAPE = 1.5
 
 
@@ -47,31 +54,35 @@ class PseudoLabel:
 
     def plan(self) -> Plan:
         dataset = open_dataset(self.workspace, self.category)
-        predictor = load_predictor(self.workspace, self.method, self.device)
-        count = len(dataset.unlabelled)
-        if self.workspace.is_current(LABELLING, self._inputs(dataset, predictor)):
+        way = self._way(load_predictor(self.workspace, self.method, self.device))
+        jobs = self._jobs(dataset, way)
+        if not jobs and self._is_reported(way):
             return Plan((), 0.0)
         copies = f", {len(dataset.copies)} copies of labelled shapes left alone" if dataset.copies else ""
         each = seconds_per_unit(self.workspace, LABELLING, SECONDS_PER_SHAPE / self.workers)
-        return Plan((f"label {count} shapes by {self.method}{copies}",), count * each)
+        if not jobs:
+            return Plan(("report on the pseudo labels that there are now",), 0.0)
+        return Plan((f"label {len(jobs)} shapes by {self.method}{copies}",), len(jobs) * each)
 
     def run(self, observer: Observer) -> Outcome:
         dataset = open_dataset(self.workspace, self.category)
         predictor = load_predictor(self.workspace, self.method, self.device)
+        way = self._way(predictor)
         with self.workspace.locked():
-            inputs = self._inputs(dataset, predictor)
-            if self.workspace.is_current(LABELLING, inputs):
+            jobs = self._jobs(dataset, way)
+            if not jobs and self._is_reported(way):
                 observer.note("labelled already")
             else:
                 self.workspace.forget(LABELLING)
                 remove_leftovers(self.workspace.pseudo)
                 whole = open_dataset(self.workspace)
                 self._remove_stale(whole)
-                self._label(dataset, predictor, observer)
-                report = acceptance(list(self._decided(whole)), len(whole.copies))
+                self._label(jobs, len(dataset.unlabelled), predictor, way, observer)
+                decisions = self._decisions(whole.unlabelled)
+                report = acceptance([decision for decision in decisions if decision is not None], len(whole.copies))
                 write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
                 outputs = [str(self._report.relative_to(self.workspace.path))]
-                self.workspace.write_record(LABELLING, StageRecord(inputs, tuple(outputs)))
+                self.workspace.write_record(LABELLING, StageRecord(self._reported(way), tuple(outputs)))
         with expecting("the report of kinmo pseudo-label", self._report):
             data = json.loads(self._report.read_text(encoding="utf-8"))
             return Outcome(self.workspace.pseudo, data, data["text"])
@@ -80,14 +91,33 @@ class PseudoLabel:
     def _report(self) -> Path:
         return self.workspace.pseudo / ACCEPTANCE
 
-    def _inputs(self, dataset: Dataset, predictor: Predictor) -> dict[str, Any]:
-        return {"data": dataset.fingerprint(dataset.unlabelled), **self._way(predictor)}
-
     def _way(self, predictor: Predictor) -> dict[str, Any]:
         way = {"method": predictor.method, "weights": predictor.weights, "config": dict(predictor.config)}
         told = trained_config(self.workspace).refinement
         threshold = told.threshold if self.threshold is None else self.threshold
         return {**way, "threshold": threshold, "doubt": told.doubt, "kinmo": __version__}
+
+    def _reported(self, way: dict[str, Any]) -> dict[str, Any]:
+        """What the report is of: the decisions on all shapes, whatever run made them, and the way of the last one."""
+        whole = open_dataset(self.workspace).unlabelled
+        made_from = [None if decision is None else decision.made_from for decision in self._decisions(whole)]
+        return {"decisions": digest([[folder_name(entry) for entry in whole], made_from]), **way}
+
+    def _is_reported(self, way: dict[str, Any]) -> bool:
+        return self.workspace.is_current(LABELLING, self._reported(way))
+
+    def _decisions(self, entries: Sequence[IndexEntry]) -> list[Decision | None]:
+        return [read_decision(decision_path(self.workspace, entry)) for entry in entries]
+
+    def _jobs(self, dataset: Dataset, way: dict[str, Any]) -> list[Job]:
+        """The shapes on which nothing has been decided from the same files in the same way, or whose labels are gone."""
+        jobs = []
+        for entry, known in zip(dataset.unlabelled, self._decisions(dataset.unlabelled), strict=True):
+            job = Job(entry, self.workspace.pseudo / folder_name(entry), digest([dataset.fingerprint([entry]), way]))
+            is_there = known is not None and (not known.judgement.is_accepted or (job.folder / LABELS).exists())
+            if known is None or known.made_from != job.made_from or not is_there:
+                jobs.append(job)
+        return jobs
 
     def _remove_stale(self, whole: Dataset) -> None:
         """Remove folders and decisions that belong to none of the unlabelled shapes that there are."""
@@ -99,33 +129,18 @@ class PseudoLabel:
             if decision.name.removesuffix(".json") not in names:
                 decision.unlink()
 
-    def _decided(self, whole: Dataset) -> Iterator[Decision]:
-        """Every decision that was made, whatever run made it."""
-        found = (read_decision(self._decision(entry)) for entry in whole.unlabelled)
-        return (decision for decision in found if decision is not None)
-
-    def _label(self, dataset: Dataset, predictor: Predictor, observer: Observer) -> None:
-        """Decide on the shapes on which nothing has been decided from the same files in the same way."""
-        jobs, way = [], self._way(predictor)
-        for entry in dataset.unlabelled:
-            made_from = digest([dataset.fingerprint([entry]), way])
-            known = read_decision(self._decision(entry))
-            if known is None or known.made_from != made_from:
-                jobs.append(Job(entry, self.workspace.pseudo / folder_name(entry), made_from))
-        labelling = Labelling(dataset.store.folder, predictor, way["threshold"], way["doubt"])
-        done = len(dataset.unlabelled) - len(jobs)
+    def _label(self, jobs: Sequence[Job], total: int, predictor: Predictor, way: dict[str, Any], observer: Observer) -> None:
+        labelling = Labelling(self.workspace.prepared, predictor, way["threshold"], way["doubt"])
+        done = total - len(jobs)
         with timed(self.workspace, LABELLING) as watch:
             for job, judgement in each_shape(labelling, jobs, self.workers, self.device):
                 if isinstance(judgement, Crashed):
                     judgement = labelling.refused(job, "the process that labelled it died")
                 decision = Decision(judgement, job.made_from, self.method, way["threshold"])
-                write_decision(self._decision(job.entry), decision)
+                write_decision(decision_path(self.workspace, job.entry), decision)
                 done += 1
-                observer.progress("labelling shapes", done, len(dataset.unlabelled), job.entry.id)
+                observer.progress("labelling shapes", done, total, job.entry.id)
             watch.amount, watch.what = len(jobs), f"{len(jobs)} shapes by {self.method}"
-
-    def _decision(self, entry: IndexEntry) -> Path:
-        return self.workspace.pseudo / DECISIONS / f"{folder_name(entry)}.json"
 
 
 @dataclass(frozen=True)
@@ -171,80 +186,3 @@ class Labelling:
         """The judgement of a shape that got no prediction; whatever was written of it before goes."""
         shutil.rmtree(job.folder, ignore_errors=True)
         return Judgement(job.entry.id, job.entry.layout, job.entry.category, refusal=f"failed: {reason}")
-
-
-def folder_name(entry: IndexEntry) -> str:
-    """A folder's name: the id, and for what is not PartNet's, which may have the same ids, the layout."""
-    name = quote(entry.id, safe=" ")
-    return name if entry.layout == Layout.PARTNET.value else f"{name}-{entry.layout}"
-
-
-@dataclass(frozen=True)
-class Decision:
-    """What was decided of a shape, by which method and threshold; `made_from` is a hash of all that it depends on."""
-
-    judgement: Judgement
-    made_from: str
-    method: str
-    threshold: float
-
-
-def write_decision(path: Path, decision: Decision) -> None:
-    """Write what was decided of a shape."""
-    write_text_atomically(path, json.dumps(asdict(decision), ensure_ascii=False) + "\n")
-
-
-def read_decision(path: Path) -> Decision | None:
-    """What was decided of a shape; None if nothing was."""
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-        judgement = data["judgement"]
-        joints = tuple(JudgedJoint(**joint) for joint in judgement["joints"])
-        return Decision(**{**data, "judgement": Judgement(**{**judgement, "joints": joints})})
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
-
-
-def acceptance(decisions: Sequence[Decision], copies: int) -> dict[str, Any]:
-    """The acceptance report as plain data: `text`, `tables` (as `kinmo.report.page.Table` takes them) and every refusal."""
-    judgements = [decision.judgement for decision in decisions]
-    ways = sorted({f"all joints above {decision.threshold:g}, by {decision.method}" for decision in decisions})
-    whole = tally(judgements)
-    categories = sorted({judgement.category for judgement in judgements})
-    by_category = {name: tally(j for j in judgements if j.category == name) for name in categories} | {"all": whole}
-    reasons: dict[str, list[str]] = {}
-    for judgement in judgements:
-        if not judgement.is_accepted:
-            reasons.setdefault(judgement.refusal, []).append(judgement.shape_id)
-    text = (
-        f"{whole.accepted} of {whole.shapes} shapes were accepted ({'; or '.join(ways) or 'there are none'}), with "
-        f"{whole.accepted_joints} of {whole.joints} joints; {copies} copies of labelled shapes were left alone."
-    )
-    return {
-        "text": text,
-        "ways": ways,
-        "copies": copies,
-        "tables": [
-            _counts("Pseudo labels by category", "category", by_category),
-            _counts("Pseudo labels by motion type", "type", tally_types(judgements)),
-            {
-                "caption": "Refused",
-                "header": ["reason", "shapes", "for example"],
-                "rows": [
-                    [reason, str(len(ids)), ids[0]] for reason, ids in sorted(reasons.items(), key=lambda item: -len(item[1]))
-                ],
-            },
-        ],
-        "refused": dict(sorted(reasons.items())),
-    }
-
-
-def _counts(caption: str, what: str, groups: Any) -> dict[str, Any]:
-    header = [what, "shapes", "accepted", "joints", "accepted joints", *(f"> {step:g}" for step in STEPS)]
-
-    def row(name: str, group: Tally) -> list[str]:
-        counts = (group.shapes, group.accepted, group.joints, group.accepted_joints, *group.at_least)
-        return [name, *map(str, counts)]
-
-    note = "The columns on the right count joints that score more."
-    return {"caption": caption, "header": header, "rows": [row(name, group) for name, group in groups.items()], "note": note}

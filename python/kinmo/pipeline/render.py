@@ -18,7 +18,7 @@ from kinmo.formats import Found, Layout
 from kinmo.joint import JointKind
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.pseudo_label import folder_name
+from kinmo.pipeline.label_decisions import LABELS, folder_name
 from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, ROLES, Role, scans_of
 from kinmo.pipeline.scan_jobs import VARIED, Job, Rendering, count_objects_of, frames_of, variants_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
@@ -54,7 +54,8 @@ class Render:
         pending = [job for job in self._jobs(config) if not job.is_done]
         frames = sum(frames_of(config, job) for job in pending)
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
-        steps = (f"scan {count_objects_of(pending)} objects, {frames} frames",) if pending else ()
+        what = ", ".join(sorted({job.category for job in pending}))
+        steps = (f"scan {count_objects_of(pending)} objects ({what}), {frames} frames",) if pending else ()
         return Plan(steps, frames * each)
 
     def run(self, observer: Observer) -> Outcome:
@@ -121,7 +122,7 @@ class Render:
         turns = {category: _turns(own, category) for category in categories}
         for entry in own.unlabelled:
             folder = self.workspace.pseudo / folder_name(entry)
-            label = folder / "mobility_v2.json"
+            label = folder / LABELS
             if entry.category in categories and label.exists():
                 own_turns = turns[entry.category]
                 made_from = digest([own.fingerprint([entry]), zlib.crc32(label.read_bytes()), way, own_turns])

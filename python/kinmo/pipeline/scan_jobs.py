@@ -11,14 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from kinmo.config import ScansConfig
-from kinmo.errors import InputError
 from kinmo.formats import Found, read_found
 from kinmo.limits import MOST_TURN
 from kinmo.pipeline.scan_dataset import Role
 from kinmo.scans.articulated_object import ArticulatedObject, articulated_object, still_object
 from kinmo.scans.articulation import opened_as_usual
 from kinmo.scans.scan import Scans, scan
-from kinmo.scans.scan_file import open_scans, write_scans
+from kinmo.scans.scan_file import is_made_from, write_scans
 from kinmo.scans.variants import draw_change
 from kinmo.shape import Shape
 from kinmo.workspace import write_text_atomically
@@ -49,12 +48,7 @@ class Job:
     @property
     def is_done(self) -> bool:
         """Whether its scans are there, or why there are none, made from the same."""
-        if self._refused().get("made_from") == self.made_from:
-            return True
-        try:
-            return bool(open_scans(self.path).provenance["made_from"] == self.made_from)
-        except (InputError, KeyError):
-            return False
+        return self._refused().get("made_from") == self.made_from or is_made_from(self.path, self.made_from)
 
     @property
     def refusal(self) -> str | None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from kinmo.categories import same_category
 from kinmo.evaluation.paper_tables import paper_tables
 from kinmo.pipeline.ancsh_files import Cell
+from kinmo.pipeline.judged_scans import JudgedScans
 from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, Setting
 from kinmo.workspace import Workspace
 
@@ -36,6 +37,10 @@ class RowOf:
     def cell(self, category: str, seed: int) -> Cell:
         """The networks of the row."""
         return Cell(category, self.setting, seed)
+
+    def judged(self, root: Workspace, category: str, seed: int) -> JudgedScans:
+        """What the networks of the row are judged on, in `root`."""
+        return JudgedScans(self.workspace(root), self.cell(category, seed), self.on_rough)
 
 
 @dataclass(frozen=True)
@@ -80,7 +85,7 @@ TABLES: Mapping[str, ScanTable] = {
             RowOf("supervised", "supervised", printed="ANCSH"),
             RowOf("generated shapes", "dsg-net", printed="ANCSH (DSG)"),
         ),
-        "The authors' generated shapes are DSG-Net's own; these are whatever the workspace has in its layout.",
+        "These generated shapes are not DSG-Net's own, as the authors' are, but whatever the workspace has in its layout.",
     ),
     "sensors": ScanTable(
         "Sensors, trained on and tested on",
@@ -97,8 +102,13 @@ TABLES: Mapping[str, ScanTable] = {
 
 
 def has_figures(name: str, category: str) -> bool:
-    """Whether the paper has figures of a category in a table."""
+    """Whether a table is of a category, which for the paper's is whether it prints figures."""
     return any(same_category(category, name) for name in TABLES[name].categories)
+
+
+def is_printed(name: str, category: str) -> bool:
+    """Whether a table is one of the paper's, and has figures of a category there."""
+    return any(printed_row(name, category, row.printed) for row in TABLES[name].rows)
 
 
 def printed_row(table: str, category: str, name: str) -> list[list[float | None]] | None:

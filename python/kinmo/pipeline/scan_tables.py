@@ -3,30 +3,51 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import product
 
 from kinmo.categories import same_category
 from kinmo.config import load_config
 from kinmo.errors import InputError, did_you_mean
-from kinmo.pipeline.ancsh_files import Cell, Protocol, trained_cells
+from kinmo.formats import Layout
+from kinmo.pipeline.ancsh_files import Protocol
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.render import Render
-from kinmo.pipeline.scan_table_rows import TABLES, RowOf, has_figures
+from kinmo.pipeline.scan_dataset import Setting
+from kinmo.pipeline.scan_table_rows import TABLES, RowOf
 from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
 from kinmo.pipeline.train import Train
 from kinmo.pipeline.train_ancsh import TrainAncsh, training_seconds
 from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.workspace import Workspace
 
+WORDS: Mapping[type, str] = {
+    Train: "train motion networks",
+    PseudoLabel: "label",
+    Render: "render",
+    TrainAncsh: "train",
+    EvaluateScans: "judge",
+}
+"""What the stages of a cell are called in a plan."""
+NEEDED: Mapping[Setting, str] = {
+    "semi": "without labels",
+    "semi-weakly": "without labels in PartNet's layouts",
+    "dsg-net": "in DSG-Net's layout",
+    "ceiling": "whose labels are held back: kinmo prepare --hold-back keeps some",
+}
+"""Shapes that a setting needs beside the labelled ones."""
 MANY_SEEDS = ("Refrigerator", "Scissors")
 """Categories whose cells have three seeds by default."""
 SHARED_SEED = 0
 """Of what all seeds of the networks for scans share."""
+
+
+class CannotBeRun(InputError):
+    """A cell lacks what its networks are to learn from or to be judged on, with all done that could give it that."""
 
 
 @dataclass(frozen=True)
@@ -53,48 +74,95 @@ class MakeTable:
     start: Workspace | None = None
 
     def plan(self) -> Plan:
+        """Cells that cannot be run are not among the steps: the table says why."""
         steps, seconds = [], 0.0
+        known: dict[Stage, Plan] = {}
         for category in self._categories():
-            for row, cell in self._cells(category):
-                pending = self._pending(row, cell)
-                if pending is not None:
-                    steps.append(f"{_name(row, cell)}: render, train, judge")
-                    seconds += pending
+            for row, seed in self._cells(category):
+                with suppress(InputError):
+                    plan = self._pending(row, category, seed, known)
+                    if plan.steps:
+                        steps.append(f"{_name(row, category, seed)}: {', '.join(plan.steps)}")
+                        seconds += plan.seconds
         return Plan(tuple(steps), seconds)
 
     def run(self, observer: Observer) -> Outcome:
         limit = float("inf") if self.hours is None else time.monotonic() + 3600.0 * self.hours
         failed = 0
         for category in self._categories():
-            for row, cell in self._cells(category):
-                pending = self._pending(row, cell)
-                if pending is None:
-                    continue
-                if time.monotonic() + pending > limit:
-                    observer.note(f"not run: {_name(row, cell)}: it would take longer than --hours")
-                    continue
-                observer.note(_name(row, cell))
+            for row, seed in self._cells(category):
+                name = _name(row, category, seed)
                 try:
-                    for stage in self._stages(row, cell):
+                    plan = self._pending(row, category, seed, {})
+                    if not plan.steps:
+                        continue
+                    if time.monotonic() + plan.seconds > limit:
+                        observer.note(f"not run: {name}: it would take longer than --hours")
+                        continue
+                    observer.note(name)
+                    for stage in self._stages(row, category, seed):
                         stage.run(observer)
                 except InputError as error:
-                    observer.note(f"not run: {_name(row, cell)}: {error}")
-                    failed += 1
+                    observer.note(f"not run: {name}: {error}")
+                    is_known = self._is_known_to_be_impossible(row, category, seed)
+                    failed += not (is_known and row.setting == "ceiling")  # few workspaces have labels that are held back
         seeds = {category: self._seeds_of(category) for category in self._categories()}
-        return replace(WrittenTables(self.workspace, self.name).write(seeds, self.protocol), failed=failed)
+        written = WrittenTables(self.workspace, self.name).write(seeds, self.protocol)
+        return replace(written, failed=failed)
 
-    def _pending(self, row: RowOf, cell: Cell) -> float | None:
-        """About how many seconds a cell still takes; None if it is done."""
-        seconds, steps = 0.0, 0
-        for stage in self._stages(row, cell):
-            try:
-                plan = stage.plan()
-            except InputError:  # what it needs is not there yet
-                guess = training_seconds(load_config(self.config).ancsh, self.workers) if isinstance(stage, TrainAncsh) else 0.0
-                plan = Plan((_name(row, cell),), guess)
-            seconds += plan.seconds
-            steps += len(plan.steps)
-        return seconds if steps else None
+    def _pending(self, row: RowOf, category: str, seed: int, known: dict[Stage, Plan]) -> Plan:
+        """What a cell still takes, in words, and about how many seconds but for stages in `known`, to which its own are added.
+
+        Raises CannotBeRun, or InputError if a stage that comes before has a problem.
+        """
+        self._check(row, category)
+        words: list[str] = []
+        seconds = 0.0
+        for stage in self._stages(row, category, seed):
+            if stage not in known:
+                try:
+                    known[stage] = stage.plan()
+                except InputError as error:
+                    if not words and isinstance(stage, TrainAncsh | EvaluateScans):
+                        raise CannotBeRun(error.where, error.problem, error.field) from None
+                    if not words:
+                        raise
+                    known[stage] = self._guess(stage)
+                seconds += known[stage].seconds
+            if known[stage].steps and WORDS[type(stage)] not in words:
+                words.append(WORDS[type(stage)])
+        return Plan(tuple(words), seconds)
+
+    def _guess(self, stage: Stage) -> Plan:
+        """The plan of a stage whose input is not there yet."""
+        seconds = 0.0
+        if isinstance(stage, TrainAncsh):
+            seconds = training_seconds(stage.workspace, load_config(self.config).ancsh, self.workers)
+        return Plan((WORDS[type(stage)],), seconds)
+
+    def _check(self, row: RowOf, category: str) -> None:
+        """Raises CannotBeRun if there are no shapes of the kind that networks are to learn from beside the labelled ones."""
+        dataset = open_dataset(row.workspace(self.workspace), category)
+        layouts = Counter(entry.layout == Layout.DSG_NET.value for entry in dataset.unlabelled)
+        counts: Mapping[Setting, int] = {
+            "semi": layouts.total(),
+            "semi-weakly": layouts[False],
+            "dsg-net": layouts[True],
+            "ceiling": len(dataset.hidden),
+        }
+        if not counts.get(row.setting, 1):
+            raise CannotBeRun(self.workspace.prepared, f"no shapes of {category} {NEEDED[row.setting]}")
+
+    def _is_known_to_be_impossible(self, row: RowOf, category: str, seed: int) -> bool:
+        """Whether a cell cannot be run with what there is. If so, the reason is kept for the tables."""
+        try:
+            self._pending(row, category, seed, {})
+        except CannotBeRun as error:
+            row.judged(self.workspace, category, seed).cannot_be(error.problem)
+            return True
+        except InputError:
+            pass
+        return False
 
     def _categories(self) -> tuple[str, ...]:
         table, dataset = TABLES[self.name], open_dataset(self.workspace)
@@ -111,90 +179,22 @@ class MakeTable:
         count = self.seeds or (3 if any(same_category(category, name) for name in MANY_SEEDS) else 1)
         return tuple(range(self.seed, self.seed + count))
 
-    def _cells(self, category: str) -> Iterator[tuple[RowOf, Cell]]:
+    def _cells(self, category: str) -> Iterator[tuple[RowOf, int]]:
         """The rows of the first seed, then those of the next: what is cut off leaves whole comparisons."""
-        for seed in self._seeds_of(category):
-            for row in TABLES[self.name].rows:
-                yield row, row.cell(category, seed)
+        return ((row, seed) for seed in self._seeds_of(category) for row in TABLES[self.name].rows)
 
-    def _stages(self, row: RowOf, cell: Cell) -> Iterator[Stage]:
-        place = row.workspace(self.workspace)
+    def _stages(self, row: RowOf, category: str, seed: int) -> Iterator[Stage]:
+        place, cell = row.workspace(self.workspace), row.cell(category, seed)
         if row.setting in ("semi-weakly", "dsg-net"):
             yield Train(self.method, place, self.config, None, SHARED_SEED, self.device, self.workers, self.start)
-            yield PseudoLabel(place, self.method, cell.category, None, self.device, self.workers)
-        yield Render(place, self.config, cell.category, SHARED_SEED, self.workers, unlabelled=row.setting == "semi")
+            yield PseudoLabel(place, self.method, category, None, self.device, self.workers)
+        yield Render(place, self.config, category, SHARED_SEED, self.workers, unlabelled=row.setting == "semi")
         tested = Workspace(self.workspace.root, is_rough=row.on_rough)
         if row.on_rough != row.of_rough:
-            yield Render(tested, self.config, cell.category, SHARED_SEED, self.workers)
-        yield TrainAncsh(place, self.config, cell.category, cell.setting, cell.seed, self.device, self.workers)
+            yield Render(tested, self.config, category, SHARED_SEED, self.workers)
+        yield TrainAncsh(place, self.config, category, row.setting, seed, self.device, self.workers)
         yield EvaluateScans(place, cell, self.device, row.on_rough)
 
 
-@dataclass(frozen=True)
-class JudgeTrained:
-    """Judge whatever networks are trained for scans, and write the tables that they have a cell in.
-
-    Without a category those of all categories.
-    """
-
-    workspace: Workspace
-    category: str | None = None
-    protocol: Protocol = "kinmo"
-    device: str = "auto"
-
-    def plan(self) -> Plan:
-        plans = []
-        for stage in self._stages():
-            with suppress(InputError):  # told when it is run
-                plans.append(stage.plan())
-        return Plan(tuple(step for plan in plans for step in plan.steps), sum(plan.seconds for plan in plans))
-
-    def run(self, observer: Observer) -> Outcome:
-        for stage in self._stages():
-            try:
-                stage.run(observer)
-            except InputError as error:
-                observer.note(f"not judged: {stage.cell}: {error}")
-        texts, data = [], {}
-        for name, seeds in self._tables().items():
-            outcome = WrittenTables(self.workspace, name).write(seeds, self.protocol)
-            texts.append(outcome.text)
-            data[f"table-{name}"] = outcome.data
-        return Outcome(self.workspace.evaluation, data, "\n".join(texts))
-
-    def _stages(self) -> Iterator[EvaluateScans]:
-        done = set()
-        for name, seeds in self._tables().items():
-            for row, category in product(TABLES[name].rows, seeds):
-                for seed in seeds[category]:
-                    place, cell = row.workspace(self.workspace), row.cell(category, seed)
-                    is_new = (place.path, cell, row.on_rough) not in done
-                    if is_new and cell.weights(place) and self._can_be_judged(row, cell, name):
-                        done.add((place.path, cell, row.on_rough))
-                        yield EvaluateScans(place, cell, self.device, row.on_rough)
-
-    def _tables(self) -> dict[str, dict[str, list[int]]]:
-        """The tables that have a row with trained networks, and of each the categories and their seeds.
-
-        A category that the paper has no figures of is in the first table alone.
-        """
-        found: dict[str, dict[str, list[int]]] = {}
-        for name, table in TABLES.items():
-            seeds: dict[str, set[int]] = {}
-            for row in table.rows:
-                for cell in trained_cells(row.workspace(self.workspace)):
-                    is_wanted = self.category is None or same_category(cell.category, self.category)
-                    if is_wanted and cell.setting == row.setting and self._can_be_judged(row, cell, name):
-                        seeds.setdefault(cell.category, set()).add(cell.seed)
-            if seeds:
-                found[name] = {category: sorted(seeds[category]) for category in sorted(seeds)}
-        return found
-
-    def _can_be_judged(self, row: RowOf, cell: Cell, table: str) -> bool:
-        is_there = table == next(iter(TABLES)) or has_figures(table, cell.category)
-        scanned = Workspace(self.workspace.root, is_rough=row.on_rough).scans / cell.category
-        return is_there and scanned.is_dir()
-
-
-def _name(row: RowOf, cell: Cell) -> str:
-    return f"{cell}, {row.labels:.0%} of the labels"
+def _name(row: RowOf, category: str, seed: int) -> str:
+    return f"{category}, {row.title}, seed {seed}"

@@ -14,7 +14,7 @@ from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scan_dataset import ScanDataset, fingerprint, open_scan_dataset
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
+from kinmo.scans.scan_file import ScanFile, is_made_from, open_scans, write_scans
 from kinmo.scans.self_label import self_labelled
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers
 
@@ -36,7 +36,7 @@ class SelfLabel:
         frames = sum(file.frames for file in dataset.files["unlabelled"])
         if self._cell(dataset).weights(self.workspace) and self._is_current(dataset):
             return Plan((), 0.0)
-        each = seconds_per_unit(self.workspace, self._stage(dataset), SECONDS_PER_FRAME)
+        each = seconds_per_unit(self.workspace, self._stage(dataset), SECONDS_PER_FRAME, kind="self-label-")
         return Plan((f"label {frames} scans of {self.category} by what networks say",), frames * each)
 
     def run(self, observer: Observer) -> Outcome:
@@ -56,29 +56,33 @@ class SelfLabel:
         with self.workspace.locked():
             self.workspace.forget(stage)
             remove_leftovers(folder)
+            made_from = {_own_path(folder, file): digest([inputs, file.id]) for file in files}
             for path in folder.glob("*.safetensors"):
-                path.unlink()
+                if path not in made_from or not is_made_from(path, made_from[path]):
+                    path.unlink()
+            pending = [file for file in files if not _own_path(folder, file).exists()]
             network = Ancsh.load(*weights, device=self.device)
             with timed(self.workspace, stage) as watch:
-                for done, file in enumerate(files, start=1):
-                    self._label(file, network, folder, digest([inputs, file.id]))
+                for done, file in enumerate(pending, start=1 + len(files) - len(pending)):
+                    path = _own_path(folder, file)
+                    self._label(file, network, path, made_from[path])
                     observer.progress("labelling scans", done, len(files), file.id)
-                watch.amount = sum(file.frames for file in files)
+                watch.amount = sum(file.frames for file in pending)
                 watch.what = f"{watch.amount} scans of {dataset.category}"
             outputs = tuple(str(path.relative_to(self.workspace.path)) for path in sorted(folder.glob("*.safetensors")))
             self.workspace.write_record(stage, StageRecord(inputs, outputs))
         return Outcome(folder, {"objects": len(outputs), "of": len(files)})
 
-    def _label(self, file: ScanFile, network: Ancsh, folder: Path, made_from: str) -> None:
+    def _label(self, file: ScanFile, network: Ancsh, path: Path, made_from: str) -> None:
         points = file.read("points")
         answers, estimates = network.find(list(points), [1.0] * len(points), seed=self.seed)
         made = self_labelled(
             (file.id, file.category), points, answers, estimates, network.structure, network.typical, self.confidence
         )
         if made is not None:
-            folder.mkdir(parents=True, exist_ok=True)
+            path.parent.mkdir(parents=True, exist_ok=True)
             provenance = {"made_from": made_from, "role": "unlabelled", "layout": file.provenance["layout"]}
-            write_scans(folder / f"{quote(file.path.stem, safe=' ')}.safetensors", *made, provenance)
+            write_scans(path, *made, provenance)
 
     def _stage(self, dataset: ScanDataset) -> str:
         return f"self-label-{dataset.category}-{self.seed}"
@@ -96,6 +100,10 @@ class SelfLabel:
 
     def _is_current(self, dataset: ScanDataset) -> bool:
         return self.workspace.is_current(self._stage(dataset), self._inputs(dataset))
+
+
+def _own_path(folder: Path, file: ScanFile) -> Path:
+    return folder / f"{quote(file.path.stem, safe=' ')}.safetensors"
 
 
 def self_labels_folder(workspace: Workspace, category: str, seed: int) -> Path:

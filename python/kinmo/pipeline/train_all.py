@@ -83,7 +83,7 @@ class TrainAll:
         for category in self._categories(dataset):
             yield Render(self.workspace, self.config, category, self.seed, self.workers), lambda: nothing
         for category in self._categories(dataset):
-            seconds = training_seconds(load_config(self.config).ancsh, self.workers)
+            seconds = training_seconds(self.workspace, load_config(self.config).ancsh, self.workers)
             training = Plan((f"train ancsh and npcs ({category})",), seconds)
             stage = TrainAncsh(self.workspace, self.config, category, self._setting(category), *how)
             yield stage, lambda training=training: training  # type: ignore[misc]

@@ -68,7 +68,7 @@ class ScanFitting:
 
     @property
     def seconds(self) -> float:
-        return self.units * self.schedule.epochs * seconds_per_unit(self.workspace, self.stage, SECONDS_PER_FRAME)
+        return self.units * self.schedule.epochs * _seconds_per_frame(self.workspace, self.stage, self.network)
 
     def fit(self, on_progress: Callable[[Progress], None]) -> FitResult:
         return train_ancsh(
@@ -110,7 +110,7 @@ class TrainAncsh:
         if steps:  # what they leave decides what is trained on
             cells = [Cell(category, self.setting, self.seed) for category in self._categories()]
             steps += [f"train {network} ({cell})" for cell in cells for network in NETWORKS]
-            return Plan(tuple(steps), seconds + len(cells) * training_seconds(config.ancsh, self.workers))
+            return Plan(tuple(steps), seconds + len(cells) * training_seconds(self.workspace, config.ancsh, self.workers))
         fittings = list(self._fittings(config))
         pending = self._fitter.pending(fittings)
         steps += [
@@ -185,7 +185,12 @@ def _paths(files: tuple[ScanFile, ...]) -> tuple[Path, ...]:
     return tuple(file.path for file in files)
 
 
-def training_seconds(section: AncshConfig, workers: int) -> float:
-    """About how long both networks of a category take to train on a CPU."""
+def training_seconds(workspace: Workspace, section: AncshConfig, workers: int) -> float:
+    """About how long both networks of a category take to train."""
     frames = section.training.epochs * section.batches_per_epoch * section.batch_frames
-    return len(NETWORKS) * frames * SECONDS_PER_FRAME / min(workers, len(NETWORKS))
+    seconds = [frames * _seconds_per_frame(workspace, "", network) for network in NETWORKS]
+    return sum(seconds) / min(workers, len(NETWORKS))
+
+
+def _seconds_per_frame(workspace: Workspace, stage: str, network: AncshNetworkName) -> float:
+    return seconds_per_unit(workspace, stage, SECONDS_PER_FRAME, kind=f"train-{network}-")

@@ -21,11 +21,14 @@ from kinmo.evaluation.scan_tables import (
     of_nothing,
     over_categories,
     over_parts,
+    printed_structure,
 )
 from kinmo.evaluation.tables import Caption, Table, as_text, write_table
 from kinmo.pipeline.ancsh_files import PROTOCOLS, Protocol
+from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluation_folder import ALL
-from kinmo.pipeline.judged_scans import JudgedScans
+from kinmo.pipeline.label_decisions import labelled_by
+from kinmo.pipeline.model_files import trained_on
 from kinmo.pipeline.scan_dataset import ScanDataset, open_scan_dataset
 from kinmo.pipeline.scan_table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
@@ -34,6 +37,7 @@ from kinmo.scans.scan_file import count_objects
 from kinmo.workspace import StageRecord, Workspace
 
 WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code measures"}
+AUTHORS_MEASURE = "The authors' figures are of their data, and measured as --protocol ancsh measures."
 COMPARED = ("supervised", "semi-weakly", "true labels")
 """Rows, in this order: how far the second goes from the first to the third."""
 
@@ -90,7 +94,7 @@ class WrittenTables:
         """The judgements that there are to show."""
         rows = TABLES[self.name].rows
         return {
-            category: {seed: {row.title: self._judged(row, category, seed).held() for row in rows} for seed in own}
+            category: {seed: {row.title: row.judged(self.workspace, category, seed).held() for row in rows} for seed in own}
             for category, own in seeds.items()
         }
 
@@ -99,10 +103,17 @@ class WrittenTables:
         rows = [self._row(row, category, by_seed, protocol) for row in TABLES[self.name].rows]
         run = _seeds(rows)
         dataset = self._dataset(category)
+        reasons = " ".join(f"Not run: {row.name}: {row.reason}." for row in rows if row.reason)
         if dataset is None:
-            return {"means": of_nothing(rows, self._caption(category, "nothing is scanned yet", run, protocol))}
+            caption = self._caption(category, "nothing is scanned yet", run, protocol)
+            caption = replace(caption, note=" ".join(filter(None, [caption.note, reasons])))
+            printed = next((row.printed for row in rows if row.printed is not None), None)
+            if printed is None:
+                return {"means": of_nothing(rows, caption)}
+            structure = printed_structure(printed)
+            return {"means": over_parts(rows, structure, caption), "parts": by_part(rows, structure, caption)}
         caption = self._caption(str(dataset.structure), _objects_of(dataset), run, protocol)
-        notes = [caption.note, self._gaps(category, by_seed, dataset.structure, protocol), _labels(rows, dataset)]
+        notes = [caption.note, self._gaps(category, by_seed, dataset.structure, protocol), self._labels(rows, dataset), reasons]
         summed = replace(caption, note=" ".join(filter(None, notes)))
         return {"means": over_parts(rows, dataset.structure, summed), "parts": by_part(rows, dataset.structure, caption)}
 
@@ -110,20 +121,38 @@ class WrittenTables:
         """Means over categories. (The paper's own average degrees together with lengths.)"""
         structures = {name: dataset.structure for name in held if (dataset := self._dataset(name)) is not None}
         rows = {
-            row.title: {category: self._row(row, category, held[category], protocol) for category in structures}
+            row.title: {category: self._row(row, category, held[category], protocol) for category in held}
             for row in TABLES[self.name].rows
         }
         run = _seeds([row for by_category in rows.values() for row in by_category.values()])
-        objects = {name: {place: row.objects for place, row in by_category.items()} for name, by_category in rows.items()}
         caption = self._caption("means over categories", ", ".join(held), run, protocol)
-        return {"means": over_categories(objects, structures, caption)}
+        return {"means": over_categories(rows, structures, caption)}
 
     def _row(self, row: RowOf, category: str, by_seed: HeldBySeed, protocol: Protocol) -> ScanRow:
-        paths = {seed: self._judged(row, category, seed).scores(protocol) for seed in by_seed}
-        seeds = tuple(seed for seed, judged in by_seed.items() if judged[row.title] is not None)
-        objects = read_scores([paths[seed] for seed in seeds])
-        absent = OUTDATED if any(path.exists() for path in paths.values()) else NOT_RUN
-        return ScanRow(row.title, tuple(objects), printed_row(self.name, category, row.printed), seeds, absent)
+        judged = {seed: row.judged(self.workspace, category, seed) for seed in by_seed}
+        seeds = tuple(seed for seed, held in by_seed.items() if held[row.title] is not None)
+        objects = tuple(read_scores([judged[seed].scores(protocol) for seed in seeds]))
+        is_outdated = any(each.scores(protocol).exists() for each in judged.values())
+        reasons = (each.reason() for each in judged.values())
+        return ScanRow(
+            row.title,
+            objects,
+            printed_row(self.name, category, row.printed),
+            seeds,
+            OUTDATED if is_outdated else NOT_RUN,
+            self._trained_on(row, category, seeds[0]) if objects else None,
+            None if objects or is_outdated else next((reason for reason in reasons if reason), None),
+        )
+
+    def _trained_on(self, row: RowOf, category: str, seed: int) -> str | None:
+        """How many labelled objects networks were trained on, and how many that a setting has beside them."""
+        place = row.workspace(self.workspace)
+        weights = row.cell(category, seed).weights(place)
+        if weights is None:
+            return None
+        labelled = count_objects(open_scan_dataset(place, category).files["train"])
+        others = trained_on(weights[0]) - labelled
+        return f"{labelled} + {others}" if others else str(labelled)
 
     def _gaps(self, category: str, by_seed: HeldBySeed, structure: Structure, protocol: Protocol) -> str:
         """How far pseudo labels go from no labels to true ones, over the seeds for which all three were run."""
@@ -138,6 +167,7 @@ class WrittenTables:
 
     def _caption(self, what: str, of: str, seeds: tuple[int, ...], protocol: Protocol) -> Caption:
         table = TABLES[self.name]
+        is_printed = any(row.printed for row in table.rows)
         return Caption(
             title=f"{table.title}{WAYS[protocol]}: {what}",
             data=f"{of} of workspace {self.workspace.root.absolute().name}",
@@ -145,7 +175,7 @@ class WrittenTables:
             joints=0,
             split="test split by hashed id",
             seeds=seeds,
-            note=table.note,
+            note=" ".join(filter(None, [table.note, AUTHORS_MEASURE if protocol == "kinmo" and is_printed else ""])),
         )
 
     def _dataset(self, category: str) -> ScanDataset | None:
@@ -155,8 +185,16 @@ class WrittenTables:
         except InputError:
             return None
 
-    def _judged(self, row: RowOf, category: str, seed: int) -> JudgedScans:
-        return JudgedScans(row.workspace(self.workspace), row.cell(category, seed), row.on_rough)
+    def _labels(self, rows: Sequence[ScanRow], dataset: ScanDataset) -> str:
+        """Which method gave the pseudo labels that the rows saw, and how right they are where the true ones were held back."""
+        if not any(row.name == "semi-weakly" and row.objects for row in rows):
+            return ""
+        methods = " and ".join(labelled_by(self.workspace, open_dataset(self.workspace, dataset.category).unlabelled))
+        others = sum(count for (_, role), count in dataset.others.items() if role == "pseudo")
+        text = f"Pseudo labels are by --method {methods}; {others} objects that they give other joints are left out."
+        if dataset.truths:
+            text += f" {count_labels(dataset.beside('semi-weakly'), dataset.files['hidden'], dataset.truths)}"
+        return text
 
     def _stage(self, place: str) -> str:
         return f"table-{self.name}-{place}"
@@ -181,11 +219,3 @@ def _objects_of(dataset: ScanDataset) -> str:
         f"{dataset.category}, {training} labelled objects to train on ({others} of other structures are not, "
         f"nor are {left_out['test']} test objects)"
     )
-
-
-def _labels(rows: Sequence[ScanRow], dataset: ScanDataset) -> str:
-    """How right the pseudo labels are that the rows saw, where the true ones were held back."""
-    seen = any(row.name == "semi-weakly" and row.objects for row in rows)
-    if not (seen and dataset.truths):
-        return ""
-    return str(count_labels(dataset.beside("semi-weakly"), dataset.files["hidden"], dataset.truths))

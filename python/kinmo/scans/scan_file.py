@@ -145,3 +145,11 @@ def open_scans(path: Path) -> ScanFile:
             )
     except (SafetensorError, OSError, KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(path, f"not a file of scans ({error}): run kinmo render again") from None
+
+
+def is_made_from(path: Path, made_from: str) -> bool:
+    """Whether `write_scans` wrote the file, with that in its provenance."""
+    try:
+        return bool(open_scans(path).provenance["made_from"] == made_from)
+    except (InputError, KeyError):
+        return False

@@ -1,0 +1,92 @@
+"""Judging whatever networks are trained for scans, for the tables that they are in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import product
+
+from kinmo.categories import same_category
+from kinmo.errors import InputError
+from kinmo.pipeline.ancsh_files import Cell, Protocol, trained_cells
+from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.evaluate_scans import EvaluateScans
+from kinmo.pipeline.scan_table_rows import TABLES, RowOf, has_figures, is_printed
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.pipeline.written_scan_tables import WrittenTables
+from kinmo.workspace import Workspace
+
+
+@dataclass(frozen=True)
+class JudgeTrained:
+    """Judge whatever networks are trained for scans, and write the tables that they have a cell in.
+
+    Without a category those of all categories; with one, also the paper's tables of it that nothing was trained for yet.
+    """
+
+    workspace: Workspace
+    category: str | None = None
+    protocol: Protocol = "kinmo"
+    device: str = "auto"
+
+    def plan(self) -> Plan:
+        plans = []
+        for stage in self._stages():
+            with suppress(InputError):  # told when it is run
+                plans.append(stage.plan())
+        return Plan(tuple(step for plan in plans for step in plan.steps), sum(plan.seconds for plan in plans))
+
+    def run(self, observer: Observer) -> Outcome:
+        for stage in self._stages():
+            try:
+                stage.run(observer)
+            except InputError as error:
+                observer.note(f"not judged: {stage.cell}: {error}")
+        texts, data = [], {}
+        for name, seeds in self._tables().items():
+            outcome = WrittenTables(self.workspace, name).write(seeds, self.protocol)
+            texts.append(outcome.text)
+            data[f"table-{name}"] = outcome.data
+        return Outcome(self.workspace.evaluation, data, "\n".join(texts))
+
+    def _stages(self) -> Iterator[EvaluateScans]:
+        done = set()
+        for name, seeds in self._tables().items():
+            for row, category in product(TABLES[name].rows, seeds):
+                for seed in seeds[category]:
+                    place, cell = row.workspace(self.workspace), row.cell(category, seed)
+                    is_new = (place.path, cell, row.on_rough) not in done
+                    if is_new and cell.weights(place) and self._can_be_judged(row, cell, name):
+                        done.add((place.path, cell, row.on_rough))
+                        yield EvaluateScans(place, cell, self.device, row.on_rough)
+
+    def _tables(self) -> dict[str, dict[str, list[int]]]:
+        """The tables to write, and of each the categories and their seeds.
+
+        A category that the paper has no figures of is in the first table alone.
+        """
+        found: dict[str, dict[str, list[int]]] = {}
+        for name, table in TABLES.items():
+            seeds: dict[str, set[int]] = {}
+            for row in table.rows:
+                for cell in trained_cells(row.workspace(self.workspace)):
+                    is_wanted = self.category is None or same_category(cell.category, self.category)
+                    if is_wanted and cell.setting == row.setting and self._can_be_judged(row, cell, name):
+                        seeds.setdefault(cell.category, set()).add(cell.seed)
+            if self.category is not None and not seeds and is_printed(name, self.category):
+                seeds = {category: {0} for category in self._spelled(self.category)}
+            if seeds:
+                found[name] = {category: sorted(seeds[category]) for category in sorted(seeds)}
+        return found
+
+    def _spelled(self, category: str) -> tuple[str, ...]:
+        """A category as the prepared shapes spell it; nothing if there are none of it."""
+        with suppress(InputError):
+            return open_dataset(self.workspace, category).categories()
+        return ()
+
+    def _can_be_judged(self, row: RowOf, cell: Cell, table: str) -> bool:
+        is_there = table == next(iter(TABLES)) or has_figures(table, cell.category)
+        scanned = Workspace(self.workspace.root, is_rough=row.on_rough).scans / cell.category
+        return is_there and scanned.is_dir()
