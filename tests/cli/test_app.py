@@ -77,6 +77,23 @@ def test_wrong_usage_is_exit_code_2(arguments: list[str]) -> None:
     assert CliRunner().invoke(app, arguments).exit_code == 2
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["train", "all", "--setting", "supervised"],
+        ["train", "gnn", "--method", "paper"],
+        ["train", "ancsh", "--from", "elsewhere"],
+        ["predict", "scan.npz", "--category", "safe", "--method", "paper"],
+        ["predict", "shapes", "--depth-scale", "1000"],
+    ],
+)
+def test_an_option_that_would_do_nothing_is_refused(arguments: list[str]) -> None:
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 1
+    assert f"{arguments[-2]}: " in result.output
+    assert "expected" in result.output
+
+
 def test_the_choices_of_the_options_are_those_of_the_program() -> None:
     """Options are listed without importing what they choose among."""
     from kinmo.cli.options import Method, ProtocolName

@@ -256,6 +256,17 @@ def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_pat
     assert [joint["kind"] for joint in document["joints"]] == ["R"]
     assert sum(part["points"] for part in document["parts"]) == POINTS_TO_ASK_ABOUT
     assert (tmp_path / "out" / "seen.svg").read_text().startswith("<svg")
+    with np.load(tmp_path / "out" / "seen.parts.npz") as labelled:
+        np.testing.assert_array_equal(labelled["points"], points[labelled["places"]])
+        said = [int((labelled["parts"] == part["id"]).sum()) for part in document["parts"]]
+        assert sum(said) == len(points)
+        assert [count > 0 for count in said] == [part["points"] > 0 for part in document["parts"]]
+
+
+def test_what_is_no_scan_is_told_before_anything_runs(scanned: Scanned, tmp_path: Path) -> None:
+    for name, problem in (("none.npz", "no such file"), (".", "this is a folder")):
+        with pytest.raises(InputError, match=problem):
+            PredictScan(tmp_path / name, tmp_path / "out", scanned.workspace, FAMILY, **HOW).plan()
 
 
 def test_a_category_without_networks_is_named_with_those_that_there_are(scanned: Scanned, tmp_path: Path) -> None:

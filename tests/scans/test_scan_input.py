@@ -26,7 +26,7 @@ def test_points_come_back_from_arrays_and_from_ply(tmp_path):
     np.savez(tmp_path / "b.npz", points=POINTS.astype(np.float32))
     trimesh.PointCloud(POINTS).export(tmp_path / "c.ply")
     for name in ("a.npy", "b.npz", "c.ply"):
-        np.testing.assert_allclose(read_scan(tmp_path / name), POINTS, atol=1e-6)
+        np.testing.assert_allclose(read_scan(tmp_path / name).points, POINTS, atol=1e-6)
 
 
 def test_a_depth_image_gives_the_points_that_its_camera_sees(tmp_path):
@@ -39,9 +39,10 @@ def test_a_depth_image_gives_the_points_that_its_camera_sees(tmp_path):
     np.savez(tmp_path / "with.npz", depth=depth, intrinsics=matrix)
     np.save(tmp_path / "bare.npy", depth)
     Image.fromarray(np.round(np.nan_to_num(depth) * 1000.0).astype(np.uint16)).save(tmp_path / "image.png")
-    np.testing.assert_allclose(read_scan(tmp_path / "with.npz"), expected)
-    np.testing.assert_allclose(read_scan(tmp_path / "bare.npy", CAMERA), expected)
-    np.testing.assert_allclose(read_scan(tmp_path / "image.png", CAMERA, 1000.0), expected, atol=2e-3)
+    np.testing.assert_allclose(read_scan(tmp_path / "with.npz").points, expected)
+    np.testing.assert_array_equal(read_scan(tmp_path / "with.npz").places, seen)
+    np.testing.assert_allclose(read_scan(tmp_path / "bare.npy", CAMERA).points, expected)
+    np.testing.assert_allclose(read_scan(tmp_path / "image.png", CAMERA, 1000.0).points, expected, atol=2e-3)
 
 
 def test_intrinsics_are_four_numbers():
@@ -78,6 +79,12 @@ def written(folder: Path, what: str) -> Path:
         np.savez(path, depth=np.ones((8, 8)), intrinsics=np.array([[100.0, 0.0, 4.0], [0.0, 100.0, 4.0], [0.0, 0.0, 1.0]]).T)
     elif what == "colours.npy":
         np.save(path, np.hstack([POINTS, POINTS]))
+    elif what == "tiny.npy":
+        np.save(path, 1e-12 * POINTS)
+    elif what == "huge.npy":
+        np.save(path, 1e300 * POINTS)
+    elif what == "palette.png":
+        Image.fromarray(np.full((64, 64), 7, np.uint8)).convert("P").save(path)
     elif what == "empty.npy":
         np.save(path, np.full((64, 3), np.nan))
     else:
@@ -101,6 +108,9 @@ def written(folder: Path, what: str) -> Path:
         ("bad_camera.npz", "intrinsics: expected the matrix"),
         ("turned_camera.npz", "intrinsics: expected the matrix"),
         ("colours.npy", r"points: expected \[n, 3\], got \[100, 6\]"),
+        ("tiny.npy", "expected points that are 1e-06 to 1e[+]09 apart"),
+        ("huge.npy", "expected points that are 1e-06 to 1e[+]09 apart"),
+        ("palette.png", "expected depths, got an image with a palette"),
         ("cut.npz", "expected arrays of NumPy"),
         ("cut.ply", "expected a PLY file"),
         ("cut.png", "expected a depth image"),
@@ -117,7 +127,9 @@ def test_what_is_no_scan_is_named_in_one_line(tmp_path, what, problem):
 def test_pixels_without_a_place_are_left_out_and_other_arrays_are_not_looked_at(tmp_path):
     cloud = np.concatenate([POINTS, np.zeros((50, 3)), np.full((50, 3), np.nan)])
     np.savez(tmp_path / "scan.npz", points=cloud, names=np.array(["a"], dtype=object))
-    np.testing.assert_array_equal(read_scan(tmp_path / "scan.npz"), POINTS)
+    found = read_scan(tmp_path / "scan.npz")
+    np.testing.assert_array_equal(found.points, POINTS)
+    np.testing.assert_array_equal(found.places, np.arange(len(POINTS)))
 
 
 def test_a_file_that_is_not_there_is_said_to_be_missing(tmp_path):
@@ -136,6 +148,6 @@ def test_a_damaged_archive_is_refused_in_one_line_or_read(tmp_path_factory, data
     path = tmp_path_factory.getbasetemp() / "damaged.npz"
     path.write_bytes(contents[: data.draw(st.sampled_from([None, place]))])
     try:
-        assert read_scan(path).shape[1] == 3
+        assert read_scan(path).points.shape[1] == 3
     except InputError as error:
         assert "\n" not in str(error)

@@ -9,6 +9,7 @@ from typer import Argument, BadParameter, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions, Method
+from kinmo.errors import InputError
 
 SCANS = "Options for scans"
 
@@ -19,8 +20,8 @@ def predict(
         Path,
         Argument(help="A shape's folder, a folder with shapes anywhere below it, or the file of a scan.", show_default=False),
     ],
-    out: Annotated[Path, Option("--out", "-o", help="Folder for the results, one folder a shape.", show_default=False)],
-    method: Annotated[Method, Option(help="Which method answers.")] = Method.KINMO,
+    out: Annotated[Path, Option("--out", "-o", help="Folder for the results, one folder a shape.")] = Path("predicted"),
+    method: Annotated[Method | None, Option(help="Which method answers.", show_default="kinmo")] = None,
     category: Annotated[
         str | None, Option(help="What is seen in the scan, however it is spelled.", show_default=False, rich_help_panel=SCANS)
     ] = None,
@@ -34,8 +35,9 @@ def predict(
         ),
     ] = None,
     depth_scale: Annotated[
-        float, Option(min=1e-9, help="Depths are divided by it; 1000 for millimetres.", rich_help_panel=SCANS)
-    ] = 1.0,
+        float | None,
+        Option(min=1e-9, help="Depths are divided by it; 1000 for millimetres.", show_default="1", rich_help_panel=SCANS),
+    ] = None,
 ) -> None:
     """Predict the joints of your own shapes, or of what a depth scan shows.
 
@@ -45,28 +47,34 @@ def predict(
 
     A scan is an .npz or .npy file with points or depths, a .ply, or a depth image (.png, .tif), of one object of a --category
     that kinmo train ancsh knows (docs/scans.md). It gives a JSON file with parts, boxes, poses, joints and their states in the
-    camera's frame, and a picture.
+    camera's frame, the part of every point, and a picture.
 
     For example:
 
         kinmo predict my_shapes/cabinet -o out/
         kinmo predict my_shapes/ -o out/ --json > out.json
-        kinmo predict scan.npz --category refrigerator -o out/
+        kinmo predict scan.npz --category refrigerator
         kinmo predict depth.png --category refrigerator --intrinsics 525,525,319.5,239.5 --depth-scale 1000 -o out/
     """
     from kinmo.workspace import Workspace
 
     workspace = Workspace(options.workspace)
     if category is not None:
+        if method is not None:
+            raise InputError("--method", "is of shapes, expected none with --category, which is of scans")
         from kinmo.pipeline.predict_scan import PredictScan
         from kinmo.scans.scan_input import Intrinsics
 
         camera = None if intrinsics is None else Intrinsics.parse(intrinsics)
-        scan = PredictScan(shape, out, workspace, category, camera, depth_scale, options.seed, options.device)
+        scan = PredictScan(shape, out, workspace, category, camera, depth_scale or 1.0, options.seed, options.device)
         execute(options, scan)
         return
     if shape.is_file():
         raise BadParameter("a scan needs --category: what is to be seen in it", param_hint="--category")
+    for option, value in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
+        if value is not None:
+            raise InputError(option, "is of scans, expected --category, what is to be seen in it, beside it")
     from kinmo.pipeline.predict import Predict
 
-    execute(options, Predict(shape, out, workspace, method.value, options.seed, options.device, options.worker_count))
+    by = (method or Method.KINMO).value
+    execute(options, Predict(shape, out, workspace, by, options.seed, options.device, options.worker_count))

@@ -42,9 +42,10 @@ def train(
     ] = None,
     start: Start = None,
     setting: Annotated[
-        SettingName, Option(help="ancsh: which labels count beside those of the labelled shapes.")
-    ] = SettingName.SEMI_WEAKLY,
-    method: Annotated[Method, Option(help="all: which method gives pseudo labels.")] = Method.KINMO,
+        SettingName | None,
+        Option(help="ancsh: which labels count beside those of the labelled shapes.", show_default="semi-weakly"),
+    ] = None,
+    method: Annotated[Method | None, Option(help="all: which method gives pseudo labels.", show_default="kinmo")] = None,
 ) -> None:
     """Train the networks.
 
@@ -77,13 +78,17 @@ def train(
     from kinmo.pipeline.train_ancsh import TrainAncsh
     from kinmo.workspace import Workspace
 
+    if setting is not None and what is not What.ANCSH:
+        raise InputError("--setting", f"is of ancsh, expected none with {what.value}")
+    if method is not None and what is not What.ALL:
+        raise InputError("--method", f"is of all, expected none with {what.value}")
     workspace, continued = Workspace(options.workspace), None if start is None else Workspace(start)
     how = (options.seed, options.device, options.worker_count)
     if what is What.ALL:
-        execute(options, TrainAll(workspace, config, method.value, category, *how, continued))
+        execute(options, TrainAll(workspace, config, (method or Method.KINMO).value, category, *how, continued))
     elif what is What.ANCSH:
         if continued is not None:
             raise InputError("--from", "ancsh goes on from nothing, expected it with all, motion or axis")
-        execute(options, TrainAncsh(workspace, config, category, setting.value, *how))
+        execute(options, TrainAncsh(workspace, config, category, (setting or SettingName.SEMI_WEAKLY).value, *how))
     else:
         execute(options, Train(what.value, workspace, config, category, *how, continued))

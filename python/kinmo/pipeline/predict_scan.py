@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from kinmo import __version__
 from kinmo.categories import same_category
@@ -24,8 +26,8 @@ from kinmo.report.scan_picture import scan_picture
 from kinmo.scans.answers import PointAnswers
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
-from kinmo.scans.scan_input import Intrinsics, read_scan
-from kinmo.workspace import Workspace, write_text_atomically
+from kinmo.scans.scan_input import Intrinsics, check_is_scan, read_scan
+from kinmo.workspace import Workspace, write_bytes_atomically, write_text_atomically
 
 SCHEMA_VERSION = 1
 PREFERRED = ("semi-weakly", "dsg-net", "semi", "supervised", "ceiling")
@@ -35,7 +37,10 @@ SECONDS = 5.0
 
 @dataclass(frozen=True)
 class PredictScan:
-    """Find the parts of an object of `category` in a scan, and write them as JSON and as a picture into `out`."""
+    """Find the parts of an object of `category` in a scan.
+
+    Into `out` go all that was found (NAME.json), the part of every point (NAME.parts.npz), and a picture (NAME.svg).
+    """
 
     source: Path
     out: Path
@@ -48,11 +53,13 @@ class PredictScan:
 
     def plan(self) -> Plan:
         cell = self._cell()
+        check_is_scan(self.source)
         return Plan((f"find the parts of a {cell.category} in {self.source} by the networks of {cell}",), SECONDS)
 
     def run(self, observer: Observer) -> Outcome:
         cell = self._cell()
-        points = read_scan(self.source, self.intrinsics, self.depth_scale)
+        scan = read_scan(self.source, self.intrinsics, self.depth_scale)
+        points = scan.points
         weights = cell.weights(self.workspace)
         assert weights is not None, "trained_cells has those with weights"
         network = Ancsh.load(*weights, device=self.device)
@@ -70,6 +77,8 @@ class PredictScan:
         target = self.out / f"{name}.json"
         write_text_atomically(target, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
         write_text_atomically(self.out / f"{name}.svg", picture)
+        parts = _of_nearest(points, seen, answer.parts)
+        write_bytes_atomically(self.out / f"{name}.parts.npz", _npz(points, parts, scan.places))
         return Outcome(target, document, _text(document))
 
     def _cell(self) -> Cell:
@@ -129,6 +138,17 @@ def scan_document(
         "parts": parts,
         "joints": joints,
     }
+
+
+def _of_nearest(points: NDArray[np.float64], seen: NDArray[np.float64], parts: NDArray[np.integer]) -> NDArray[np.int16]:
+    """The part [n] of each of `points` [n, 3]: that of the nearest one that the networks have seen."""
+    return np.asarray(parts[cKDTree(seen).query(points)[1]], np.int16)
+
+
+def _npz(points: NDArray[np.float64], parts: NDArray[np.int16], places: NDArray[np.int64]) -> bytes:
+    file = io.BytesIO()
+    np.savez_compressed(file, points=points, parts=parts, places=places)
+    return file.getvalue()
 
 
 def _text(document: dict[str, Any]) -> str:

@@ -18,6 +18,8 @@ F64 = NDArray[np.float64]
 CLOUDS = (".npz", ".npy", ".ply")
 IMAGES = (".png", ".tif", ".tiff")
 LEAST_POINTS = 32
+SMALLEST, LARGEST = 1e-6, 1e9
+"""Longest side of the box of all points; beyond these something else than a scan is in the file."""
 NARROWEST = 16
 """Pixels across a depth image: an array of fewer columns is one of points."""
 
@@ -65,31 +67,52 @@ class Intrinsics:
         return cls(*values)
 
 
-def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: float = 1.0) -> F64:
-    """Points [n, 3] in the frame of the camera: x to the right, y down, z forward.
+@dataclass(frozen=True, eq=False)
+class ScanInput:
+    """`points` [n, 3] in the frame of the camera: x to the right, y down, z forward.
+
+    `places` [n] are those of the points in the file: of what it lists, or of the pixels of its image, row by row.
+    """
+
+    points: F64
+    places: NDArray[np.int64]
+
+
+def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: float = 1.0) -> ScanInput:
+    """The points of a scan.
 
     An .npz has `points` [n, 3], or `depth` [height, width] along z, with `intrinsics` beside it if they are not given here;
     an .npy has one of the two, a .ply points, and a .png or .tif depths. Depths are divided by `depth_scale`; points at no
     number, and those that are not before the camera (0, 0, 0 often stands for none), are left out. Raises InputError, naming
     file and field, for what is none of this or has too few points.
     """
-    if not path.is_file():
-        raise InputError(path, f"expected a scan: {'this is a folder' if path.is_dir() else 'there is no such file'}")
-    ending = path.suffix.lower()
+    ending = check_is_scan(path)
     if ending == ".ply":
         points = _ply(path)
     elif ending in IMAGES:
         points = _back_projected(_image(path), intrinsics, depth_scale, path)
-    elif ending in CLOUDS:
-        points = _arrays(path, intrinsics, depth_scale)
     else:
+        points = _arrays(path, intrinsics, depth_scale)
+    places = np.flatnonzero(np.isfinite(points).all(axis=1) & (points[:, 2] > 0.0))
+    points = points[places]
+    count = len(np.unique(points, axis=0))
+    if count < LEAST_POINTS:
+        raise InputError(path, f"expected points at {LEAST_POINTS} places before the camera (z > 0) or more, got {count}")
+    across = float(np.ptp(points, axis=0).max())
+    if not SMALLEST <= across <= LARGEST:
+        problem = f"expected points that are {SMALLEST:g} to {LARGEST:g} apart along an axis, got {across:g}"
+        raise InputError(path, problem)
+    return ScanInput(points, places)
+
+
+def check_is_scan(path: Path) -> str:
+    """The ending, in small letters, of a file that may be a scan. Raises InputError for anything else."""
+    if not path.is_file():
+        raise InputError(path, f"expected a scan: {'this is a folder' if path.is_dir() else 'there is no such file'}")
+    ending = path.suffix.lower()
+    if ending not in CLOUDS + IMAGES:
         raise InputError(path, f"expected a scan: one of {', '.join(CLOUDS + IMAGES)}")
-    points = points[np.isfinite(points).all(axis=1)]
-    points = points[points[:, 2] > 0.0]
-    places = len(np.unique(points, axis=0))
-    if places < LEAST_POINTS:
-        raise InputError(path, f"expected points at {LEAST_POINTS} places before the camera (z > 0) or more, got {places}")
-    return points
+    return ending
 
 
 def _arrays(path: Path, intrinsics: Intrinsics | None, depth_scale: float) -> F64:
@@ -125,12 +148,10 @@ def _back_projected(depth: NDArray[np.generic], intrinsics: Intrinsics | None, s
         raise InputError(path, f"expected one depth a pixel, [height, width], got {list(np.shape(depth))}", "depth")
     if intrinsics is None:
         raise InputError(path, "a depth image needs the camera's intrinsics: --intrinsics fx,fy,cx,cy")
-    rows, columns = np.nonzero(np.isfinite(depths) & (depths > 0.0))
-    z = depths[rows, columns]
-    return np.stack(
-        [(columns - intrinsics.cx) / intrinsics.fx * z, (rows - intrinsics.cy) / intrinsics.fy * z, z],
-        axis=1,
-    )
+    rows, columns = np.indices(depths.shape)
+    x, y = (columns - intrinsics.cx) / intrinsics.fx, (rows - intrinsics.cy) / intrinsics.fy
+    with np.errstate(invalid="ignore"):  # no number stays none
+        return np.stack([x * depths, y * depths, depths], axis=-1).reshape(-1, 3)
 
 
 def _image(path: Path) -> NDArray[np.generic]:
@@ -138,7 +159,11 @@ def _image(path: Path) -> NDArray[np.generic]:
 
     try:
         with Image.open(path) as image:
+            if image.mode in ("1", "P"):
+                raise InputError(path, "expected depths, got an image with a palette or of two colours")
             return np.asarray(image)
+    except InputError:
+        raise
     except (OSError, UnidentifiedImageError, ValueError, Image.DecompressionBombError) as error:
         raise InputError(path, f"expected a depth image ({error})") from None
 
