@@ -20,7 +20,8 @@ from kinmo.pipeline.judge_trained import JudgeTrained
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.report import Report
 from kinmo.pipeline.scan_dataset import Setting, open_scan_dataset, scans_of
-from kinmo.pipeline.scan_report import OUTDATED
+from kinmo.pipeline.scan_pictures import COMMON
+from kinmo.pipeline.scan_report import OUTDATED, picture_sections
 from kinmo.pipeline.scan_table_rows import SHARES, TABLES, printed_row
 from kinmo.pipeline.scan_tables import MakeTable
 from kinmo.pipeline.synth import Synth
@@ -182,6 +183,17 @@ def test_the_report_says_that_figures_of_scans_are_outdated(judged: Workspace) -
     shutil.rmtree(judged.scans)
     Report(judged).run(Listener())
     assert OUTDATED in page.read_text(encoding="utf-8"), "also where scans are gone"
+
+
+def test_the_report_shows_what_each_setting_makes_of_the_same_scans(judged: Workspace) -> None:
+    taken_for(judged, "semi-weakly", 0)
+    by_title = {section.title: section for section in picture_sections(judged)}
+    pictures = by_title[f"Scans of {CATEGORY}, by setting"].pictures
+    settings = [picture.title.partition(": ")[0] for picture in pictures]
+    assert settings == ["supervised", "semi-weakly"] * (len(pictures) // 2)
+    frames = [picture.title.partition(": ")[2] for picture in pictures]
+    assert frames[::2] == frames[1::2]
+    assert len(set(frames)) == min(COMMON, count_objects(open_scan_dataset(judged, CATEGORY).files["test"]))
 
 
 def test_a_category_without_test_objects_is_said_to_be_not_judged(scanned: Scanned, tmp_path: Path) -> None:

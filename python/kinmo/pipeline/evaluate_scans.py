@@ -13,7 +13,7 @@ from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.ancsh_files import PROTOCOLS, Cell, Protocol, pictures_path, scores_path
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.judged_scans import JudgedScans
-from kinmo.pipeline.scan_pictures import JudgedFrame, PictureBook, write_pictures
+from kinmo.pipeline.scan_pictures import JudgedFrame, PictureBook, common_frames, write_pictures
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import ScanFile
 from kinmo.workspace import StageRecord, Workspace
@@ -52,7 +52,7 @@ class EvaluateScans:
             network = Ancsh.load(*weights, device=self.device)
             with timed(self.workspace, self._scans.stage) as watch:
                 scores: dict[Protocol, list[tuple[str, FrameScore]]] = {protocol: [] for protocol in PROTOCOLS}
-                book = PictureBook(network.structure)
+                book = PictureBook(network.structure, common_frames(files))
                 for done, file in enumerate(files, start=1):
                     for frame in judged(file, network, self.cell.seed):
                         book.offer(frame)

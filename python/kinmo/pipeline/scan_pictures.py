@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,24 +16,28 @@ from kinmo.evaluation.scan_metrics import FrameScore
 from kinmo.report.scan_picture import ScanView, scan_picture
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
+from kinmo.scans.scan_file import ScanFile
 from kinmo.workspace import write_text_atomically
 
 HIT_DEGREES, HIT_IOU = 10.0, 0.5
 """A frame is a hit if every part is turned right within so much, and every box overlaps the true one by so much."""
 PICTURES = 6
 """Of hits, and as many of failures."""
+COMMON = 4
+"""Frames that every cell of a category is shown on."""
 DRAWN_POINTS = 512
 
 
 @dataclass(frozen=True)
 class ScanPicture:
-    """One test frame: `text` says its errors."""
+    """One test frame: `text` says its errors. Of those in `common` every cell of a category has a picture."""
 
     id: str
     frame: int
     is_hit: bool
     text: str
     svg: str
+    is_common: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,16 +73,29 @@ def view_of(points: NDArray[np.floating], parts: NDArray[np.integer], said: Scan
     )
 
 
-class PictureBook:
-    """Gathers a few frames, of as many objects as there are: an object's next frame only after every other's first."""
+def common_frames(files: Sequence[ScanFile]) -> frozenset[tuple[str, int]]:
+    """Of the test objects some that lie evenly among all, by their ids, and a frame of each: the one in the middle."""
+    ordered = sorted(files, key=lambda file: file.id)
+    places = {len(ordered) * (2 * turn + 1) // (2 * COMMON) for turn in range(COMMON)} if ordered else set()
+    return frozenset((ordered[place].id, ordered[place].frames // 2) for place in places)
 
-    def __init__(self, structure: Structure) -> None:
-        self.structure = structure
+
+class PictureBook:
+    """Gathers a few frames, of as many objects as there are: an object's next frame only after every other's first.
+
+    Those in `common` (by object and number) are kept beside them, whatever came of them.
+    """
+
+    def __init__(self, structure: Structure, common: frozenset[tuple[str, int]] = frozenset()) -> None:
+        self.structure, self.common = structure, common
+        self._common: list[JudgedFrame] = []
         self._seen: dict[tuple[bool, str], int] = {}
         self._kept: dict[bool, list[tuple[int, JudgedFrame]]] = {True: [], False: []}
 
     def offer(self, frame: JudgedFrame) -> None:
         """Keep the frame if it is wanted."""
+        if (frame.id, frame.frame) in self.common:
+            self._common.append(frame)
         key = (frame.is_hit, frame.id)
         turn = self._seen[key] = self._seen.get(key, 0) + 1
         if turn <= PICTURES:
@@ -88,8 +105,9 @@ class PictureBook:
             del kept[PICTURES:]
 
     def pictures(self) -> list[ScanPicture]:
-        """Draw what was kept, hits first."""
-        return [self._draw(frame) for is_hit in (True, False) for _, frame in self._kept[is_hit]]
+        """Draw what was kept, hits first, those in common last."""
+        chosen = [self._draw(frame) for is_hit in (True, False) for _, frame in self._kept[is_hit]]
+        return chosen + [replace(self._draw(frame), is_common=True) for frame in self._common]
 
     def _draw(self, frame: JudgedFrame) -> ScanPicture:
         some = slice(None, DRAWN_POINTS)

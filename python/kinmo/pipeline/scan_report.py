@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import get_args
 
 from kinmo.evaluation.tables import read_table
-from kinmo.pipeline.ancsh_files import Cell, pictures_path, trained_cells
+from kinmo.pipeline.ancsh_files import pictures_path, trained_cells
 from kinmo.pipeline.report_tables import shown
-from kinmo.pipeline.scan_pictures import HIT_DEGREES, HIT_IOU, read_pictures
+from kinmo.pipeline.scan_dataset import Setting
+from kinmo.pipeline.scan_pictures import HIT_DEGREES, HIT_IOU, ScanPicture, read_pictures
 from kinmo.pipeline.scan_table_rows import TABLES
 from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.report.page import Picture, Section
@@ -18,6 +20,8 @@ LEGEND = (
     f"axes. A frame is a hit if every part is turned right within {HIT_DEGREES:g}° and every box overlaps the true one by "
     f"{HIT_IOU:.0%}."
 )
+
+SETTINGS: tuple[Setting, ...] = get_args(Setting)
 
 OUTDATED = (
     "Since these tables were written, networks or scans have changed, or more was judged: the same kinmo eval, or kinmo table, "
@@ -39,16 +43,27 @@ def table_sections(workspace: Workspace) -> Iterator[Section]:
 
 
 def picture_sections(workspace: Workspace) -> Iterator[Section]:
-    """Hits and failures of the networks of every category: of the first seed, and of one setting."""
-    chosen: dict[str, Cell] = {}
-    for cell in trained_cells(workspace):
-        if pictures_path(workspace, cell, on_rough=False).exists():
-            best = chosen.get(cell.category)
-            if best is None or (cell.setting != "semi-weakly", cell.seed) < (best.setting != "semi-weakly", best.seed):
-                chosen[cell.category] = cell
-    for category, cell in sorted(chosen.items()):
-        pictures = read_pictures(pictures_path(workspace, cell, on_rough=False))
+    """By category: the same scans by the networks of every setting, of the first seed; then hits and failures of one."""
+    cells = [cell for cell in trained_cells(workspace) if pictures_path(workspace, cell, on_rough=False).exists()]
+    for category in sorted({cell.category for cell in cells}):
+        own = [cell for cell in cells if cell.category == category]
+        first = min(cell.seed for cell in own)
+        pictures = {
+            cell.setting: read_pictures(pictures_path(workspace, cell, on_rough=False)) for cell in own if cell.seed == first
+        }
+        common = _side_by_side(pictures)
+        if common and len(pictures) > 1:
+            yield Section(f"Scans of {category}, by setting", LEGEND, pictures=common)
+        setting = next((name for name in pictures if name == "semi-weakly"), min(pictures, key=SETTINGS.index))
         for title, wanted in (("hits", True), ("failures", False)):
-            some = [Picture(p.svg, f"{p.id}, frame {p.frame}", [p.text]) for p in pictures if p.is_hit is wanted]
+            chosen = (p for p in pictures[setting] if p.is_hit is wanted and not p.is_common)
+            some = [Picture(p.svg, f"{p.id}, frame {p.frame}", [p.text]) for p in chosen]
             if some:
-                yield Section(f"Scans of {category}, {title} ({cell.setting})", LEGEND, pictures=some)
+                yield Section(f"Scans of {category}, {title} ({setting})", LEGEND, pictures=some)
+
+
+def _side_by_side(pictures: Mapping[Setting, Sequence[ScanPicture]]) -> list[Picture]:
+    """A scan after the other, each by every setting."""
+    common = [(p, setting) for setting, some in pictures.items() for p in some if p.is_common]
+    common.sort(key=lambda each: (each[0].id, each[0].frame, SETTINGS.index(each[1])))
+    return [Picture(p.svg, f"{setting}: {p.id}, frame {p.frame}", [p.text]) for p, setting in common]
