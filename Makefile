@@ -37,10 +37,10 @@ $(SETUP_STAMP): pyproject.toml $(RUST_SOURCES) | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet -e '.[test,lint]'
 	@touch $@
 
-demo: $(SETUP_STAMP) ## the whole road on procedural shapes, scans of refrigerators included (resumable)
+demo: $(SETUP_STAMP) ## the whole road on procedural shapes, scans of dishwashers included (resumable)
 	$(KINMO) synth $(DEMO)/partnet --count $(COUNT)
 	$(KINMO) prepare $(DEMO)/partnet --workspace $(DEMO)/workspace
-	$(KINMO) train all --config small --category refrigerator --workspace $(DEMO)/workspace
+	$(KINMO) train all --config small --category dishwasher --workspace $(DEMO)/workspace
 	$(KINMO) pseudo-label --workspace $(DEMO)/workspace
 	$(KINMO) eval --workspace $(DEMO)/workspace
 	$(KINMO) report --workspace $(DEMO)/workspace

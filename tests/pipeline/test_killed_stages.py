@@ -4,18 +4,29 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import shutil
 import signal
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from scan_road import CATEGORY, Scanned
 from whole_road import MADE, Listener, Road, contents, undone
 
+from kinmo.pipeline.ancsh_files import NETWORKS, Cell
 from kinmo.pipeline.stage import Stage
+from kinmo.workspace import Workspace
 
 FORK = multiprocessing.get_context("forkserver")
 FORK.set_forkserver_preload(
-    ["kinmo.pipeline.train", "kinmo.pipeline.pseudo_label", "kinmo.pipeline.evaluate", "kinmo.pipeline.report"]
+    [
+        "kinmo.pipeline.train",
+        "kinmo.pipeline.pseudo_label",
+        "kinmo.pipeline.evaluate",
+        "kinmo.pipeline.report",
+        "kinmo.pipeline.render",
+        "kinmo.pipeline.train_ancsh",
+    ]
 )
 
 
@@ -37,6 +48,16 @@ def run_to_the_kill(stage: Stage, last: int) -> None:
     stage.run(Doomed(last))
 
 
+def killed_and_repeated(stage: Stage, moments: tuple[int, ...]) -> None:
+    """Kill a stage at the news of these steps, one after the other, and then let it end."""
+    for last in moments:
+        process = FORK.Process(target=run_to_the_kill, args=(stage, last))
+        process.start()
+        process.join()
+        assert process.exitcode == -signal.SIGKILL
+    stage.run(Listener())
+
+
 @pytest.mark.parametrize(("name", "moments"), [("train", (2, 1)), ("pseudo-label", (2, 1)), ("eval", (1,))])
 def test_a_stage_that_is_killed_and_repeated_ends_like_one_that_was_not(
     name: str, moments: tuple[int, ...], road: Road, tmp_path: Path
@@ -46,13 +67,23 @@ def test_a_stage_that_is_killed_and_repeated_ends_like_one_that_was_not(
     prefixes = (f"{folder}/", *(f"records/{record}." for record in records))
     own = {path: made for path, made in whole.items() if path.startswith(prefixes)}
     workspace = undone(road, tmp_path, list(MADE)[list(MADE).index(name) :])
-    stage = replace(road.stages[name], workspace=workspace)  # type: ignore[type-var]
-    for last in moments:
-        process = FORK.Process(target=run_to_the_kill, args=(stage, last))
-        process.start()
-        process.join()
-        assert process.exitcode == -signal.SIGKILL
-    stage.run(Listener())
+    killed_and_repeated(replace(road.stages[name], workspace=workspace), moments)  # type: ignore[type-var]
     ended = contents(workspace.path)
     assert own and {path: ended.get(path) for path in own} == own
     assert not [path for path in ended if path.endswith("~")]
+
+
+@pytest.mark.parametrize(("name", "moments"), [("render", (2, 3)), ("train", (1,))])
+def test_stages_of_scans_do_too(name: str, moments: tuple[int, ...], scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    again = replace(scanned, workspace=Workspace(tmp_path / "workspace"))
+    folders = {"render": ("scans/", "own-scans/"), "train": ("models/",)}[name]
+    for folder in folders:
+        shutil.rmtree(again.workspace.path / folder)
+    for network in NETWORKS if name == "train" else ():
+        again.workspace.forget(Cell(CATEGORY, "supervised", 0).stage(network))
+    stage = again.render(unlabelled=True) if name == "render" else again.train("supervised")
+    killed_and_repeated(stage, moments)
+    own = {path: made for path, made in contents(scanned.workspace.path).items() if path.startswith(folders)}
+    ended = contents(again.workspace.path)
+    assert own and {path: made for path, made in ended.items() if path.startswith(folders)} == own
