@@ -10,6 +10,7 @@ import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
 from whole_road import Listener
 
+from kinmo.errors import InputError
 from kinmo.evaluation.scan_tables import NOT_RUN
 from kinmo.evaluation.scan_tables import OUTDATED as OUTDATED_ROW
 from kinmo.pipeline.ancsh_files import NETWORKS, Cell
@@ -224,6 +225,8 @@ def test_a_table_whose_motion_networks_have_none_to_go_on_from_says_so(scanned: 
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     workspace, told = Workspace(tmp_path / "workspace"), Listener()
     stage = MakeTable("3", workspace, scanned.config, "kinmo", FAMILY, 1, start=Workspace(tmp_path / "none"), **HOW)
+    with pytest.raises(InputError, match="expected the weights to go on from"):
+        stage.plan()
     assert stage.run(told).failed == len(SHARES)
     problems = [note for note in told.notes if note.startswith("not run")]
     assert len(problems) == len(SHARES)

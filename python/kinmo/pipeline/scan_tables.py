@@ -79,7 +79,7 @@ class MakeTable:
         known: dict[Stage, Plan] = {}
         for category in self._categories():
             for row, seed in self._cells(category):
-                with suppress(InputError):
+                with suppress(CannotBeRun):
                     plan = self._pending(row, category, seed, known)
                     if plan.steps:
                         steps.append(f"{_name(row, category, seed)}: {', '.join(plan.steps)}")
