@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -74,6 +76,45 @@ def test_a_single_part_has_nothing_else_to_move_against() -> None:
     assert str(articulated_object(shape, Mobility((pin, left))).structure) == "2 parts (R on 0)", "as the file has it"
     with pytest.raises(InputError, match="nothing stands still"):
         articulated_object(shape, Mobility((nothing, left)))
+
+
+def chained(first: int) -> Mobility:
+    """The scissors as labels may have them: one leg hangs by the pin, the other by that leg."""
+    shape = scissors()
+    assert shape.mobility is not None
+    pin, left, right, knob = shape.mobility.bodies
+    one, other = (left, right) if first == 1 else (right, left)
+    assert one.joint is not None
+    assert other.joint is not None
+    bodies = [
+        pin,
+        replace(one, id=1, parent=0),
+        replace(other, id=2, parent=1, joint=against(other.joint, one.joint)),
+        replace(knob, parent=1 if one is right else 2),
+    ]
+    return Mobility(tuple(bodies))
+
+
+@pytest.mark.parametrize("first", [1, 2])
+def test_legs_that_hang_by_each_other_are_the_same_object(first: int) -> None:
+    star, chain = articulated_object(scissors()), articulated_object(scissors(), chained(first))
+    assert chain.structure == star.structure
+    for one, other in zip(star.meshes, chain.meshes, strict=True):
+        np.testing.assert_allclose(one.vertices.min(axis=0), other.vertices.min(axis=0), atol=1e-9)
+        np.testing.assert_allclose(one.vertices.max(axis=0), other.vertices.max(axis=0), atol=1e-9)
+    for value in (0.0, 0.3, 1.0):
+        poses = []
+        for found in (star, chain):
+            (joint,) = found.joints
+            assert joint.lower is not None
+            poses.append(forward(found.mobility, {1: joint.lower + value}))
+        np.testing.assert_allclose(poses[0], poses[1], atol=1e-9)
+
+
+def test_a_single_part_by_a_pin_is_the_base_of_what_hangs_by_it() -> None:
+    mobility, meshes = with_visible_base(chained(1), tuple(scissors().meshes()), 0.2, SAME)
+    assert [body.parent for body in mobility.bodies] == [None, 0, 1]
+    assert len(meshes) == 3
 
 
 @st.composite

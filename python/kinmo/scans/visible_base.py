@@ -14,6 +14,8 @@ from kinmo.mobility import Mobility
 from kinmo.scans.part_order import in_a_row
 from kinmo.shape import Mesh, join
 
+F64 = NDArray[np.float64]
+
 AS_LARGE = 0.8
 """Parts whose diagonals are at least this share of the largest one's are as good a base as that."""
 SAME_DIRECTION = math.cos(math.radians(2.0))
@@ -22,37 +24,70 @@ SAME_AXIS = 0.01
 
 
 def with_visible_base(
-    mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: NDArray[np.float64]
+    mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: F64
 ) -> tuple[Mobility, tuple[Mesh, ...]]:
-    """The object with another base, where that is smaller than `smallest` (or nothing) and several parts hang by it.
+    """The object with another base, where that is smaller than `smallest` (or nothing) and several parts move.
 
     Body 0 is the base, every other one has a joint and comes after its parent; `meshes` are theirs, those of an object with the
     diagonal 1, and `to_z_up` [3, 3] turns their frame to one with z up and the front at -x. Of the largest parts below the base
     the one that comes first in a row (`part_order`) takes its place, and the base goes with it. The others move against that:
-    about the same axis, or along the same line, as far as both do together; else as they do against the old base.
+    about the same axis, or along the same line, as far as both do together; else as they do against the old base. Where a
+    single part hangs by the base, it is chosen of that one and of the parts below it.
     """
-    bodies = mobility.bodies
-    below = [index for index, body in enumerate(bodies) if body.parent == 0]
-    sizes = [_diagonal(mesh) for mesh in meshes]
-    if sizes[0] >= smallest or len(below) < 2:
+    below, base = _below(mobility, 0), mobility.bodies[0]
+    if len(mobility.bodies) < 3 or _diagonal(meshes[0]) >= smallest:
         return mobility, tuple(meshes)
-    most = max(sizes[index] for index in below)
-    fit = [index for index in below if sizes[index] >= max(AS_LARGE * most, smallest)]
+    chosen = _first_of_the_largest(below, meshes, smallest, to_z_up) if len(below) > 1 else below[0]
+    if chosen is None:
+        return mobility, tuple(meshes)
+    mobility, others = _without_base(mobility, meshes, chosen)
+    if len(below) == 1:
+        another = _first_of_the_largest([0, *_below(mobility, 0)], others, smallest, to_z_up)
+        mobility, others = _exchanged(mobility, others, another) if another else (mobility, others)
+    whole = replace(mobility.bodies[0], leaves=tuple(sorted(base.leaves + mobility.bodies[0].leaves)))
+    return replace(mobility, bodies=(whole, *mobility.bodies[1:])), (join(meshes[0], others[0]), *others[1:])
+
+
+def _below(mobility: Mobility, parent: int) -> list[int]:
+    return [index for index, body in enumerate(mobility.bodies) if body.parent == parent]
+
+
+def _first_of_the_largest(those: Sequence[int], meshes: Sequence[Mesh], smallest: float, to_z_up: F64) -> int | None:
+    """Of the largest of some bodies, the first in a row; None if all are smaller than `smallest`."""
+    sizes = {index: _diagonal(meshes[index]) for index in those}
+    fit = [index for index in those if sizes[index] >= max(AS_LARGE * max(sizes.values()), smallest)]
     if not fit:
-        return mobility, tuple(meshes)
-    centers = np.stack([0.5 * (meshes[index].vertices.min(axis=0) + meshes[index].vertices.max(axis=0)) for index in fit])
-    chosen = fit[in_a_row(centers @ to_z_up.T)[0]]
+        return None
+    boxes = ((meshes[index].vertices.min(axis=0), meshes[index].vertices.max(axis=0)) for index in fit)
+    centers = np.stack([0.5 * (low + high) for low, high in boxes])
+    return fit[int(in_a_row(centers @ to_z_up.T)[0])]
+
+
+def _without_base(mobility: Mobility, meshes: Sequence[Mesh], chosen: int) -> tuple[Mobility, tuple[Mesh, ...]]:
+    """The object without its base, in whose place is a body that hung by it."""
+    bodies = mobility.bodies
     order = [chosen, *(index for index in range(1, len(bodies)) if index != chosen)]
     place = {index: position for position, index in enumerate(order)} | {0: 0}
-    leaves = tuple(sorted(bodies[0].leaves + bodies[chosen].leaves))
-    found = [replace(bodies[chosen], id=0, leaves=leaves, parent=None, joint=None)]
+    found = [replace(bodies[chosen], id=0, parent=None, joint=None)]
     for body in (bodies[index] for index in order[1:]):
         joint, base = body.joint, bodies[chosen].joint
         if body.parent == 0 and joint is not None and base is not None:
             joint = against(joint, base)
         found.append(replace(body, id=place[body.id], parent=None if body.parent is None else place[body.parent], joint=joint))
-    joined = join(meshes[0], meshes[chosen])
-    return replace(mobility, bodies=tuple(found)), (joined, *(meshes[index] for index in order[1:]))
+    return replace(mobility, bodies=tuple(found)), tuple(meshes[index] for index in order)
+
+
+def _exchanged(mobility: Mobility, meshes: Sequence[Mesh], chosen: int) -> tuple[Mobility, tuple[Mesh, ...]]:
+    """The same object, with a body below the base for its base."""
+    bodies = mobility.bodies
+    joint = bodies[chosen].joint
+    back = None if joint is None else replace(joint, direction=-joint.direction)  # seen from the other side
+    order = [chosen, 0, *(index for index in range(1, len(bodies)) if index != chosen)]
+    place = {index: position for position, index in enumerate(order)}
+    found = [replace(bodies[chosen], id=0, parent=None, joint=None), replace(bodies[0], id=1, parent=0, joint=back)]
+    for body in (bodies[index] for index in order[2:]):
+        found.append(replace(body, id=place[body.id], parent=None if body.parent is None else place[body.parent]))
+    return replace(mobility, bodies=tuple(found)), tuple(meshes[index] for index in order)
 
 
 def against(mine: Joint, other: Joint) -> Joint:
