@@ -15,11 +15,9 @@ from kinmo.joint import Joint, JointKind
 from kinmo.links import Link, links_of
 from kinmo.mobility import Body, Mobility
 from kinmo.normalisation import Normalisation
-from kinmo.scans.closing import closed
-from kinmo.scans.likely_closed import likely_closed
+from kinmo.scans.canonical import canonical, likely_canonical
 from kinmo.scans.part_order import canonical_order
 from kinmo.scans.variants import changed
-from kinmo.scans.visible_base import with_visible_base
 from kinmo.shape import Mesh, Shape, Vector, bounds_of, join
 
 F64 = NDArray[np.float64]
@@ -109,12 +107,12 @@ def articulated_object(
 ) -> ArticulatedObject:
     """The parts of `shape` that move by `mobility` (in its frame; its own by default), in canonical order.
 
-    If it `closes`, the object is that which `closing.closed` makes of it, else (as in the paper's release) that of the file;
-    and then what `variants.changed` makes of that, if there is a `change` [3, 3]. Limits that are guesses have
-    their closed ends put where `likely_closed` has them, and hinges the others `guessed_within` radians from there at most.
+    The object is in its `canonical` state, closed if it `closes`, else (as in the paper's release) as in the file; where limits
+    are guesses, in the one that is likely to be it, hinges opening `guessed_within` radians from there at most. If there is a
+    `change` [3, 3], it is then what `variants.changed` makes of that.
 
-    What is fastened together is one part, and a part smaller than `smallest` is fastened to what it moves against; a base that
-    small, or of nothing, is no base (`visible_base`). The order is that of `part_order`.
+    What is fastened together is one part, and a part smaller than `smallest` is fastened to what it moves against. The order is
+    that of `part_order`.
 
     Raises InputError where nothing moves, or nothing that the rest could move against is there.
     """
@@ -131,13 +129,12 @@ def articulated_object(
     joined = tuple(join(*(meshes[leaf] for leaf in link.leaves)) for link in links)
     parts = Mobility(tuple(Body(i, link.name, link.leaves, link.parent, link.joint) for i, link in enumerate(links)))
     to_z_up = z_up_rotation(up)
-    if closes:
-        parts, joined = closed(parts if guessed_within is None else likely_closed(parts, joined, guessed_within), joined)
-    parts, joined = with_visible_base(parts, joined, smallest, to_z_up)
+    if closes and guessed_within is not None:
+        parts, joined = likely_canonical(parts, joined, smallest, to_z_up, guessed_within)
+    else:
+        parts, joined = canonical(parts, joined, smallest, to_z_up, closes)
     if not parts.bodies[0].leaves:
         raise InputError(shape.source, "nothing stands still that its parts could move against")
-    if closes:  # once more: of parts that open the same way the one that is a base now does not close
-        parts, joined = closed(parts, joined)
     if change is not None:
         parts, joined = changed(parts, joined, change)
     if closes or change is not None:

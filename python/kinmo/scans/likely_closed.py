@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
+from scipy.spatial import ConvexHull
 
 from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import joint_motion
@@ -29,6 +30,10 @@ MOST_CROOKED = 1.12
 """Mean sum of the coordinates of normals, 1 of a box along the axes, up to which a part is one that can lie straight."""
 AS_STRAIGHT = 0.03
 """Within so much of the least such sum a part lies straight."""
+PER_QUARTER_FOLDED = 1.3
+"""The same for what is folded, such as scissors: some of them take up still less room with their handles across each other."""
+SHADOWS_ALIKE = 1.5
+"""A part that folds over its parent takes up so many times more room when it is unfolded, seen along the axis."""
 QUARTER = 0.5 * math.pi
 PER_QUARTER, OUT_OF_REACH = 0.25, 0.4
 """What it costs to be closed a quarter of a turn from the pose of the file, or farther beyond the limits than half of that. To
@@ -42,11 +47,12 @@ NEAR = math.radians(2.0)
 """A part that is as near to closed is closed."""
 
 
-def likely_closed(mobility: Mobility, meshes: Sequence[Mesh], widest: float) -> Mobility:
+def likely_closed(mobility: Mobility, meshes: Sequence[Mesh], widest: float, folds: bool = False) -> Mobility:
     """The same, its joints with one end where they are thought to be closed, hinges with the other within `widest` radians.
 
     `meshes` are those of the bodies. Hinges of what cannot lie straight keep their limits, as do sliders that are not pulled
-    out.
+    out. If it `folds`, the parts of hinges are closed not where they lie straight but where they cover what they hang by best,
+    as one half of scissors does the other.
     """
     bodies = list(mobility.bodies)
     for index, body in mobility.movable():
@@ -54,7 +60,7 @@ def likely_closed(mobility: Mobility, meshes: Sequence[Mesh], widest: float) -> 
         if joint is None or parent is None or joint.lower is None or not len(meshes[parent].vertices):
             continue
         if joint.kind is JointKind.REVOLUTE:
-            joint = _likely_hinge(joint, meshes[index], meshes[parent], widest)
+            joint = _likely_hinge(joint, meshes[index], meshes[parent], widest, folds)
         elif joint.kind is JointKind.PRISMATIC:
             joint = _likely_slider(joint, _cloud(meshes[index]), _cloud(meshes[parent]))
         bodies[index] = replace(body, joint=joint)
@@ -72,15 +78,17 @@ def _likely_slider(joint: Joint, cloud: F64, base: F64) -> Joint:
     return replace(joint, lower=ends[0], upper=ends[1])
 
 
-def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float) -> Joint:
-    straight = _straight(joint, mesh)
-    if joint.lower is None or joint.upper is None or not len(straight):
-        return joint
+def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float, folds: bool) -> Joint:
     cloud, base = _cloud(mesh), _cloud(parent)
-    rooms = np.array([_room(joint, cloud, base, angle) for angle in straight])
-    beyond = np.maximum(straight - (joint.upper - joint.rest), (joint.lower - joint.rest) - straight)
-    costs = rooms / rooms.min() + PER_QUARTER * np.abs(straight) / QUARTER + OUT_OF_REACH * (beyond > 0.5 * QUARTER)
-    closed = float(straight[np.argmin(costs)])
+    angles, size, per_quarter = _straight(joint, mesh), _room, PER_QUARTER
+    if folds:
+        angles, size, per_quarter = _folded(joint, cloud, base), _shadow, PER_QUARTER_FOLDED
+    if joint.lower is None or joint.upper is None or not len(angles):
+        return joint
+    sizes = np.array([size(joint, cloud, base, angle) for angle in angles])
+    beyond = np.maximum(angles - (joint.upper - joint.rest), (joint.lower - joint.rest) - angles)
+    costs = sizes / sizes.min() + per_quarter * np.abs(angles) / QUARTER + OUT_OF_REACH * (beyond > 0.5 * QUARTER)
+    closed = float(angles[np.argmin(costs)])
     ways = {1.0: joint.upper - joint.rest - closed, -1.0: closed + joint.rest - joint.lower}
     opens = _opens(joint, cloud, base, closed, ways)
     width = min(ways[opens], widest) if ways[opens] > OPENING else widest
@@ -106,6 +114,31 @@ def _straight(joint: Joint, mesh: Mesh) -> F64:
     ends = [minimize_scalar(crooked, bounds=(angle - STEP, angle + STEP), method="bounded") for angle in angles[least]]
     most = min(MOST_CROOKED, min((float(end.fun) for end in ends), default=math.inf) + AS_STRAIGHT)
     return np.array([float(end.x) for end in ends if end.fun <= most])
+
+
+def _folded(joint: Joint, cloud: F64, base: F64) -> F64:
+    """The angles from the pose of the file at which a part covers its parent best, both seen along the axis, and that pose.
+
+    Nothing of what covers it alike at any angle.
+    """
+
+    def shadow(angle: float) -> float:
+        return _shadow(joint, cloud, base, angle)
+
+    angles = np.arange(-FARTHEST, FARTHEST + STEP, STEP)
+    tried = np.array([shadow(angle) for angle in angles])
+    if tried.max() <= SHADOWS_ALIKE * tried.min():
+        return np.zeros(0)
+    least = 1 + np.flatnonzero((tried[1:-1] <= tried[:-2]) & (tried[1:-1] <= tried[2:]))
+    ends = (minimize_scalar(shadow, bounds=(angle - STEP, angle + STEP), method="bounded") for angle in angles[least])
+    return np.array([0.0, *(float(end.x) for end in ends)])
+
+
+def _shadow(joint: Joint, cloud: F64, base: F64, angle: float) -> float:
+    """The area of the convex hull of a part, turned by an angle from the pose of the file, and its parent, along the axis."""
+    across = np.linalg.svd(joint.direction[None])[2][1:]
+    turned = moved_by(joint_motion(joint, joint.rest + angle), cloud)
+    return float(ConvexHull(np.concatenate([turned, base]) @ across.T).volume)
 
 
 def _opens(joint: Joint, cloud: F64, base: F64, closed: float, ways: Mapping[float, float]) -> float:

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.joint import Joint, JointKind
-from kinmo.mobility import Mobility
+from kinmo.kinematics import Pose, rotation_about
+from kinmo.mobility import Body, Mobility
+from kinmo.scans.closing import moved_by
 from kinmo.scans.part_order import in_a_row
 from kinmo.shape import Mesh, join
 
@@ -25,7 +27,7 @@ SAME_AXIS = 0.01
 
 def with_visible_base(
     mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: F64
-) -> tuple[Mobility, tuple[Mesh, ...]]:
+) -> tuple[Mobility, tuple[Mesh, ...], Joint | None]:
     """The object with another base, where that is smaller than `smallest` (or nothing) and several parts move.
 
     Body 0 is the base, every other one has a joint and comes after its parent; `meshes` are theirs, those of an object with the
@@ -33,19 +35,67 @@ def with_visible_base(
     the one that comes first in a row (`part_order`) takes its place, and the base goes with it. The others move against that:
     about the same axis, or along the same line, as far as both do together; else as they do against the old base. Where a
     single part hangs by the base, it is chosen of that one and of the parts below it.
+
+    With it comes the joint by which the part that took its place hung by it; None where the base stays.
     """
     below, base = _below(mobility, 0), mobility.bodies[0]
     if len(mobility.bodies) < 3 or _diagonal(meshes[0]) >= smallest:
-        return mobility, tuple(meshes)
+        return mobility, tuple(meshes), None
     chosen = _first_of_the_largest(below, meshes, smallest, to_z_up) if len(below) > 1 else below[0]
     if chosen is None:
-        return mobility, tuple(meshes)
+        return mobility, tuple(meshes), None
+    hung_by = mobility.bodies[chosen].joint
     mobility, others = _without_base(mobility, meshes, chosen)
     if len(below) == 1:
-        another = _first_of_the_largest([0, *_below(mobility, 0)], others, smallest, to_z_up)
-        mobility, others = _exchanged(mobility, others, another) if another else (mobility, others)
+        mobility, others = with_first_base(mobility, others, smallest, to_z_up)
     whole = replace(mobility.bodies[0], leaves=tuple(sorted(base.leaves + mobility.bodies[0].leaves)))
-    return replace(mobility, bodies=(whole, *mobility.bodies[1:])), (join(meshes[0], others[0]), *others[1:])
+    return replace(mobility, bodies=(whole, *mobility.bodies[1:])), (join(meshes[0], others[0]), *others[1:]), hung_by
+
+
+def laid_straight(mobility: Mobility, meshes: Sequence[Mesh], axis: Joint) -> tuple[Mobility, tuple[Mesh, ...]]:
+    """The object, which nothing holds but a hinge, turned as a whole about that until its long side lies along an axis.
+
+    The long side is that of all surfaces as the hinge has them seen, and the axis of the frame the one that is nearest to it.
+    What slides on `axis` stays as it lies.
+    """
+    if axis.kind is not JointKind.REVOLUTE:
+        return mobility, tuple(meshes)
+    across = np.eye(3) - np.outer(axis.direction, axis.direction)
+    spread = across @ _spread_of_surface(meshes) @ across
+    long = np.linalg.eigh(spread)[1][:, 2]
+    near = across[np.argmax(np.abs(long))] * np.sign(long[np.argmax(np.abs(long))])
+    angle = math.atan2(float(axis.direction @ np.cross(long, near)), float(long @ near))
+    pose = rotation_about(axis, angle)
+    moved = tuple(Mesh(moved_by(pose, mesh.vertices), mesh.faces) for mesh in meshes)
+    return replace(mobility, bodies=tuple(_moved(body, pose) for body in mobility.bodies)), moved
+
+
+def _spread_of_surface(meshes: Sequence[Mesh]) -> F64:
+    """The covariance [3, 3] of points all over the triangles."""
+    corners = np.concatenate([mesh.vertices[mesh.faces] for mesh in meshes])
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    shares = areas / areas.sum()
+    middle = shares @ corners.mean(axis=1)
+    own = corners - middle
+    sums = own.sum(axis=1)
+    squares = np.einsum("nci,ncj->nij", own, own) + np.einsum("ni,nj->nij", sums, sums)
+    return np.asarray(np.einsum("n,nij->ij", shares, squares) / 12.0)
+
+
+def _moved(body: Body, pose: Pose) -> Body:
+    joint = body.joint
+    if joint is None:
+        return body
+    direction, pivot = pose[:3, :3] @ joint.direction, moved_by(pose, joint.pivot)
+    return replace(body, joint=replace(joint, direction=direction, pivot=pivot))
+
+
+def with_first_base(
+    mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: F64
+) -> tuple[Mobility, tuple[Mesh, ...]]:
+    """The object with that for its base which, of the base and the parts below it that are as large, comes first in a row."""
+    chosen = _first_of_the_largest([0, *_below(mobility, 0)], meshes, smallest, to_z_up)
+    return _exchanged(mobility, meshes, chosen) if chosen else (mobility, tuple(meshes))
 
 
 def _below(mobility: Mobility, parent: int) -> list[int]:
