@@ -7,33 +7,63 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from kinmo.joint import Joint, JointKind
+from kinmo.kinematics import joint_motion, rotation_about
 from kinmo.mobility import Mobility
-from kinmo.scans.closing import closed
+from kinmo.scans.closing import closed, moved_by
 from kinmo.scans.likely_closed import likely_closed
-from kinmo.scans.visible_base import laid_straight, with_first_base, with_visible_base
+from kinmo.scans.visible_base import laid_straight, moved_as_a_whole, with_first_base, with_visible_base
 from kinmo.shape import Mesh
 
+F64 = NDArray[np.float64]
 Parts = tuple[Mobility, tuple[Mesh, ...]]
 
+OPENED = 0.5
+"""Radians by which hinges are opened to see whereto they open."""
 
-def canonical(mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: NDArray[np.float64], closes: bool) -> Parts:
-    """The object with a base that can be seen (`visible_base`), its joints at their closed ends (`closing`) if it `closes`.
+
+def canonical(mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: F64, closes: bool) -> Parts:
+    """The object with a base that can be seen (`visible_base`); closed (`closing`), and open to the front, if it `closes`.
 
     `meshes` are those of the bodies; `smallest` and `to_z_up` are as in `with_visible_base`.
     """
     parts: Parts = closed(mobility, meshes) if closes else (mobility, tuple(meshes))
     mobility, meshes, _ = with_visible_base(*parts, smallest, to_z_up)
     # once more: of parts that open the same way the one that is a base now does not close
-    return closed(mobility, meshes) if closes else (mobility, tuple(meshes))
+    return open_to_the_front(*closed(mobility, meshes), to_z_up) if closes else (mobility, tuple(meshes))
 
 
-def likely_canonical(
-    mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: NDArray[np.float64], widest: float
-) -> Parts:
+def likely_canonical(mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: F64, widest: float) -> Parts:
     """The same of an object whose limits are guesses: closed as is likely (`likely_closed`), hinges opening to `widest`.
 
     What hangs by something that cannot be seen is thought to fold, and to lie straight then.
     """
     mobility, meshes, hung_by = with_visible_base(mobility, meshes, smallest, to_z_up)
     parts = closed(likely_closed(mobility, meshes, widest, folds=hung_by is not None), meshes)
-    return parts if hung_by is None else with_first_base(*laid_straight(*parts, hung_by), smallest, to_z_up)
+    if hung_by is not None:
+        parts = with_first_base(*laid_straight(*parts, hung_by), smallest, to_z_up)
+    return open_to_the_front(*parts, to_z_up)
+
+
+def open_to_the_front(mobility: Mobility, meshes: Sequence[Mesh], to_z_up: F64) -> Parts:
+    """The closed object, turned half round (about up) if its parts open to the back more than in any other direction.
+
+    The front of a door that is the same from both sides is in its file by chance.
+    """
+    way = np.zeros(3)
+    for index, body in mobility.movable():
+        if body.joint is not None:
+            way += to_z_up @ _opening(
+                body.joint, np.mean([meshes[index].vertices.min(axis=0), meshes[index].vertices.max(axis=0)], axis=0)
+            )
+    if way[0] <= 0.0 or way[0] < np.abs(way).max():
+        return mobility, tuple(meshes)
+    return moved_as_a_whole(mobility, meshes, rotation_about(Joint(JointKind.REVOLUTE, to_z_up[2], np.zeros(3)), np.pi))
+
+
+def _opening(joint: Joint, middle: F64) -> F64:
+    """Where to the middle [3] of a closed part goes when it is opened; nowhere if nobody knows."""
+    if joint.lower is None or joint.upper is None:
+        return np.zeros(3)
+    value = joint.lower + OPENED if joint.kind is JointKind.REVOLUTE else joint.upper
+    return moved_by(joint_motion(joint, min(value, joint.upper)), middle) - middle

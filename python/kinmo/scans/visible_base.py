@@ -65,7 +65,11 @@ def laid_straight(mobility: Mobility, meshes: Sequence[Mesh], axis: Joint) -> tu
     long = np.linalg.eigh(spread)[1][:, 2]
     near = across[np.argmax(np.abs(long))] * np.sign(long[np.argmax(np.abs(long))])
     angle = math.atan2(float(axis.direction @ np.cross(long, near)), float(long @ near))
-    pose = rotation_about(axis, angle)
+    return moved_as_a_whole(mobility, meshes, rotation_about(axis, angle))
+
+
+def moved_as_a_whole(mobility: Mobility, meshes: Sequence[Mesh], pose: Pose) -> tuple[Mobility, tuple[Mesh, ...]]:
+    """Parts and joints where a pose takes them."""
     moved = tuple(Mesh(moved_by(pose, mesh.vertices), mesh.faces) for mesh in meshes)
     return replace(mobility, bodies=tuple(_moved(body, pose) for body in mobility.bodies)), moved
 
