@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from kinmo import workers
 from kinmo.workers import Crashed, map_unordered, may_be_cut_off, tell
 
 
@@ -117,6 +119,28 @@ def test_jobs_that_may_be_cut_off_are_not_waited_for(tmp_path):
     started = time.monotonic()
     answers.close()
     assert time.monotonic() - started < 200
+
+
+@pytest.mark.parametrize("is_running", [True, False])
+def test_a_worker_is_cut_off_only_within_a_job_and_not_with_the_queue_in_its_hands(monkeypatch, is_running):
+    ended = []
+    monkeypatch.setattr(workers.os, "_exit", ended.append)
+    stopped, stop = multiprocessing.Pipe(duplex=False)
+    stop.close()
+    workers._cut_off(stopped, workers._RunningJob(is_running))
+    assert ended == ([1] if is_running else [])
+
+
+def note_the_job(number: int) -> bool:
+    return workers._job is not None and workers._job.is_running
+
+
+def test_a_job_is_running_while_it_runs(monkeypatch):
+    monkeypatch.setattr(workers, "_job", None)
+    assert all(answer is True for _, answer in map_unordered(note_the_job, range(4), 2))
+    assert workers._unless_stopped(note_the_job, 0)
+    assert workers._job is not None
+    assert not workers._job.is_running
 
 
 def wait_for_release(job: tuple[Path, int]) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from multiprocessing import connection
 from multiprocessing.context import SpawnContext
@@ -83,8 +83,19 @@ def tell(message: Any) -> None:
 
 def may_be_cut_off() -> None:
     """Of a job: when its pool is stopped, this worker is to end at once, and not when the job is done."""
-    if _stopped is not None:
-        threading.Thread(target=_end_with, args=(_stopped,), daemon=True).start()
+    if _stopped is not None and _job is not None:
+        threading.Thread(target=_cut_off, args=(_stopped, _job), daemon=True).start()
+
+
+def _cut_off(stopped: connection.Connection, job: _RunningJob) -> None:
+    """End the worker when the pool is stopped, if the job still runs.
+
+    A worker between two jobs holds the lock of the queue of all, which would be held for ever then.
+    """
+    connection.wait([stopped])
+    with job.turn:
+        if job.is_running:
+            os._exit(1)
 
 
 def _one_at_a_time(
@@ -175,10 +186,28 @@ _stopped: connection.Connection | None = None
 """Of a worker: has something to read, the end, once its pool is stopped."""
 
 
+@dataclass
+class _RunningJob:
+    """What a worker is at; `turn` keeps it from ending within what is done with the rest."""
+
+    is_running: bool = True
+    turn: threading.Lock = field(default_factory=threading.Lock)
+
+
+_job: _RunningJob | None = None
+"""Of a worker: the job that it is at."""
+
+
 def _unless_stopped(function: Callable[[Job], Answer], job: Job) -> Answer:
+    global _job
     if _stopped is not None and _stopped.poll():
         raise CancelledError
-    return function(job)
+    _job = _RunningJob()
+    try:
+        return function(job)
+    finally:
+        with _job.turn:
+            _job.is_running = False
 
 
 @contextmanager
