@@ -33,6 +33,7 @@ from kinmo.workspace import StageRecord, Workspace
 
 def test_a_cell_that_cannot_be_run_leaves_the_others(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)  # of other tests
     told = Listener()
     stage = MakeTable("4", Workspace(tmp_path / "workspace"), scanned.config, "kinmo", FAMILY, 1, **HOW)
     assert stage.plan().steps == (f"{CATEGORY}, supervised, seed 0: judge",), "the other has nothing to learn from"
