@@ -90,7 +90,7 @@ def may_be_cut_off() -> None:
 def _cut_off(stopped: connection.Connection, job: _RunningJob) -> None:
     """End the worker when the pool is stopped, if the job still runs.
 
-    A worker between two jobs holds the lock of the queue of all, which would be held for ever then.
+    A worker between two jobs may hold the lock of the queue of all, which would be held for ever then.
     """
     connection.wait([stopped])
     with job.turn:

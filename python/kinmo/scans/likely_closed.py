@@ -80,9 +80,10 @@ def _likely_slider(joint: Joint, cloud: F64, base: F64) -> Joint:
 
 def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float, folds: bool) -> Joint:
     cloud, base = _cloud(mesh), _cloud(parent)
-    angles, size, per_quarter = _straight(joint, mesh), _room, PER_QUARTER
     if folds:
         angles, size, per_quarter = _folded(joint, cloud, base), _shadow, PER_QUARTER_FOLDED
+    else:
+        angles, size, per_quarter = _straight(joint, mesh), _room, PER_QUARTER
     if joint.lower is None or joint.upper is None or not len(angles):
         return joint
     sizes = np.array([size(joint, cloud, base, angle) for angle in angles])
