@@ -10,6 +10,7 @@ from typer import Argument, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions
+from kinmo.errors import InputError
 
 MOST_SHAPES = 100_000
 """`kinmo.synth.generate.MOST_SHAPES`, without importing it."""
@@ -26,7 +27,9 @@ class LayoutName(str, Enum):
 def synth(
     options: CommonOptions,
     folder: Annotated[Path, Argument(help="Folder to write the shapes into.", show_default=False)],
-    count: Annotated[int, Option("--count", "-n", min=1, max=MOST_SHAPES, help="Labelled shapes a family.")] = 12,
+    count: Annotated[
+        int, Option("--count", "-n", min=1, max=MOST_SHAPES, help="Shapes a family and layout; of DSG-Net's a third.")
+    ] = 12,
     family: Annotated[list[str] | None, Option(help="Only this family; may be repeated.", show_default=False)] = None,
     layout: Annotated[
         list[LayoutName] | None,
@@ -50,4 +53,6 @@ def synth(
     from kinmo.pipeline.synth import Synth
 
     layouts = tuple(name.value for name in layout or ())
+    if held_back and layouts and LayoutName.PARTNET.value not in layouts:
+        raise InputError("--held-back", "expected --layout partnet beside it: these are the shapes that it is of")
     execute(options, Synth(folder, count, tuple(family or ()), layouts, None, held_back, options.seed, options.worker_count))
