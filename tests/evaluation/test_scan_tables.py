@@ -9,16 +9,14 @@ from kinmo.errors import InputError
 from kinmo.evaluation.paper_tables import paper_tables
 from kinmo.evaluation.scan_metrics import FrameScore
 from kinmo.evaluation.scan_records import ObjectScans, read_scores, write_scores
+from kinmo.evaluation.scan_summary import measure_titles, summary
 from kinmo.evaluation.scan_tables import (
     NOT_RUN,
     ScanRow,
     by_part,
-    gap_closed,
-    measure_titles,
     over_categories,
     over_parts,
     printed_structure,
-    summary,
 )
 from kinmo.evaluation.tables import Caption, as_text
 from kinmo.joint import JointKind
@@ -101,16 +99,15 @@ def test_categories_count_alike_and_only_in_what_they_have():
     assert found[0]["state (deg)"] == pytest.approx(alone.value), "a drawer has no angle"
 
 
-def test_the_share_of_the_gap_is_how_far_errors_have_gone_from_the_worse_to_the_best():
-    worse, between, best = (objects([frame(rotation=(value,) * 3)]) for value in (0.4, 0.2, 0.1))
-    shares = dict(zip(measure_titles(STRUCTURE), gap_closed(worse, between, best, STRUCTURE), strict=True))
-    assert shares["rotation (deg)"] == pytest.approx(2.0 / 3.0)
-    assert shares["3D IoU (%)"] is None, "there is no gap"
-    assert set(gap_closed(best, between, worse, STRUCTURE)) == {None}, "nothing is to be gained"
-    high, low = (objects([frame(iou=(value,) * 3)]) for value in (0.6, 0.2))
-    middle = objects([frame(iou=(0.5,) * 3)])
-    more = dict(zip(measure_titles(STRUCTURE), gap_closed(low, middle, high, STRUCTURE), strict=True))
-    assert more["3D IoU (%)"] == pytest.approx(0.75)
+def test_a_comparison_stands_below_the_rows_with_its_interval():
+    before, after = (
+        ScanRow(name, objects([frame(rotation=(turn,) * 3)]), seeds=(0, 2)) for name, turn in (("a", 0.3), ("b", 0.1))
+    )
+    table = over_parts([before, after], STRUCTURE, CAPTION, [(before, after)])
+    row = dict(zip([column.title for column in table.columns], table.rows[-1], strict=True))
+    assert (row["trained on"], row["seeds"]) == ("b against a", "0, 2")
+    assert row["rotation (deg)"] == pytest.approx(np.degrees(-0.2))
+    assert table.rows[-1][4] == "-11.46 to -11.46"
 
 
 def test_means_of_the_papers_figures_average_no_lengths_with_degrees():

@@ -128,6 +128,7 @@ def test_rows_say_which_seeds_they_are_of_and_gaps_are_over_those_that_all_have(
         "semi": NOT_RUN,
         "semi-weakly": "1",
         "true labels": "1, 2",
+        "semi-weakly against supervised": "1",
     }
     text = (written.folder / CATEGORY / "means.md").read_text(encoding="utf-8")
     assert "seeds 0, 1, 2." in text

@@ -80,6 +80,20 @@ def micro(sums: Sums, *, draws: int = DRAWS, seed: int = 0) -> list[Estimate | N
     return _estimates(ratios(sums.sum(axis=0)), samples, counts)
 
 
+def changes(before: Sums, after: Sums, *, draws: int = DRAWS, seed: int = 0) -> list[Estimate | None]:
+    """By how much every figure of some objects is larger in `after` than in `before`; the same objects are drawn for both.
+
+    `count` is of the objects that have the figure in both.
+    """
+    if not len(before):
+        return [None] * before.shape[1]
+    both = np.stack([before, after], axis=1)
+    samples = resampled(both.reshape(len(both), -1, 2), draws, np.random.default_rng(seed)).reshape(draws, *both.shape[1:])
+    earlier, later = np.moveaxis(ratios(samples), 1, 0)
+    counts = (both[..., 1] > 0).all(axis=1).sum(axis=0)
+    return _estimates(np.subtract(*ratios(both.sum(axis=0))[::-1]), later - earlier, counts)
+
+
 def macro(
     sums: Sums, categories: Sequence[str], *, least_objects: int = 1, draws: int = DRAWS, seed: int = 0
 ) -> list[Estimate | None]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from kinmo.evaluation.aggregate import Estimate, micro, sums_of
 from kinmo.evaluation.paper_tables import MARK
 from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed, of_rows, rows_of
+from kinmo.evaluation.scan_summary import change, failures, measures_of, summary
 from kinmo.evaluation.tables import Caption, Cell, Column, Table
 from kinmo.joint import JointKind
 from kinmo.scans.articulated_object import Structure
@@ -37,7 +38,7 @@ class ScanRow:
 
 def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> Table:
     """A line a part, its joint beside it, for every row; the paper's figures below the row's own."""
-    measures = _measures(structure)
+    measures = measures_of(structure)
     columns = (Column("trained on"), Column("part"), *(Column(m.title, m.decimals) for m in measures), FAILED)
     lines: list[tuple[Cell, ...]] = []
     for row in rows:
@@ -55,21 +56,28 @@ def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> 
     return Table(_counted(caption, rows), columns, tuple(lines))
 
 
-def over_parts(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> Table:
-    """Means over all parts, or joints, with their 95 % intervals over the objects, and the share of frames that failed."""
+def over_parts(
+    rows: Sequence[ScanRow], structure: Structure, caption: Caption, compared: Sequence[tuple[ScanRow, ScanRow]] = ()
+) -> Table:
+    """Means over all parts, or joints, with their 95 % intervals over the objects, and the share of frames that failed.
+
+    Then by how much the second of every pair of `compared` is above the first.
+    """
     columns = [Column("trained on"), Column("objects"), Column("seeds")]
-    for measure in _measures(structure):
+    for measure in measures_of(structure):
         columns += [Column(measure.title, measure.decimals), Column("95 %")]
     lines: list[tuple[Cell, ...]] = []
     for row in rows:
-        cells: list[Cell] = [row.name, row.trained_on, ", ".join(map(str, row.seeds)) if row.objects else row.absent]
-        for measure, estimate in zip(_measures(structure), summary(row.objects, structure), strict=True):
-            cells += [_value(estimate), _interval(estimate, measure.decimals)]
-        lines.append((*cells, failures(row.objects)))
+        cells: list[Cell] = [row.name, row.trained_on, _seeds(row) if row.objects else row.absent]
+        lines.append((*cells, *_with_intervals(summary(row.objects, structure), structure), failures(row.objects)))
         if row.printed is not None:
             means = printed_means(row.printed, structure)
-            figures = [cell for measure in _measures(structure) for cell in (means.get(measure), None)]
+            figures = [cell for measure in measures_of(structure) for cell in (means.get(measure), None)]
             lines.append((_authors(row), None, None, *figures, None))
+    for before, after in compared:
+        differences = change(before.objects, after.objects, structure)
+        name = f"{after.name} against {before.name}"
+        lines.append((name, None, _seeds(after), *_with_intervals(differences, structure), None))
     return Table(_counted(caption, rows), (*columns, FAILED), tuple(lines))
 
 
@@ -96,7 +104,7 @@ def over_categories(rows: Mapping[str, Mapping[str, ScanRow]], structures: Mappi
         values: list[dict[Measure, float]] = []
         for category, objects in run.items():
             structure = structures[category]
-            found = zip(_measures(structure), summary(objects, structure), strict=True)
+            found = zip(measures_of(structure), summary(objects, structure), strict=True)
             values.append({measure: estimate.value for measure, estimate in found if estimate is not None})
         lost = [share for objects in run.values() if (share := failures(objects)) is not None]
         lines.append((name, len(run) or NOT_RUN, *_means(values), sum(lost) / len(lost) if lost else None))
@@ -113,45 +121,17 @@ def _means(values: Sequence[Mapping[Measure, float]]) -> list[Cell]:
     return [sum(some) / len(some) if some else None for some in known]
 
 
-def gap_closed(
-    less: Sequence[ObjectScans], more: Sequence[ObjectScans], best: Sequence[ObjectScans], structure: Structure
-) -> list[float | None]:
-    """A measure each: the share of the way from the errors of `less` to those of `best` that `more` has gone.
-
-    None where `best` is no better than `less`: there is no way to go.
-    """
-    shares: list[float | None] = []
-    rows = (summary(objects, structure) for objects in (less, more, best))
-    for measure, low, mid, high in zip(_measures(structure), *rows, strict=True):
-        way = 0.0 if low is None or high is None else high.value - low.value
-        is_better = way > 0.0 if measure.larger_is_better else way < 0.0
-        shares.append((mid.value - low.value) / way if is_better and low is not None and mid is not None else None)
-    return shares
-
-
-def summary(objects: Sequence[ObjectScans], structure: Structure) -> list[Estimate | None]:
-    """Means over all parts, or joints, of the measures that the structure has."""
-    figures = [of_rows(measure, list(rows_of(measure, structure).values())) for measure in _measures(structure)]
-    return micro(sums_of(objects, figures))
-
-
-def failures(objects: Sequence[ObjectScans]) -> float | None:
-    """The share of frames, in percent, in which a part was not found; None without frames."""
-    (found,) = micro(sums_of(objects, [failed()]), draws=1)
-    return _value(found)
-
-
-def measure_titles(structure: Structure) -> list[str]:
-    """Titles of what `summary` gives."""
-    return [measure.title for measure in _measures(structure)]
-
-
-def _measures(structure: Structure) -> list[Measure]:
-    return [measure for measure in MEASURES if rows_of(measure, structure)]
-
-
 def _value(estimate: Estimate | None) -> float | None:
     return None if estimate is None else estimate.value
+
+
+def _seeds(row: ScanRow) -> str:
+    return ", ".join(map(str, row.seeds))
+
+
+def _with_intervals(estimates: Sequence[Estimate | None], structure: Structure) -> list[Cell]:
+    pairs = zip(measures_of(structure), estimates, strict=True)
+    return [cell for measure, found in pairs for cell in (_value(found), _interval(found, measure.decimals))]
 
 
 def _interval(estimate: Estimate | None, decimals: int) -> Cell:
@@ -181,7 +161,7 @@ def printed_structure(printed: PaperRow) -> Structure:
 
 def printed_means(printed: PaperRow, structure: Structure) -> dict[Measure, float]:
     """Means over all parts, or joints, of what the paper prints in a row; without measures that it has no figures of."""
-    measures = _measures(structure)
+    measures = measures_of(structure)
     rows = [_printed(printed, part, measures, structure) for part in range(structure.part_count)]
     found = {}
     for measure, column in zip(measures, zip(*rows, strict=True), strict=True):

@@ -45,11 +45,15 @@ class RowOf:
 
 @dataclass(frozen=True)
 class ScanTable:
-    """A table; `categories` are those that the paper has figures of, or else that it is made of."""
+    """A table; `categories` are those that the paper has figures of, or else that it is made of.
+
+    Of each pair of titles that are `compared`, what the second row has gained over the first is shown too.
+    """
 
     title: str
     categories: tuple[str, ...]
     rows: tuple[RowOf, ...]
+    compared: tuple[tuple[str, str], ...]
     note: str = ""
 
 
@@ -63,6 +67,7 @@ TABLES: Mapping[str, ScanTable] = {
             RowOf("semi-weakly", "semi-weakly", printed="ANCSH (Semi-weakly)"),
             RowOf("true labels", "ceiling"),
         ),
+        (("supervised", "semi"), ("supervised", "semi-weakly")),
         "True labels: those of the shapes that the others have no labels of, the best that pseudo labels could do. Semi sees "
         "the scans of all unlabelled objects, whatever their structure.",
     ),
@@ -76,6 +81,7 @@ TABLES: Mapping[str, ScanTable] = {
             ),
             RowOf("supervised, 100%", "supervised", printed="Supervised (100%)"),
         ),
+        tuple(("supervised, 100%", f"semi-weakly, {share:.0%}") for share in SHARES),
         "Fewer labels are fewer for the motion networks, for what chooses axes and for ANCSH alike.",
     ),
     "4": ScanTable(
@@ -85,6 +91,7 @@ TABLES: Mapping[str, ScanTable] = {
             RowOf("supervised", "supervised", printed="ANCSH"),
             RowOf("generated shapes", "dsg-net", printed="ANCSH (DSG)"),
         ),
+        (("supervised", "generated shapes"),),
         "These generated shapes are not DSG-Net's own, as the authors' are, but whatever the workspace has in its layout.",
     ),
     "sensors": ScanTable(
@@ -95,6 +102,7 @@ TABLES: Mapping[str, ScanTable] = {
             for trained in ("clean", "rough")
             for tested in ("clean", "rough")
         ),
+        tuple((f"clean scans, {tested} ones", f"rough scans, {tested} ones") for tested in ("clean", "rough")),
         "Rough scans are the same scans with noise, holes and crops, and without what is seen too flatly.",
     ),
 }

@@ -11,13 +11,12 @@ from typing import Any
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_labels import count_labels
 from kinmo.evaluation.scan_records import read_scores
+from kinmo.evaluation.scan_summary import gap_closed, measure_titles
 from kinmo.evaluation.scan_tables import (
     NOT_RUN,
     OUTDATED,
     ScanRow,
     by_part,
-    gap_closed,
-    measure_titles,
     of_nothing,
     over_categories,
     over_parts,
@@ -38,7 +37,8 @@ from kinmo.workspace import StageRecord, Workspace
 
 WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code measures"}
 AUTHORS_MEASURE = "The authors' figures are of their data, and measured as --protocol ancsh measures."
-COMPARED = ("supervised", "semi-weakly", "true labels")
+AGAINST = "Rows with the word against say by how much the first is above the second, over the seeds that both have."
+GAP = ("supervised", "semi-weakly", "true labels")
 """Rows, in this order: how far the second goes from the first to the third."""
 
 
@@ -115,7 +115,12 @@ class WrittenTables:
         caption = self._caption(str(dataset.structure), _objects_of(dataset), run, protocol)
         notes = [caption.note, self._gaps(category, by_seed, dataset.structure, protocol), self._labels(rows, dataset), reasons]
         summed = replace(caption, note=" ".join(filter(None, notes)))
-        return {"means": over_parts(rows, dataset.structure, summed), "parts": by_part(rows, dataset.structure, caption)}
+        pairs = [self._alike(titles, category, by_seed, protocol) for titles in TABLES[self.name].compared]
+        compared = [(pair[0], pair[1]) for pair in pairs if pair]
+        return {
+            "means": over_parts(rows, dataset.structure, summed, compared),
+            "parts": by_part(rows, dataset.structure, caption),
+        }
 
     def _over_categories(self, held: Held, protocol: Protocol) -> dict[str, Table]:
         """Means over categories. (The paper's own average degrees together with lengths.)"""
@@ -154,13 +159,18 @@ class WrittenTables:
         others = trained_on(weights[0]) - labelled
         return f"{labelled} + {others}" if others else str(labelled)
 
+    def _alike(self, titles: Sequence[str], category: str, by_seed: HeldBySeed, protocol: Protocol) -> list[ScanRow]:
+        """The rows of some titles, in their order, over the seeds that all were run for; none if there is no such seed."""
+        rows = {row.title: row for row in TABLES[self.name].rows}
+        whole = {seed: judged for seed, judged in by_seed.items() if all(judged.get(title) for title in titles)}
+        return [self._row(rows[title], category, whole, protocol) for title in titles] if whole else []
+
     def _gaps(self, category: str, by_seed: HeldBySeed, structure: Structure, protocol: Protocol) -> str:
-        """How far pseudo labels go from no labels to true ones, over the seeds for which all three were run."""
-        compared = [row for row in TABLES[self.name].rows if row.title in COMPARED]
-        whole = {seed: judged for seed, judged in by_seed.items() if all(judged[row.title] for row in compared)}
-        if len(compared) < len(COMPARED) or not whole:
+        """How far pseudo labels go from no labels to true ones."""
+        rows = self._alike(GAP, category, by_seed, protocol)
+        if not rows:
             return ""
-        less, more, best = (self._row(row, category, whole, protocol).objects for row in compared)
+        less, more, best = (row.objects for row in rows)
         shares = zip(measure_titles(structure), gap_closed(less, more, best, structure), strict=True)
         texts = [f"{title} {share:.0%}" for title, share in shares if share is not None]
         return f"Share of the gap to true labels that pseudo labels close: {', '.join(texts)}." if texts else ""

@@ -1,0 +1,58 @@
+"""What the frames of test objects come to: means with their intervals, and how far those of two rows lie apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from kinmo.evaluation.aggregate import Estimate, Figure, changes, micro, sums_of
+from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed, of_rows, rows_of
+from kinmo.scans.articulated_object import Structure
+
+
+def measures_of(structure: Structure) -> list[Measure]:
+    """Those that a part or a joint of the structure has."""
+    return [measure for measure in MEASURES if rows_of(measure, structure)]
+
+
+def measure_titles(structure: Structure) -> list[str]:
+    """Titles of what `summary` gives."""
+    return [measure.title for measure in measures_of(structure)]
+
+
+def summary(objects: Sequence[ObjectScans], structure: Structure) -> list[Estimate | None]:
+    """Means over all parts, or joints, of the measures that the structure has."""
+    return micro(sums_of(objects, _figures(structure)))
+
+
+def failures(objects: Sequence[ObjectScans]) -> float | None:
+    """The share of frames, in percent, in which a part was not found; None without frames."""
+    (found,) = micro(sums_of(objects, [failed()]), draws=1)
+    return None if found is None else found.value
+
+
+def change(before: Sequence[ObjectScans], after: Sequence[ObjectScans], structure: Structure) -> list[Estimate | None]:
+    """By how much the means of `after` are above those of `before`, over the objects that both have, drawn alike for both."""
+    earlier, later = ({scored.id: scored for scored in objects} for objects in (before, after))
+    common = sorted(earlier.keys() & later.keys())
+    figures = _figures(structure)
+    return changes(*(sums_of([objects[name] for name in common], figures) for objects in (earlier, later)))
+
+
+def gap_closed(
+    less: Sequence[ObjectScans], more: Sequence[ObjectScans], best: Sequence[ObjectScans], structure: Structure
+) -> list[float | None]:
+    """A measure each: the share of the way from the errors of `less` to those of `best` that `more` has gone.
+
+    None where `best` is no better than `less`: there is no way to go.
+    """
+    shares: list[float | None] = []
+    rows = (summary(objects, structure) for objects in (less, more, best))
+    for measure, low, mid, high in zip(measures_of(structure), *rows, strict=True):
+        way = 0.0 if low is None or high is None else high.value - low.value
+        is_better = way > 0.0 if measure.larger_is_better else way < 0.0
+        shares.append((mid.value - low.value) / way if is_better and low is not None and mid is not None else None)
+    return shares
+
+
+def _figures(structure: Structure) -> list[Figure[ObjectScans]]:
+    return [of_rows(measure, list(rows_of(measure, structure).values())) for measure in measures_of(structure)]

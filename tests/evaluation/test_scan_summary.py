@@ -1,0 +1,57 @@
+"""What frames come to, and how far rows lie apart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kinmo.evaluation.scan_metrics import FrameScore
+from kinmo.evaluation.scan_records import ObjectScans
+from kinmo.evaluation.scan_summary import change, gap_closed, measure_titles, summary
+from kinmo.joint import JointKind
+from kinmo.scans.articulated_object import Structure
+
+STRUCTURE = Structure((JointKind.REVOLUTE,), (0,))
+TURN = measure_titles(STRUCTURE).index("rotation (deg)")
+BOXES = measure_titles(STRUCTURE).index("3D IoU (%)")
+
+turns = st.lists(st.floats(0.0, 3.0), min_size=1, max_size=8)
+
+
+def objects(rotations, iou=0.5):
+    """An object a rotation, with one frame in which both parts are turned by that."""
+    one = np.array([0.1])
+    frames = (FrameScore(np.full(2, turn), np.full(2, 0.1), np.full(2, iou), one, one, one) for turn in rotations)
+    return [ObjectScans(f"object-{i}", (frame,)) for i, frame in enumerate(frames)]
+
+
+@given(turns, st.data())
+def test_a_change_is_the_difference_of_both_means(before, data):
+    after = data.draw(st.lists(st.floats(0.0, 3.0), min_size=len(before), max_size=len(before)))
+    rows = objects(before), objects(after)
+    earlier, later = (summary(row, STRUCTURE)[TURN].value for row in rows)
+    assert change(*rows, STRUCTURE)[TURN].value == pytest.approx(later - earlier, abs=1e-9)
+
+
+@given(turns, st.floats(-1.0, 1.0))
+def test_what_all_objects_gain_alike_is_certain_however_far_they_lie_apart(before, gain):
+    found = change(objects(before), objects([turn + gain for turn in before]), STRUCTURE)[TURN]
+    np.testing.assert_allclose([found.low, found.value, found.high], np.degrees(gain), atol=1e-9)
+
+
+def test_a_change_is_over_the_objects_that_both_rows_have():
+    found = change(objects([0.3, 0.3, 0.9]), objects([0.1, 0.1]), STRUCTURE)[TURN]
+    assert (found.value, found.count) == (pytest.approx(np.degrees(-0.2)), 2)
+    assert change(objects([]), objects([0.1]), STRUCTURE) == [None] * len(measure_titles(STRUCTURE))
+
+
+def test_the_share_of_the_gap_is_how_far_errors_have_gone_from_the_worse_to_the_best():
+    worse, between, best = (objects([turn]) for turn in (0.4, 0.2, 0.1))
+    shares = dict(zip(measure_titles(STRUCTURE), gap_closed(worse, between, best, STRUCTURE), strict=True))
+    assert shares["rotation (deg)"] == pytest.approx(2.0 / 3.0)
+    assert shares["3D IoU (%)"] is None, "there is no gap"
+    assert set(gap_closed(best, between, worse, STRUCTURE)) == {None}, "nothing is to be gained"
+    low, middle, high = (objects([0.1], iou) for iou in (0.2, 0.5, 0.6))
+    assert gap_closed(low, middle, high, STRUCTURE)[BOXES] == pytest.approx(0.75)
