@@ -72,3 +72,18 @@ def test_a_joint_without_limits_stays_and_points_up():
         turning = next(joint for joint in target.joints if joint.kind is JointKind.REVOLUTE)
         np.testing.assert_allclose(turning.direction, UP)
         assert turning.rest == 0.0
+
+
+@pytest.mark.parametrize("shown", [0.0, -1.2, 0.7])
+@pytest.mark.parametrize("reverse", [(), (1,)])
+@pytest.mark.parametrize(("lower", "upper"), [(-1.5, 1.5), (-0.8, 1.5)])
+def test_a_door_that_swings_both_ways_is_closed_between(lower, upper, shown, reverse):
+    boxes = [((-1.1, 0.0, -0.1), (-1.0, 2.0, 0.1)), ((-1.0, 0.0, -0.02), (1.0, 2.0, 0.02)), ((1.0, 0.0, -0.1), (1.1, 2.0, 0.1))]
+    bodies = [Body(0, "frame", (1, 3)), Body(1, "leaf", (2,), 0, hinge((-1.0, 0.0, 0.0), -UP, lower, upper))]
+    shape = shape_of_boxes(boxes, bodies)
+    found = articulated_object(opened(shape, {1: max(shown, lower)}, reverse))
+    low, high = found.meshes[1].vertices.min(axis=0), found.meshes[1].vertices.max(axis=0)
+    assert np.ptp([low, high], axis=0)[2] < 0.021, "the leaf is in its frame"
+    (joint,) = found.joints
+    ends = sorted([upper - 0.0, 0.0 - lower])
+    assert (joint.rest - joint.lower, joint.upper - joint.rest) == pytest.approx(ends, abs=1e-5), "open is the farther end"

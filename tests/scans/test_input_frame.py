@@ -31,7 +31,8 @@ def seen_box(sizes, seed, points=1024):
 def test_scans_of_boxes_are_seen_upright_along_their_sides(seed):
     points, turn = seen_box((0.6, 1.0, 0.5), seed)
     up = turn @ UP
-    assume(0.05 < -up[2] < 0.998)  # level, and straight down, up and ahead look alike
+    is_square = np.abs(turn[0, [0, 2]]).min() < 0.05
+    assume(not is_square or 0.1 < -up[2] < 0.99)  # of a side seen squarely nobody can tell whether it is the front or the top
     (found,) = manhattan_axes(points[None])
     assert np.linalg.det(found) == pytest.approx(1.0)
     assert up @ -found[:, 1] > 0.999, "down is the second axis"

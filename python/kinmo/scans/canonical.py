@@ -62,8 +62,8 @@ def open_to_the_front(mobility: Mobility, meshes: Sequence[Mesh], to_z_up: F64) 
 
 
 def _opening(joint: Joint, middle: F64) -> F64:
-    """Where to the middle [3] of a closed part goes when it is opened; nowhere if nobody knows."""
-    if joint.lower is None or joint.upper is None:
+    """Where to the middle [3] of a closed part goes when it is opened; nowhere if nobody knows, or to either side."""
+    if joint.lower is None or joint.upper is None or joint.rest > joint.lower:
         return np.zeros(3)
     value = joint.lower + OPENED if joint.kind is JointKind.REVOLUTE else joint.upper
     return moved_by(joint_motion(joint, min(value, joint.upper)), middle) - middle

@@ -2,56 +2,77 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.joint import Joint
+from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import Pose, forward
 from kinmo.mobility import Mobility
+from kinmo.scans.straight import straight_values
 from kinmo.shape import Mesh
 
 ALIKE = 0.01
 """Two states take up as much room if they differ by no more than this share."""
+SWINGS, INSIDE = math.radians(40.0), 0.75
+"""A hinge that opens by so much to either side, as that of a door which swings both ways, is closed between, if the object
+takes up less than this share of the room there that it does at either end."""
 
 
 def closed(mobility: Mobility, meshes: Sequence[Mesh]) -> tuple[Mobility, tuple[Mesh, ...]]:
-    """The object with every joint at the closed end of its range, and with directions that point from there to the open one.
+    """The object with every joint closed, and with directions that point from there to the open end of its range.
 
     `meshes` are those of the bodies. Of the two ends that one is the closed one at which the object takes up less room, by the
     volume of its box along the axes of the frame, the other joints as they are; where both take up as much, the one that the
-    file's state is nearer to. A joint without limits stays, and its direction has its largest coordinate positive.
+    file's state is nearer to. A hinge that swings both ways (`SWINGS`) is closed where its part lies straight between them. A
+    joint without limits stays, and its direction has its largest coordinate positive.
     """
     clouds = [mesh.vertices[np.unique(mesh.faces)] for mesh in meshes]
     joints = {index: body.joint for index, body in mobility.movable() if body.joint is not None}
-    oriented = {index: _oriented(index, joint, mobility, clouds) for index, joint in joints.items()}
-    mobility = _with_joints(mobility, oriented)
-    values = {index: joint.lower for index, joint in oriented.items() if joint.lower is not None}
-    poses = forward(mobility, values)
+    found = {index: _closed(index, joint, mobility, meshes[index], clouds) for index, joint in joints.items()}
+    mobility = _with_joints(mobility, {index: joint for index, (joint, _) in found.items()})
+    poses = forward(mobility, {index: value for index, (_, value) in found.items()})
     placed = {}
-    for index, joint in oriented.items():
+    for index, (joint, value) in found.items():
         parent = mobility.bodies[index].parent
         above = np.eye(4) if parent is None else poses[parent]
         pivot = above[:3, :3] @ joint.pivot + above[:3, 3]
-        placed[index] = replace(
-            joint, direction=above[:3, :3] @ joint.direction, pivot=pivot, rest=values.get(index, joint.rest)
-        )
+        placed[index] = replace(joint, direction=above[:3, :3] @ joint.direction, pivot=pivot, rest=value)
     moved = (Mesh(moved_by(pose, mesh.vertices), mesh.faces) for pose, mesh in zip(poses, meshes, strict=True))
     return _with_joints(mobility, placed), tuple(moved)
 
 
-def _oriented(index: int, joint: Joint, mobility: Mobility, clouds: Sequence[NDArray[np.float64]]) -> Joint:
-    """The joint with its closed end below."""
+def _closed(
+    index: int, joint: Joint, mobility: Mobility, mesh: Mesh, clouds: Sequence[NDArray[np.float64]]
+) -> tuple[Joint, float]:
+    """The joint, pointed from closed to open, and its value where it is closed."""
     if joint.lower is None or joint.upper is None:
-        return pointed_as_usual(joint)
-    low, high = (_room(forward(mobility, {index: end}), clouds) for end in (joint.lower, joint.upper))
+        return pointed_as_usual(joint), joint.rest
+
+    def room(value: float) -> float:
+        return _room(forward(mobility, {index: value}), clouds)
+
+    low, high = room(joint.lower), room(joint.upper)
+    if joint.kind is JointKind.REVOLUTE:
+        inside = min(straight_values(joint, mesh, joint.lower + SWINGS, joint.upper - SWINGS), key=room, default=None)
+        if inside is not None and room(inside) < INSIDE * min(low, high):
+            return _from_within(joint, float(inside), inside - joint.lower, joint.upper - inside)
     if abs(low - high) <= ALIKE * max(low, high):
         is_reversed = joint.rest - joint.lower > joint.upper - joint.rest
     else:
         is_reversed = high < low
-    return joint.reversed() if is_reversed else joint
+    joint = joint.reversed() if is_reversed else joint
+    return joint, joint.lower if joint.lower is not None else joint.rest
+
+
+def _from_within(joint: Joint, value: float, to_lower: float, to_upper: float) -> tuple[Joint, float]:
+    """A joint that is closed at a value inside its range, pointed to the farther end, or as usual where both are as far."""
+    are_alike = abs(to_upper - to_lower) <= ALIKE * (to_upper + to_lower)
+    is_reversed = pointed_as_usual(joint) is not joint if are_alike else to_lower > to_upper
+    return (joint.reversed(), -value) if is_reversed else (joint, value)
 
 
 def pointed_as_usual(joint: Joint) -> Joint:

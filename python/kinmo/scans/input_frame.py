@@ -22,8 +22,8 @@ surfaces of the base face, at a second look, when it has been said what that is 
 LEAST_BASE_POINTS = 50
 """With fewer of the base what it faces says less than what the whole scan does."""
 
-USUALLY_UP = np.array([0.0, -1.0, -1.0]) / np.sqrt(2.0)
-"""In the frame of a camera that is held upright and looks down at an object, anywhere between level and straight down."""
+LOWEST, HIGHEST = np.radians([-5.0, 90.0])
+"""How far down cameras look: from a little below the object to straight from above."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,16 +81,27 @@ def base_axes(points: NDArray[np.floating], is_base: NDArray[np.bool_], first: F
 def manhattan_axes(points: NDArray[np.floating]) -> F64:
     """The axes [F, 3, 3] that most surfaces of scans [F, n, 3] face, in the order of a camera's as far as can be told.
 
-    Of the six directions up is the one nearest to `USUALLY_UP`, which it is wherever the camera is upright and above the object
-    (from level on, up and ahead may be taken for each other); ahead is, of the level ones, the one that points away from the
-    camera most.
+    Of the six directions up is the one that is nearest to where a camera that is held upright has up; ahead is, of the level
+    ones, the one that points away from the camera most.
     """
     low = points.min(axis=1, keepdims=True)
     size = np.maximum(np.max(points - low, axis=(1, 2), keepdims=True), 1e-9)
     frames = np.swapaxes(_core.manhattan_frames(np.asarray((points - low) / size, np.float32)), 1, 2)
     directions, rows = np.concatenate([frames, -frames], axis=1), np.arange(len(frames))
-    up = directions[rows, (directions @ USUALLY_UP).argmax(axis=1)]
+    up = directions[rows, _uprightness(directions).argmax(axis=1)]
     is_level = np.abs(np.einsum("fki,fi->fk", directions, up)) < 0.5
     away = np.einsum("fki,fi->fk", directions, points.mean(axis=1))
     ahead = directions[rows, np.where(is_level, away, -np.inf).argmax(axis=1)]
     return np.stack([np.cross(-up, ahead), -up, ahead], axis=-1)
+
+
+def _uprightness(directions: F64) -> F64:
+    """The cosines [...] of the angles between directions [..., 3] and the nearest ones that are up for an upright camera.
+
+    Those are up or towards the camera in its picture, and nothing to the side: an arc, for a camera that looks down by an angle
+    in `LOWEST` to `HIGHEST`. (The nearest to the middle of that arc would not do: to a level camera the front of an object,
+    turned towards it by up to half a right angle, is nearer.)
+    """
+    _, down, forward = np.moveaxis(directions, -1, 0)
+    looks_down = np.clip(np.arctan2(-forward, -down), LOWEST, HIGHEST)
+    return np.asarray(-down * np.cos(looks_down) - forward * np.sin(looks_down))

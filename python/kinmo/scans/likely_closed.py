@@ -19,17 +19,13 @@ from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import joint_motion
 from kinmo.mobility import Mobility
 from kinmo.scans.closing import ALIKE, moved_by, room_of
+from kinmo.scans.straight import STEP, straight_values
 from kinmo.shape import Mesh
 
 F64 = NDArray[np.float64]
 
 FARTHEST = math.radians(135.0)
 """From the pose of the file, to either side, within which a hinge is thought to be closed."""
-STEP = math.radians(3.0)
-MOST_CROOKED = 1.12
-"""Mean sum of the coordinates of normals, 1 of a box along the axes, up to which a part is one that can lie straight."""
-AS_STRAIGHT = 0.03
-"""Within so much of the least such sum a part lies straight."""
 PER_QUARTER_FOLDED = 1.3
 """The same for what is folded, such as scissors: some of them take up still less room with their handles across each other."""
 SHADOWS_ALIKE = 1.5
@@ -83,7 +79,8 @@ def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float, folds: 
     if folds:
         angles, size, per_quarter = _folded(joint, cloud, base), _shadow, PER_QUARTER_FOLDED
     else:
-        angles, size, per_quarter = _straight(joint, mesh), _room, PER_QUARTER
+        angles = straight_values(joint, mesh, joint.rest - FARTHEST, joint.rest + FARTHEST) - joint.rest
+        size, per_quarter = _room, PER_QUARTER
     if joint.lower is None or joint.upper is None or not len(angles):
         return joint
     sizes = np.array([size(joint, cloud, base, angle) for angle in angles])
@@ -95,26 +92,6 @@ def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float, folds: 
     width = min(ways[opens], widest) if ways[opens] > OPENING else widest
     ends = sorted((joint.rest + closed, joint.rest + closed + opens * width))
     return replace(joint, lower=ends[0], upper=ends[1])
-
-
-def _straight(joint: Joint, mesh: Mesh) -> F64:
-    """The angles from the pose of the file at which the sides of a part face the axes."""
-    corners = mesh.vertices[mesh.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = float(np.linalg.norm(normals, axis=1).sum())
-
-    def crooked(angle: float) -> float:
-        turned = normals @ joint_motion(joint, joint.rest + angle)[:3, :3].T
-        return float(np.abs(turned).sum()) / max(area, np.finfo(float).tiny)
-
-    angles = np.arange(-FARTHEST, FARTHEST + STEP, STEP)
-    tried = np.array([crooked(angle) for angle in angles])
-    if np.ptp(tried) <= AS_STRAIGHT:
-        return np.zeros(0)  # as straight at any angle, such as a lid that turns in its plane
-    least = 1 + np.flatnonzero((tried[1:-1] <= tried[:-2]) & (tried[1:-1] <= tried[2:]))
-    ends = [minimize_scalar(crooked, bounds=(angle - STEP, angle + STEP), method="bounded") for angle in angles[least]]
-    most = min(MOST_CROOKED, min((float(end.fun) for end in ends), default=math.inf) + AS_STRAIGHT)
-    return np.array([float(end.x) for end in ends if end.fun <= most])
 
 
 def _folded(joint: Joint, cloud: F64, base: F64) -> F64:
