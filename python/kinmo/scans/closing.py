@@ -64,8 +64,7 @@ def _closed(
         is_reversed = joint.rest - joint.lower > joint.upper - joint.rest
     else:
         is_reversed = high < low
-    joint = joint.reversed() if is_reversed else joint
-    return joint, joint.lower if joint.lower is not None else joint.rest
+    return (joint.reversed(), -joint.upper) if is_reversed else (joint, joint.lower)
 
 
 def _from_within(joint: Joint, value: float, to_lower: float, to_upper: float) -> tuple[Joint, float]:
