@@ -43,6 +43,25 @@ def test_a_job_that_kills_its_worker_is_answered_and_the_others_are_done():
     assert answers == {n: Crashed() if n % 7 == 3 else n * n for n in range(12)}
 
 
+def die_or_name(path: Path) -> str:
+    if path.name == "die":
+        path.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return path.name
+
+
+def test_a_job_that_comes_when_a_worker_has_just_died_is_done(tmp_path):
+    def jobs():
+        yield tmp_path / "die"
+        while not (tmp_path / "die").exists():
+            time.sleep(0.01)
+        time.sleep(1.0)  # until the pool knows
+        yield tmp_path / "live"
+
+    answers = {path.name: answer for path, answer in map_unordered(die_or_name, jobs(), 2)}
+    assert answers == {"die": Crashed(), "live": "live"}
+
+
 def test_jobs_are_not_taken_long_before_they_are_done():
     taken = []
 

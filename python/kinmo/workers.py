@@ -63,8 +63,10 @@ def map_unordered(
                 try:
                     while True:
                         for job in islice(remaining, _QUEUED_PER_WORKER * workers - len(in_flight)):
+                            suspects = [job]  # of a pool that has just been broken, which does not take it
                             with _interrupts_held():
                                 in_flight[pool.submit(_unless_stopped, function, job)] = job
+                            suspects = []
                         if not in_flight:
                             finished = True
                             break
@@ -72,7 +74,7 @@ def map_unordered(
                             answer = future.result()
                             yield in_flight.pop(future), answer
                 except BrokenProcessPool:
-                    suspects = list(in_flight.values())
+                    suspects += in_flight.values()
 
 
 def tell(message: Any) -> None:
