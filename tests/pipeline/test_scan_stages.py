@@ -25,6 +25,7 @@ from kinmo.pipeline.scan_jobs import REFUSED
 from kinmo.pipeline.self_label import SelfLabel
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.pipeline.train_ancsh import TrainAncsh
+from kinmo.scans.articulation import opening
 from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
 from kinmo.store import read_header
 from kinmo.workspace import Workspace
@@ -115,6 +116,20 @@ def test_scans_of_objects_that_have_gone_go_too(scanned: Scanned, tmp_path: Path
     assert not any(stray.exists() for stray in strays), "also in a role that no object has any more"
 
 
+def test_what_is_to_be_scanned_anew_is_gone_before_that_begins(scanned: Scanned, tmp_path: Path) -> None:
+    class CutOff(Listener):
+        def progress(self, *_: object) -> None:
+            raise KeyboardInterrupt
+
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace, config = Workspace(tmp_path / "workspace"), tmp_path / "other.toml"
+    config.write_text(Path(scanned.config).read_text(encoding="utf-8").replace("size = 96", "size = 80"), encoding="utf-8")
+    with pytest.raises(KeyboardInterrupt):
+        Render(workspace, str(config), FAMILY).run(CutOff())
+    (left,) = workspace.path.rglob("scans/**/*.safetensors")
+    assert len(open_scans(left).read("points")) > 0, "the one that was done, of all roles"
+
+
 def test_fewer_labels_are_fewer_scans_to_train_on_and_more_that_are_hidden(scanned: Scanned) -> None:
     whole = open_scan_dataset(scanned.workspace, CATEGORY)
     part = open_scan_dataset(Workspace(scanned.workspace.root, 0.3), CATEGORY)
@@ -198,21 +213,27 @@ def test_objects_that_stand_in_for_validation_ones_are_the_same_for_all_shares_o
     assert same
 
 
-def test_scans_by_a_pseudo_label_are_made_anew_when_the_label_or_the_shape_changes(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace = Workspace(tmp_path / "workspace")
+def pseudo_labelled(scanned: Scanned, folder: Path) -> tuple[Workspace, list[Path]]:
+    """The workspace copied to `folder`, its unlabelled shapes given the labels that were held back, and these labels."""
+    shutil.copytree(scanned.workspace.path, folder)
+    workspace = Workspace(folder)
     dataset = open_dataset(workspace, FAMILY)
     sources = {shape.id: shape.source for shape in dataset.hidden}
-    (entry, *_) = dataset.unlabelled
-    folder = workspace.pseudo / folder_name(entry)
-    shutil.copytree(sources[dataset.truths[entry.id, entry.layout]], folder)
+    folders = [workspace.pseudo / folder_name(entry) for entry in dataset.unlabelled]
+    for entry, target in zip(dataset.unlabelled, folders, strict=True):
+        shutil.copytree(sources[dataset.truths[entry.id, entry.layout]], target)
+    return workspace, [target / "mobility_v2.json" for target in folders]
+
+
+def test_scans_by_a_pseudo_label_are_made_anew_when_the_label_or_the_shape_changes(scanned: Scanned, tmp_path: Path) -> None:
+    workspace, (label, *_) = pseudo_labelled(scanned, tmp_path / "workspace")
     stage = Render(workspace, scanned.config, FAMILY)
     assert len(stage.plan().steps) == 1
     stage.run(Listener())
     assert stage.plan().steps == ()
-    (of_it, *_) = open_scan_dataset(workspace, CATEGORY).files["pseudo"]
-    assert of_it.id == entry.id, "whatever its folder is called"
-    label = folder / "mobility_v2.json"
+    (entry, *_) = open_dataset(workspace, FAMILY).unlabelled
+    scanned_ids = {file.id for file in open_scan_dataset(workspace, CATEGORY).files["pseudo"]}
+    assert entry.id in scanned_ids, "whatever its folder is called"
     label.write_text(label.read_text(encoding="utf-8") + " ", encoding="utf-8")
     assert len(stage.plan().steps) == 1
     stage.run(Listener())
@@ -220,6 +241,34 @@ def test_scans_by_a_pseudo_label_are_made_anew_when_the_label_or_the_shape_chang
     made_from = read_header(prepared)["provenance"]["made_from"].encode()
     prepared.write_bytes(prepared.read_bytes().replace(made_from, b"f" * len(made_from)))
     assert len(stage.plan().steps) == 1
+
+
+def test_hinges_whose_end_a_pseudo_label_does_not_know_open_as_far_as_labelled_ones(scanned: Scanned, tmp_path: Path) -> None:
+    workspace, labels = pseudo_labelled(scanned, tmp_path / "workspace")
+    for label in labels:
+        bodies = json.loads(label.read_text(encoding="utf-8"))
+        for body in bodies:
+            if body["joint"] == "hinge":
+                body["jointData"]["limit"] |= {"a": -90.0, "b": 90.0, "noLimit": False}
+        label.write_text(json.dumps(bodies), encoding="utf-8")
+    Render(workspace, scanned.config, FAMILY).run(Listener())
+    files = open_scan_dataset(workspace, CATEGORY).files
+    usual = [opening(file.joints[0]) for file in files["train"]]
+    assert files["pseudo"]
+    for file in files["pseudo"]:
+        assert opening(file.joints[0]) in [pytest.approx(known) for known in usual]
+
+
+def test_networks_learn_from_pseudo_labels_too(scanned: Scanned, tmp_path: Path) -> None:
+    workspace, _ = pseudo_labelled(scanned, tmp_path / "workspace")
+    Render(workspace, scanned.config, FAMILY).run(Listener())
+    stage = TrainAncsh(workspace, scanned.config, FAMILY, "semi-weakly", **HOW)
+    stage.run(Listener())
+    assert stage.plan().steps == ()
+    dataset = open_scan_dataset(workspace, CATEGORY)
+    facts = json.loads((Cell(CATEGORY, "semi-weakly", 0).folder(workspace, "npcs") / "weights.json").read_text())["facts"]
+    assert facts["objects"] == count_objects(dataset.files["train"]) + count_objects(dataset.files["pseudo"])
+    assert count_objects(dataset.files["pseudo"]) > 0
 
 
 def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> None:

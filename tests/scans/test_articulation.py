@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kinmo.mobility import Body, Mobility
-from kinmo.scans.articulation import articulations, joint_range, opened_as_usual
+from kinmo.scans.articulation import articulations, joint_range, opened_as_usual, opening
 from scanned import cupboard_object, hinge, slider
 
 
@@ -52,6 +52,15 @@ def test_a_screw_turns_too() -> None:
     assert len({state.turns[2] for state in states}) == 5
 
 
+def test_how_far_a_hinge_opens_is_counted_from_where_it_is_closed() -> None:
+    door = hinge((0.0, 0.0, 0.0), upper=2.0)
+    assert opening(door) == pytest.approx(2.0)
+    swinging = replace(door, lower=-1.5, upper=1.5, rest=0.0)
+    assert opening(swinging) == pytest.approx(1.5)
+    assert opening(replace(door, lower=None, upper=None)) is None
+    assert opening(slider()) is None
+
+
 def test_hinges_that_nothing_stops_open_as_far_as_others_do() -> None:
     free, stopped = hinge((0.0, 0.0, 0.0), upper=np.pi / 2), hinge((0.0, 0.0, 0.0), upper=1.0)
     bodies = [
@@ -61,7 +70,7 @@ def test_hinges_that_nothing_stops_open_as_far_as_others_do() -> None:
         Body(3, "drawer", (), 0, slider()),
     ]
     mobility = Mobility(tuple(bodies))
-    for turn, expected in ((np.pi, np.pi), (0.5, np.pi / 2)):
+    for turn, expected in ((np.pi, np.pi), (0.5, 0.5)):
         opened = opened_as_usual(mobility, np.pi / 2, (turn,), np.random.default_rng(0))
         uppers = [body.joint.upper for body in opened.bodies if body.joint is not None]
         assert uppers == [pytest.approx(expected), 1.0, slider().upper]

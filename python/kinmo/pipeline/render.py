@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,13 +15,13 @@ from kinmo.categories import same_category
 from kinmo.config import ScansConfig, SensorConfig, load_config
 from kinmo.errors import InputError
 from kinmo.formats import Found, Layout
-from kinmo.joint import JointKind
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.label_decisions import LABELS, folder_name
 from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, ROLES, Role, scans_of
 from kinmo.pipeline.scan_jobs import VARIED, Job, Rendering, count_objects_of, frames_of, variants_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.scans.articulation import opening
 from kinmo.scans.scan_file import ScanFile, open_scans
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
@@ -51,7 +51,7 @@ class Render:
 
     def plan(self) -> Plan:
         config = self._scans()
-        pending = [job for job in self._jobs(config) if not job.is_done]
+        pending = [job for job in self._jobs(config) if self._is_asked(job) and not job.is_done]
         frames = sum(frames_of(config, job) for job in pending)
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
         what = ", ".join(sorted({job.category for job in pending}))
@@ -63,16 +63,15 @@ class Render:
         with self.workspace.locked():
             for folder in (self.workspace.scans, self.workspace.own_scans):
                 remove_leftovers(folder)
-            jobs = list(self._jobs(config))
-            self._remove_stale(jobs)
+            every = list(self._jobs(config))
+            self._remove_stale(every)
+            jobs = [job for job in every if self._is_asked(job)]
             pending = [job for job in jobs if not job.is_done]
             if jobs and not pending:
                 observer.note("scanned already")
             crashed: list[Job] = []
             with timed(self.workspace, STAGE) as watch:
-                for done, (job, problem) in enumerate(
-                    map_unordered(Rendering(config, self.seed), pending, self.workers), start=1
-                ):
+                for done, (job, problem) in enumerate(self._scanned(config, pending), start=1):
                     if isinstance(problem, Crashed):
                         crashed.append(job)
                     observer.progress("scanning objects and variants", done, len(pending), job.found.id)
@@ -85,6 +84,17 @@ class Render:
             }
         data = {"categories": summary(files), "refused": refused}
         return Outcome(self.workspace.scans, data, _text(data), failed=len(crashed))
+
+    def _is_asked(self, job: Job) -> bool:
+        return self.unlabelled or job.role != "unlabelled"
+
+    def _scanned(self, config: ScansConfig, pending: Sequence[Job]) -> Iterator[tuple[Job, Crashed | None]]:
+        """Pseudo-labelled objects come last: those with true labels show how far hinges open."""
+        scan_one = Rendering(config, self.seed)
+        yield from map_unordered(scan_one, [job for job in pending if job.role != "pseudo"], self.workers)
+        guessed = [job for job in pending if job.role == "pseudo"]
+        openings = {like: _openings(like) for like in {job.like for job in guessed}}
+        yield from map_unordered(scan_one, [replace(job, openings=openings[job.like]) for job in guessed], self.workers)
 
     def _scans(self) -> ScansConfig:
         """The configuration, of which only the sensor counts that there is."""
@@ -109,45 +119,46 @@ class Render:
             wanted = self.category or f"one of {', '.join(PAPER_CATEGORIES)}"
             problem = f"expected labelled shapes of {wanted} to train on; --category names another"
             raise InputError(self.workspace.prepared, problem)
-        if self.unlabelled:
-            labelled["unlabelled"] = _chosen(own.unlabelled, self.category)
+        labelled["unlabelled"] = _chosen(own.unlabelled, self.category)
+        counted = {entry.id for entry in own.labelled[Split.TRAIN]}
+        examples: dict[str, list[Job]] = {}
         for role, entries in labelled.items():
             for entry in entries:
                 found = Found(Path(entry.source), Layout(entry.layout), entry.id)
                 made_from = digest([whole.fingerprint([entry]), way, role])
-                yield _job(self.workspace, found, entry.category, role, entry.layout, made_from)
-        yield from self._pseudo_jobs(own, {entry.category for entry in labelled["train"]}, way)
+                job = _job(self.workspace, found, entry.category, role, entry.layout, made_from)
+                if role == "train":
+                    examples.setdefault(entry.category, []).extend([job] if entry.id in counted else [])
+                yield job
+        yield from self._pseudo_jobs(own, examples, way)
 
-    def _pseudo_jobs(self, own: Dataset, categories: set[str], way: dict[str, Any]) -> Iterator[Job]:
-        turns = {category: _turns(own, category) for category in categories}
+    def _pseudo_jobs(self, own: Dataset, examples: Mapping[str, Sequence[Job]], way: dict[str, Any]) -> Iterator[Job]:
+        """Of the categories of `examples`, the labelled objects that are trained on."""
         for entry in own.unlabelled:
             folder = self.workspace.pseudo / folder_name(entry)
             label = folder / LABELS
-            if entry.category in categories and label.exists():
-                own_turns = turns[entry.category]
-                made_from = digest([own.fingerprint([entry]), zlib.crc32(label.read_bytes()), way, own_turns])
+            if entry.category in examples and label.exists():
+                known = examples[entry.category]
+                seen = [job.made_from for job in known]
+                made_from = digest([own.fingerprint([entry]), zlib.crc32(label.read_bytes()), way, seen])
                 found = Found(folder, Layout.PARTNET_MOBILITY, entry.id)
                 job = _job(self.workspace, found, entry.category, "pseudo", entry.layout, made_from)
-                yield replace(job, turns=own_turns)
+                yield replace(job, like=tuple(job.path for job in known))
 
     def _remove_stale(self, jobs: Sequence[Job]) -> None:
-        """Remove scans, of the categories at hand, of objects that are no longer there or have another role."""
-        wanted = {path for job in jobs for path in job.files}
-        kept = () if self.unlabelled else ("unlabelled",)
+        """Remove what stands in the folders of the categories at hand and is not made from what there is now."""
+        current = {path for job in jobs if job.is_done for path in job.files}
         for category in {job.category for job in jobs}:
-            for role in (role for role in ROLES if role not in kept):
+            for role in ROLES:
                 for path in scans_of(self.workspace, category, role).glob("*.*"):
-                    if path not in wanted:
+                    if path not in current:
                         path.unlink()
 
 
-def _turns(dataset: Dataset, category: str) -> tuple[float, ...]:
-    """How wide the hinges of the labelled shapes of a category open that are trained on."""
-    entries = [entry for entry in dataset.labelled[Split.TRAIN] if entry.category == category]
-    shapes = (dataset.store.load(entry) for entry in entries)
-    joints = (body.joint for shape in shapes if shape.mobility for _, body in shape.mobility.movable())
-    limits = [(joint.lower, joint.upper) for joint in joints if joint is not None and joint.kind is JointKind.REVOLUTE]
-    return tuple(upper - lower for lower, upper in limits if lower is not None and upper is not None)
+def _openings(scanned: Iterable[Path]) -> tuple[float, ...]:
+    """How far from closed the hinges open, as far as that is known, of the objects that there are scans of."""
+    files = (open_scans(path) for path in scanned if path.exists())
+    return tuple(filter(None, (opening(joint) for file in files for joint in file.joints)))
 
 
 def _job(workspace: Workspace, found: Found, category: str, role: Role, layout: str, made_from: str) -> Job:

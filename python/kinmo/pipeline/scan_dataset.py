@@ -102,6 +102,8 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     labelled = [file for file in found["train"] if file.id not in kept]
     found["hidden"] += [file for file in labelled if file.id not in counted]
     found["train"] = [file for file in labelled if file.id in counted]
+    for role in ("pseudo", "unlabelled"):  # copies of what is chosen by
+        found[role] = [file for file in found[role] if dataset.truths.get(file.object) not in kept]
     files: dict[Role, tuple[ScanFile, ...]] = {}
     others: Counter[tuple[str, Role]] = Counter()
     for role, some in found.items():

@@ -40,8 +40,10 @@ class Job:
     layout: str
     path: Path
     made_from: str
-    turns: tuple[float, ...] = ()
-    """How wide hinges of labelled shapes of the category open, in radians, for pseudo labels that do not know."""
+    like: tuple[Path, ...] = ()
+    """Where scans of labelled objects of the category are, which show what pseudo labels do not know."""
+    openings: tuple[float, ...] = ()
+    """How far their hinges open, in radians."""
     variant: int = 0
     """The object itself, or which one like it (`kinmo.scans.variants`)."""
 
@@ -107,8 +109,8 @@ class Rendering:
         except ValueError as error:
             job.refuse(str(error))
             return
-        opening = np.random.default_rng([seed, OPENING])
-        target = replace(target, mobility=opened_as_usual(target.mobility, MOST_TURN, job.turns, opening))
+        drawing = np.random.default_rng([seed, OPENING])
+        target = replace(target, mobility=opened_as_usual(target.mobility, MOST_TURN, job.openings, drawing))
         config = replace(self.config, states=_states(self.config, job))
         job.write(target, scan(target, config, seed, to_train=job.role not in ("validation", "test")))
 

@@ -40,20 +40,27 @@ def joint_range(joint: Joint) -> tuple[float, float]:
     return joint.rest, joint.rest
 
 
-def opened_as_usual(mobility: Mobility, endless: float, turns: Sequence[float], rng: np.random.Generator) -> Mobility:
+def opening(joint: Joint) -> float | None:
+    """How far a hinge opens from its rest, in radians; None where that is not known."""
+    if joint.kind is not JointKind.REVOLUTE or joint.lower is None or joint.upper is None:
+        return None
+    return max(joint.upper - joint.rest, joint.rest - joint.lower)
+
+
+def opened_as_usual(mobility: Mobility, endless: float, openings: Sequence[float], rng: np.random.Generator) -> Mobility:
     """The same, its hinges that are `endless` radians wide, which says that no end is known, opening as others do.
 
-    Each opens as far as one of `turns`, the widths in radians of hinges of known objects, drawn at random.
+    Each opens as far as one of `openings` (radians, of hinges of known objects), drawn at random.
     """
-    if not turns:
+    if not openings:
         return mobility
     bodies = []
     for body in mobility.bodies:
         joint = body.joint
         if joint is not None and joint.kind is JointKind.REVOLUTE and joint.lower is not None and joint.upper is not None:
-            wanted = turns[int(rng.integers(len(turns)))]
+            wanted = openings[int(rng.integers(len(openings)))]
             if joint.upper - joint.lower >= endless - ROUNDING:
-                joint = replace(joint, upper=max(joint.upper, joint.lower + wanted))
+                joint = replace(joint, upper=max(joint.rest, joint.lower + wanted))
         bodies.append(replace(body, joint=joint))
     return replace(mobility, bodies=tuple(bodies))
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 
 from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import joint_motion
@@ -30,6 +30,8 @@ PER_QUARTER_FOLDED = 1.3
 """The same for what is folded, such as scissors: some of them take up still less room with their handles across each other."""
 SHADOWS_ALIKE = 1.5
 """A part that folds over its parent takes up so many times more room when it is unfolded, seen along the axis."""
+LEAST_SHADOW = 1e-12
+"""Of what is flat and lies along the axis, in units of the object's diagonal squared."""
 QUARTER = 0.5 * math.pi
 PER_QUARTER, OUT_OF_REACH = 0.25, 0.4
 """What it costs to be closed a quarter of a turn from the pose of the file, or farther beyond the limits than half of that. To
@@ -39,6 +41,8 @@ PULLED_OUT = 0.35
 closed where it does not stick out any more."""
 OPENING = math.radians(30.0)
 """Which way a closed part opens is where it takes up more room after this."""
+ROUNDING = 1e-6
+"""Of limits in files."""
 NEAR = math.radians(2.0)
 """A part that is as near to closed is closed."""
 
@@ -46,6 +50,7 @@ NEAR = math.radians(2.0)
 def likely_closed(mobility: Mobility, meshes: Sequence[Mesh], widest: float, folds: bool = False) -> Mobility:
     """The same, its joints with one end where they are thought to be closed, hinges with the other within `widest` radians.
 
+    A hinge whose limit is `widest` away from the pose of the file, where guesses end, is as wide from where it is closed.
     `meshes` are those of the bodies. Hinges of what cannot lie straight keep their limits, as do sliders that are not pulled
     out. If it `folds`, the parts of hinges are closed not where they lie straight but where they cover what they hang by best,
     as one half of scissors does the other.
@@ -89,7 +94,9 @@ def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float, folds: 
     closed = float(angles[np.argmin(costs)])
     ways = {1.0: joint.upper - joint.rest - closed, -1.0: closed + joint.rest - joint.lower}
     opens = _opens(joint, cloud, base, closed, ways)
-    width = min(ways[opens], widest) if ways[opens] > OPENING else widest
+    end = joint.upper if opens > 0.0 else joint.lower
+    is_known = abs(end - joint.rest) < widest - ROUNDING and ways[opens] > OPENING
+    width = min(ways[opens], widest) if is_known else widest
     ends = sorted((joint.rest + closed, joint.rest + closed + opens * width))
     return replace(joint, lower=ends[0], upper=ends[1])
 
@@ -116,7 +123,10 @@ def _shadow(joint: Joint, cloud: F64, base: F64, angle: float) -> float:
     """The area of the convex hull of a part, turned by an angle from the pose of the file, and its parent, along the axis."""
     across = np.linalg.svd(joint.direction[None])[2][1:]
     turned = moved_by(joint_motion(joint, joint.rest + angle), cloud)
-    return float(ConvexHull(np.concatenate([turned, base]) @ across.T).volume)
+    try:
+        return max(float(ConvexHull(np.concatenate([turned, base]) @ across.T).volume), LEAST_SHADOW)
+    except QhullError:
+        return LEAST_SHADOW  # all of it on a line
 
 
 def _opens(joint: Joint, cloud: F64, base: F64, closed: float, ways: Mapping[float, float]) -> float:
