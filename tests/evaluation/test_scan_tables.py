@@ -79,6 +79,23 @@ def test_a_row_that_was_not_run_says_so_and_the_papers_figures_stand_beside():
     assert NOT_RUN in as_text(over_parts(rows, STRUCTURE, CAPTION))
 
 
+def test_the_papers_figures_keep_their_units_whatever_ours_are_of():
+    drawers = Structure((JointKind.PRISMATIC,), (0,))
+    two = np.array([0.4, 0.4])
+    drawer = FrameScore(two, two, two, np.array([0.2]), np.array([0.1]), np.array([np.nan]))
+    printed = paper_tables()["table2"]["categories"]["refrigerator"]["ANCSH"]
+    row = ScanRow("supervised", (ObjectScans("drawer", (drawer,)),), printed)
+    found = by_part([row], drawers, CAPTION)
+    titles = [column.title for column in found.columns]
+    authors = [dict(zip(titles, line, strict=True)) for line in found.rows if "authors" in str(line[0])]
+    assert [line["rotation (deg)"] for line in authors] == printed[0], "three parts, where ours has two"
+    assert [line["state (diag.)"] for line in authors] == [None] * 3, "its doors' degrees are no lengths"
+    means = over_parts([row], drawers, CAPTION)
+    (line,) = (dict(zip([c.title for c in means.columns], line, strict=True)) for line in means.rows if "authors" in str(line[0]))
+    assert line["rotation (deg)"] == pytest.approx(np.mean(printed[0]))
+    assert line["state (diag.)"] is None
+
+
 def test_categories_count_alike_and_only_in_what_they_have():
     slides = Structure((JointKind.PRISMATIC,), (0,))
     doors = objects([frame(rotation=(0.1, 0.2, 0.3))] * 3)

@@ -52,7 +52,7 @@ def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> 
                 lines.append((row.name, str(part), *cells, _value(next(found))))
         if row.printed is not None:
             for part in range(max(map(len, row.printed))):
-                lines.append((_authors(row), str(part), *_printed(row.printed, part, measures, structure), None))
+                lines.append((_authors(row), str(part), *_printed(row.printed, part, measures), None))
     return Table(_counted(caption, rows), columns, tuple(lines))
 
 
@@ -71,7 +71,7 @@ def over_parts(
         cells: list[Cell] = [row.name, row.trained_on, _seeds(row) if row.objects else row.absent]
         lines.append((*cells, *_with_intervals(summary(row.objects, structure), structure), failures(row.objects)))
         if row.printed is not None:
-            means = printed_means(row.printed, structure)
+            means = printed_means(row.printed)
             figures = [cell for measure in measures_of(structure) for cell in (means.get(measure), None)]
             lines.append((_authors(row), None, None, *figures, None))
     for before, after in compared:
@@ -110,7 +110,7 @@ def over_categories(rows: Mapping[str, Mapping[str, ScanRow]], structures: Mappi
         lines.append((name, len(run) or NOT_RUN, *_means(values), sum(lost) / len(lost) if lost else None))
         printed = [row for row in by_category.values() if row.printed is not None]
         if printed:
-            own = [printed_means(row.printed, printed_structure(row.printed)) for row in printed if row.printed is not None]
+            own = [printed_means(row.printed) for row in printed if row.printed is not None]
             lines.append((_authors(printed[0]), len(printed), *_means(own), None))
     return Table(caption, columns, tuple(lines))
 
@@ -141,13 +141,14 @@ def _interval(estimate: Estimate | None, decimals: int) -> Cell:
 PAPER_COLUMNS: Mapping[str, int] = {"rotation": 0, "translation": 1, "iou": 2, "state": 3, "axis": 4, "line": 5}
 
 
-def _printed(row: PaperRow, part: int, measures: Sequence[Measure], structure: Structure) -> list[Cell]:
+def _printed(row: PaperRow, part: int, measures: Sequence[Measure]) -> list[Cell]:
+    """What the paper prints of a part, or of its joint; None for what the part has not there, whatever ours has."""
+    structure = printed_structure(row)
     cells: list[Cell] = []
     for measure in measures:
         values = row[PAPER_COLUMNS[measure.key]]
         place = part - 1 if measure.of_joints else part
-        fits = part in rows_of(measure, structure) and 0 <= place < len(values)
-        cells.append(values[place] if fits else None)
+        cells.append(values[place] if part in rows_of(measure, structure) and place < len(values) else None)
     return cells
 
 
@@ -159,10 +160,11 @@ def printed_structure(printed: PaperRow) -> Structure:
     return Structure(kinds, (0,) * joints)
 
 
-def printed_means(printed: PaperRow, structure: Structure) -> dict[Measure, float]:
+def printed_means(printed: PaperRow) -> dict[Measure, float]:
     """Means over all parts, or joints, of what the paper prints in a row; without measures that it has no figures of."""
+    structure = printed_structure(printed)
     measures = measures_of(structure)
-    rows = [_printed(printed, part, measures, structure) for part in range(structure.part_count)]
+    rows = [_printed(printed, part, measures) for part in range(structure.part_count)]
     found = {}
     for measure, column in zip(measures, zip(*rows, strict=True), strict=True):
         known = [float(value) for value in column if isinstance(value, float | int)]
