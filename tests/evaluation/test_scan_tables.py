@@ -91,7 +91,8 @@ def test_the_papers_figures_keep_their_units_whatever_ours_are_of():
     assert [line["rotation (deg)"] for line in authors] == printed[0], "three parts, where ours has two"
     assert [line["state (diag.)"] for line in authors] == [None] * 3, "its doors' degrees are no lengths"
     means = over_parts([row], drawers, CAPTION)
-    (line,) = (dict(zip([c.title for c in means.columns], line, strict=True)) for line in means.rows if "authors" in str(line[0]))
+    titles = [column.title for column in means.columns]
+    (line,) = (dict(zip(titles, line, strict=True)) for line in means.rows if "authors" in str(line[0]))
     assert line["rotation (deg)"] == pytest.approx(np.mean(printed[0]))
     assert line["state (diag.)"] is None
 
