@@ -313,6 +313,26 @@ def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_pat
         assert [count > 0 for count in said] == [part["points"] > 0 for part in document["parts"]]
 
 
+def test_nothing_is_replaced_but_what_was_found_in_the_same_scan(scanned: Scanned, tmp_path: Path) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        np.savez(tmp_path / folder / "seen.npz", points=points)
+    stages = [
+        PredictScan(tmp_path / folder / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW) for folder in "ab"
+    ]
+    stages[0].run(Listener())
+    stages[0].run(Listener())
+    before = contents(tmp_path / "out")
+    for attempt in (stages[1].plan, lambda: stages[1].run(Listener())):
+        with pytest.raises(InputError, match=r"seen\.json: is in the way"):
+            attempt()
+    assert contents(tmp_path / "out") == before
+    (tmp_path / "out" / "seen.json").unlink()
+    with pytest.raises(InputError, match=r"seen\.svg: is in the way"):
+        stages[0].plan()
+
+
 def test_what_is_no_scan_is_told_before_anything_runs(scanned: Scanned, tmp_path: Path) -> None:
     for name, problem in (("none.npz", "no such file"), (".", "this is a folder")):
         with pytest.raises(InputError, match=problem):

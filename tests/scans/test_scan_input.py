@@ -85,6 +85,9 @@ def written(folder: Path, what: str) -> Path:
         np.save(path, 1e300 * POINTS)
     elif what == "palette.png":
         Image.fromarray(np.full((64, 64), 7, np.uint8)).convert("P").save(path)
+    elif what == "chunk.png":
+        Image.fromarray(np.arange(64 * 64, dtype=np.uint16).reshape(64, 64)).save(path)
+        path.write_bytes(path.read_bytes().replace(b"IDAT", b"I\0AT"))
     elif what == "empty.npy":
         np.save(path, np.full((64, 3), np.nan))
     else:
@@ -114,6 +117,7 @@ def written(folder: Path, what: str) -> Path:
         ("cut.npz", "expected arrays of NumPy"),
         ("cut.ply", "expected a PLY file"),
         ("cut.png", "expected a depth image"),
+        ("chunk.png", "expected a depth image"),
         ("scan.xyz", "expected a scan: one of"),
     ],
 )

@@ -54,10 +54,12 @@ class PredictScan:
     def plan(self) -> Plan:
         cell = self._cell()
         check_is_scan(self.source)
+        self._check_replaceable()
         return Plan((f"find the parts of a {cell.category} in {self.source} by the networks of {cell}",), SECONDS)
 
     def run(self, observer: Observer) -> Outcome:
         cell = self._cell()
+        self._check_replaceable()
         scan = read_scan(self.source, self.intrinsics, self.depth_scale)
         points = scan.points
         weights = cell.weights(self.workspace)
@@ -71,15 +73,33 @@ class PredictScan:
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
         (answer,), (found,) = network.find([seen], [diagonal], seed=self.seed)
         document = scan_document(found, answer, network.structure, self.source, cell, networks_digest(weights))
-        name = self.source.stem
-        picture = scan_picture([view_of(seen, answer.parts, found, network.structure)], name)
+        picture = scan_picture([view_of(seen, answer.parts, found, network.structure)], self.source.stem)
         self.out.mkdir(parents=True, exist_ok=True)
-        target = self.out / f"{name}.json"
+        target, drawing, labelled = self._files()
         write_text_atomically(target, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-        write_text_atomically(self.out / f"{name}.svg", picture)
+        write_text_atomically(drawing, picture)
         parts = _of_nearest(points, seen, answer.parts)
-        write_bytes_atomically(self.out / f"{name}.parts.npz", _npz(points, parts, scan.places))
+        write_bytes_atomically(labelled, _npz(points, parts, scan.places))
         return Outcome(target, document, _text(document))
+
+    def _files(self) -> tuple[Path, Path, Path]:
+        """What is written."""
+        name = self.source.stem
+        return self.out / f"{name}.json", self.out / f"{name}.svg", self.out / f"{name}.parts.npz"
+
+    def _check_replaceable(self) -> None:
+        """Raises InputError if what is to be written would replace what kinmo has not found in the same scan."""
+        document, *others = self._files()
+        try:
+            written = json.loads(document.read_text(encoding="utf-8"))
+            is_own = "schema_version" in written and written["scan"] == str(self.source)
+        except (OSError, ValueError, KeyError, TypeError):
+            is_own = False
+        for path in (document, *others):
+            if path.exists() and not is_own:
+                raise InputError(
+                    path, "is in the way, and not what kinmo predict found in this scan: name another folder by --out"
+                )
 
     def _cell(self) -> Cell:
         """Raises InputError if nothing was trained for the category."""
@@ -133,7 +153,7 @@ def scan_document(
         "kinmo": __version__,
         "weights": weights,
         "trained": str(cell),
-        "scan": source.name,
+        "scan": str(source),
         "category": cell.category,
         "parts": parts,
         "joints": joints,

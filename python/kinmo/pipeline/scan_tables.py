@@ -101,7 +101,7 @@ class MakeTable:
                         continue
                     observer.note(name)
                     for stage in self._stages(row, category, seed):
-                        stage.run(observer)
+                        failed += stage.run(observer).failed
                 except InputError as error:
                     observer.note(f"not run: {name}: {error}")
                     is_known = self._is_known_to_be_impossible(row, category, seed)

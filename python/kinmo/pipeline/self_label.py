@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from kinmo import __version__
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.ancsh_files import Cell
@@ -96,6 +97,7 @@ class SelfLabel:
             "data": fingerprint(dataset.files["unlabelled"]),
             "weights": networks_digest(weights or ()),
             "confidence": self.confidence,
+            "kinmo": __version__,
         }
 
     def _is_current(self, dataset: ScanDataset) -> bool:

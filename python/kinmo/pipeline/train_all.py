@@ -60,16 +60,17 @@ class TrainAll:
             observer.note(f"about {max(round(plan.seconds / 60.0), 1)} minutes in all")
         texts: list[str] = []
         results: dict[str, Any] = {}
-        sees_scans = False
+        sees_scans, failed = False, 0
         for stage, _ in self._stages(open_dataset(self.workspace)):
             outcome = stage.run(observer)
             texts.append(outcome.text)
+            failed += outcome.failed
             sees_scans |= isinstance(stage, TrainAncsh)
             if isinstance(stage, (Train, TrainAncsh)):
                 results |= outcome.data
         if not sees_scans:
             observer.note(NO_CATEGORY)
-        return Outcome(self.workspace.models, results, "\n".join(filter(None, texts)))
+        return Outcome(self.workspace.models, results, "\n".join(filter(None, texts)), failed)
 
     def _stages(self, dataset: Dataset) -> Iterator[tuple[Stage, Callable[[], Plan]]]:
         """Each with a guess at its plan for when what comes before it is not done; what comes next may depend on what is."""

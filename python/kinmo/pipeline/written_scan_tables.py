@@ -114,9 +114,10 @@ class WrittenTables:
             return {"means": over_parts(rows, structure, caption), "parts": by_part(rows, structure, caption)}
         caption = self._caption(str(dataset.structure), _objects_of(dataset), run, protocol)
         notes = [caption.note, self._gaps(category, by_seed, dataset.structure, protocol), self._labels(rows, dataset), reasons]
-        summed = replace(caption, note=" ".join(filter(None, notes)))
         pairs = [self._alike(titles, category, by_seed, protocol) for titles in TABLES[self.name].compared]
         compared = [(pair[0], pair[1]) for pair in pairs if pair]
+        notes += [AGAINST] if compared else []
+        summed = replace(caption, note=" ".join(filter(None, notes)))
         return {
             "means": over_parts(rows, dataset.structure, summed, compared),
             "parts": by_part(rows, dataset.structure, caption),

@@ -155,7 +155,7 @@ def _back_projected(depth: NDArray[np.generic], intrinsics: Intrinsics | None, s
 
 
 def _image(path: Path) -> NDArray[np.generic]:
-    from PIL import Image, UnidentifiedImageError
+    from PIL import Image
 
     try:
         with Image.open(path) as image:
@@ -164,7 +164,7 @@ def _image(path: Path) -> NDArray[np.generic]:
             return np.asarray(image)
     except InputError:
         raise
-    except (OSError, UnidentifiedImageError, ValueError, Image.DecompressionBombError) as error:
+    except (*READING, Image.DecompressionBombError) as error:
         raise InputError(path, f"expected a depth image ({error})") from None
 
 
