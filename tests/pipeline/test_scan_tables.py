@@ -10,6 +10,7 @@ import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
 from whole_road import Listener
 
+from kinmo.config import load_config
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_tables import NOT_RUN
 from kinmo.evaluation.scan_tables import OUTDATED as OUTDATED_ROW
@@ -26,6 +27,7 @@ from kinmo.pipeline.scan_report import OUTDATED, picture_sections
 from kinmo.pipeline.scan_table_rows import SHARES, TABLES, printed_row
 from kinmo.pipeline.scan_tables import MakeTable
 from kinmo.pipeline.synth import Synth
+from kinmo.pipeline.train_ancsh import training_seconds
 from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.scans.scan_file import count_objects
 from kinmo.workspace import StageRecord, Workspace
@@ -221,6 +223,18 @@ def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path
     assert (found.path / CATEGORY / "means.md").exists()
     assert (found.path / CATEGORY / "parts.md").exists() is is_scanned
     assert {row[2 if is_scanned else 1] for row in found.data[CATEGORY]["means"]["rows"]} == {NOT_RUN}
+
+
+def test_what_is_done_for_scans_that_are_to_be_made_anew_is_to_be_done_again(
+    scanned: Scanned, judged: Workspace, tmp_path: Path
+) -> None:
+    config = tmp_path / "other.toml"
+    config.write_text(Path(scanned.config).read_text(encoding="utf-8").replace("size = 96", "size = 80"), encoding="utf-8")
+    plans = [MakeTable("4", judged, name, "kinmo", FAMILY, 1, **HOW).plan() for name in (scanned.config, str(config))]
+    assert plans[0].steps == ()
+    assert plans[1].steps == (f"{CATEGORY}, supervised, seed 0: render, train, judge",)
+    training = training_seconds(judged, load_config(str(config)).ancsh, 1)
+    assert plans[1].seconds > training > 0.0
 
 
 def test_a_table_whose_motion_networks_have_none_to_go_on_from_says_so(scanned: Scanned, tmp_path: Path) -> None:

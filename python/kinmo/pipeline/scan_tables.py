@@ -12,7 +12,7 @@ from kinmo.categories import same_category
 from kinmo.config import load_config
 from kinmo.errors import InputError, did_you_mean
 from kinmo.formats import Layout
-from kinmo.pipeline.ancsh_files import Protocol
+from kinmo.pipeline.ancsh_files import Cell, Protocol
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.pseudo_label import PseudoLabel
@@ -129,15 +129,22 @@ class MakeTable:
                         raise
                     known[stage] = self._guess(stage)
                 seconds += known[stage].seconds
-            if known[stage].steps and WORDS[type(stage)] not in words:
+            plan = known[stage]
+            if words and not plan.steps and isinstance(stage, TrainAncsh | EvaluateScans):
+                plan = self._guess(stage)  # it is done for what there is, which the stages before it change
+                seconds += plan.seconds
+            if plan.steps and WORDS[type(stage)] not in words:
                 words.append(WORDS[type(stage)])
         return Plan(tuple(words), seconds)
 
     def _guess(self, stage: Stage) -> Plan:
-        """The plan of a stage whose input is not there yet."""
+        """The plan of a stage whose input is not there yet: what it will be at most."""
         seconds = 0.0
         if isinstance(stage, TrainAncsh):
             seconds = training_seconds(stage.workspace, load_config(self.config).ancsh, self.workers)
+            if stage.setting == "semi" and stage.category:
+                is_taught = Cell(stage.category, "supervised", stage.seed).weights(stage.workspace) is not None
+                seconds *= 1 if is_taught else 2
         return Plan((WORDS[type(stage)],), seconds)
 
     def _check(self, row: RowOf, category: str) -> None:

@@ -48,6 +48,8 @@ class TrainAll:
                 plan = stage.plan()
             except InputError:
                 plan = otherwise()
+            if steps and not plan.steps:
+                plan = otherwise()  # it is done for what there is, which the stages before it change
             steps += plan.steps
             seconds += plan.seconds
         return Plan(tuple(steps), seconds)
