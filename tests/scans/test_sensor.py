@@ -1,0 +1,68 @@
+"""What a sensor loses of a picture."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kinmo.config import SensorConfig
+from kinmo.scans.camera import Camera
+from kinmo.scans.renderers import NOTHING, DepthImages
+from kinmo.scans.sensor import STEEP, sense
+
+CAMERA = Camera.of_field(120, 120, 40.0, 0.1, 10.0)
+
+
+def wall(cosine: float, frames: int = 20) -> DepthImages:
+    """Pictures that a wall fills whose normal is at the angle with that cosine to the camera's axis, and passes z = 2 there."""
+    normal = np.array([np.sqrt(1.0 - cosine**2), 0.0, cosine])
+    depths = 2.0 * cosine / (CAMERA.rays() @ normal)
+    depths = np.where((depths > CAMERA.near) & (depths < CAMERA.far), depths, 0.0).astype(np.float32)
+    parts = np.where(depths > 0.0, 0, NOTHING).astype(np.int32)
+    return DepthImages(np.stack([depths] * frames), np.stack([parts] * frames))
+
+
+def sensed(images: DepthImages, sensor: SensorConfig) -> DepthImages:
+    floors = np.tile([0.0, 1.0, 0.0, 1.0], (len(images.depths), 1))
+    return sense(images, sensor, CAMERA, floors, np.random.default_rng(0))
+
+
+def kept(images: DepthImages) -> np.ndarray:
+    """The share of every picture's pixels in which there is something."""
+    np.testing.assert_array_equal(images.depths > 0.0, images.parts != NOTHING)
+    return (images.parts != NOTHING).mean(axis=(1, 2))
+
+
+def test_holes_take_the_share_that_is_asked_for_in_patches() -> None:
+    found = sensed(wall(1.0), SensorConfig(holes=0.3))
+    np.testing.assert_allclose(kept(found), 0.7, atol=0.001)
+    lost = found.parts == NOTHING
+    alike = (lost[:, 1:] == lost[:, :-1]).mean()
+    assert alike > 0.9, "pixel by pixel it would be .58"
+
+
+def test_a_crop_takes_up_to_its_share_on_one_side_of_a_line() -> None:
+    found = sensed(wall(1.0), SensorConfig(crop=0.5))
+    shares = kept(found)
+    assert (shares > 0.49).all()
+    assert shares.min() < 0.6
+    rows, columns = np.indices(found.parts.shape[1:])
+    for part in found.parts:
+        lost = part == NOTHING
+        middles = [np.array([rows[some].mean(), columns[some].mean()]) for some in (lost, ~lost)]
+        along = (rows * (middles[0] - middles[1])[0] + columns * (middles[0] - middles[1])[1])[..., None]
+        assert np.median(along[lost]) > np.quantile(along[~lost], 0.9)
+
+
+@pytest.mark.parametrize(("cosine", "is_lost"), [(1.0, False), (0.6, False), (0.5 * STEEP, True)])
+def test_what_is_seen_too_flatly_is_lost_and_nothing_else(cosine: float, is_lost: bool) -> None:
+    images = wall(cosine)
+    middle = (slice(None), slice(50, 70), slice(58, 62))  # where the ray is nearly the camera's axis
+    assert (images.parts[middle] != NOTHING).all()
+    found = sensed(images, SensorConfig(steep=True))
+    assert ((found.parts[middle] == NOTHING) == is_lost).all()
+
+
+def test_without_faults_pictures_stay_as_they_are() -> None:
+    images = wall(0.8)
+    assert sensed(images, SensorConfig()) is images
