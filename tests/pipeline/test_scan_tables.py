@@ -19,6 +19,7 @@ from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.judge_trained import JudgeTrained
+from kinmo.pipeline.judged_scans import JudgedScans
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.report import Report
 from kinmo.pipeline.scan_dataset import Setting, open_scan_dataset, scans_of
@@ -132,8 +133,11 @@ def test_rows_say_which_seeds_they_are_of_and_gaps_are_over_those_that_all_have(
         "true labels": "1, 2",
         "semi-weakly against supervised": "1",
     }
+    JudgedScans(judged, Cell(CATEGORY, "semi-weakly", 2)).leave_out("of a reason")
+    written.write({CATEGORY: [0, 1, 2]})
     text = (written.folder / CATEGORY / "means.md").read_text(encoding="utf-8")
     assert "seeds 0, 1, 2." in text
+    assert "Not run: semi-weakly: seeds 0, 2: of a reason." in " ".join(text.split())
     assert "Share of the gap" not in text, "of the seed that all have, all are equal"
 
 
@@ -220,7 +224,10 @@ def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path
     stage = MakeTable("2", Workspace(tmp_path / "workspace"), scanned.config, "kinmo", FAMILY, 1, hours=0.0, **HOW)
     found = stage.run(told)
     assert sum(note.startswith("not run") for note in told.notes) == len(TABLES["2"].rows)
-    assert (found.path / CATEGORY / "means.md").exists()
+    text = " ".join((found.path / CATEGORY / "means.md").read_text(encoding="utf-8").split())
+    for row in TABLES["2"].rows:
+        assert f"Not run: {row.title}: " in text
+    assert "Not run: supervised: it would have taken longer than --hours." in text
     assert (found.path / CATEGORY / "parts.md").exists() is is_scanned
     assert {row[2 if is_scanned else 1] for row in found.data[CATEGORY]["means"]["rows"]} == {NOT_RUN}
 

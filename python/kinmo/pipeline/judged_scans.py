@@ -49,12 +49,12 @@ class JudgedScans:
         """Where the errors are written, by a protocol."""
         return scores_path(self.workspace, self.cell, self.on_rough, protocol)
 
-    def cannot_be(self, reason: str) -> None:
+    def leave_out(self, reason: str) -> None:
         """Keep why there is no such judgement, for as long as the prepared shapes are those that there are now."""
         self.workspace.write_record(self._absence, StageRecord({"shapes": self._shapes(), "reason": reason}))
 
     def reason(self) -> str | None:
-        """Why there can be no such judgement, if that was told of the prepared shapes that there are now."""
+        """Why there is no such judgement, if that was told of the prepared shapes that there are now."""
         record = self.workspace.record(self._absence)
         is_known = record is not None and record.inputs.get("shapes") == self._shapes()
         return str(record.inputs["reason"]) if record is not None and is_known else None

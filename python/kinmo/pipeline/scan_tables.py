@@ -42,6 +42,7 @@ NEEDED: Mapping[Setting, str] = {
 """Shapes that a setting needs beside the labelled ones."""
 MANY_SEEDS = ("Refrigerator", "Scissors")
 """Categories whose cells have three seeds by default."""
+TOO_LONG = "it would have taken longer than --hours"
 SHARED_SEED = 0
 """Of what all seeds of the networks for scans share."""
 
@@ -97,7 +98,8 @@ class MakeTable:
                     if not plan.steps:
                         continue
                     if time.monotonic() + plan.seconds > limit:
-                        observer.note(f"not run: {name}: it would take longer than --hours")
+                        observer.note(f"not run: {name}: {TOO_LONG}")
+                        row.judged(self.workspace, category, seed).leave_out(TOO_LONG)
                         continue
                     observer.note(name)
                     for stage in self._stages(row, category, seed):
@@ -165,7 +167,7 @@ class MakeTable:
         try:
             self._pending(row, category, seed, {})
         except CannotBeRun as error:
-            row.judged(self.workspace, category, seed).cannot_be(error.problem)
+            row.judged(self.workspace, category, seed).leave_out(error.problem)
             return True
         except InputError:
             pass

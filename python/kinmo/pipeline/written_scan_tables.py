@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from kinmo.categories import same_category
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_labels import count_labels
 from kinmo.evaluation.scan_records import read_scores
@@ -28,7 +29,7 @@ from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluation_folder import ALL
 from kinmo.pipeline.label_decisions import labelled_by
 from kinmo.pipeline.model_files import trained_on
-from kinmo.pipeline.scan_dataset import ScanDataset, open_scan_dataset
+from kinmo.pipeline.scan_dataset import ScanDataset, Setting, open_scan_dataset
 from kinmo.pipeline.scan_table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
 from kinmo.scans.articulated_object import Structure
@@ -38,6 +39,7 @@ from kinmo.workspace import StageRecord, Workspace
 WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code measures"}
 AUTHORS_MEASURE = "The authors' figures are of their data, and measured as --protocol ancsh measures."
 AGAINST = "Rows with the word against say by how much the first is above the second, over the seeds that both have."
+PSEUDO_LABELLED: tuple[Setting, ...] = ("semi-weakly", "dsg-net")
 GAP = ("supervised", "semi-weakly", "true labels")
 """Rows, in this order: how far the second goes from the first to the third."""
 
@@ -113,7 +115,8 @@ class WrittenTables:
             structure = printed_structure(printed)
             return {"means": over_parts(rows, structure, caption), "parts": by_part(rows, structure, caption)}
         caption = self._caption(str(dataset.structure), _objects_of(dataset), run, protocol)
-        notes = [caption.note, self._gaps(category, by_seed, dataset.structure, protocol), self._labels(rows, dataset), reasons]
+        gaps = self._gaps(category, by_seed, dataset.structure, protocol)
+        notes = [caption.note, gaps, self._labels(rows, category), reasons]
         pairs = [self._alike(titles, category, by_seed, protocol) for titles in TABLES[self.name].compared]
         compared = [(pair[0], pair[1]) for pair in pairs if pair]
         notes += [AGAINST] if compared else []
@@ -132,6 +135,10 @@ class WrittenTables:
         }
         run = _seeds([row for by_category in rows.values() for row in by_category.values()])
         caption = self._caption("means over categories", ", ".join(held), run, protocol)
+        absent = [name for name in TABLES[self.name].categories if not any(same_category(name, there) for there in held)]
+        if absent:
+            reason = f"Not run: {', '.join(absent)}: there are no labelled shapes."
+            caption = replace(caption, note=" ".join(filter(None, [caption.note, reason])))
         return {"means": over_categories(rows, structures, caption)}
 
     def _row(self, row: RowOf, category: str, by_seed: HeldBySeed, protocol: Protocol) -> ScanRow:
@@ -139,7 +146,10 @@ class WrittenTables:
         seeds = tuple(seed for seed, held in by_seed.items() if held[row.title] is not None)
         objects = tuple(read_scores([judged[seed].scores(protocol) for seed in seeds]))
         is_outdated = any(each.scores(protocol).exists() for each in judged.values())
-        reasons = (each.reason() for each in judged.values())
+        missing = [seed for seed in by_seed if seed not in seeds]
+        reason = next((reason for seed in missing if (reason := judged[seed].reason())), None)
+        if reason and objects:
+            reason = f"seeds {', '.join(map(str, missing))}: {reason}"
         return ScanRow(
             row.title,
             objects,
@@ -147,7 +157,7 @@ class WrittenTables:
             seeds,
             OUTDATED if is_outdated else NOT_RUN,
             self._trained_on(row, category, seeds[0]) if objects else None,
-            None if objects or is_outdated else next((reason for reason in reasons if reason), None),
+            None if is_outdated and not objects else reason,
         )
 
     def _trained_on(self, row: RowOf, category: str, seed: int) -> str | None:
@@ -196,16 +206,20 @@ class WrittenTables:
         except InputError:
             return None
 
-    def _labels(self, rows: Sequence[ScanRow], dataset: ScanDataset) -> str:
-        """Which method gave the pseudo labels that the rows saw, and how right they are where the true ones were held back."""
-        if not any(row.name == "semi-weakly" and row.objects for row in rows):
-            return ""
-        methods = " and ".join(labelled_by(self.workspace, open_dataset(self.workspace, dataset.category).unlabelled))
-        others = sum(count for (_, role), count in dataset.others.items() if role == "pseudo")
-        text = f"Pseudo labels are by --method {methods}; {others} objects that they give other joints are left out."
-        if dataset.truths:
-            text += f" {count_labels(dataset.beside('semi-weakly'), dataset.files['hidden'], dataset.truths)}"
-        return text
+    def _labels(self, rows: Sequence[ScanRow], category: str) -> str:
+        """Which method gave the pseudo labels that each row saw, and how right they are where the true ones were held back."""
+        texts = []
+        for row, shown in zip(TABLES[self.name].rows, rows, strict=True):
+            if row.setting in PSEUDO_LABELLED and shown.objects:
+                place = row.workspace(self.workspace)
+                dataset = open_scan_dataset(place, category)
+                methods = " and ".join(labelled_by(place, open_dataset(place, dataset.category).unlabelled))
+                others = sum(count for (_, role), count in dataset.others.items() if role == "pseudo")
+                texts.append(f"Pseudo labels ({row.title}) are by --method {methods};")
+                texts.append(f"{others} objects that they give other joints are left out.")
+                if dataset.truths:
+                    texts.append(str(count_labels(dataset.beside(row.setting), dataset.files["hidden"], dataset.truths)))
+        return " ".join(texts)
 
     def _stage(self, place: str) -> str:
         return f"table-{self.name}-{place}"
