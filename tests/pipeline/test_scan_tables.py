@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections import Counter
+from dataclasses import fields
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
@@ -30,7 +33,9 @@ from kinmo.pipeline.scan_tables import MakeTable
 from kinmo.pipeline.synth import Synth
 from kinmo.pipeline.train_ancsh import training_seconds
 from kinmo.pipeline.written_scan_tables import WrittenTables
-from kinmo.scans.scan_file import count_objects
+from kinmo.scans.articulated_object import Structure
+from kinmo.scans.scan import Scans
+from kinmo.scans.scan_file import count_objects, open_scans, write_scans
 from kinmo.workspace import StageRecord, Workspace
 
 
@@ -150,6 +155,23 @@ def test_what_was_judged_before_a_change_is_outdated_and_not_shown(judged: Works
     found = written.write({CATEGORY: [0]}).data[CATEGORY]["means"]["rows"]
     assert found[0][1:] == (None, OUTDATED_ROW, *[None] * (len(found[0]) - 3))
     assert written.is_current(CATEGORY), "it says that it is outdated"
+
+
+def test_a_table_counts_objects_of_other_structures_and_those_that_no_frame_shows(judged: Workspace) -> None:
+    (some, *_) = sorted(scans_of(judged, CATEGORY, "hidden").glob("*.safetensors"))
+    file = open_scans(some)
+    still, unseen = (some.with_name(f"{name}-partnet_mobility.safetensors") for name in ("still", "unseen"))
+    base = SimpleNamespace(
+        id="still", category=CATEGORY, structure=Structure((), ()), joints=(), part_extents=file.extents, facing=file.facing
+    )
+    write_scans(still, base, file.scans(), dict(file.provenance))
+    hinged = SimpleNamespace(**vars(base) | {"id": "unseen", "structure": file.structure, "joints": file.joints})
+    scans = file.scans()
+    none = {field.name: getattr(scans, field.name)[:0] for field in fields(scans) if field.name != "refused"}
+    write_scans(unseen, hinged, Scans(**none, refused=Counter({"too small": 4})), dict(file.provenance))
+    text = " ".join(WrittenTables(judged, "2").write({CATEGORY: [0]}).text.split())
+    assert "of other structures: 1 held back; " in text
+    assert "that no frame shows all parts of: 1 held back" in text
 
 
 def test_a_table_is_outdated_once_more_was_judged(judged: Workspace) -> None:

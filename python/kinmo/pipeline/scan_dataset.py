@@ -23,6 +23,8 @@ PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
 Role = Literal["train", "validation", "test", "hidden", "unlabelled", "pseudo"]
 """What an object is for. Joints of the first four are true, those of `hidden` held back; `unlabelled` ones have none."""
 ROLES: tuple[Role, ...] = get_args(Role)
+NO_FRAME = "no frame"
+"""Stands for the structure of objects that were scanned, but too little of some part was seen in every frame."""
 Setting = Literal["supervised", "semi", "semi-weakly", "dsg-net", "ceiling"]
 """What networks are trained on beside the labelled shapes (paper, section 4.2): nothing; scans of unlabelled shapes with what
 networks that were trained so far say of them; shapes with pseudo labels, in PartNet's layouts or in DSG-Net's; shapes whose
@@ -110,7 +112,7 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         files[role] = tuple(f for f in some if f.frames > 0 and (role == "unlabelled" or f.structure == structure))
         kept_objects = {file.object for file in files[role]}
         rest = (file for file in some if file.object not in kept_objects)
-        left_out = {(file.object, str(file.structure) if file.frames else "no frame") for file in rest}
+        left_out = {(file.object, str(file.structure) if file.frames else NO_FRAME) for file in rest}
         others.update((reason, role) for _, reason in left_out)
     return ScanDataset(spelling, structure, files, others, dataset.truths)
 

@@ -29,7 +29,7 @@ from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluation_folder import ALL
 from kinmo.pipeline.label_decisions import labelled_by
 from kinmo.pipeline.model_files import trained_on
-from kinmo.pipeline.scan_dataset import ScanDataset, Setting, open_scan_dataset
+from kinmo.pipeline.scan_dataset import NO_FRAME, Role, ScanDataset, Setting, open_scan_dataset
 from kinmo.pipeline.scan_table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
 from kinmo.scans.articulated_object import Structure
@@ -39,6 +39,7 @@ from kinmo.workspace import StageRecord, Workspace
 WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code measures"}
 AUTHORS_MEASURE = "The authors' figures are of their data, and measured as --protocol ancsh measures."
 AGAINST = "Rows with the word against say by how much the first is above the second, over the seeds that both have."
+ROLE_NAMES: Mapping[Role, str] = {"train": "labelled", "validation": "validation", "test": "test", "hidden": "held back"}
 PSEUDO_LABELLED: tuple[Setting, ...] = ("semi-weakly", "dsg-net")
 GAP = ("supervised", "semi-weakly", "true labels")
 """Rows, in this order: how far the second goes from the first to the third."""
@@ -235,12 +236,13 @@ def _seeds(rows: Sequence[ScanRow]) -> tuple[int, ...]:
 
 
 def _objects_of(dataset: ScanDataset) -> str:
-    """The category, how many objects train its networks, and how many of other structures are left out."""
-    left_out = Counter[str]()
-    for (_, role), count in dataset.others.items():
-        left_out[role] += count
-    training, others = count_objects(dataset.files["train"]), left_out["train"]
-    return (
-        f"{dataset.category}, {training} labelled objects to train on ({others} of other structures are not, "
-        f"nor are {left_out['test']} test objects)"
-    )
+    """The category, how many objects train its networks, and how many are left out, by role and why."""
+    training = count_objects(dataset.files["train"])
+    text = f"{dataset.category}, {training} labelled objects to train on"
+    for is_unseen, what in ((False, "of other structures"), (True, "that no frame shows all parts of")):
+        counts = Counter[str]()
+        for (reason, role), count in dataset.others.items():
+            counts[ROLE_NAMES.get(role, "")] += count * ((reason == NO_FRAME) is is_unseen)
+        left_out = [f"{counts[name]} {name}" for name in ROLE_NAMES.values() if counts[name]]
+        text += f"; left out, {what}: {', '.join(left_out)}" if left_out else ""
+    return text
