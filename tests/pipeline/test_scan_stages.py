@@ -268,7 +268,8 @@ def test_networks_learn_from_pseudo_labels_too(scanned: Scanned, tmp_path: Path)
     assert stage.plan().steps == ()
     dataset = open_scan_dataset(workspace, CATEGORY)
     facts = json.loads((Cell(CATEGORY, "semi-weakly", 0).folder(workspace, "npcs") / "weights.json").read_text())["facts"]
-    assert facts["objects"] == count_objects(dataset.files["train"]) + count_objects(dataset.files["pseudo"])
+    assert facts["labelled"] == count_objects(dataset.files["train"])
+    assert facts["objects"] == facts["labelled"] + count_objects(dataset.files["pseudo"])
     assert count_objects(dataset.files["pseudo"]) > 0
 
 

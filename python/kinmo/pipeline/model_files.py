@@ -60,11 +60,12 @@ def networks_digest(paths: tuple[Path, ...]) -> str:
     return digest(found)
 
 
-def trained_on(weights: Path) -> int:
-    """How many objects a network for scans was trained on, as its header says."""
+def trained_on(weights: Path) -> tuple[int, int]:
+    """How many labelled objects a network for scans was trained on, and how many others, as its header says."""
     path = weights.with_suffix(".json")
     with expecting("what weights are for", path):
-        return int(json.loads(path.read_text(encoding="utf-8"))["facts"]["objects"])
+        facts = json.loads(path.read_text(encoding="utf-8"))["facts"]
+        return int(facts["labelled"]), int(facts["objects"]) - int(facts["labelled"])
 
 
 def trained_config(workspace: Workspace) -> Config:

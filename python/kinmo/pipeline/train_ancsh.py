@@ -34,7 +34,9 @@ SECONDS_PER_FRAME = 0.010
 
 @dataclass(frozen=True)
 class ScanFitting:
-    """One network to be trained on some scans, and validated on others, of so many `objects` each."""
+    """One network to be trained on some scans, and validated on others, of so many `objects` each; of the first so many are
+    `labelled`.
+    """
 
     workspace: Workspace
     cell: Cell
@@ -42,6 +44,7 @@ class ScanFitting:
     training: tuple[Path, ...]
     validation: tuple[Path, ...]
     objects: tuple[int, int]
+    labelled: int
     section: AncshConfig
     inputs: dict[str, Any]
     device: str
@@ -77,6 +80,7 @@ class ScanFitting:
             self.section,
             self.folder,
             which=self.network,
+            labelled=self.labelled,
             seed=self.cell.seed,
             device=self.device,
             fingerprint=digest(self.inputs),
@@ -174,11 +178,11 @@ class TrainAncsh:
         if self.setting in BESIDE and not beside:
             raise InputError(folder, f"no scans of an object of {dataset.structure} {BESIDE[self.setting]}", self.setting)
         data = {"training": fingerprint(training), "validation": fingerprint(validation)}
-        objects = count_objects(training), count_objects(validation)
+        objects, labelled = (count_objects(training), count_objects(validation)), count_objects(dataset.files["train"])
         for network in NETWORKS:
             inputs = {"network": network, "config": to_table(section), "seed": self.seed, "data": data}
             paths = _paths(training), _paths(validation)
-            yield ScanFitting(self.workspace, cell, network, *paths, objects, section, inputs, self.device)
+            yield ScanFitting(self.workspace, cell, network, *paths, objects, labelled, section, inputs, self.device)
 
 
 def _paths(files: tuple[ScanFile, ...]) -> tuple[Path, ...]:

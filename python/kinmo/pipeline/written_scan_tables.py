@@ -163,12 +163,10 @@ class WrittenTables:
 
     def _trained_on(self, row: RowOf, category: str, seed: int) -> str | None:
         """How many labelled objects networks were trained on, and how many that a setting has beside them."""
-        place = row.workspace(self.workspace)
-        weights = row.cell(category, seed).weights(place)
+        weights = row.cell(category, seed).weights(row.workspace(self.workspace))
         if weights is None:
             return None
-        labelled = count_objects(open_scan_dataset(place, category).files["train"])
-        others = trained_on(weights[0]) - labelled
+        labelled, others = trained_on(weights[0])
         return f"{labelled} + {others}" if others else str(labelled)
 
     def _alike(self, titles: Sequence[str], category: str, by_seed: HeldBySeed, protocol: Protocol) -> list[ScanRow]:

@@ -29,13 +29,14 @@ def train_ancsh(
     run_dir: Path,
     *,
     which: AncshNetworkName,
+    labelled: int = 0,
     seed: int = 0,
     device: str = "auto",
     fingerprint: str = "",
     on_progress: Callable[[Progress], None] | None = None,
 ) -> FitResult:
     """Train on scans of objects of one structure; leaves `weights.safetensors` and `.json` of the epoch to
-    keep (`TrainingConfig.keep`) in `run_dir`.
+    keep (`TrainingConfig.keep`) in `run_dir`. Of the objects to train on so many are `labelled`, which goes into its facts.
 
     Resumes what was cut off (`training.fit`). Raises InputError if either set is empty, or structures differ.
     """
@@ -57,6 +58,7 @@ def train_ancsh(
         "typical": Typical.of([file for file in used[0] if has_true_labels(file)] or used[0]).to_data(),
         "seed": seed,
         "objects": count_objects(used[0]),
+        "labelled": labelled,
         "frames": sum(file.frames for file in used[0]),
         "epochs": len(result.history),
         "error": result.best_error,
