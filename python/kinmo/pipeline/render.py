@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -64,9 +64,10 @@ class Render:
             for folder in (self.workspace.scans, self.workspace.own_scans):
                 remove_leftovers(folder)
             every = list(self._jobs(config))
-            self._remove_stale(every)
+            done_before = {job for job in every if job.is_done}
+            self._remove_stale(every, done_before)
             jobs = [job for job in every if self._is_asked(job)]
-            pending = [job for job in jobs if not job.is_done]
+            pending = [job for job in jobs if job not in done_before]
             if jobs and not pending:
                 observer.note("scanned already")
             crashed: list[Job] = []
@@ -145,9 +146,9 @@ class Render:
                 job = _job(self.workspace, found, entry.category, "pseudo", entry.layout, made_from)
                 yield replace(job, like=tuple(job.path for job in known))
 
-    def _remove_stale(self, jobs: Sequence[Job]) -> None:
-        """Remove what stands in the folders of the categories at hand and is not made from what there is now."""
-        current = {path for job in jobs if job.is_done for path in job.files}
+    def _remove_stale(self, jobs: Sequence[Job], done: Collection[Job]) -> None:
+        """Remove what stands in the folders of the categories at hand and is not of a job that is `done`."""
+        current = {path for job in done for path in job.files}
         for category in {job.category for job in jobs}:
             for role in ROLES:
                 for path in scans_of(self.workspace, category, role).glob("*.*"):

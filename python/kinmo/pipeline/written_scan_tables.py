@@ -136,7 +136,8 @@ class WrittenTables:
         }
         run = _seeds([row for by_category in rows.values() for row in by_category.values()])
         caption = self._caption("means over categories", ", ".join(held), run, protocol)
-        absent = [name for name in TABLES[self.name].categories if not any(same_category(name, there) for there in held)]
+        labelled = open_dataset(self.workspace).categories()
+        absent = [name for name in TABLES[self.name].categories if not any(same_category(name, there) for there in labelled)]
         if absent:
             reason = f"Not run: {', '.join(absent)}: there are no labelled shapes."
             caption = replace(caption, note=" ".join(filter(None, [caption.note, reason])))

@@ -18,6 +18,7 @@ from scipy.spatial import ConvexHull, QhullError
 from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import joint_motion
 from kinmo.mobility import Mobility
+from kinmo.scans.articulation import ROUNDING
 from kinmo.scans.closing import ALIKE, moved_by, room_of
 from kinmo.scans.straight import STEP, straight_values
 from kinmo.shape import Mesh
@@ -41,8 +42,6 @@ PULLED_OUT = 0.35
 closed where it does not stick out any more."""
 OPENING = math.radians(30.0)
 """Which way a closed part opens is where it takes up more room after this."""
-ROUNDING = 1e-6
-"""Of limits in files."""
 NEAR = math.radians(2.0)
 """A part that is as near to closed is closed."""
 
