@@ -21,8 +21,7 @@ from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.label_decisions import folder_name
 from kinmo.pipeline.predict_scan import PredictScan
 from kinmo.pipeline.render import Render
-from kinmo.pipeline.scan_dataset import ROLES, open_scan_dataset, scans_of
-from kinmo.pipeline.scan_jobs import REFUSED
+from kinmo.pipeline.scan_dataset import REFUSED, ROLES, open_scan_dataset, scans_of
 from kinmo.pipeline.self_label import SelfLabel
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.pipeline.train_ancsh import TrainAncsh

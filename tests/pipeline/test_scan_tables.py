@@ -25,7 +25,7 @@ from kinmo.pipeline.judge_trained import JudgeTrained
 from kinmo.pipeline.judged_scans import JudgedScans
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.report import Report
-from kinmo.pipeline.scan_dataset import Setting, open_scan_dataset, scans_of
+from kinmo.pipeline.scan_dataset import REFUSED, Setting, open_scan_dataset, scans_of
 from kinmo.pipeline.scan_pictures import COMMON
 from kinmo.pipeline.scan_report import OUTDATED, picture_sections
 from kinmo.pipeline.scan_table_rows import SHARES, TABLES, printed_row
@@ -157,7 +157,7 @@ def test_what_was_judged_before_a_change_is_outdated_and_not_shown(judged: Works
     assert written.is_current(CATEGORY), "it says that it is outdated"
 
 
-def test_a_table_counts_objects_of_other_structures_and_those_that_no_frame_shows(judged: Workspace) -> None:
+def test_a_table_counts_objects_of_other_structures_that_no_frame_shows_or_that_have_no_scans(judged: Workspace) -> None:
     (some, *_) = sorted(scans_of(judged, CATEGORY, "hidden").glob("*.safetensors"))
     file = open_scans(some)
     still, unseen = (some.with_name(f"{name}-partnet_mobility.safetensors") for name in ("still", "unseen"))
@@ -169,9 +169,12 @@ def test_a_table_counts_objects_of_other_structures_and_those_that_no_frame_show
     scans = file.scans()
     none = {field.name: getattr(scans, field.name)[:0] for field in fields(scans) if field.name != "refused"}
     write_scans(unseen, hinged, Scans(**none, refused=Counter({"too small": 4})), dict(file.provenance))
+    for variant in ("", ".1", ".2"):
+        some.with_name(f"tiny-partnet_mobility{variant}{REFUSED}").touch()
     text = " ".join(WrittenTables(judged, "2").write({CATEGORY: [0]}).text.split())
     assert "of other structures: 1 held back; " in text
-    assert "that no frame shows all parts of: 1 held back" in text
+    assert "that no frame shows all parts of: 1 held back; " in text
+    assert "that cannot be scanned (kinmo render says why): 1 held back" in text
 
 
 def test_a_table_is_outdated_once_more_was_judged(judged: Workspace) -> None:

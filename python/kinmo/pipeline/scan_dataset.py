@@ -23,8 +23,11 @@ PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
 Role = Literal["train", "validation", "test", "hidden", "unlabelled", "pseudo"]
 """What an object is for. Joints of the first four are true, those of `hidden` held back; `unlabelled` ones have none."""
 ROLES: tuple[Role, ...] = get_args(Role)
-NO_FRAME = "no frame"
-"""Stands for the structure of objects that were scanned, but too little of some part was seen in every frame."""
+NO_FRAME, NO_SCAN = "no frame", "no scan"
+"""Stand for the structure of objects that were scanned, but too little of some part was seen in every frame; and of those that
+cannot be scanned."""
+REFUSED = ".refused.json"
+"""Ending of what stands in place of the scans of an object that cannot be scanned, and says why."""
 Setting = Literal["supervised", "semi", "semi-weakly", "dsg-net", "ceiling"]
 """What networks are trained on beside the labelled shapes (paper, section 4.2): nothing; scans of unlabelled shapes with what
 networks that were trained so far say of them; shapes with pseudo labels, in PartNet's layouts or in DSG-Net's; shapes whose
@@ -40,8 +43,8 @@ def scans_of(workspace: Workspace, category: str, role: Role) -> Path:
 class ScanDataset:
     """The scans of a category's objects of one structure, by role; those of `unlabelled` objects have no structure.
 
-    `others` counts objects that were scanned but have another structure, by that and by role: no network of this structure can
-    say what they are. `truths` are as in `Dataset`.
+    `others` counts objects that have another structure, by that and by role: no network of this structure can say what they
+    are. `truths` are as in `Dataset`.
     """
 
     category: str
@@ -114,6 +117,7 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         rest = (file for file in some if file.object not in kept_objects)
         left_out = {(file.object, str(file.structure) if file.frames else NO_FRAME) for file in rest}
         others.update((reason, role) for _, reason in left_out)
+        others[NO_SCAN, role] += sum(1 for _ in scans_of(workspace, spelling, role).glob(f"*[!0-9]{REFUSED}"))  # no variants
     return ScanDataset(spelling, structure, files, others, dataset.truths)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from kinmo.config import ScansConfig
 from kinmo.formats import Found, read_found
 from kinmo.limits import MOST_TURN
-from kinmo.pipeline.scan_dataset import Role
+from kinmo.pipeline.scan_dataset import REFUSED, Role
 from kinmo.scans.articulated_object import ArticulatedObject, articulated_object, still_object
 from kinmo.scans.articulation import opened_as_usual
 from kinmo.scans.scan import Scans, scan
@@ -26,8 +26,6 @@ VARIED: tuple[Role, ...] = ("train", "hidden", "pseudo")
 """Roles of objects that are scanned in variants too: more like them is what networks need, and what tests must not see."""
 OPENING, CHANGING = 10, 11
 """What random numbers are for, beside what `kinmo.scans.scan` draws of the same seed."""
-REFUSED = ".refused.json"
-"""Ending of what stands in place of the scans of an object that cannot be scanned, and says why."""
 
 
 @dataclass(frozen=True)

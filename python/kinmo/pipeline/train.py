@@ -25,6 +25,7 @@ from kinmo.workspace import Workspace, remove_leftovers, write_text_atomically
 
 SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.02, "ranking": 0.02, "gnn_contact": 0.004}
 """Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
+TRAINED_ON = (Split.TRAIN, Split.VALIDATION)
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,23 @@ class ShapeFitting:
 
 
 @dataclass(frozen=True)
+class Part:
+    """The labelled shapes of a category that has networks of its own, or of all that share one."""
+
+    category: str | None
+    training: tuple[IndexEntry, ...]
+    validation: tuple[IndexEntry, ...]
+
+    @property
+    def is_enough(self) -> bool:
+        return bool(self.training and self.validation)
+
+    def __str__(self) -> str:
+        own = f" of {self.category}" if self.category else ""
+        return f"{len(self.training)} labelled shapes{own} to train on and {len(self.validation)} to choose by"
+
+
+@dataclass(frozen=True)
 class Train:
     """Train the networks of `group` (`models.GROUPS`), on all categories or on one.
 
@@ -100,7 +118,8 @@ class Train:
     start: Workspace | None = None
 
     def plan(self) -> Plan:
-        fittings = list(self._fittings(open_dataset(self.workspace, self.category), self._config()))
+        dataset, config = open_dataset(self.workspace, self.category), self._config()
+        fittings = list(self._fittings(dataset, config))
         pending = self._fitter.pending(fittings)
         steps = tuple(
             f"train {each.name} on {len(each.training)} shapes for {each.schedule.epochs} epochs, "
@@ -108,7 +127,8 @@ class Train:
             for each in fittings
             if each in pending
         )
-        return Plan(steps, self._fitter.seconds(pending))
+        left_out = tuple(self._left_out(dataset, config)) if pending else ()
+        return Plan(steps + left_out, self._fitter.seconds(pending))
 
     def run(self, observer: Observer) -> Outcome:
         config = self._config()
@@ -116,6 +136,8 @@ class Train:
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
             fittings = list(self._fittings(dataset, config))  # whatever cannot be trained is said before anything is
+            for text in self._left_out(dataset, config):
+                observer.note(text)
             self._fitter.run(fittings, observer)
             write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
         return trained(self.workspace, fittings)
@@ -139,17 +161,11 @@ class Train:
         for model in GROUPS[self.group]:
             start = self._start_of(model)
             section = getattr(config, TRAINERS[model][0])
-            categories = dataset.categories() if getattr(section, "per_category", False) else (None,)
-            for category in categories:
-                training, validation = (
-                    tuple(e for e in dataset.labelled[split] if category in (None, e.category))
-                    for split in (Split.TRAIN, Split.VALIDATION)
-                )
-                if not (training and validation):
-                    if category is not None:
-                        continue
-                    problem = f"{len(training)} labelled shapes to train on and {len(validation)} to choose by: both are needed"
-                    raise InputError(self.workspace.prepared, problem)
+            parts = _parts(dataset, section)
+            if not any(part.is_enough for part in parts):
+                raise InputError(self.workspace.prepared, "; ".join(map(str, parts)) + ": both are needed")
+            for part in filter(lambda part: part.is_enough, parts):
+                training, validation = part.training, part.validation
                 data = {"training": dataset.fingerprint(training), "validation": dataset.fingerprint(validation)}
                 inputs = {"model": model, "config": to_table(section), "seed": self.seed, "data": data}
                 if start is not None:
@@ -157,7 +173,7 @@ class Train:
                 yield ShapeFitting(
                     self.workspace,
                     model,
-                    category,
+                    part.category,
                     training,
                     validation,
                     section,
@@ -166,6 +182,13 @@ class Train:
                     self.device,
                     None if start is None else start.path,
                 )
+
+    def _left_out(self, dataset: Dataset, config: Config) -> Iterator[str]:
+        """Which categories get no networks of their own, and why."""
+        for model in GROUPS[self.group]:
+            for part in _parts(dataset, getattr(config, TRAINERS[model][0])):
+                if not part.is_enough:
+                    yield f"no {model} ({part.category}): {part}, both are needed"
 
     def _start_of(self, model: str) -> Weights | None:
         """The weights that a model is to go on from. Raises InputError if they were never trained, or cannot be read."""
@@ -177,3 +200,13 @@ class Train:
                 weights, "expected the weights to go on from: run kinmo train motion in that workspace first", "--from"
             )
         return load_weights(weights, CONTINUED[model][0])
+
+
+def _parts(dataset: Dataset, section: Any) -> list[Part]:
+    """A part for each category, where each has networks of its own, or one for all."""
+    labelled = dataset.labelled
+    categories = dataset.categories() if getattr(section, "per_category", False) else ()
+    return [
+        Part(category, *(tuple(e for e in labelled[split] if category in (None, e.category)) for split in TRAINED_ON))
+        for category in categories or (None,)
+    ]

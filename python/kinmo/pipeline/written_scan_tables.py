@@ -29,7 +29,7 @@ from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluation_folder import ALL
 from kinmo.pipeline.label_decisions import labelled_by
 from kinmo.pipeline.model_files import trained_on
-from kinmo.pipeline.scan_dataset import NO_FRAME, Role, ScanDataset, Setting, open_scan_dataset
+from kinmo.pipeline.scan_dataset import NO_FRAME, NO_SCAN, Role, ScanDataset, Setting, open_scan_dataset
 from kinmo.pipeline.scan_table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
 from kinmo.scans.articulated_object import Structure
@@ -40,6 +40,8 @@ WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code 
 AUTHORS_MEASURE = "The authors' figures are of their data, and measured as --protocol ancsh measures."
 AGAINST = "Rows with the word against say by how much the first is above the second, over the seeds that both have."
 ROLE_NAMES: Mapping[Role, str] = {"train": "labelled", "validation": "validation", "test": "test", "hidden": "held back"}
+OTHER = "of other structures"
+UNSEEN = {NO_FRAME: "that no frame shows all parts of", NO_SCAN: "that cannot be scanned (kinmo render says why)"}
 PSEUDO_LABELLED: tuple[Setting, ...] = ("semi-weakly", "dsg-net")
 GAP = ("supervised", "semi-weakly", "true labels")
 """Rows, in this order: how far the second goes from the first to the third."""
@@ -216,7 +218,7 @@ class WrittenTables:
                 methods = " and ".join(labelled_by(place, open_dataset(place, dataset.category).unlabelled))
                 others = sum(count for (_, role), count in dataset.others.items() if role == "pseudo")
                 texts.append(f"Pseudo labels ({row.title}) are by --method {methods};")
-                texts.append(f"{others} objects that they give other joints are left out.")
+                texts.append(f"{others} objects that they give other joints, or none that can be seen, are left out.")
                 if dataset.truths:
                     texts.append(str(count_labels(dataset.beside(row.setting), dataset.files["hidden"], dataset.truths)))
         return " ".join(texts)
@@ -238,10 +240,10 @@ def _objects_of(dataset: ScanDataset) -> str:
     """The category, how many objects train its networks, and how many are left out, by role and why."""
     training = count_objects(dataset.files["train"])
     text = f"{dataset.category}, {training} labelled objects to train on"
-    for is_unseen, what in ((False, "of other structures"), (True, "that no frame shows all parts of")):
+    for what in (OTHER, *UNSEEN.values()):
         counts = Counter[str]()
         for (reason, role), count in dataset.others.items():
-            counts[ROLE_NAMES.get(role, "")] += count * ((reason == NO_FRAME) is is_unseen)
+            counts[ROLE_NAMES.get(role, "")] += count * (UNSEEN.get(reason, OTHER) == what)
         left_out = [f"{counts[name]} {name}" for name in ROLE_NAMES.values() if counts[name]]
         text += f"; left out, {what}: {', '.join(left_out)}" if left_out else ""
     return text
