@@ -8,7 +8,7 @@ import pytest
 from kinmo.errors import InputError
 from kinmo.evaluation.paper_tables import paper_tables
 from kinmo.evaluation.scan_metrics import FrameScore
-from kinmo.evaluation.scan_records import ObjectScans, read_scores, write_scores
+from kinmo.evaluation.scan_records import ACCURACIES, ObjectScans, read_scores, write_scores
 from kinmo.evaluation.scan_summary import measure_titles, summary
 from kinmo.evaluation.scan_tables import (
     NOT_RUN,
@@ -58,6 +58,17 @@ def test_units_are_apart_and_what_was_not_found_is_no_zero():
     table = by_part([ScanRow("ours", objects([frame(), lost]))], STRUCTURE, CAPTION)
     failed = [column.title for column in table.columns].index("failed (%)")
     assert [row[failed] for row in table.rows] == [50.0] * 3
+
+
+def test_shares_of_parts_that_are_turned_and_placed_right_stand_beside_where_they_are_asked_for():
+    rotation = np.radians([4.9, 5.1, np.nan])
+    scored = FrameScore(rotation, np.array([0.06, 0.04, np.nan]), *(np.zeros(n) for n in (3, 2, 2, 2)))
+    right = FrameScore(np.zeros(3), np.full(3, 0.04), *(np.zeros(n) for n in (3, 2, 2, 2)))
+    printed = [[12.0, 18.0, 21.0], [0.1, 0.7, 0.6], [73.0, 3.0, 5.0], [16.0, 0.3], [1.75, 1.78], [0.035]]
+    table = by_part([ScanRow("ours", objects([scored, right]), printed)], STRUCTURE, CAPTION, ACCURACIES)
+    titles = [column.title for column in table.columns]
+    shares = [[row[titles.index(title)] for row in table.rows] for title in ("within 5 deg (%)", "within 5 deg, .05 (%)")]
+    assert shares == [[100.0, 50.0, 100.0, None, None, None], [50.0, 50.0, 100.0, None, None, None]]
 
 
 def test_a_row_that_was_not_run_says_so_and_the_papers_figures_stand_beside():

@@ -17,7 +17,7 @@ from kinmo.config import load_config
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_tables import NOT_RUN
 from kinmo.evaluation.scan_tables import OUTDATED as OUTDATED_ROW
-from kinmo.pipeline.ancsh_files import NETWORKS, Cell
+from kinmo.pipeline.ancsh_files import NETWORKS, PROTOCOLS, Cell
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.evaluate_scans import EvaluateScans
@@ -144,6 +144,12 @@ def test_rows_say_which_seeds_they_are_of_and_gaps_are_over_those_that_all_have(
     assert "seeds 0, 1, 2." in text
     assert "Not run: semi-weakly: seeds 0, 2: of a reason." in " ".join(text.split())
     assert "Share of the gap" not in text, "of the seed that all have, all are equal"
+
+
+def test_by_the_protocol_of_ancsh_parts_have_the_shares_within_five_degrees_too(judged: Workspace) -> None:
+    found = {protocol: WrittenTables(judged, "2").write({CATEGORY: [0]}, protocol).data for protocol in PROTOCOLS}
+    columns = {protocol: data[CATEGORY]["parts"]["columns"] for protocol, data in found.items()}
+    assert set(columns["ancsh"]) - set(columns["kinmo"]) == {"within 5 deg (%)", "within 5 deg, .05 (%)"}
 
 
 def test_what_was_judged_before_a_change_is_outdated_and_not_shown(judged: Workspace) -> None:

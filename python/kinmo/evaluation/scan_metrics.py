@@ -19,6 +19,8 @@ from kinmo.scans.estimate import PartPoses, ScanEstimate
 
 F64 = NDArray[np.float64]
 
+NEAR_TURN, NEAR_PLACE = math.radians(5.0), 0.05
+
 
 @dataclass(frozen=True, eq=False)
 class FrameScore:
@@ -40,6 +42,16 @@ class FrameScore:
     def is_whole(self) -> bool:
         """Whether every part was found."""
         return bool(np.isfinite(self.rotation).all())
+
+    @property
+    def turned_right(self) -> F64:
+        """1 for each part that is turned at most 5 degrees too far, else 0 [K]; NaN where it was not found."""
+        return np.where(np.isfinite(self.rotation), self.rotation <= NEAR_TURN, np.nan)
+
+    @property
+    def placed_right(self) -> F64:
+        """1 for each part that moreover lies at most .05 diagonals off, else 0 [K]; NaN where it was not found."""
+        return np.where(np.isfinite(self.rotation), self.turned_right * (self.translation <= NEAR_PLACE), np.nan)
 
 
 def nothing_found(structure: Structure) -> FrameScore:

@@ -53,6 +53,11 @@ MEASURES: tuple[Measure, ...] = (
     Measure("line", "line", Unit.DIAGONALS, True, decimals=3, kinds=(JointKind.REVOLUTE, JointKind.SCREW)),
 )
 """Lengths are diagonals of the object."""
+ACCURACIES: tuple[Measure, ...] = (
+    Measure("turned_right", "within 5 deg (%)", Unit.SHARE, False, 100.0, 1, larger_is_better=True),
+    Measure("placed_right", "within 5 deg, .05 (%)", Unit.SHARE, False, 100.0, 1, larger_is_better=True),
+)
+"""What ANCSH's public evaluation code prints besides."""
 
 
 def failed() -> Figure[ObjectScans]:

@@ -36,9 +36,9 @@ class ScanRow:
     reason: str | None = None
 
 
-def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> Table:
-    """A line a part, its joint beside it, for every row; the paper's figures below the row's own."""
-    measures = measures_of(structure)
+def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption, more: Sequence[Measure] = ()) -> Table:
+    """A line a part, its joint beside it, for every row, with `more` measures; the paper's figures below the row's own."""
+    measures = [*measures_of(structure), *more]
     columns = (Column("trained on"), Column("part"), *(Column(m.title, m.decimals) for m in measures), FAILED)
     lines: list[tuple[Cell, ...]] = []
     for row in rows:
@@ -146,7 +146,7 @@ def _printed(row: PaperRow, part: int, measures: Sequence[Measure]) -> list[Cell
     structure = printed_structure(row)
     cells: list[Cell] = []
     for measure in measures:
-        values = row[PAPER_COLUMNS[measure.key]]
+        values = row[PAPER_COLUMNS[measure.key]] if measure.key in PAPER_COLUMNS else ()
         place = part - 1 if measure.of_joints else part
         cells.append(values[place] if part in rows_of(measure, structure) and place < len(values) else None)
     return cells

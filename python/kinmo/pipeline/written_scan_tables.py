@@ -11,7 +11,7 @@ from typing import Any
 from kinmo.categories import same_category
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_labels import count_labels
-from kinmo.evaluation.scan_records import read_scores
+from kinmo.evaluation.scan_records import ACCURACIES, Measure, read_scores
 from kinmo.evaluation.scan_summary import gap_closed, measure_titles
 from kinmo.evaluation.scan_tables import (
     NOT_RUN,
@@ -37,6 +37,8 @@ from kinmo.scans.scan_file import count_objects
 from kinmo.workspace import StageRecord, Workspace
 
 WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code measures"}
+MORE: Mapping[Protocol, Sequence[Measure]] = {"kinmo": (), "ancsh": ACCURACIES}
+"""What is measured besides, part by part."""
 AUTHORS_MEASURE = "The authors' figures are of their data, and measured as --protocol ancsh measures."
 AGAINST = "Rows with the word against say by how much the first is above the second, over the seeds that both have."
 ROLE_NAMES: Mapping[Role, str] = {"train": "labelled", "validation": "validation", "test": "test", "hidden": "held back"}
@@ -116,7 +118,7 @@ class WrittenTables:
             if printed is None:
                 return {"means": of_nothing(rows, caption)}
             structure = printed_structure(printed)
-            return {"means": over_parts(rows, structure, caption), "parts": by_part(rows, structure, caption)}
+            return {"means": over_parts(rows, structure, caption), "parts": by_part(rows, structure, caption, MORE[protocol])}
         caption = self._caption(str(dataset.structure), _objects_of(dataset), run, protocol)
         gaps = self._gaps(category, by_seed, dataset.structure, protocol)
         notes = [caption.note, gaps, self._labels(rows, category), reasons]
@@ -126,7 +128,7 @@ class WrittenTables:
         summed = replace(caption, note=" ".join(filter(None, notes)))
         return {
             "means": over_parts(rows, dataset.structure, summed, compared),
-            "parts": by_part(rows, dataset.structure, caption),
+            "parts": by_part(rows, dataset.structure, caption, MORE[protocol]),
         }
 
     def _over_categories(self, held: Held, protocol: Protocol) -> dict[str, Table]:
