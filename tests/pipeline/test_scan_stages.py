@@ -10,9 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from typer.testing import CliRunner
 from whole_road import Listener, contents
 
+from kinmo.cli.app import app
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.predict import POINTS_TO_ASK_ABOUT
 from kinmo.pipeline.ancsh_files import Cell, scores_path, trained_cells
@@ -311,6 +314,24 @@ def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_pat
         said = [int((labelled["parts"] == part["id"]).sum()) for part in document["parts"]]
         assert sum(said) == len(points)
         assert [count > 0 for count in said] == [part["points"] > 0 for part in document["parts"]]
+
+
+def test_a_depth_image_in_millimetres_goes_through_the_command(scanned: Scanned, tmp_path: Path) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    depth = np.zeros((480, 640), np.uint16)
+    columns, rows = np.round(points[:, :2] / points[:, 2:] * 500.0 + [320.0, 240.0]).astype(int).T
+    depth[rows, columns] = np.round(1000.0 * points[:, 2])
+    Image.fromarray(depth).save(tmp_path / "depth.png")
+    camera = ["--intrinsics", "500,500,320,240", "--depth-scale", "1000"]
+    where = ["--out", str(tmp_path / "out"), "--workspace", str(scanned.workspace.path), "--device", "cpu"]
+    result = CliRunner().invoke(app, ["predict", str(tmp_path / "depth.png"), "--category", FAMILY, *camera, *where])
+    assert result.exit_code == 0, result.output
+    with np.load(tmp_path / "out" / "depth.parts.npz") as labelled:
+        np.testing.assert_array_equal(labelled["places"], np.flatnonzero(depth))
+        np.testing.assert_array_equal(np.round(1000.0 * labelled["points"][:, 2]), depth[depth > 0])
+        assert np.abs(labelled["points"][:, None] - points[None]).max(axis=2).min(axis=1).max() < 0.01, "within a pixel"
+    (joint,) = json.loads((tmp_path / "out" / "depth.json").read_text())["joints"]
+    assert joint["kind"] == "R"
 
 
 def test_nothing_is_replaced_but_what_was_found_in_the_same_scan(scanned: Scanned, tmp_path: Path) -> None:

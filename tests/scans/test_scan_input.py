@@ -45,6 +45,24 @@ def test_a_depth_image_gives_the_points_that_its_camera_sees(tmp_path):
     np.testing.assert_allclose(read_scan(tmp_path / "image.png", CAMERA, 1000.0).points, expected, atol=2e-3)
 
 
+@pytest.mark.parametrize(
+    ("given", "option"), [({"intrinsics": CAMERA}, "--intrinsics"), ({"depth_scale": 1000.0}, "--depth-scale")]
+)
+def test_points_have_no_use_for_a_camera(tmp_path, given, option):
+    np.savez(tmp_path / "scan.npz", points=POINTS)
+    with pytest.raises(InputError, match=f"{option}: is of depth images, and .*scan.npz holds points"):
+        read_scan(tmp_path / "scan.npz", **given)
+
+
+def test_intrinsics_that_are_given_take_the_place_of_those_in_the_file(tmp_path):
+    depth = np.random.default_rng(1).uniform(1.0, 2.0, (24, 32))
+    np.save(tmp_path / "bare.npy", depth)
+    np.savez(tmp_path / "scan.npz", depth=depth, intrinsics=np.zeros(2))
+    np.testing.assert_array_equal(
+        read_scan(tmp_path / "scan.npz", CAMERA).points, read_scan(tmp_path / "bare.npy", CAMERA).points
+    )
+
+
 def test_intrinsics_are_four_numbers():
     assert Intrinsics.parse("100,110,15.5,11.5") == CAMERA
     for text in ("", "1,2,3", "a,b,c,d", "0,1,2,3", "1,1,nan,0"):

@@ -66,7 +66,7 @@ def predict(
         from kinmo.scans.scan_input import Intrinsics
 
         camera = None if intrinsics is None else Intrinsics.parse(intrinsics)
-        scan = PredictScan(shape, out, workspace, category, camera, depth_scale or 1.0, options.seed, options.device)
+        scan = PredictScan(shape, out, workspace, category, camera, depth_scale, options.seed, options.device)
         execute(options, scan)
         return
     if shape.is_file():

@@ -47,7 +47,7 @@ class PredictScan:
     workspace: Workspace
     category: str
     intrinsics: Intrinsics | None = None
-    depth_scale: float = 1.0
+    depth_scale: float | None = None
     seed: int = 0
     device: str = "auto"
 

@@ -68,6 +68,14 @@ class Intrinsics:
 
 
 @dataclass(frozen=True, eq=False)
+class DepthImage:
+    """What a file holds of a depth image: a number a pixel, and the camera's intrinsics if it has any."""
+
+    depths: NDArray[np.generic]
+    intrinsics: NDArray[np.generic] | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class ScanInput:
     """`points` [n, 3] in the frame of the camera: x to the right, y down, z forward.
 
@@ -78,21 +86,23 @@ class ScanInput:
     places: NDArray[np.int64]
 
 
-def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: float = 1.0) -> ScanInput:
+def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: float | None = None) -> ScanInput:
     """The points of a scan.
 
     An .npz has `points` [n, 3], or `depth` [height, width] along z, with `intrinsics` beside it if they are not given here;
-    an .npy has one of the two, a .ply points, and a .png or .tif depths. Depths are divided by `depth_scale`; points at no
-    number, and those that are not before the camera (0, 0, 0 often stands for none), are left out. Raises InputError, naming
-    file and field, for what is none of this or has too few points.
+    an .npy has one of the two, a .ply points, and a .png or .tif depths. Depths are divided by `depth_scale` (1 if it is not
+    given); points at no number, and those that are not before the camera (0, 0, 0 often stands for none), are left out. Raises
+    InputError, naming file and field, for what is none of this or has too few points, and for points where either is given.
     """
     ending = check_is_scan(path)
-    if ending == ".ply":
-        points = _ply(path)
-    elif ending in IMAGES:
-        points = _back_projected(_image(path), intrinsics, depth_scale, path)
+    found = _ply(path) if ending == ".ply" else _image(path) if ending in IMAGES else _arrays(path)
+    if isinstance(found, DepthImage):
+        points = _back_projected(found, intrinsics, depth_scale or 1.0, path)
     else:
-        points = _arrays(path, intrinsics, depth_scale)
+        points = found
+        for option, value in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
+            if value is not None:
+                raise InputError(option, f"is of depth images, and {path} holds points")
     places = np.flatnonzero(np.isfinite(points).all(axis=1) & (points[:, 2] > 0.0))
     points = points[places]
     count = len(np.unique(points, axis=0))
@@ -115,8 +125,8 @@ def check_is_scan(path: Path) -> str:
     return ending
 
 
-def _arrays(path: Path, intrinsics: Intrinsics | None, depth_scale: float) -> F64:
-    """The points of `points`, or of `depth`; whatever else the file holds is not looked at."""
+def _arrays(path: Path) -> F64 | DepthImage:
+    """What is in `points`, or in `depth`; whatever else the file holds is not looked at."""
     try:
         loaded = np.load(path, allow_pickle=False)
         if isinstance(loaded, np.ndarray):
@@ -137,15 +147,15 @@ def _arrays(path: Path, intrinsics: Intrinsics | None, depth_scale: float) -> F6
         if points.ndim != 2 or points.shape[1] != 3:
             raise InputError(path, f"expected [n, 3], got {list(points.shape)}", "points")
         return points
-    if intrinsics is None and "intrinsics" in arrays:
-        intrinsics = Intrinsics.of_matrix(arrays["intrinsics"], path)
-    return _back_projected(arrays["depth"], intrinsics, depth_scale, path)
+    return DepthImage(arrays["depth"], arrays.get("intrinsics"))
 
 
-def _back_projected(depth: NDArray[np.generic], intrinsics: Intrinsics | None, scale: float, path: Path) -> F64:
-    depths = np.squeeze(np.asarray(depth, np.float64)) / scale
+def _back_projected(image: DepthImage, intrinsics: Intrinsics | None, scale: float, path: Path) -> F64:
+    depths = np.squeeze(np.asarray(image.depths, np.float64)) / scale
     if depths.ndim != 2:
-        raise InputError(path, f"expected one depth a pixel, [height, width], got {list(np.shape(depth))}", "depth")
+        raise InputError(path, f"expected one depth a pixel, [height, width], got {list(np.shape(image.depths))}", "depth")
+    if intrinsics is None and image.intrinsics is not None:
+        intrinsics = Intrinsics.of_matrix(image.intrinsics, path)
     if intrinsics is None:
         raise InputError(path, "a depth image needs the camera's intrinsics: --intrinsics fx,fy,cx,cy")
     rows, columns = np.indices(depths.shape)
@@ -154,14 +164,14 @@ def _back_projected(depth: NDArray[np.generic], intrinsics: Intrinsics | None, s
         return np.stack([x * depths, y * depths, depths], axis=-1).reshape(-1, 3)
 
 
-def _image(path: Path) -> NDArray[np.generic]:
+def _image(path: Path) -> DepthImage:
     from PIL import Image
 
     try:
         with Image.open(path) as image:
             if image.mode in ("1", "P"):
                 raise InputError(path, "expected depths, got an image with a palette or of two colours")
-            return np.asarray(image)
+            return DepthImage(np.asarray(image))
     except InputError:
         raise
     except (*READING, Image.DecompressionBombError) as error:
