@@ -194,7 +194,7 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(s
 
 
 def test_a_setting_without_anything_of_its_own_is_none(scanned: Scanned) -> None:
-    for setting, what in (("semi-weakly", "run kinmo pseudo-label and kinmo render first"), ("dsg-net", "DSG-Net")):
+    for setting, what in (("semi-weakly", "kinmo pseudo-label and kinmo render make them"), ("dsg-net", "DSG-Net")):
         with pytest.raises(InputError, match=what):
             scanned.train(setting).plan()
 

@@ -21,10 +21,11 @@ from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
 from kinmo.typed_tables import to_table
 from kinmo.workspace import Workspace, digest, remove_leftovers
 
+GUESSED = "with pseudo labels: kinmo pseudo-label and kinmo render make them, of shapes they are sure of"
 BESIDE: dict[Setting, str] = {
     "semi": "that the supervised networks were sure of",
-    "semi-weakly": "with pseudo labels: run kinmo pseudo-label and kinmo render first",
-    "dsg-net": "with pseudo labels in DSG-Net's layout: run kinmo pseudo-label and kinmo render first",
+    "semi-weakly": GUESSED,
+    "dsg-net": f"in DSG-Net's layout {GUESSED}",
     "ceiling": "whose labels were held back: kinmo prepare --hold-back keeps some",
 }
 """What a setting trains on beside the labelled shapes, without which it would be another one."""
