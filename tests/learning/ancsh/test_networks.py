@@ -77,8 +77,8 @@ def test_the_paper_networks_have_as_many_parameters_as_the_printed_sizes_say(par
     assert count == [backbone + own, backbone + own + joints]
 
 
-def test_the_loss_of_right_answers_is_zero(file: ScanFile) -> None:
-    batch = ScanData([file], [file], TINY).batch([(file, 0), (file, 3)], np.random.default_rng(0))
+def right_answers(file: ScanFile, batch: ScanBatch) -> tuple[PartAnswers, JointAnswers]:
+    """What there is to say of the two scans of a batch."""
     parts = file.structure.part_count
 
     def sure(labels: torch.Tensor) -> torch.Tensor:
@@ -88,14 +88,50 @@ def test_the_loss_of_right_answers_is_zero(file: ScanFile) -> None:
     shifts = torch.from_numpy(file.extents.centers).float() + 0.5 - 0.5 * scales.unsqueeze(-1)
     said = PartAnswers(sure(batch.parts), batch.npcs.unsqueeze(2).expand(-1, -1, parts, -1))
     whole = LayoutAnswers(batch.half_sizes, batch.pivots)
-    joints = JointAnswers(scales, shifts, sure(batch.joints), batch.heatmap, batch.toward, batch.axes, whole)
+    return said, JointAnswers(scales, shifts, sure(batch.joints), batch.heatmap, batch.toward, batch.axes, whole)
+
+
+def two_scans(file: ScanFile) -> ScanBatch:
+    return ScanData([file], [file], TINY).batch([(file, 0), (file, 3)], np.random.default_rng(0))
+
+
+def test_the_loss_of_right_answers_is_zero(file: ScanFile) -> None:
+    batch = two_scans(file)
+    said, joints = right_answers(file, batch)
     losses = part_losses(said, batch) | joint_losses(said, joints, batch)
     # classes that do not occur have no IoU to speak of
-    absent = len(set(range(parts)) - set(batch.joints.unique().tolist()))
+    absent = len(set(range(file.structure.part_count)) - set(batch.joints.unique().tolist()))
     assert absent == 0 or losses["joints"] < 1.0
     for name, loss in losses.items():
         if name != "joints":
             assert loss.item() == pytest.approx(0.0, abs=1e-5), name
+
+
+def test_the_papers_losses_are_weighed_distances_over_all_points(file: ScanFile) -> None:
+    batch = two_scans(file)
+    said, joints = right_answers(file, batch)
+    near = (batch.joints > 0).float().mean().item()
+    hinged = ((batch.joints > 0) & batch.has_pivot.bool()).float().mean().item()
+    assert 0.0 < hinged < near < 1.0
+    shift = torch.tensor([0.3, 0.0, 0.4])
+    off = replace(
+        joints,
+        shifts=joints.shifts + shift,
+        heatmap=joints.heatmap + 0.2,
+        toward=joints.toward + shift,
+        axes=joints.axes + shift,
+        layout=None,
+    )
+    away = replace(said, npcs=said.npcs + shift)
+    found = part_losses(away, batch) | joint_losses(said, off, batch)
+    del found["parts"], found["joints"]
+    expected = {"npcs": 0.5, "naocs": 0.5, "heatmap": 0.2 * hinged, "toward": 0.5 * hinged, "axes": 0.5 * near}
+    assert {name: loss.item() for name, loss in found.items()} == pytest.approx(expected, abs=1e-4)
+    weighed = 10.0 * 0.5 + 1.0 * 0.5 + 5.0 * 0.2 * hinged + 5.0 * 0.5 * hinged + 0.2 * 0.5 * near
+    paper = load_config("paper").ancsh
+    assert total(found, paper).item() == pytest.approx(weighed, abs=1e-3)
+    one = torch.tensor(1.0)
+    assert total({"parts": one, "joints": one}, paper).item() == pytest.approx(2.0)
 
 
 def test_a_layout_has_boxes_of_diagonal_one_and_the_pivots_next_to_the_parts_that_move(file: ScanFile) -> None:
