@@ -59,9 +59,9 @@ def main() -> None:
         for file in scanned(
             workspace, dataset.category, {file.id for file in dataset.files["test"]}, sensor, arguments.objects
         ):
-            points, poses, values = (file.read(kind) for kind in ("points", "poses", "values"))
+            points, *states = (file.read(kind) for kind in ("points", "poses", "values", "turns"))
             answers = network.answer(list(points), [1.0] * len(points))
-            true = [truth(*both, file.joints, file.structure, file.extents) for both in zip(poses, values, strict=True)]
+            true = [truth(*state, file.joints, file.structure, file.extents) for state in zip(*states, strict=True)]
             for boxes in BOXES:
                 options = PoseOptions(ties=network.config.ties, boxes=boxes, seed=0)
                 found = estimate(answers, network.structure, options, network.typical)

@@ -57,7 +57,8 @@ def cupboard_object() -> ArticulatedObject:
 
 
 def true_estimate(target: ArticulatedObject, scans: Scans, row: int) -> ScanEstimate:
-    return truth(scans.poses[row], scans.values[row], target.joints, target.structure, target.part_extents)
+    states = scans.poses[row], scans.values[row], scans.turns[row]
+    return truth(*states, target.joints, target.structure, target.part_extents)
 
 
 def true_answers(target: ArticulatedObject, scans: Scans, row: int, frame: InputFrame | None = None) -> PointAnswers:

@@ -104,6 +104,17 @@ def test_states_count_along_the_true_direction(off) -> None:
         assert score(reversed_).state[row] == pytest.approx(abs(off))
 
 
+@given(angles)
+def test_of_what_slides_and_turns_both_are_measured(off) -> None:
+    (row,) = (row for row, kind in enumerate(KINDS) if kind is JointKind.SCREW)
+    for sign in (1.0, -1.0):
+        turn, state, direction = TRUE.turns[row] + off, TRUE.states[row], TRUE.directions[row]
+        found = score(with_joint(row, turns=sign * turn, states=sign * state, directions=sign * direction))
+        assert found.turn[row] == pytest.approx(abs(off), abs=1e-9)
+        assert found.state[row] == pytest.approx(0.0, abs=1e-9)
+        assert np.isfinite(found.turn).sum() == 1
+
+
 def test_a_hinge_that_is_a_whole_turn_farther_is_where_it_was_and_a_slider_is_not() -> None:
     for row, error in ((HINGE, 0.0), (SLIDER, 2.0 * np.pi)):
         assert score(with_joint(row, states=TRUE.states[row] + 2.0 * np.pi)).state[row] == pytest.approx(error, abs=1e-9)

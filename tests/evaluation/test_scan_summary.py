@@ -23,7 +23,7 @@ turns = st.lists(st.floats(0.0, 3.0), min_size=1, max_size=8)
 def objects(rotations, iou=0.5):
     """An object a rotation, with one frame in which both parts are turned by that."""
     one = np.array([0.1])
-    frames = (FrameScore(np.full(2, turn), np.full(2, 0.1), np.full(2, iou), one, one, one) for turn in rotations)
+    frames = (FrameScore(np.full(2, turn), np.full(2, 0.1), np.full(2, iou), one, one, one, one) for turn in rotations)
     return [ObjectScans(f"object-{i}", (frame,)) for i, frame in enumerate(frames)]
 
 

@@ -28,7 +28,8 @@ CAPTION = Caption("Table 2", "made up", 0, 0, "test", (0,))
 
 def frame(rotation=(0.1, 0.2, 0.3), iou=(0.9, 0.8, 0.7), state=(0.2, 0.05), axis=(0.01, 0.02), line=(0.03, np.nan)):
     three = np.array([0.01, 0.02, 0.03])
-    return FrameScore(np.array(rotation), three, np.array(iou), np.array(state), np.array(axis), np.array(line))
+    joints = np.array(state), np.full(2, np.nan), np.array(axis), np.array(line)
+    return FrameScore(np.array(rotation), three, np.array(iou), *joints)
 
 
 def objects(*frames):
@@ -62,8 +63,8 @@ def test_units_are_apart_and_what_was_not_found_is_no_zero():
 
 def test_shares_of_parts_that_are_turned_and_placed_right_stand_beside_where_they_are_asked_for():
     rotation = np.radians([4.9, 5.1, np.nan])
-    scored = FrameScore(rotation, np.array([0.06, 0.04, np.nan]), *(np.zeros(n) for n in (3, 2, 2, 2)))
-    right = FrameScore(np.zeros(3), np.full(3, 0.04), *(np.zeros(n) for n in (3, 2, 2, 2)))
+    scored = FrameScore(rotation, np.array([0.06, 0.04, np.nan]), *(np.zeros(n) for n in (3, 2, 2, 2, 2)))
+    right = FrameScore(np.zeros(3), np.full(3, 0.04), *(np.zeros(n) for n in (3, 2, 2, 2, 2)))
     printed = [[12.0, 18.0, 21.0], [0.1, 0.7, 0.6], [73.0, 3.0, 5.0], [16.0, 0.3], [1.75, 1.78], [0.035]]
     table = by_part([ScanRow("ours", objects([scored, right]), printed)], STRUCTURE, CAPTION, ACCURACIES)
     titles = [column.title for column in table.columns]
@@ -93,7 +94,7 @@ def test_a_row_that_was_not_run_says_so_and_the_papers_figures_stand_beside():
 def test_the_papers_figures_keep_their_units_whatever_ours_are_of():
     drawers = Structure((JointKind.PRISMATIC,), (0,))
     two = np.array([0.4, 0.4])
-    drawer = FrameScore(two, two, two, np.array([0.2]), np.array([0.1]), np.array([np.nan]))
+    drawer = FrameScore(two, two, two, np.array([0.2]), np.array([np.nan]), np.array([0.1]), np.array([np.nan]))
     printed = paper_tables()["table2"]["categories"]["refrigerator"]["ANCSH"]
     row = ScanRow("supervised", (ObjectScans("drawer", (drawer,)),), printed)
     found = by_part([row], drawers, CAPTION)
@@ -112,7 +113,7 @@ def test_categories_count_alike_and_only_in_what_they_have():
     slides = Structure((JointKind.PRISMATIC,), (0,))
     doors = objects([frame(rotation=(0.1, 0.2, 0.3))] * 3)
     two = np.array([0.4, 0.4])
-    drawer = FrameScore(two, two, two, np.array([0.2]), np.array([0.1]), np.array([np.nan]))
+    drawer = FrameScore(two, two, two, np.array([0.2]), np.array([np.nan]), np.array([0.1]), np.array([np.nan]))
     drawers = [ObjectScans("drawer", (drawer,))]
     run = {"one": (doors, drawers), "two": (doors, ()), "three": ((), ())}
     rows = {

@@ -54,6 +54,9 @@ def test_answers_without_error_give_poses_joints_and_states_back(ties, kinds, on
         assert np.nanmax(score.line[told], initial=0.0) < 1e-4
         turning = np.array([kind.value == "R" for kind in target.structure.kinds])
         assert (score.state < np.where(turning, 0.01 * DEGREE, 1e-4))[told].all()
+        screws = np.array([kind.value == "PR" for kind in target.structure.kinds])
+        assert np.isnan(score.turn[~screws]).all()
+        assert (score.turn[screws & told] < 0.01 * DEGREE).all()
 
 
 def test_what_is_said_of_the_whole_makes_boxes_whole_and_places_axes_in_the_camera_s_frame() -> None:

@@ -54,6 +54,7 @@ def score_as_ancsh(
         corners,
         np.array(overlap),
         np.nan_to_num(np.array(state)),
+        np.full(len(structure.kinds), np.nan),
         np.array(axis),
         np.nan_to_num(np.array(lines)),
     )

@@ -27,14 +27,15 @@ class FrameScore:
     """Errors of one scan with K parts; NaN where the part or the joint was not found.
 
     By part [K]: `rotation` (radians), `translation` of the part's middle by its pose, `iou` of the amodal boxes. By joint [K
-    - 1]: `state` (radians, or diagonals where it slides), `axis` (radians) and `line`, the distance of the two axes (NaN too
-    for a joint without a pivot). Lengths are diagonals of the object.
+    - 1]: `state` (radians, or diagonals where it slides), `turn` (radians, of a joint that slides and turns), `axis` (radians)
+    and `line`, the distance of the two axes (NaN too for a joint without a pivot). Lengths are diagonals of the object.
     """
 
     rotation: F64
     translation: F64
     iou: F64
     state: F64
+    turn: F64
     axis: F64
     line: F64
 
@@ -57,29 +58,30 @@ class FrameScore:
 def nothing_found(structure: Structure) -> FrameScore:
     """That of a scan in which nothing was found."""
     parts, joints = np.full(structure.part_count, np.nan), np.full(len(structure.kinds), np.nan)
-    return FrameScore(parts, parts, parts, joints, joints, joints)
+    return FrameScore(parts, parts, parts, joints, joints, joints, joints)
 
 
-def truth(poses: F64, values: F64, joints: Sequence[Joint], structure: Structure, extents: Extents) -> ScanEstimate:
-    """What there is to find in a scan with these `poses` [K, 4, 4] and `values` [K - 1] (`kinmo.scans.scan.Scans`)."""
-    turns, sizes = poses[:, :3, :3], extents.diagonals
+def truth(poses: F64, values: F64, turns: F64, joints: Sequence[Joint], structure: Structure, extents: Extents) -> ScanEstimate:
+    """What there is to find in a scan with `poses` [K, 4, 4], `values` and `turns` [K - 1] (`kinmo.scans.scan.Scans`)."""
+    rotations, sizes = poses[:, :3, :3], extents.diagonals
     corners = extents.centers - MIDDLE * sizes[:, None]
-    shifts = np.einsum("kij,kj->ki", turns, corners) + poses[:, :3, 3]
+    shifts = np.einsum("kij,kj->ki", rotations, corners) + poses[:, :3, 3]
     above = poses[list(structure.parents)]
     directions = np.stack([pose[:3, :3] @ joint.direction for pose, joint in zip(above, joints, strict=True)])
     pivots = np.stack([pose[:3, :3] @ joint.pivot + pose[:3, 3] for pose, joint in zip(above, joints, strict=True)])
     states = values - np.array([joint.rest for joint in joints])
-    placed = PartPoses(turns, sizes, shifts)
-    return ScanEstimate(placed, placed.middles, 0.5 * extents.sizes, np.ones(len(sizes)), directions, pivots, states)
+    turns = np.where([joint.kind is JointKind.SCREW for joint in joints], turns, np.nan)
+    placed = PartPoses(rotations, sizes, shifts)
+    return ScanEstimate(placed, placed.middles, 0.5 * extents.sizes, np.ones(len(sizes)), directions, pivots, states, turns)
 
 
 def score_frame(found: ScanEstimate, true: ScanEstimate, structure: Structure) -> FrameScore:
     """Errors of `found`; both in the camera's frame, in diagonals of the object."""
     turned = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
-    state = [
-        _state_error(found, true, row, kind) if np.isfinite(found.states[row]) else math.nan
-        for row, kind in enumerate(structure.kinds)
-    ]
+    signs = np.where((found.directions * true.directions).sum(axis=1) < 0.0, -1.0, 1.0)  # states count along the true axis
+    hinged = np.array([kind is JointKind.REVOLUTE for kind in structure.kinds], bool)
+    state = np.abs(_off(signs * found.states - true.states, hinged))
+    turn = np.abs(_off(signs * found.turns - true.turns, np.ones_like(hinged)))
     known = np.asarray(np.isfinite(found.directions).all(axis=1))
     axis = [axis_error(found.directions[row], true.directions[row]) if known[row] else math.nan for row in range(len(known))]
     line = [_line(found, true, row, kind) if known[row] else math.nan for row, kind in enumerate(structure.kinds)]
@@ -87,7 +89,8 @@ def score_frame(found: ScanEstimate, true: ScanEstimate, structure: Structure) -
         np.array(turned),
         np.linalg.norm(found.poses.middles - true.poses.middles, axis=1),
         _overlaps(found, true),
-        np.array(state),
+        state,
+        turn,
         np.array(axis),
         np.array(line),
     )
@@ -97,11 +100,9 @@ def _angle(rotation: F64) -> float:
     return float(Rotation.from_matrix(rotation).magnitude()) if np.isfinite(rotation).all() else math.nan
 
 
-def _state_error(found: ScanEstimate, true: ScanEstimate, row: int, kind: JointKind) -> float:
-    """States count along the axis, of which a network may have the other direction."""
-    sign = 1.0 if found.directions[row] @ true.directions[row] >= 0.0 else -1.0
-    off = sign * found.states[row] - true.states[row]
-    return abs(math.remainder(off, 2.0 * math.pi)) if kind is JointKind.REVOLUTE else abs(float(off))
+def _off(off: F64, turning: NDArray[np.bool_]) -> F64:
+    """Differences of states, those of what turns within half a turn."""
+    return np.where(turning, (off + np.pi) % (2.0 * np.pi) - np.pi, off)
 
 
 def _line(found: ScanEstimate, true: ScanEstimate, row: int, kind: JointKind) -> float:

@@ -49,6 +49,7 @@ MEASURES: tuple[Measure, ...] = (
     Measure("iou", "3D IoU (%)", Unit.SHARE, False, 100.0, 1, larger_is_better=True),
     Measure("state", "state (deg)", Unit.DEGREES, True, math.degrees(1.0), kinds=(JointKind.REVOLUTE,)),
     Measure("state", "state (diag.)", Unit.DIAGONALS, True, decimals=3, kinds=(JointKind.PRISMATIC, JointKind.SCREW)),
+    Measure("turn", "turn (deg)", Unit.DEGREES, True, math.degrees(1.0), kinds=(JointKind.SCREW,)),
     Measure("axis", "axis (deg)", Unit.DEGREES, True, math.degrees(1.0)),
     Measure("line", "line", Unit.DIAGONALS, True, decimals=3, kinds=(JointKind.REVOLUTE, JointKind.SCREW)),
 )

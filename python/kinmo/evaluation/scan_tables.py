@@ -90,14 +90,15 @@ def of_nothing(rows: Sequence[ScanRow], caption: Caption) -> Table:
 def over_categories(rows: Mapping[str, Mapping[str, ScanRow]], structures: Mapping[str, Structure], caption: Caption) -> Table:
     """Means over categories of their means over all parts, or joints: `rows` are by name, then by category.
 
-    A category counts in the measures that its structure has; one that was not run, in none.
+    A category counts in the measures that its structure has; one that was not run, in none. What none has is no column.
     """
-    columns = (
-        Column("trained on"),
-        Column("categories", 0),
-        *(Column(measure.title, measure.decimals) for measure in MEASURES),
-        FAILED,
-    )
+    had = {measure for structure in structures.values() for measure in measures_of(structure)}
+    had |= {
+        m for by_category in rows.values() for row in by_category.values() if row.printed for m in printed_means(row.printed)
+    }
+    measures = [measure for measure in MEASURES if measure in had]
+    shown = (Column(measure.title, measure.decimals) for measure in measures)
+    columns = (Column("trained on"), Column("categories", 0), *shown, FAILED)
     lines: list[tuple[Cell, ...]] = []
     for name, by_category in rows.items():
         run = {category: row.objects for category, row in by_category.items() if row.objects}
@@ -107,17 +108,17 @@ def over_categories(rows: Mapping[str, Mapping[str, ScanRow]], structures: Mappi
             found = zip(measures_of(structure), summary(objects, structure), strict=True)
             values.append({measure: estimate.value for measure, estimate in found if estimate is not None})
         lost = [share for objects in run.values() if (share := failures(objects)) is not None]
-        lines.append((name, len(run) or NOT_RUN, *_means(values), sum(lost) / len(lost) if lost else None))
+        lines.append((name, len(run) or NOT_RUN, *_means(values, measures), sum(lost) / len(lost) if lost else None))
         printed = [row for row in by_category.values() if row.printed is not None]
         if printed:
             own = [printed_means(row.printed) for row in printed if row.printed is not None]
-            lines.append((_authors(printed[0]), len(printed), *_means(own), None))
+            lines.append((_authors(printed[0]), len(printed), *_means(own, measures), None))
     return Table(caption, columns, tuple(lines))
 
 
-def _means(values: Sequence[Mapping[Measure, float]]) -> list[Cell]:
-    """Of every measure, over those that have it."""
-    known = [[some[measure] for some in values if measure in some] for measure in MEASURES]
+def _means(values: Sequence[Mapping[Measure, float]], measures: Sequence[Measure]) -> list[Cell]:
+    """Of each of the measures, over those that have it."""
+    known = [[some[measure] for some in values if measure in some] for measure in measures]
     return [sum(some) / len(some) if some else None for some in known]
 
 

@@ -80,9 +80,9 @@ def judged(file: ScanFile, network: Ancsh, seed: int) -> Iterator[JudgedFrame]:
     """Every frame of an object with what was found in it."""
     if file.structure != network.structure:
         raise InputError(file.path, f"has {file.structure}, expected {network.structure}")
-    points, parts, poses, values = (file.read(name) for name in ("points", "parts", "poses", "values"))
+    points, parts, poses, values, turns = (file.read(name) for name in ("points", "parts", "poses", "values", "turns"))
     answers, found = network.find(list(points), [1.0] * len(points), seed=seed)
     for row in range(len(points)):
-        true = truth(poses[row], values[row], file.joints, file.structure, file.extents)
+        true = truth(poses[row], values[row], turns[row], file.joints, file.structure, file.extents)
         score = score_frame(found[row], true, file.structure)
         yield JudgedFrame(file.id, row, points[row], answers[row].parts, parts[row], found[row], true, score)

@@ -144,6 +144,7 @@ def scan_document(
             "direction": _list(found.directions[row]),
             "pivot": None if kind is JointKind.PRISMATIC else _list(found.pivots[row]),
             "state": _number(found.states[row]),
+            "turn": _number(found.turns[row]),
             "unit": "radians" if kind is JointKind.REVOLUTE else "lengths of the scan",
         }
         for row, kind in enumerate(structure.kinds)

@@ -74,7 +74,8 @@ class ScanEstimate:
     `centers` and `half_extents` [K, 3] are those of the parts' amodal boxes, whose axes are the columns of the rotations;
     `inliers` [K] the shares of points that fit the pose which RANSAC found of the part alone. `directions` and `pivots` [K - 1,
     3] are the axes of the joints of parts 1 and up where they now are, `states` [K - 1] how far these are from where the
-    canonical frame has them: radians, or lengths. NaN where unknown.
+    canonical frame has them: radians, or lengths; `turns` [K - 1] are the radians of those that both slide and turn. NaN where
+    unknown.
     """
 
     poses: PartPoses
@@ -84,6 +85,7 @@ class ScanEstimate:
     directions: F64
     pivots: F64
     states: F64
+    turns: F64
 
 
 def estimate(
@@ -184,27 +186,27 @@ def _tied(
 
 def _joints(
     poses: PartPoses, answer: PointAnswers, said: tuple[F64, F64], structure: Structure, options: PoseOptions
-) -> tuple[F64, F64, F64]:
-    """Directions, pivots and states of the joints.
+) -> tuple[F64, F64, F64, F64]:
+    """Directions, pivots, states and turns of the joints.
 
     An axis is turned as the part that it is on is, and passes where that part has it; in the `tree`, half way to where the part
     that moves has it.
     """
     directions, pivots = (np.full((structure.part_count - 1, 3), np.nan) for _ in range(2))
-    states = np.full(structure.part_count - 1, np.nan)
+    states, turns = (np.full(structure.part_count - 1, np.nan) for _ in range(2))
     for row, (kind, parent) in enumerate(zip(structure.kinds, structure.parents, strict=True)):
         directions[row] = poses.rotations[parent] @ said[0][row]
         holders = [parent, row + 1] if options.ties == "tree" and poses.found[row + 1] else [parent]
         pivots[row] = np.mean([poses.apply(part, answer.on(part, said[1][row])) for part in holders], axis=0)
-        states[row] = _state(poses, row + 1, parent, kind, said[0][row], answer)
-    return directions, pivots, states
+        if poses.found[row + 1] and poses.found[parent] and np.isfinite(said[0][row]).all():
+            turn = turn_about(poses.rotations[parent].T @ poses.rotations[row + 1], said[0][row])
+            slides = kind is not JointKind.REVOLUTE
+            states[row] = _slide(poses, row + 1, parent, said[0][row], answer) if slides else turn
+            turns[row] = turn if kind is JointKind.SCREW else np.nan
+    return directions, pivots, states, turns
 
 
-def _state(poses: PartPoses, part: int, parent: int, kind: JointKind, direction: F64, answer: PointAnswers) -> float:
-    if not (poses.found[part] and poses.found[parent] and np.isfinite(direction).all()):
-        return float("nan")
-    if kind is JointKind.REVOLUTE:
-        return turn_about(poses.rotations[parent].T @ poses.rotations[part], direction)
+def _slide(poses: PartPoses, part: int, parent: int, direction: F64, answer: PointAnswers) -> float:
     # where the middle of the part is, and where it would be if it had gone along with its parent
     middle = answer.part_scales[part] * MIDDLE + answer.part_shifts[part]
     along = poses.apply(parent, answer.on(parent, middle))
