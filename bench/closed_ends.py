@@ -1,12 +1,15 @@
 """How far from the truth pseudo labels have the closed ends of joints: as their limits say, and as `likely_closed` has it.
 
-python bench/closed_ends.py WORKSPACE --category dishwasher     # pseudo labels beside labels that were held back
-python bench/closed_ends.py --real data/partnet                 # true axes of real objects, without their limits
+Of pseudo labels beside labels that were held back, or of true axes of real objects, without their limits:
+
+    python bench/closed_ends.py WORKSPACE --category dishwasher
+    python bench/closed_ends.py --real data/partnet
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import math
 from collections import defaultdict
 from collections.abc import Iterator
@@ -32,6 +35,7 @@ FAR = {JointKind.REVOLUTE: 5.0, JointKind.PRISMATIC: 0.05}
 
 
 def main() -> None:
+    """Print a line for every kind of joint and way."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("workspace", type=Path, nargs="?")
     parser.add_argument("--category", default="refrigerator")
@@ -126,6 +130,15 @@ def tell(errors: Iterator[tuple[str, JointKind, float]]) -> None:
         if kind in FAR:
             far = np.mean(np.array(found) > FAR[kind])
             print(f"{kind.value}, by {way}: {len(found)} joints, {np.mean(found):.4g} off, {far:.1%} far")
+    for kind in FAR:
+        limits, likely = (by_way.get((kind, way)) for way in ("limits", "likely"))
+        if limits and likely:
+            before, after = float(np.mean(limits)), float(np.mean(likely))
+            claim = f"how far off closed ends of {kind.value} are by what is likely, beside by limits (degrees, or diagonals)"
+            ratio = before / max(after, 1e-12)
+            print(
+                json.dumps({"claim": claim, "ours": after, "peer": before, "ratio": ratio, "goal": 1.0, "met": after <= before})
+            )
 
 
 if __name__ == "__main__":

@@ -2,8 +2,8 @@
 
     RAYON_NUM_THREADS=1 OMP_NUM_THREADS=1 python bench/pose.py [--quick]
 
-Three parts with 1,024 pairs of points each and 10,000 hypotheses a part; then two parts on a revolute joint, the same sum of
-squares. First checks that neither peer has the better result.
+Three parts with 1,024 pairs of points each and 10,000 hypotheses a part, in 200 problems of which one is timed; then two parts
+on a revolute joint, the same sum of squares. First checks that neither peer has the better result.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ from kinmo import _core
 F64 = NDArray[np.float64]
 SEARCH_GOAL, JOINT_GOAL = 10.0, 100.0
 PARTS, POINTS, HYPOTHESES, THRESHOLD = 3, 1024, 10_000, 0.1
-NOISE, WRONG = 0.03, 0.4
+SCALE, NOISE, WRONG = 0.7, 0.03, 0.4
+PROBLEMS, REPEATS = 200, 20
+QUICK = 5, 3
 CHUNK = 1000
 """Hypotheses that NumPy scores at once: more do not fit its caches."""
 
@@ -39,7 +41,7 @@ def clouds(seed: int) -> tuple[F64, F64, list[Rotation]]:
     base = Rotation.random(random_state=rng)
     turns = [base, base * Rotation.from_rotvec([rng.uniform(-1.5, 1.5), 0.0, 0.0]), Rotation.random(random_state=rng)]
     source = rng.uniform(-0.5, 0.5, (PARTS, POINTS, 3))
-    target = np.stack([0.7 * turn.apply(points) for turn, points in zip(turns, source, strict=True)])
+    target = np.stack([SCALE * turn.apply(points) for turn, points in zip(turns, source, strict=True)])
     target += rng.normal(scale=NOISE, size=target.shape)
     wrong = rng.random((PARTS, POINTS)) < WRONG
     target[wrong] = rng.uniform(-0.5, 0.5, (int(wrong.sum()), 3))
@@ -64,8 +66,8 @@ def fitted(source: F64, target: F64) -> tuple[F64, F64, F64]:
     return turns, scales, shifts
 
 
-def numpy_search(source: F64, target: F64, rng: np.random.Generator) -> F64:
-    """The turn [3, 3] of the hypothesis with most inliers, fitted anew to them."""
+def numpy_search(source: F64, target: F64, rng: np.random.Generator) -> tuple[F64, F64, F64]:
+    """The turn [3, 3], scale [] and shift [3] of the hypothesis with most inliers, fitted anew to them."""
     best, inliers = -1, np.zeros(len(source), bool)
     for _ in range(HYPOTHESES // CHUNK):
         drawn = rng.integers(0, len(source), (CHUNK, 3))
@@ -75,7 +77,7 @@ def numpy_search(source: F64, target: F64, rng: np.random.Generator) -> F64:
         counts = near.sum(axis=1)
         if counts.max() > best:
             best, inliers = int(counts.max()), near[counts.argmax()]
-    return fitted(source[inliers], target[inliers])[0]
+    return fitted(source[inliers], target[inliers])
 
 
 def timed(run: Callable[[], object], repeats: int) -> float:
@@ -96,24 +98,29 @@ def search(problems: int, repeats: int) -> None:
     """Errors over fixed problems, then times."""
     starts = np.arange(PARTS + 1, dtype=np.int64) * POINTS
 
-    def ours(source: F64, target: F64) -> F64:
+    def ours(source: F64, target: F64) -> tuple[F64, ...]:
         flat = source.reshape(-1, 3), target.reshape(-1, 3)
         found, _ = _core.find_similarities(*flat, starts, hypotheses=HYPOTHESES, threshold=THRESHOLD, seed=0)
-        return found[0]
+        return found
 
-    def peer(source: F64, target: F64) -> F64:
+    def peer(source: F64, target: F64) -> tuple[F64, ...]:
         rng = np.random.default_rng(0)
-        return np.stack([numpy_search(a, b, rng) for a, b in zip(source, target, strict=True)])
+        found = [numpy_search(a, b, rng) for a, b in zip(source, target, strict=True)]
+        return tuple(np.stack(values) for values in zip(*found, strict=True))
 
-    errors: dict[str, list[float]] = {"kinmo": [], "NumPy": []}
+    errors: dict[str, list[tuple[float, float, float]]] = {"kinmo": [], "NumPy": []}
     for seed in range(problems):
-        source, target, turns = clouds(seed)
+        source, target, right = clouds(seed)
         for name, run in (("kinmo", ours), ("NumPy", peer)):
-            errors[name] += [degrees(found, turn) for found, turn in zip(run(source, target), turns, strict=True)]
-    figures = {name: np.percentile(values, [50, 95]) for name, values in errors.items()}
+            turns, scales, shifts = run(source, target)
+            off = [degrees(turn, true) for turn, true in zip(turns, right, strict=True)]
+            errors[name] += zip(off, np.linalg.norm(shifts, axis=1), abs(scales / SCALE - 1.0), strict=True)
+    figures = {name: np.percentile(values, [50, 95], axis=0) for name, values in errors.items()}
     for name, (middle, high) in figures.items():
-        print(f"{name:>6}: rotation off by {middle:.3f} deg (median), {high:.3f} deg (95th percentile), {problems} problems")
-    no_worse = bool(np.all(figures["kinmo"] <= figures["NumPy"] * 1.0))
+        pairs = zip(("rotation (deg)", "place", "scale"), middle, high, strict=True)
+        texts = [f"{what} off by {median:.4f} in the median, {most:.4f} in the 95th percentile" for what, median, most in pairs]
+        print(f"{name:>6}, {problems} problems of {PARTS} parts: {'; '.join(texts)}")
+    no_worse = bool(np.all(figures["kinmo"] <= figures["NumPy"]))
     source, target, _ = clouds(0)
     own, theirs = timed(lambda: ours(source, target), repeats), timed(lambda: peer(source, target), max(1, repeats // 4))
     report("similarities of 3 parts x 1,024 pairs x 10,000 hypotheses, ms", own, theirs, SEARCH_GOAL, no_worse)
@@ -126,7 +133,7 @@ def joint(repeats: int) -> None:
     direction, count = np.array([1.0, 0.0, 0.0]), POINTS
     starts = np.arange(3, dtype=np.int64) * POINTS
     start = np.stack([(turn * Rotation.from_rotvec([0.1, -0.1, 0.1])).as_matrix() for turn in turns[:2]])
-    clouds_ = [(0.7 * (a - a.mean(0)), b - b.mean(0)) for a, b in zip(source, target, strict=True)]
+    clouds_ = [(SCALE * (a - a.mean(0)), b - b.mean(0)) for a, b in zip(source, target, strict=True)]
 
     def residuals(vectors: F64) -> F64:
         found = Rotation.from_rotvec(vectors.reshape(2, 3))
@@ -137,7 +144,7 @@ def joint(repeats: int) -> None:
     def ours() -> F64:
         pairs, kinds = np.array([[0, 1]], np.uint32), np.zeros(1, np.uint8)
         return _core.tie_poses(
-            source.reshape(-1, 3), target.reshape(-1, 3), starts, pairs, kinds, direction[None], start, np.full(2, 0.7),
+            source.reshape(-1, 3), target.reshape(-1, 3), starts, pairs, kinds, direction[None], start, np.full(2, SCALE),
             np.zeros((2, 3)), frames=np.array([0, 2]), threshold=1e3,
         )[0]  # fmt: skip
 
@@ -164,8 +171,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="few problems and repeats")
     quick = parser.parse_args().quick
-    search(5 if quick else 67, 3 if quick else 20)
-    joint(3 if quick else 20)
+    problems, repeats = QUICK if quick else (PROBLEMS, REPEATS)
+    search(problems, repeats)
+    joint(repeats)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Overlaps of boxes as networks say them, and with their sides where scans show them, by sensors with one fault each.
 
-    python bench/seen_boxes.py WORKSPACE --category refrigerator --setting ceiling
+    python bench/seen_boxes.py WORKSPACE --category refrigerator --setting ceiling [--objects 30] [--quick]
 
 Test objects of the workspace are scanned anew; the networks are those that the workspace has.
 """
@@ -8,6 +8,7 @@ Test objects of the workspace are scanned anew; the networks are those that the 
 from __future__ import annotations
 
 import argparse
+import json
 import tempfile
 import zlib
 from collections.abc import Iterator
@@ -36,12 +37,15 @@ BOXES = ("said", "seen")
 
 
 def main() -> None:
+    """Print a row for every sensor."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("workspace", type=Path)
     parser.add_argument("--category", default="refrigerator")
     parser.add_argument("--setting", default="ceiling", choices=get_args(Setting))
     parser.add_argument("--objects", type=int, default=30)
+    parser.add_argument("--quick", action="store_true", help="two objects")
     arguments = parser.parse_args()
+    count = 2 if arguments.quick else arguments.objects
     torch.set_num_threads(1)
     workspace = Workspace(arguments.workspace)
     dataset = open_scan_dataset(workspace, arguments.category)
@@ -56,9 +60,7 @@ def main() -> None:
     for name, sensor in sensors.items():
         rotations: list[np.ndarray] = []
         overlaps: dict[str, list[np.ndarray]] = {boxes: [] for boxes in BOXES}
-        for file in scanned(
-            workspace, dataset.category, {file.id for file in dataset.files["test"]}, sensor, arguments.objects
-        ):
+        for file in scanned(workspace, dataset.category, {file.id for file in dataset.files["test"]}, sensor, count):
             points, *states = (file.read(kind) for kind in ("points", "poses", "values", "turns"))
             answers = network.answer(list(points), [1.0] * len(points))
             true = [truth(*state, file.joints, file.structure, file.extents) for state in zip(*states, strict=True)]
@@ -70,6 +72,9 @@ def main() -> None:
                 rotations += [score.rotation for score in scores]
         means = "".join(f"{np.nanmean(overlaps[boxes]):8.3f}" for boxes in BOXES)
         print(f"{name:8}{len(overlaps['said']):8}{np.degrees(np.nanmean(rotations)):11.1f}°{means}", flush=True)
+        said, seen = (float(np.nanmean(overlaps[boxes])) for boxes in BOXES)
+        claim = f"IoU of boxes as scans show them, by {name} sensors, beside as networks say them"
+        print(json.dumps({"claim": claim, "ours": seen, "peer": said, "ratio": seen / said, "goal": 1.0, "met": seen >= said}))
 
 
 def scanned(workspace: Workspace, category: str, ids: set[str], sensor: SensorConfig, count: int) -> Iterator[ScanFile]:
