@@ -183,6 +183,14 @@ def test_a_table_counts_objects_of_other_structures_that_no_frame_shows_or_that_
     assert "that cannot be scanned (kinmo render says why): 1 held back" in text
 
 
+def test_a_table_that_is_written_again_with_nothing_new_leaves_its_files_alone(judged: Workspace) -> None:
+    WrittenTables(judged, "2").write({CATEGORY: [0, 1]})
+    places = judged.path / "eval", judged.path / "records"
+    times = {path: path.stat().st_mtime_ns for place in places for path in place.rglob("*") if path.is_file()}
+    WrittenTables(judged, "2").write({CATEGORY: [0, 1]})
+    assert {path: path.stat().st_mtime_ns for path in times} == times
+
+
 def test_a_table_is_outdated_once_more_was_judged(judged: Workspace) -> None:
     written = WrittenTables(judged, "2")
     written.write({CATEGORY: [0, 1]})

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from kinmo.errors import InputError
+from kinmo.workspace import write_text_atomically
 
 Cell = str | float | int | None
 """None is a figure that there is none of: it is printed as a dash, and no mean counts it."""
@@ -179,12 +180,10 @@ WRITERS: dict[str, Callable[[Table], str]] = {
 
 
 def write_table(table: Table, folder: Path, name: str) -> list[Path]:
-    """Write `folder`/`name`.txt, .json, .csv, .md and .tex; returns their paths."""
+    """Write `folder`/`name`.txt, .json, .csv, .md and .tex, those that are not so already; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for ending, written in WRITERS.items():
-        path, draft = folder / f"{name}.{ending}", folder / f".{name}.{ending}.part"
-        draft.write_text(written(table), encoding="utf-8")
-        draft.replace(path)
-        paths.append(path)
+        paths.append(folder / f"{name}.{ending}")
+        write_text_atomically(paths[-1], written(table))
     return paths

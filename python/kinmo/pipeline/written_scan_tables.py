@@ -73,7 +73,6 @@ class WrittenTables:
         whole = self._held(seeds)
         places = {category: {category: by_seed} for category, by_seed in whole.items()}
         for place, held in (places | {ALL: whole} if len(seeds) > 1 else places).items():
-            self.workspace.forget(self._stage(place))
             paths: list[Path] = []
             for protocol in PROTOCOLS:
                 tables = self._over_categories(held, protocol) if place == ALL else self._of(place, held[place], protocol)
