@@ -146,6 +146,22 @@ def test_rows_say_which_seeds_they_are_of_and_gaps_are_over_those_that_all_have(
     assert "Share of the gap" not in text, "of the seed that all have, all are equal"
 
 
+def test_of_a_category_of_the_paper_its_tables_are_shown_with_their_figures_before_anything_is_trained(tmp_path: Path) -> None:
+    Synth(tmp_path / "partnet", 2, ("scissors",), ("partnet_mobility",)).run(Listener())
+    workspace = Workspace(tmp_path / "workspace")
+    Prepare(tmp_path / "partnet", workspace).run(Listener())
+    found = JudgeTrained(workspace, "scissors", device="cpu").run(Listener())
+    assert set(found.data) == {"table-2", "table-3"}
+    for table, rows in (("2", ["ANCSH", "ANCSH (Semi)", "ANCSH (Semi-weakly)"]), ("3", ["Semi-weakly (30%)"])):
+        (shown,) = found.data[f"table-{table}"].values()
+        titles = shown["parts"]["columns"]
+        turned = [row[titles.index("rotation (deg)")] for row in shown["parts"]["rows"] if "authors" in str(row[0])]
+        for row in rows:
+            printed = printed_row(table, "scissors", row)
+            assert printed is not None and set(printed[0]) <= set(turned)
+        assert [row for row in shown["means"]["rows"] if NOT_RUN in row]
+
+
 def test_by_the_protocol_of_ancsh_parts_have_the_shares_within_five_degrees_too(judged: Workspace) -> None:
     found = {protocol: WrittenTables(judged, "2").write({CATEGORY: [0]}, protocol).data for protocol in PROTOCOLS}
     columns = {protocol: data[CATEGORY]["parts"]["columns"] for protocol, data in found.items()}
