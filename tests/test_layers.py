@@ -17,6 +17,7 @@ LAYERS = (
     (
         "",
         "errors",
+        "vector",
         "shape",
         "joint",
         "mobility",

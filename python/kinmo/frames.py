@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from kinmo.shape import Vector
+from kinmo.vector import Vector
 
 Y_UP_TO_Z_UP: NDArray[np.float64] = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 """x, y, z of PartNet-Mobility's object files to its own URDFs: up is z, the front (+z) is -x."""

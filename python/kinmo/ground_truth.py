@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from kinmo.box import Box
 from kinmo.joint import Joint, JointKind, MotionType
 from kinmo.mobility import Mobility
-from kinmo.shape import Shape, Vector
+from kinmo.shape import Shape
+from kinmo.vector import Vector
 
 
 def distance_to_line(points: NDArray[np.float64], pivot: Vector, direction: Vector) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ from enum import Enum, IntEnum
 
 import numpy as np
 
-from kinmo.shape import Vector
+from kinmo.vector import Vector
 
 VERTICAL_WITHIN = math.radians(45.0)
 """An axis within this angle of `up` is vertical (reference reading of H and V)."""

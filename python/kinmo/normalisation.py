@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from kinmo.joint import Joint, JointKind
 from kinmo.mobility import Mobility
-from kinmo.shape import Mesh, Shape, Vector
+from kinmo.shape import Mesh, Shape
+from kinmo.vector import Vector
 
 _HASH_STEPS = 1e5
 _HASH_RANGE = 1 << 18

@@ -6,15 +6,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from kinmo.mobility import Mobility
+from kinmo.mobility import Mobility
+from kinmo.vector import Vector
 
-Vector = NDArray[np.float64]
 Y_UP: tuple[float, float, float] = (0.0, 1.0, 0.0)
 
 

@@ -12,7 +12,7 @@ from kinmo.evaluation.records import AXIS_WITHIN, LINE_WITHIN, annotation
 from kinmo.joint import Joint
 from kinmo.prediction import JointEstimate
 from kinmo.prepared import PreparedShape
-from kinmo.shape import Vector
+from kinmo.vector import Vector
 
 F64 = NDArray[np.float64]
 

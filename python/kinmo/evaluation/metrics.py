@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from kinmo.joint import Joint, JointKind
-from kinmo.shape import Vector
+from kinmo.vector import Vector
 
 PARALLEL_WITHIN = math.radians(1.0)
 """Axes closer than this are parallel: where two such lines pass each other says nothing about the joint."""

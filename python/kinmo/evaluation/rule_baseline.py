@@ -24,7 +24,7 @@ from kinmo.normalisation import Normalisation
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 from kinmo.refinement import in_file_frame
-from kinmo.shape import Vector
+from kinmo.vector import Vector
 
 F64 = NDArray[np.float64]
 

@@ -21,7 +21,8 @@ from kinmo.frames import roll_pitch_yaw, z_up_rotation
 from kinmo.joint import Joint, JointKind
 from kinmo.links import Link, links_of, unique_names
 from kinmo.mobility import Mobility
-from kinmo.shape import Shape, Vector
+from kinmo.shape import Shape
+from kinmo.vector import Vector
 
 DENSITY = 100.0
 """kg per m3 of a link's box: furniture is mostly air."""

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from kinmo.errors import InputError
-from kinmo.shape import Vector
+from kinmo.vector import Vector
 
 _LARGEST_ID = 2**53
 _LONGEST_TEXT = 200

@@ -9,7 +9,7 @@ import numpy as np
 
 from kinmo.formats.field import Field
 from kinmo.joint import Joint, JointKind
-from kinmo.shape import Vector
+from kinmo.vector import Vector
 
 RIGID = frozenset({"", "free", "heavy", "static", "junk"})
 """Joints that let nothing move."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.shape import Vector
+from kinmo.vector import Vector
 
 FROM_FRONT, FROM_SIDE, FROM_ABOVE = 1.0, -0.55, 0.5
 """Direction to the viewer along front, side and up: in front of the object, to its left, a little above."""

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from kinmo.joint import Joint, JointKind
 from kinmo.report.camera import Camera, front_left
 from kinmo.report.raster import shade
-from kinmo.shape import Mesh, Vector
+from kinmo.shape import Mesh
+from kinmo.vector import Vector
 
 SIZE = 300
 """Pixels along a side of a picture."""

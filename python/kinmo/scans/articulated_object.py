@@ -18,7 +18,8 @@ from kinmo.normalisation import Normalisation
 from kinmo.scans.canonical import canonical, likely_canonical
 from kinmo.scans.part_order import canonical_order
 from kinmo.scans.variants import changed
-from kinmo.shape import Mesh, Shape, Vector, bounds_of, join
+from kinmo.shape import Mesh, Shape, bounds_of, join
+from kinmo.vector import Vector
 
 F64 = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.kinematics import Pose
-from kinmo.shape import Vector
+from kinmo.vector import Vector
 
 F64 = NDArray[np.float64]
 

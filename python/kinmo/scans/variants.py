@@ -12,7 +12,8 @@ from kinmo.frames import z_up_rotation
 from kinmo.joint import Joint, JointKind
 from kinmo.mobility import Mobility
 from kinmo.scans.closing import pointed_as_usual
-from kinmo.shape import Mesh, Vector
+from kinmo.shape import Mesh
+from kinmo.vector import Vector
 
 F64 = NDArray[np.float64]
 
