@@ -44,12 +44,13 @@ def arguments(points: F64, axes: F64, half: F64, copies: int = 1) -> dict[str, A
 
 
 @pytest.mark.parametrize("factor", [0.7, 1.0, 2.5])
-def test_a_box_that_is_seen_from_a_corner_is_the_one_that_it_is(factor: float) -> None:
-    points, axes = scan()
+def test_a_box_that_is_seen_from_a_corner_is_the_one_that_it_is_but_for_its_far_side(factor: float) -> None:
+    points, axes = scan(turn=0.2)
+    far, too_far = -np.sign(-axes[2] @ MIDDLE), max(factor - 1.0, 0.0) * HALF[2]
     for copies in (1, 3):
         centers, same, half = _core.seen_boxes(**arguments(points, axes, factor * HALF, copies))
-        np.testing.assert_allclose(centers, np.tile(MIDDLE, (copies, 1)), atol=1e-9)
-        np.testing.assert_allclose(half, np.tile(HALF, (copies, 1)), atol=1e-9)
+        np.testing.assert_allclose(centers, np.tile(MIDDLE + 0.5 * far * too_far * axes[2], (copies, 1)), atol=1e-9)
+        np.testing.assert_allclose(half, np.tile(HALF + [0.0, 0.0, 0.5 * too_far], (copies, 1)), atol=1e-9)
         np.testing.assert_allclose(same, np.tile(axes, (copies, 1, 1)))
 
 
