@@ -18,6 +18,7 @@ LAYERS = (
         "",
         "errors",
         "vector",
+        "wording",
         "shape",
         "joint",
         "mobility",

@@ -267,7 +267,7 @@ def test_a_run_for_one_category_leaves_the_report_of_the_others(road: Road, tmp_
     assert before.run(Listener()).data["tables"] == road.outcomes["pseudo-label"].data["tables"]
     assert before.plan().steps == ()
     shutil.rmtree(next(workspace.pseudo.glob(f"*/{LABELS}")).parent)
-    assert [step.split(" by ")[0] for step in before.plan().steps] == ["label 1 shapes"], "what was accepted is gone"
+    assert [step.split(" by ")[0] for step in before.plan().steps] == ["label 1 shape"], "what was accepted is gone"
 
 
 def test_tables_say_how_far_predicted_motions_run_into_the_rest(road: Road) -> None:
@@ -310,7 +310,7 @@ def test_ranking_goes_on_from_another_workspace(road: Road, tmp_path: Path) -> N
     workspace = Workspace(tmp_path / "workspace")
     shutil.copytree(road.workspace.prepared, workspace.prepared)
     stage = Train("axis", workspace, str(tiny_config(tmp_path)), device="cpu", start=road.workspace)
-    assert any("for 1 epochs" in step for step in stage.plan().steps if "axis" in step)
+    assert any("for 1 epoch," in step for step in stage.plan().steps if "axis" in step)
     assert any("for 14 epochs" in step for step in stage.plan().steps if "ranking" in step)
     stage.run(Listener())
     start = json.loads((road.workspace.models / "ranking" / "weights.json").read_text(encoding="utf-8"))

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from kinmo.errors import InputError
+from kinmo.wording import counted
 from kinmo.workspace import write_text_atomically
 
 Cell = str | float | int | None
@@ -36,8 +37,8 @@ class Caption:
 
     def __str__(self) -> str:
         seeds = ", ".join(map(str, self.seeds)) or "none"
-        counts = f"{self.scans} judged scans" if self.scans else f"{self.joints} joints"
-        facts = f"{self.data}; {self.shapes} shapes, {counts}; {self.split}; seeds {seeds}."
+        counts = f"{counted(self.scans, 'judged scan')}" if self.scans else f"{counted(self.joints, 'joint')}"
+        facts = f"{self.data}; {counted(self.shapes, 'shape')}, {counts}; {self.split}; seeds {seeds}."
         return " ".join(filter(None, [f"{self.title}.", facts, self.note]))
 
 

@@ -16,6 +16,7 @@ from kinmo.pipeline.judged_scans import JudgedScans
 from kinmo.pipeline.scan_pictures import JudgedFrame, PictureBook, common_frames, write_pictures
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import ScanFile
+from kinmo.wording import counted
 from kinmo.workspace import StageRecord, Workspace
 
 SECONDS_PER_FRAME = 0.1
@@ -36,7 +37,7 @@ class EvaluateScans:
         files = self._scans.files()
         frames = sum(file.frames for file in files)
         each = seconds_per_unit(self.workspace, self._scans.stage, SECONDS_PER_FRAME, kind=self._scans.kind)
-        return Plan((f"judge {self.cell} on {frames} scans of {len(files)} test objects",), frames * each)
+        return Plan((f"judge {self.cell} on {counted(frames, 'scan')} of {counted(len(files), 'test object')}",), frames * each)
 
     def run(self, observer: Observer) -> Outcome:
         path = scores_path(self.workspace, self.cell, self.on_rough)
@@ -61,7 +62,7 @@ class EvaluateScans:
                         scores["ancsh"].append((file.id, coded))
                     observer.progress(f"judging {self.cell}", done, len(files), file.id)
                 watch.amount = len(scores["kinmo"])
-                watch.what = f"{watch.amount} scans of {self.cell.category}"
+                watch.what = f"{counted(watch.amount, 'scan')} of {self.cell.category}"
             write_pictures(pictures_path(self.workspace, self.cell, self.on_rough), book.pictures())
             outputs = [str(pictures_path(self.workspace, self.cell, self.on_rough).relative_to(self.workspace.path))]
             for protocol, some in scores.items():

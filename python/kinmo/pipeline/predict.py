@@ -21,6 +21,7 @@ from kinmo.pipeline.each_shape import each_shape
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.prepare import prepare_shape
+from kinmo.wording import counted
 from kinmo.workers import Crashed
 from kinmo.workspace import Workspace, digest, locked
 
@@ -44,7 +45,7 @@ class Predict:
 
     def plan(self) -> Plan:
         count = sum(1 for _ in discover(self.source))
-        return Plan((f"predict {count} shapes into {self.out}",), count * SECONDS_PER_SHAPE / self.workers)
+        return Plan((f"predict {counted(count, 'shape')} into {self.out}",), count * SECONDS_PER_SHAPE / self.workers)
 
     def run(self, observer: Observer) -> Outcome:
         unread: list[str] = []
@@ -64,7 +65,8 @@ class Predict:
             except InputError as error:
                 left_out.append(str(error))
         data = {"shapes": documents, "left_out": left_out}
-        text = f"{len(documents)} shapes, {sum(d['joints'] for d in documents)} joints, {len(left_out)} left out"
+        joints = sum(document["joints"] for document in documents)
+        text = f"{counted(len(documents), 'shape')}, {counted(joints, 'joint')}, {len(left_out)} left out"
         return Outcome(self.out, data, text, failed=len(left_out))
 
     def _predict(self, targets: Sequence[tuple[Found, Path]], predicting: Predicting, observer: Observer) -> dict[Path, str]:

@@ -15,6 +15,7 @@ from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.prepare import PrepareReport, prepare_folder
 from kinmo.store import PreparedStore
+from kinmo.wording import counted
 from kinmo.workspace import Workspace, write_text_atomically
 
 STAGE = "prepare"
@@ -39,7 +40,8 @@ class Prepare:
     def plan(self) -> Plan:
         count = sum(1 for _ in discover(self.root, skip=(self.workspace.path,)))
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_SHAPE / self.workers)
-        return Plan((f"check {count} shapes below {self.root}, and prepare those that are new or changed",), count * each)
+        step = f"check {counted(count, 'shape')} below {self.root}, and prepare those that are new or changed"
+        return Plan((step,), count * each)
 
     def run(self, observer: Observer) -> Outcome:
         before = _sources(self.workspace)
@@ -52,7 +54,7 @@ class Prepare:
                 hold_back=self.hold_back,
                 on_progress=lambda done, total, name: observer.progress("preparing shapes", done, total, name),
             )
-            watch.amount, watch.what = report.made, f"{report.made} shapes below {shown(self.root)}"
+            watch.amount, watch.what = report.made, f"{counted(report.made, 'shape')} below {shown(self.root)}"
         if gone := len(before - _sources(self.workspace)):
             observer.note(f"{gone} shapes of the last time are not among these: the workspace no longer has them")
         data = report.as_data()

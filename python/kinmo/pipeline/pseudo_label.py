@@ -31,6 +31,7 @@ from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.pseudo_label import ACCEPTANCE, LABELLING, Judgement, judge
 from kinmo.store import IndexEntry, read_prepared
+from kinmo.wording import counted
 from kinmo.workers import Crashed
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers, write_text_atomically
 
@@ -62,7 +63,7 @@ class PseudoLabel:
         each = seconds_per_unit(self.workspace, LABELLING, SECONDS_PER_SHAPE / self.workers)
         if not jobs:
             return Plan(("report on the pseudo labels that there are now",), 0.0)
-        return Plan((f"label {len(jobs)} shapes by {self.method}{copies}",), len(jobs) * each)
+        return Plan((f"label {counted(len(jobs), 'shape')} by {self.method}{copies}",), len(jobs) * each)
 
     def run(self, observer: Observer) -> Outcome:
         dataset = open_dataset(self.workspace, self.category)
@@ -140,7 +141,7 @@ class PseudoLabel:
                 write_decision(decision_path(self.workspace, job.entry), decision)
                 done += 1
                 observer.progress("labelling shapes", done, total, job.entry.id)
-            watch.amount, watch.what = len(jobs), f"{len(jobs)} shapes by {self.method}"
+            watch.amount, watch.what = len(jobs), f"{counted(len(jobs), 'shape')} by {self.method}"
 
 
 @dataclass(frozen=True)

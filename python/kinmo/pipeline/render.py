@@ -26,6 +26,7 @@ from kinmo.scans.scan_file import ScanFile, open_scans
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
+from kinmo.wording import counted
 from kinmo.workers import Crashed, map_unordered
 from kinmo.workspace import Workspace, digest, remove_leftovers
 
@@ -55,8 +56,8 @@ class Render:
         frames = sum(frames_of(config, job) for job in pending)
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
         what = ", ".join(sorted({job.category for job in pending}))
-        steps = (f"scan {count_objects_of(pending)} objects ({what}), {frames} frames",) if pending else ()
-        return Plan(steps, frames * each)
+        step = f"scan {counted(count_objects_of(pending), 'object')} ({what}), {counted(frames, 'frame')}"
+        return Plan((step,) if pending else (), frames * each)
 
     def run(self, observer: Observer) -> Outcome:
         config = self._scans()
@@ -77,7 +78,7 @@ class Render:
                         crashed.append(job)
                     observer.progress("scanning objects and variants", done, len(pending), job.found.id)
                 watch.amount = sum(frames_of(config, job) for job in pending)
-                watch.what = f"{count_objects_of(pending)} objects"
+                watch.what = counted(count_objects_of(pending), "object")
             files = [open_scans(job.path) for job in jobs if job.path.exists()]
             refused = {job.found.id: job.refusal for job in jobs if job.refusal is not None}
             refused |= {
@@ -196,7 +197,8 @@ def _text(data: dict[str, Any]) -> str:
     lines = []
     for category, found in data["categories"].items():
         objects = ", ".join(f"{count} {role}" for role, count in found["objects"].items())
-        lines.append(f"{category}: {found['frames']} frames of {objects} objects; {sum(found['refused'].values())} refused")
+        refused = sum(found["refused"].values())
+        lines.append(f"{category}: {counted(found['frames'], 'frame')} of objects ({objects}); {refused} refused")
         lines += [f"    {count:5} {structure}" for structure, count in found["structures"].items()]
     lines += [f"left out  {reason}" for reason in data["refused"].values()]
     return "\n".join(lines)

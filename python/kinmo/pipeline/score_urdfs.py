@@ -15,6 +15,7 @@ from kinmo.evaluation.urdf_files.files import write_json
 from kinmo.formats import Layout, discover, read_found
 from kinmo.pipeline.evaluation_folder import URDF_FILES
 from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.wording import counted
 from kinmo.workspace import Workspace
 
 SECONDS_PER_SHAPE = 1.0
@@ -34,7 +35,7 @@ class ScoreUrdfs:
 
     def plan(self) -> Plan:
         count = sum(found.layout is Layout.PARTNET_MOBILITY for found in discover(self.truth))
-        step = f"score the URDFs below {self.predictions} for up to {count} shapes below {self.truth}"
+        step = f"score the URDFs below {self.predictions} for up to {counted(count, 'shape')} below {self.truth}"
         return Plan((step,), count * SECONDS_PER_SHAPE / self.workers)
 
     def run(self, observer: Observer) -> Outcome:

@@ -17,6 +17,7 @@ from kinmo.pipeline.scan_dataset import ScanDataset, fingerprint, open_scan_data
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import ScanFile, is_made_from, open_scans, write_scans
 from kinmo.scans.self_label import self_labelled
+from kinmo.wording import counted
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers
 
 SECONDS_PER_FRAME = 0.1
@@ -38,7 +39,7 @@ class SelfLabel:
         if self._cell(dataset).weights(self.workspace) and self._is_current(dataset):
             return Plan((), 0.0)
         each = seconds_per_unit(self.workspace, self._stage(dataset), SECONDS_PER_FRAME, kind="self-label-")
-        return Plan((f"label {frames} scans of {self.category} by what networks say",), frames * each)
+        return Plan((f"label {counted(frames, 'scan')} of {self.category} by what networks say",), frames * each)
 
     def run(self, observer: Observer) -> Outcome:
         dataset = open_scan_dataset(self.workspace, self.category)
@@ -69,7 +70,7 @@ class SelfLabel:
                     self._label(file, network, path, made_from[path])
                     observer.progress("labelling scans", done, len(files), file.id)
                 watch.amount = sum(file.frames for file in pending)
-                watch.what = f"{watch.amount} scans of {dataset.category}"
+                watch.what = f"{counted(watch.amount, 'scan')} of {dataset.category}"
             outputs = tuple(str(path.relative_to(self.workspace.path)) for path in sorted(folder.glob("*.safetensors")))
             self.workspace.write_record(stage, StageRecord(inputs, outputs))
         return Outcome(folder, {"objects": len(outputs), "of": len(files)})

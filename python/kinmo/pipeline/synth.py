@@ -9,6 +9,7 @@ from typing import Any
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.generate import Layout, generate, orders
+from kinmo.wording import counted
 from kinmo.workspace import locked
 
 SECONDS_PER_SHAPE = 0.05
@@ -48,7 +49,7 @@ class Synth:
         with locked(self.folder):
             written = generate(self.folder, **self._wish(), workers=self.workers, on_written=on_written)
         data = {"folder": str(self.folder), "shapes": total, "written": written}
-        return Outcome(self.folder, data, f"{total} shapes, {written} of them new")
+        return Outcome(self.folder, data, f"{counted(total, 'shape')}, {written} of them new")
 
     def _wish(self) -> dict[str, Any]:
         return {

@@ -21,6 +21,7 @@ from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
+from kinmo.wording import counted
 from kinmo.workspace import Workspace, remove_leftovers, write_text_atomically
 
 SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.02, "ranking": 0.02, "gnn_contact": 0.004}
@@ -122,7 +123,7 @@ class Train:
         fittings = list(self._fittings(dataset, config))
         pending = self._fitter.pending(fittings)
         steps = tuple(
-            f"train {each.name} on {len(each.training)} shapes for {each.schedule.epochs} epochs, "
+            f"train {each.name} on {counted(len(each.training), 'shape')} for {counted(each.schedule.epochs, 'epoch')}, "
             f"choose by {len(each.validation)}"
             for each in fittings
             if each in pending

@@ -17,6 +17,7 @@ from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
 from kinmo.pipeline.train import Train
 from kinmo.pipeline.train_ancsh import TrainAncsh, training_seconds
 from kinmo.splits import Split
+from kinmo.wording import counted
 from kinmo.workspace import Workspace
 
 NO_CATEGORY = f"no labelled shapes of {', '.join(PAPER_CATEGORIES)}: networks for scans are trained for --category NAME"
@@ -81,7 +82,7 @@ class TrainAll:
         yield Train("motion", self.workspace, self.config, None, *how, self.start), lambda: nothing
         count = sum(self.category is None or same_category(entry.category, self.category) for entry in dataset.unlabelled)
         if count:
-            labelling = Plan((f"label {count} shapes by {self.method}",), count * SECONDS_PER_SHAPE / self.workers)
+            labelling = Plan((f"label {counted(count, 'shape')} by {self.method}",), count * SECONDS_PER_SHAPE / self.workers)
             yield PseudoLabel(self.workspace, self.method, self.category, None, self.device, self.workers), lambda: labelling
         for category in self._categories(dataset):
             yield Render(self.workspace, self.config, category, self.seed, self.workers), lambda: nothing

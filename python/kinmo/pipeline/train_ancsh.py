@@ -19,6 +19,7 @@ from kinmo.pipeline.self_label import SelfLabel, self_labels
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
 from kinmo.typed_tables import to_table
+from kinmo.wording import counted
 from kinmo.workspace import Workspace, digest, remove_leftovers
 
 GUESSED = "with pseudo labels: kinmo pseudo-label and kinmo render make them, of shapes they are sure of"
@@ -119,7 +120,7 @@ class TrainAncsh:
         fittings = list(self._fittings(config))
         pending = self._fitter.pending(fittings)
         steps += [
-            f"train {each.name} on scans of {each.objects[0]} objects for {each.schedule.epochs} epochs, "
+            f"train {each.name} on scans of {counted(each.objects[0], 'object')} for {counted(each.schedule.epochs, 'epoch')}, "
             f"validate on {each.objects[1]}"
             for each in fittings
             if each in pending

@@ -34,6 +34,7 @@ from kinmo.pipeline.scan_table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import count_objects
+from kinmo.wording import counted
 from kinmo.workspace import StageRecord, Workspace
 
 WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code measures"}
@@ -219,7 +220,7 @@ class WrittenTables:
                 methods = " and ".join(labelled_by(place, open_dataset(place, dataset.category).unlabelled))
                 others = sum(count for (_, role), count in dataset.others.items() if role == "pseudo")
                 texts.append(f"Pseudo labels ({row.title}) are by --method {methods};")
-                texts.append(f"{others} objects that they give other joints, or none that can be seen, are left out.")
+                texts.append(f"Left out: {counted(others, 'object')} that they give other joints, or none that can be seen.")
                 if dataset.truths:
                     texts.append(str(count_labels(dataset.beside(row.setting), dataset.files["hidden"], dataset.truths)))
         return " ".join(texts)
