@@ -58,7 +58,7 @@ FORK.set_forkserver_preload(
         "kinmo.pipeline.report",
         "kinmo.pipeline.predict",
         "kinmo.pipeline.pseudo_label",
-        "kinmo.pipeline.scan_tables",
+        "kinmo.pipeline.scans.make_table",
     ]
 )
 

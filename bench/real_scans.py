@@ -21,7 +21,7 @@ from kinmo.categories import canonical_category, same_category
 from kinmo.cli.console import LineObserver
 from kinmo.formats import Layout, discover
 from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.scan_tables import MakeTable
+from kinmo.pipeline.scans.make_table import MakeTable
 from kinmo.splits import Split, split_of, within_share
 from kinmo.workspace import Workspace
 

@@ -25,7 +25,7 @@ from kinmo.config import load_config
 from kinmo.learning.ancsh.network import AncshNetwork, PartNetwork
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.render import Render
+from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.synth import Synth
 from kinmo.scans.scan_file import ScanFile, open_scans
 from kinmo.scans.typical import Typical

@@ -23,9 +23,9 @@ from kinmo.config import SensorConfig, load_config
 from kinmo.evaluation.scan_metrics import score_frame, truth
 from kinmo.formats import Found, Layout, read_found
 from kinmo.learning.ancsh.predict import Ancsh
-from kinmo.pipeline.ancsh_files import Cell
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.scan_dataset import Setting, open_scan_dataset
+from kinmo.pipeline.scans.dataset import Setting, open_scan_dataset
+from kinmo.pipeline.scans.networks import Cell
 from kinmo.scans.articulated_object import articulated_object
 from kinmo.scans.estimate import PoseOptions, estimate
 from kinmo.scans.scan import scan

@@ -113,3 +113,12 @@ def test_a_violation_is_found(tmp_path: Path) -> None:
     file = tmp_path / "sample.py"
     file.write_text("from kinmo import cli\ndef f():\n    import kinmo.report.page, torch\nfrom kinmo.shape import Mesh\n")
     assert list(imports(file)) == [("kinmo.cli", True), ("kinmo.report.page", False), ("torch", False), ("kinmo.shape", True)]
+
+
+def test_of_the_stages_only_those_of_the_whole_road_know_those_of_scans() -> None:
+    knowing = {
+        name_of(file)
+        for file in ROOT.joinpath("pipeline").glob("*.py")
+        if any(module.startswith("kinmo.pipeline.scans") for module, _ in imports(file))
+    }
+    assert knowing == {f"kinmo.pipeline.{name}" for name in ("train_all", "evaluate_all", "report")}

@@ -101,11 +101,11 @@ def test_the_choices_of_the_options_are_those_of_the_program() -> None:
     from kinmo.cli.synth import MOST_SHAPES, LayoutName
     from kinmo.cli.table import Name
     from kinmo.cli.train import SettingName, What
-    from kinmo.pipeline.ancsh_files import PROTOCOLS
     from kinmo.pipeline.models import GROUPS
     from kinmo.pipeline.predictors import PREDICTORS
-    from kinmo.pipeline.scan_dataset import Setting
-    from kinmo.pipeline.scan_table_rows import TABLES
+    from kinmo.pipeline.scans.dataset import Setting
+    from kinmo.pipeline.scans.networks import PROTOCOLS
+    from kinmo.pipeline.scans.table_rows import TABLES
     from kinmo.synth import generate
 
     assert {each.value for each in LayoutName} == {each.value for each in generate.Layout}

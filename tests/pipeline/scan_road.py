@@ -8,9 +8,9 @@ from pathlib import Path
 from whole_road import Listener, tiny_config
 
 from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.render import Render
+from kinmo.pipeline.scans.render import Render
+from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.synth import Synth
-from kinmo.pipeline.train_ancsh import TrainAncsh
 from kinmo.synth.generate import HELD_BACK
 from kinmo.workspace import Workspace
 

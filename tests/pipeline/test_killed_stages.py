@@ -13,7 +13,7 @@ import pytest
 from scan_road import CATEGORY, Scanned
 from whole_road import MADE, Listener, Road, contents, undone
 
-from kinmo.pipeline.ancsh_files import NETWORKS, Cell
+from kinmo.pipeline.scans.networks import NETWORKS, Cell
 from kinmo.pipeline.stage import Stage
 from kinmo.workspace import Workspace
 
@@ -24,8 +24,8 @@ FORK.set_forkserver_preload(
         "kinmo.pipeline.pseudo_label",
         "kinmo.pipeline.evaluate",
         "kinmo.pipeline.report",
-        "kinmo.pipeline.render",
-        "kinmo.pipeline.train_ancsh",
+        "kinmo.pipeline.scans.render",
+        "kinmo.pipeline.scans.train",
     ]
 )
 

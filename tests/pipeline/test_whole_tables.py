@@ -11,8 +11,8 @@ from whole_road import Listener
 
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.model_files import WEIGHTS
-from kinmo.pipeline.scan_table_rows import SHARES, TABLES
-from kinmo.pipeline.scan_tables import MakeTable
+from kinmo.pipeline.scans.make_table import MakeTable
+from kinmo.pipeline.scans.table_rows import SHARES, TABLES
 from kinmo.scans.scan_file import open_scans
 from kinmo.splits import Split
 from kinmo.workspace import Workspace

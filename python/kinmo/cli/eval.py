@@ -52,7 +52,7 @@ def evaluate(
         return
     from kinmo.pipeline.evaluate import Evaluate
     from kinmo.pipeline.evaluate_all import EvaluateAll
-    from kinmo.pipeline.judge_trained import JudgeTrained
+    from kinmo.pipeline.scans.judge_trained import JudgeTrained
 
     methods = tuple(each.value for each in Method) if method is None else (method.value,)
     stage = Evaluate(workspace, methods, category, ablations, hidden_names, options.seed, options.device, options.worker_count)

@@ -62,7 +62,7 @@ def predict(
     if category is not None:
         if method is not None:
             raise InputError("--method", "is of shapes, expected none with --category, which is of scans")
-        from kinmo.pipeline.predict_scan import PredictScan
+        from kinmo.pipeline.scans.predict import PredictScan
         from kinmo.scans.scan_input import Intrinsics
 
         camera = None if intrinsics is None else Intrinsics.parse(intrinsics)

@@ -29,7 +29,7 @@ def render(
         kinmo render
         kinmo render --category laptop
     """
-    from kinmo.pipeline.render import Render
+    from kinmo.pipeline.scans.render import Render
     from kinmo.workspace import Workspace
 
     execute(options, Render(Workspace(options.workspace), config, category, options.seed, options.worker_count, unlabelled))

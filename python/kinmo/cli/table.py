@@ -12,7 +12,7 @@ from kinmo.cli.options import CommonOptions, Method, ProtocolName, Start
 
 
 class Name(str, Enum):
-    """The tables of `kinmo.pipeline.scan_tables`, without importing it."""
+    """The tables of `kinmo.pipeline.scans.make_table`, without importing it."""
 
     SETTINGS = "2"
     RATIOS = "3"
@@ -50,7 +50,7 @@ def table(
         kinmo table 3 --hours 4
         kinmo table 2 --category laptop --from procedural
     """
-    from kinmo.pipeline.scan_tables import MakeTable
+    from kinmo.pipeline.scans.make_table import MakeTable
     from kinmo.workspace import Workspace
 
     stage = MakeTable(

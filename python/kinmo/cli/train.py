@@ -24,7 +24,7 @@ class What(str, Enum):
 
 
 class SettingName(str, Enum):
-    """The settings of `kinmo.pipeline.scan_dataset`, without importing it."""
+    """The settings of `kinmo.pipeline.scans.dataset`, without importing it."""
 
     SUPERVISED = "supervised"
     SEMI = "semi"
@@ -73,9 +73,9 @@ def train(
         kinmo train ancsh --category refrigerator --setting supervised
         kinmo train motion --workspace real --from procedural
     """
+    from kinmo.pipeline.scans.train import TrainAncsh
     from kinmo.pipeline.train import Train
     from kinmo.pipeline.train_all import TrainAll
-    from kinmo.pipeline.train_ancsh import TrainAncsh
     from kinmo.workspace import Workspace
 
     if setting is not None and what is not What.ANCSH:

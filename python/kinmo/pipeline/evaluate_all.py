@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kinmo.errors import InputError
-from kinmo.pipeline.ancsh_files import trained_cells
 from kinmo.pipeline.evaluate import Evaluate
-from kinmo.pipeline.judge_trained import JudgeTrained
+from kinmo.pipeline.scans.judge_trained import JudgeTrained
+from kinmo.pipeline.scans.networks import trained_cells
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 
 

@@ -19,7 +19,7 @@ from kinmo.pipeline.model_files import METHOD_MODELS, METRICS, weights_digest
 from kinmo.pipeline.pictures import draw
 from kinmo.pipeline.prepare import REPORT
 from kinmo.pipeline.report_tables import shown
-from kinmo.pipeline.scan_report import picture_sections, table_sections
+from kinmo.pipeline.scans.report import picture_sections, table_sections
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.pseudo_label import ACCEPTANCE, LABELLING
 from kinmo.report.curves import line_chart

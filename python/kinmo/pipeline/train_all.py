@@ -11,11 +11,11 @@ from kinmo.config import load_config
 from kinmo.errors import InputError
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.pseudo_label import SECONDS_PER_SHAPE, PseudoLabel
-from kinmo.pipeline.render import Render
-from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, Setting, open_scan_dataset
+from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, Setting, open_scan_dataset
+from kinmo.pipeline.scans.render import Render
+from kinmo.pipeline.scans.train import TrainAncsh, training_seconds
 from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
 from kinmo.pipeline.train import Train
-from kinmo.pipeline.train_ancsh import TrainAncsh, training_seconds
 from kinmo.splits import Split
 from kinmo.wording import counted
 from kinmo.workspace import Workspace

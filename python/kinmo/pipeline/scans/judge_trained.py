@@ -9,12 +9,12 @@ from itertools import product
 
 from kinmo.categories import same_category
 from kinmo.errors import InputError
-from kinmo.pipeline.ancsh_files import Cell, Protocol, trained_cells
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.evaluate_scans import EvaluateScans
-from kinmo.pipeline.scan_table_rows import TABLES, RowOf, has_figures, is_printed
+from kinmo.pipeline.scans.evaluate import EvaluateScans
+from kinmo.pipeline.scans.networks import Cell, Protocol, trained_cells
+from kinmo.pipeline.scans.table_rows import TABLES, RowOf, has_figures, is_printed
+from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.workspace import Workspace
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from kinmo.config import ScansConfig
 from kinmo.formats import Found, read_found
 from kinmo.limits import MOST_TURN
-from kinmo.pipeline.scan_dataset import REFUSED, Role
+from kinmo.pipeline.scans.dataset import REFUSED, Role
 from kinmo.scans.articulated_object import ArticulatedObject, articulated_object, still_object
 from kinmo.scans.articulation import opened_as_usual
 from kinmo.scans.scan import Scans, scan

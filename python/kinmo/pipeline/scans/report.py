@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import get_args
 
 from kinmo.evaluation.tables import read_table
-from kinmo.pipeline.ancsh_files import pictures_path, trained_cells
 from kinmo.pipeline.report_tables import shown
-from kinmo.pipeline.scan_dataset import Setting
-from kinmo.pipeline.scan_pictures import HIT_DEGREES, HIT_IOU, ScanPicture, read_pictures
-from kinmo.pipeline.scan_table_rows import TABLES
-from kinmo.pipeline.written_scan_tables import WrittenTables
+from kinmo.pipeline.scans.dataset import Setting
+from kinmo.pipeline.scans.networks import pictures_path, trained_cells
+from kinmo.pipeline.scans.pictures import HIT_DEGREES, HIT_IOU, ScanPicture, read_pictures
+from kinmo.pipeline.scans.table_rows import TABLES
+from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.report.page import Picture, Section
 from kinmo.workspace import Workspace
 

@@ -10,10 +10,10 @@ from urllib.parse import quote
 from kinmo import __version__
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.predict import Ancsh
-from kinmo.pipeline.ancsh_files import Cell
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.model_files import networks_digest
-from kinmo.pipeline.scan_dataset import ScanDataset, fingerprint, open_scan_dataset
+from kinmo.pipeline.scans.dataset import ScanDataset, fingerprint, open_scan_dataset
+from kinmo.pipeline.scans.networks import Cell
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import ScanFile, is_made_from, open_scans, write_scans
 from kinmo.scans.self_label import self_labelled

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from kinmo.config import AncshNetworkName
 from kinmo.pipeline.model_files import WEIGHTS
-from kinmo.pipeline.scan_dataset import Setting
+from kinmo.pipeline.scans.dataset import Setting
 from kinmo.workspace import Workspace
 
 NETWORKS: tuple[AncshNetworkName, ...] = ("ancsh", "npcs")

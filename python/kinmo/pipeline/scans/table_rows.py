@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from kinmo.categories import same_category
 from kinmo.evaluation.paper_tables import paper_tables
-from kinmo.pipeline.ancsh_files import Cell
-from kinmo.pipeline.judged_scans import JudgedScans
-from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, Setting
+from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, Setting
+from kinmo.pipeline.scans.judged import JudgedScans
+from kinmo.pipeline.scans.networks import Cell
 from kinmo.workspace import Workspace
 
 SHARES = (1.0, 0.8, 0.5, 0.3)

@@ -12,17 +12,17 @@ from kinmo.categories import same_category
 from kinmo.config import load_config
 from kinmo.errors import InputError, did_you_mean
 from kinmo.formats import Layout
-from kinmo.pipeline.ancsh_files import Cell, Protocol
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.pseudo_label import PseudoLabel
-from kinmo.pipeline.render import Render
-from kinmo.pipeline.scan_dataset import Setting
-from kinmo.pipeline.scan_table_rows import TABLES, RowOf
+from kinmo.pipeline.scans.dataset import Setting
+from kinmo.pipeline.scans.evaluate import EvaluateScans
+from kinmo.pipeline.scans.networks import Cell, Protocol
+from kinmo.pipeline.scans.render import Render
+from kinmo.pipeline.scans.table_rows import TABLES, RowOf
+from kinmo.pipeline.scans.train import TrainAncsh, training_seconds
+from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
 from kinmo.pipeline.train import Train
-from kinmo.pipeline.train_ancsh import TrainAncsh, training_seconds
-from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.workspace import Workspace
 
 WORDS: Mapping[type, str] = {

@@ -11,11 +11,11 @@ from kinmo.config import AncshConfig, AncshNetworkName, Config, TrainingConfig, 
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.learning.training import FitResult, Progress
-from kinmo.pipeline.ancsh_files import NETWORKS, Cell
 from kinmo.pipeline.fitting import Fitter, trained
 from kinmo.pipeline.journal import seconds_per_unit
-from kinmo.pipeline.scan_dataset import ScanDataset, Setting, fingerprint, open_scan_dataset, scanned_categories
-from kinmo.pipeline.self_label import SelfLabel, self_labels
+from kinmo.pipeline.scans.dataset import ScanDataset, Setting, fingerprint, open_scan_dataset, scanned_categories
+from kinmo.pipeline.scans.networks import NETWORKS, Cell
+from kinmo.pipeline.scans.self_label import SelfLabel, self_labels
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
 from kinmo.typed_tables import to_table

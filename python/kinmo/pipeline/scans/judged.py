@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from kinmo.errors import InputError
-from kinmo.pipeline.ancsh_files import Cell, Protocol, scores_path
 from kinmo.pipeline.model_files import networks_digest
-from kinmo.pipeline.scan_dataset import fingerprint, open_scan_dataset
+from kinmo.pipeline.scans.dataset import fingerprint, open_scan_dataset
+from kinmo.pipeline.scans.networks import Cell, Protocol, scores_path
 from kinmo.scans.scan_file import ScanFile
 from kinmo.store import PreparedStore
 from kinmo.workspace import StageRecord, Workspace, digest

@@ -17,22 +17,22 @@ from kinmo.config import load_config
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_tables import NOT_RUN
 from kinmo.evaluation.scan_tables import OUTDATED as OUTDATED_ROW
-from kinmo.pipeline.ancsh_files import NETWORKS, PROTOCOLS, Cell
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
-from kinmo.pipeline.evaluate_scans import EvaluateScans
-from kinmo.pipeline.judge_trained import JudgeTrained
-from kinmo.pipeline.judged_scans import JudgedScans
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.report import Report
-from kinmo.pipeline.scan_dataset import REFUSED, Setting, open_scan_dataset, scans_of
-from kinmo.pipeline.scan_pictures import COMMON
-from kinmo.pipeline.scan_report import OUTDATED, picture_sections
-from kinmo.pipeline.scan_table_rows import SHARES, TABLES, printed_row
-from kinmo.pipeline.scan_tables import MakeTable
+from kinmo.pipeline.scans.dataset import REFUSED, Setting, open_scan_dataset, scans_of
+from kinmo.pipeline.scans.evaluate import EvaluateScans
+from kinmo.pipeline.scans.judge_trained import JudgeTrained
+from kinmo.pipeline.scans.judged import JudgedScans
+from kinmo.pipeline.scans.make_table import MakeTable
+from kinmo.pipeline.scans.networks import NETWORKS, PROTOCOLS, Cell
+from kinmo.pipeline.scans.pictures import COMMON
+from kinmo.pipeline.scans.report import OUTDATED, picture_sections
+from kinmo.pipeline.scans.table_rows import SHARES, TABLES, printed_row
+from kinmo.pipeline.scans.train import training_seconds
+from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.pipeline.synth import Synth
-from kinmo.pipeline.train_ancsh import training_seconds
-from kinmo.pipeline.written_scan_tables import WrittenTables
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan import Scans
 from kinmo.scans.scan_file import count_objects, open_scans, write_scans

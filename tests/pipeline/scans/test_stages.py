@@ -18,16 +18,16 @@ from whole_road import Listener, contents
 from kinmo.cli.app import app
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.predict import POINTS_TO_ASK_ABOUT
-from kinmo.pipeline.ancsh_files import Cell, scores_path, trained_cells
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.evaluate_scans import EvaluateScans
 from kinmo.pipeline.label_decisions import folder_name
-from kinmo.pipeline.predict_scan import PredictScan
-from kinmo.pipeline.render import Render
-from kinmo.pipeline.scan_dataset import REFUSED, ROLES, open_scan_dataset, scans_of
-from kinmo.pipeline.self_label import SelfLabel
+from kinmo.pipeline.scans.dataset import REFUSED, ROLES, open_scan_dataset, scans_of
+from kinmo.pipeline.scans.evaluate import EvaluateScans
+from kinmo.pipeline.scans.networks import Cell, scores_path, trained_cells
+from kinmo.pipeline.scans.predict import PredictScan
+from kinmo.pipeline.scans.render import Render
+from kinmo.pipeline.scans.self_label import SelfLabel
+from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.train_all import TrainAll
-from kinmo.pipeline.train_ancsh import TrainAncsh
 from kinmo.scans.articulation import opening
 from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
 from kinmo.store import read_header

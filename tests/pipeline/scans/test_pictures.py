@@ -11,7 +11,7 @@ import pytest
 from kinmo.config import ScansConfig
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_metrics import FrameScore, score_frame
-from kinmo.pipeline.scan_pictures import PICTURES, JudgedFrame, PictureBook, read_pictures, write_pictures
+from kinmo.pipeline.scans.pictures import PICTURES, JudgedFrame, PictureBook, read_pictures, write_pictures
 from kinmo.scans.scan import scan
 from scanned import cupboard_object, true_estimate
 

@@ -18,8 +18,8 @@ from kinmo.formats import Found, Layout
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.label_decisions import LABELS, folder_name
-from kinmo.pipeline.scan_dataset import PAPER_CATEGORIES, ROLES, Role, scans_of
-from kinmo.pipeline.scan_jobs import VARIED, Job, Rendering, count_objects_of, frames_of, variants_of
+from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, ROLES, Role, scans_of
+from kinmo.pipeline.scans.jobs import VARIED, Job, Rendering, count_objects_of, frames_of, variants_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.articulation import opening
 from kinmo.scans.scan_file import ScanFile, open_scans

@@ -24,13 +24,13 @@ from kinmo.evaluation.scan_tables import (
     printed_structure,
 )
 from kinmo.evaluation.tables import Caption, Table, as_text, write_table
-from kinmo.pipeline.ancsh_files import PROTOCOLS, Protocol
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluation_folder import ALL
 from kinmo.pipeline.label_decisions import labelled_by
 from kinmo.pipeline.model_files import trained_on
-from kinmo.pipeline.scan_dataset import NO_FRAME, NO_SCAN, Role, ScanDataset, Setting, open_scan_dataset
-from kinmo.pipeline.scan_table_rows import TABLES, RowOf, printed_row
+from kinmo.pipeline.scans.dataset import NO_FRAME, NO_SCAN, Role, ScanDataset, Setting, open_scan_dataset
+from kinmo.pipeline.scans.networks import PROTOCOLS, Protocol
+from kinmo.pipeline.scans.table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import count_objects
@@ -58,7 +58,7 @@ Held = Mapping[str, HeldBySeed]
 
 @dataclass(frozen=True)
 class WrittenTables:
-    """A table (`scan_table_rows.TABLES`), a category at a time. Rows that were not run, or are outdated, say so."""
+    """A table (`table_rows.TABLES`), a category at a time. Rows that were not run, or are outdated, say so."""
 
     workspace: Workspace
     name: str

@@ -10,10 +10,10 @@ from kinmo.evaluation.ancsh_protocol import score_as_ancsh
 from kinmo.evaluation.scan_metrics import FrameScore, score_frame, truth
 from kinmo.evaluation.scan_records import write_scores
 from kinmo.learning.ancsh.predict import Ancsh
-from kinmo.pipeline.ancsh_files import PROTOCOLS, Cell, Protocol, pictures_path, scores_path
 from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.judged_scans import JudgedScans
-from kinmo.pipeline.scan_pictures import JudgedFrame, PictureBook, common_frames, write_pictures
+from kinmo.pipeline.scans.judged import JudgedScans
+from kinmo.pipeline.scans.networks import PROTOCOLS, Cell, Protocol, pictures_path, scores_path
+from kinmo.pipeline.scans.pictures import JudgedFrame, PictureBook, common_frames, write_pictures
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import ScanFile
 from kinmo.wording import counted

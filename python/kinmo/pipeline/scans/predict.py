@@ -18,9 +18,9 @@ from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
 from kinmo.joint import JointKind
 from kinmo.learning.ancsh.predict import Ancsh
-from kinmo.pipeline.ancsh_files import Cell, trained_cells
 from kinmo.pipeline.model_files import networks_digest
-from kinmo.pipeline.scan_pictures import view_of
+from kinmo.pipeline.scans.networks import Cell, trained_cells
+from kinmo.pipeline.scans.pictures import view_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.report.scan_picture import scan_picture
 from kinmo.scans.answers import PointAnswers
