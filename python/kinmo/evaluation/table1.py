@@ -110,8 +110,8 @@ def overview(
         interval = _interval(estimates[figures[0]], DECIMALS[FIGURE[figures[0]].unit])
         rows.append((name, summary.objects, summary.joints, values[0], interval, *values[1:]))
     over = "over joints" if macro_over is None else f"over categories with >= {macro_over} objects"
-    note = " ".join(filter(None, [caption.note, f"Means {over}.", "" if controls else "Without buttons, knobs and switches."]))
-    return Table(replace(caption_for(_most(kept), caption), note=note), columns, tuple(rows))
+    caption = caption.noting(f"Means {over}." if controls else f"Means {over}. Without buttons, knobs and switches.")
+    return Table(caption_for(_most(kept), caption), columns, tuple(rows))
 
 
 def category_tables(methods: Rows, caption: Caption, *, whole: bool = True) -> dict[str, Table]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import json
+import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from kinmo.errors import InputError
@@ -18,12 +19,16 @@ Cell = str | float | int | None
 
 DASH = "–"
 
+TEXT_WIDTH = 100
+"""Characters of a line of a caption in a terminal. (Tables are as wide as they are.)"""
+
 
 @dataclass(frozen=True)
 class Caption:
     """What a figure is worth nothing without.
 
-    `shapes` and `joints` are counts, or of what is about scans `shapes` and judged `scans`; `seeds` are those of the runs.
+    `shapes` and `joints` are counts, or of what is about scans `shapes` and judged `scans`; `seeds` are those of the runs. A
+    `note` may have several lines.
     """
 
     title: str
@@ -36,10 +41,19 @@ class Caption:
     scans: int = 0
 
     def __str__(self) -> str:
+        return f"{self.title}. {self.facts}"
+
+    def noting(self, *notes: str) -> Caption:
+        """The same with more lines in its note, one for each that is not empty."""
+        return replace(self, note="\n".join(filter(None, [self.note, *notes])))
+
+    @property
+    def facts(self) -> str:
+        """All but the title."""
         seeds = ", ".join(map(str, self.seeds)) or "none"
         counts = f"{counted(self.scans, 'judged scan')}" if self.scans else f"{counted(self.joints, 'joint')}"
         facts = f"{self.data}; {counted(self.shapes, 'shape')}, {counts}; {self.split}; seeds {seeds}."
-        return " ".join(filter(None, [f"{self.title}.", facts, self.note]))
+        return "\n".join(filter(None, [facts, self.note]))
 
 
 @dataclass(frozen=True)
@@ -87,7 +101,8 @@ def as_text(table: Table) -> str:
         return "  ".join(padded).rstrip()
 
     rule = "-" * (sum(widths) + 2 * (len(widths) - 1))
-    return "\n".join([str(table.caption), "", line(cells[0]), rule, *map(line, cells[1:]), ""])
+    facts = [part for text in table.caption.facts.splitlines() for part in textwrap.wrap(text, TEXT_WIDTH)]
+    return "\n".join([f"{table.caption.title}.", *facts, "", line(cells[0]), rule, *map(line, cells[1:]), ""])
 
 
 def as_json(table: Table) -> str:
@@ -129,7 +144,7 @@ def as_markdown(table: Table) -> str:
     head, *body = ([cell.replace("\\", "\\\\").replace("|", "\\|").replace("\n", " ") for cell in row] for row in table.cells())
     rule = [":--" if column.decimals is None else "--:" for column in table.columns]
     lines = ["| " + " | ".join(row) + " |" for row in (head, rule, *body)]
-    return "\n".join([f"**{table.caption}**", "", *lines, ""])
+    return "\n".join([f"**{table.caption.title}.** {table.caption.facts}", "", *lines, ""])
 
 
 _LATEX = {

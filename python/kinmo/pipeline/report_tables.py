@@ -8,4 +8,4 @@ from kinmo.report.page import Table
 
 def shown(table: MeasuredTable) -> Table:
     """The table as text."""
-    return Table(str(table.caption), [column.title for column in table.columns], table.cells()[1:])
+    return Table(table.caption.title, [column.title for column in table.columns], table.cells()[1:], table.caption.facts)

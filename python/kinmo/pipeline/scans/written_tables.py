@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -110,10 +110,10 @@ class WrittenTables:
         rows = [self._row(row, category, by_seed, protocol) for row in TABLES[self.name].rows]
         run = _seeds(rows)
         dataset = self._dataset(category)
-        reasons = " ".join(f"Not run: {row.name}: {row.reason}." for row in rows if row.reason)
+        reasons = [f"Not run: {row.name}: {row.reason}." for row in rows if row.reason]
         if dataset is None:
             caption = self._caption(category, "nothing is scanned yet", run, protocol)
-            caption = replace(caption, note=" ".join(filter(None, [caption.note, reasons])))
+            caption = caption.noting(*reasons)
             printed = next((row.printed for row in rows if row.printed is not None), None)
             if printed is None:
                 return {"means": of_nothing(rows, caption)}
@@ -121,11 +121,9 @@ class WrittenTables:
             return {"means": over_parts(rows, structure, caption), "parts": by_part(rows, structure, caption, MORE[protocol])}
         caption = self._caption(str(dataset.structure), _objects_of(dataset), run, protocol)
         gaps = self._gaps(category, by_seed, dataset.structure, protocol)
-        notes = [caption.note, gaps, self._labels(rows, category), reasons]
         pairs = [self._alike(titles, category, by_seed, protocol) for titles in TABLES[self.name].compared]
         compared = [(pair[0], pair[1]) for pair in pairs if pair]
-        notes += [AGAINST] if compared else []
-        summed = replace(caption, note=" ".join(filter(None, notes)))
+        summed = caption.noting(gaps, *self._labels(rows, category), *reasons, AGAINST if compared else "")
         return {
             "means": over_parts(rows, dataset.structure, summed, compared),
             "parts": by_part(rows, dataset.structure, caption, MORE[protocol]),
@@ -143,8 +141,7 @@ class WrittenTables:
         labelled = open_dataset(self.workspace).categories()
         absent = [name for name in TABLES[self.name].categories if not any(same_category(name, there) for there in labelled)]
         if absent:
-            reason = f"Not run: {', '.join(absent)}: there are no labelled shapes."
-            caption = replace(caption, note=" ".join(filter(None, [caption.note, reason])))
+            caption = caption.noting(f"Not run: {', '.join(absent)}: there are no labelled shapes.")
         return {"means": over_categories(rows, structures, caption)}
 
     def _row(self, row: RowOf, category: str, by_seed: HeldBySeed, protocol: Protocol) -> ScanRow:
@@ -193,15 +190,15 @@ class WrittenTables:
     def _caption(self, what: str, of: str, seeds: tuple[int, ...], protocol: Protocol) -> Caption:
         table = TABLES[self.name]
         is_printed = any(row.printed for row in table.rows)
-        return Caption(
+        caption = Caption(
             title=f"{table.title}{WAYS[protocol]}: {what}",
             data=f"{of} of workspace {self.workspace.root.absolute().name}",
             shapes=0,
             joints=0,
             split="test split by hashed id",
             seeds=seeds,
-            note=" ".join(filter(None, [table.note, AUTHORS_MEASURE if protocol == "kinmo" and is_printed else ""])),
         )
+        return caption.noting(table.note, AUTHORS_MEASURE if protocol == "kinmo" and is_printed else "")
 
     def _dataset(self, category: str) -> ScanDataset | None:
         """The scans of a category; None before there are any."""
@@ -210,20 +207,18 @@ class WrittenTables:
         except InputError:
             return None
 
-    def _labels(self, rows: Sequence[ScanRow], category: str) -> str:
+    def _labels(self, rows: Sequence[ScanRow], category: str) -> Iterator[str]:
         """Which method gave the pseudo labels that each row saw, and how right they are where the true ones were held back."""
-        texts = []
         for row, shown in zip(TABLES[self.name].rows, rows, strict=True):
             if row.setting in PSEUDO_LABELLED and shown.objects:
                 place = row.workspace(self.workspace)
                 dataset = open_scan_dataset(place, category)
                 methods = " and ".join(labelled_by(place, open_dataset(place, dataset.category).unlabelled))
                 others = sum(count for (_, role), count in dataset.others.items() if role == "pseudo")
-                texts.append(f"Pseudo labels ({row.title}) are by --method {methods};")
-                texts.append(f"Left out: {counted(others, 'object')} that they give other joints, or none that can be seen.")
-                if dataset.truths:
-                    texts.append(str(count_labels(dataset.beside(row.setting), dataset.files["hidden"], dataset.truths)))
-        return " ".join(texts)
+                left_out = f"left out: {counted(others, 'object')} that they give other joints, or none that can be seen."
+                hidden, truths = dataset.files["hidden"], dataset.truths
+                counts = count_labels(dataset.beside(row.setting), hidden, truths) if truths else ""
+                yield f"Pseudo labels ({row.title}) are by --method {methods}; {left_out} {counts}".rstrip()
 
     def _stage(self, place: str) -> str:
         return f"table-{self.name}-{place}"
