@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from kinmo.errors import InputError
 from kinmo.workspace import (
+    InUse,
     StageRecord,
     Workspace,
     digest,
@@ -93,7 +94,7 @@ def test_one_process_at_a_time_works_in_a_workspace(tmp_path):
     command = [sys.executable, "-c", script, str(workspace.path)]
     other = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert other.stdout.readline() == "locked\n"
-    with pytest.raises(InputError, match=f"process {other.pid}"), workspace.locked():
+    with pytest.raises(InUse, match=f"process {other.pid}"), workspace.locked():
         pass
     other.kill()
     other.wait()

@@ -69,12 +69,16 @@ def write_bytes_atomically(path: Path, data: bytes) -> None:
         temporary.write_bytes(data)
 
 
+class InUse(InputError):
+    """Another process writes into a folder: nothing can be done there now."""
+
+
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
     """Makes `folder`, if need be, and keeps other kinmo processes from writing there.
 
-    The system frees the lock of a process that dies, however it dies. Raises InputError if another process holds the lock, or
-    the folder cannot be made or written to.
+    The system frees the lock of a process that dies, however it dies. Raises InUse if another process holds the lock, and
+    InputError if the folder cannot be made or written to.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -84,7 +88,7 @@ def locked(folder: Path) -> Iterator[None]:
     try:
         if not _lock(handle):
             holder = os.pread(handle, 32, 0).decode("ascii", "replace").strip() or "unknown"
-            raise InputError(folder, f"another kinmo (process {holder}) is writing here: wait for it, or name another folder")
+            raise InUse(folder, f"another kinmo (process {holder}) is writing here: wait for it, or name another folder")
         os.ftruncate(handle, 0)
         os.pwrite(handle, f"{os.getpid()}\n".encode(), 0)
         yield

@@ -36,7 +36,7 @@ from kinmo.pipeline.synth import Synth
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan import Scans
 from kinmo.scans.scan_file import count_objects, open_scans, write_scans
-from kinmo.workspace import StageRecord, Workspace
+from kinmo.workspace import InUse, StageRecord, Workspace
 
 
 def test_a_cell_that_cannot_be_run_leaves_the_others(scanned: Scanned, tmp_path: Path) -> None:
@@ -52,6 +52,17 @@ def test_a_cell_that_cannot_be_run_leaves_the_others(scanned: Scanned, tmp_path:
     assert run == {"supervised": "1", "generated shapes": "not run"}
     assert "Not run: generated shapes: no shapes of Laptop in DSG-Net's layout." in found.text
     assert "Not run: generated" in WrittenTables(stage.workspace, "4").write({CATEGORY: [0]}).text, "whoever writes it again"
+
+
+def test_where_another_process_is_writing_it_is_said_once_and_no_table_is_written(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
+    workspace, told = Workspace(tmp_path / "workspace"), Listener()
+    for stage in (MakeTable("4", workspace, scanned.config, "kinmo", FAMILY, 1, **HOW), JudgeTrained(workspace, FAMILY)):
+        with workspace.locked(), pytest.raises(InUse, match="is writing here"):
+            stage.run(told)
+    assert not [note for note in told.notes if note.startswith("not ")]
+    assert not workspace.evaluation.exists()
 
 
 def test_without_labels_that_are_held_back_the_row_of_true_ones_is_no_failure(tmp_path: Path) -> None:
