@@ -51,6 +51,10 @@ class Estimate:
     high: float
     count: int
 
+    def interval(self, decimals: int) -> str:
+        """The interval as it is printed."""
+        return f"{self.low:.{decimals}f} to {self.high:.{decimals}f}"
+
 
 def sums_of(objects: Sequence[Scored], figures: Sequence[Figure[Scored]]) -> Sums:
     """The sums of all figures for all objects."""

@@ -9,7 +9,7 @@ from kinmo.evaluation.aggregate import Estimate, micro, sums_of
 from kinmo.evaluation.paper_tables import MARK
 from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed, of_rows, rows_of
 from kinmo.evaluation.scan_summary import change, failures, measures_of, summary
-from kinmo.evaluation.tables import Caption, Cell, Column, Table
+from kinmo.evaluation.tables import INTERVAL, Caption, Cell, Column, Table
 from kinmo.joint import JointKind
 from kinmo.scans.articulated_object import Structure
 
@@ -65,7 +65,7 @@ def over_parts(
     """
     columns = [Column("trained on"), Column("objects"), Column("seeds")]
     for measure in measures_of(structure):
-        columns += [Column(measure.title, measure.decimals), Column("95 %")]
+        columns += [Column(measure.title, measure.decimals), INTERVAL]
     lines: list[tuple[Cell, ...]] = []
     for row in rows:
         cells: list[Cell] = [row.name, row.trained_on, _seeds(row) if row.objects else row.absent]
@@ -131,12 +131,10 @@ def _seeds(row: ScanRow) -> str:
 
 
 def _with_intervals(estimates: Sequence[Estimate | None], structure: Structure) -> list[Cell]:
-    pairs = zip(measures_of(structure), estimates, strict=True)
-    return [cell for measure, found in pairs for cell in (_value(found), _interval(found, measure.decimals))]
-
-
-def _interval(estimate: Estimate | None, decimals: int) -> Cell:
-    return None if estimate is None else f"{estimate.low:.{decimals}f} to {estimate.high:.{decimals}f}"
+    cells: list[Cell] = []
+    for measure, found in zip(measures_of(structure), estimates, strict=True):
+        cells += [_value(found), None if found is None else found.interval(measure.decimals)]
+    return cells
 
 
 PAPER_COLUMNS: Mapping[str, int] = {"rotation": 0, "translation": 1, "iou": 2, "state": 3, "axis": 4, "line": 5}

@@ -11,7 +11,7 @@ from kinmo.evaluation.aggregate import Estimate, Unit
 from kinmo.evaluation.paper_tables import MARK, METHODS, table1_figures, table1_means
 from kinmo.evaluation.records import ShapeScore
 from kinmo.evaluation.summary import FIGURE, LEAST_OBJECTS, Estimates, Summary, summarise, without_controls
-from kinmo.evaluation.tables import Caption, Cell, Column, Table
+from kinmo.evaluation.tables import INTERVAL, Caption, Cell, Column, Table
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,13 +101,14 @@ def overview(
     """
     kept = methods if controls else {name: scores.without_controls for name, scores in methods.items()}
     titles = [Column(FIGURE[key].title, DECIMALS[FIGURE[key].unit]) for key in figures]
-    columns = (Column("method"), Column("objects", 0), Column("joints", 0), titles[0], Column("95 %"), *titles[1:])
+    columns = (Column("method"), Column("objects", 0), Column("joints", 0), titles[0], INTERVAL, *titles[1:])
     rows: list[tuple[Cell, ...]] = []
     for name, scores in kept.items():
         summary = scores.summary
         estimates = summary.micro if macro_over is None else summary.macro[macro_over]
         values = [_value(estimates, key) for key in figures]
-        interval = _interval(estimates[figures[0]], DECIMALS[FIGURE[figures[0]].unit])
+        first = estimates[figures[0]]
+        interval = None if first is None else first.interval(DECIMALS[FIGURE[figures[0]].unit])
         rows.append((name, summary.objects, summary.joints, values[0], interval, *values[1:]))
     over = "over joints" if macro_over is None else f"over categories with >= {macro_over} objects"
     caption = caption.noting(f"Means {over}." if controls else f"Means {over}. Without buttons, knobs and switches.")
@@ -156,7 +157,3 @@ def _plain(estimate: Estimate | None) -> float | None:
 
 def _value(estimates: Estimates, figure: str) -> float | None:
     return _plain(estimates.get(figure))
-
-
-def _interval(estimate: Estimate | None, decimals: int) -> str | None:
-    return None if estimate is None else f"{estimate.low:.{decimals}f}..{estimate.high:.{decimals}f}"

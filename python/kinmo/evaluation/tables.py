@@ -70,6 +70,10 @@ class Column:
         return f"{cell:.{self.decimals}f}" if isinstance(cell, float) and self.decimals is not None else str(cell)
 
 
+INTERVAL = Column("95 %")
+"""Of the intervals of the figures in the column before."""
+
+
 @dataclass(frozen=True)
 class Table:
     """Rows of cells under columns."""

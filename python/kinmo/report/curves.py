@@ -13,6 +13,9 @@ LETTER, GAP, ROW = 5.4, 12, 13
 """Of the key: about the width of a letter, the space between two names, the height of a row."""
 LEFT, RIGHT, TITLE, BOTTOM = 46, 14, 15, 28
 
+COLOURS = 10
+"""Of series; the page says which."""
+
 Points = Sequence[tuple[float, float]]
 
 
@@ -48,8 +51,8 @@ def line_chart(title: str, series: Mapping[str, Points], x_label: str) -> str:
     pieces.append(f'<text class="tick" text-anchor="end" x="{WIDTH - RIGHT}" y="{height - 3}">{escape(x_label)}</text>')
     for index, ((name, points), (left, below)) in enumerate(zip(drawn.items(), key, strict=True)):
         path = " ".join(place(x, y) for x, y in (points if len(points) > 1 else points * 2))  # one point is a dot
-        pieces.append(f'<polyline class="series s{index % 6}" points="{path}"/>')
-        pieces.append(f'<text class="key s{index % 6}" x="{left:.0f}" y="{TITLE + below}">{escape(name)}</text>')
+        pieces.append(f'<polyline class="series s{index % COLOURS}" points="{path}"/>')
+        pieces.append(f'<text class="key s{index % COLOURS}" x="{left:.0f}" y="{TITLE + below}">{escape(name)}</text>')
     head = f'<svg class="chart" viewBox="0 0 {WIDTH} {height}" role="img" aria-label="{escape(title, quote=True)}">'
     return f"{head}{''.join(pieces)}</svg>"
 

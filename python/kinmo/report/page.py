@@ -10,11 +10,14 @@ from importlib import resources
 import jinja2
 
 import kinmo
+from kinmo.report.curves import COLOURS
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table. Cells are text as it is to be shown; `note` stands below it. The first column names the row."""
+    """A table. Cells are text as it is to be shown; lines after the first are small. `note` stands below it. The first column
+    names the row.
+    """
 
     caption: str
     header: Sequence[str]
@@ -22,8 +25,8 @@ class Table:
     note: str = ""
 
     def is_text(self, column: int) -> bool:
-        """Whether a cell of a column has a letter: numbers, intervals and times have none."""
-        return any(letter.isalpha() for row in self.rows for letter in row[column])
+        """Whether the first line of a cell of a column has a letter: numbers and times have none."""
+        return any(letter.isalpha() for row in self.rows for letter in row[column].split("\n")[0])
 
 
 @dataclass(frozen=True)
@@ -70,4 +73,4 @@ def _template() -> jinja2.Template:
 
 def render(page: Page) -> str:
     """The HTML of `page`: style and pictures inline, no script, nothing fetched from anywhere."""
-    return _template().render(page=page, version=kinmo.__version__)
+    return _template().render(page=page, colours=COLOURS, version=kinmo.__version__)
