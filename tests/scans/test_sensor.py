@@ -66,3 +66,27 @@ def test_what_is_seen_too_flatly_is_lost_and_nothing_else(cosine: float, is_lost
 def test_without_faults_pictures_stay_as_they_are() -> None:
     images = wall(0.8)
     assert sensed(images, SensorConfig()) is images
+
+
+def test_noise_has_the_deviation_that_is_asked_for_and_hangs_together() -> None:
+    images = wall(1.0)
+    noise = (sensed(images, SensorConfig(noise=0.01)).depths - images.depths) / images.depths**2
+    assert noise.std() == pytest.approx(0.01, rel=0.03)
+    assert np.corrcoef(noise[:, :, 1:].ravel(), noise[:, :, :-1].ravel())[0, 1] > 0.8
+
+
+def test_faults_do_not_depend_on_where_in_the_picture_the_object_is() -> None:
+    depths, parts = np.zeros((1, 120, 120), np.float32), np.full((1, 120, 120), NOTHING, np.int32)
+    depths[0, 10:50, 20:70], parts[0, 10:50, 20:70] = 2.0, 0
+    far = DepthImages(np.roll(depths, (60, 40), (1, 2)), np.roll(parts, (60, 40), (1, 2)))
+    sensor = SensorConfig(noise=0.01, holes=0.2, crop=0.3)
+    here, there = sensed(DepthImages(depths, parts), sensor), sensed(far, sensor)
+    np.testing.assert_array_equal(np.roll(here.parts, (60, 40), (1, 2)), there.parts)
+    np.testing.assert_array_equal(np.roll(here.depths, (60, 40), (1, 2)), there.depths)
+
+
+def test_a_picture_of_nothing_stays_one() -> None:
+    nothing = DepthImages(np.zeros((2, 120, 120), np.float32), np.full((2, 120, 120), NOTHING, np.int32))
+    found = sensed(nothing, SensorConfig(noise=0.01, holes=0.2, crop=0.3, steep=True))
+    assert not found.depths.any()
+    assert (found.parts == NOTHING).all()

@@ -9,6 +9,7 @@ from scipy.ndimage import gaussian_filter
 from kinmo.config import SensorConfig
 from kinmo.scans.camera import Camera
 from kinmo.scans.renderers import NOTHING, DepthImages
+from kinmo.vector import Vector
 
 F32 = NDArray[np.float32]
 
@@ -32,32 +33,53 @@ def sense(
     """
     if sensor == SensorConfig():
         return images
-    depths, parts = images.depths.copy(), images.parts.copy()
+    depths, parts, rays = images.depths.copy(), images.parts.copy(), camera.rays().astype(np.float32)
     for depth, part, floor in zip(depths, parts, floors, strict=True):
         if sensor.floor:
-            _put_floor(depth, part, camera, floor)
-        lost = np.zeros(depth.shape, bool)
-        if sensor.steep:
-            lost |= _facing(depth, camera) < STEEP
-        if sensor.holes > 0.0:
-            field = gaussian_filter(rng.normal(size=depth.shape), HOLE_PATCH)
-            lost |= field > np.quantile(field, 1.0 - sensor.holes)
-        if sensor.crop > 0.0:
-            lost |= _beyond_crop(part, sensor.crop * rng.uniform(), rng)
-        if sensor.noise > 0.0:
-            field = gaussian_filter(rng.normal(size=depth.shape), NOISE_PATCH)
-            seen = depth > 0.0
-            depth[seen] += (sensor.noise / field.std() * field * depth**2)[seen]
-        depth[lost], part[lost] = 0.0, NOTHING
+            _put_floor(depth, part, rays, camera, floor)
+        window = _window(depth > 0.0)
+        if window is not None:  # an object fills a fifth of its picture or so
+            _spoil(depth[window], part[window], rays[window], camera.focal, sensor, rng)
     return DepthImages(depths, parts)
 
 
-def _put_floor(depth: F32, part: NDArray[np.int32], camera: Camera, floor: NDArray[np.float64]) -> None:
+def _window(seen: NDArray[np.bool_]) -> tuple[slice, slice] | None:
+    """Rows and columns of a picture outside which nothing is seen, with a pixel to spare on all sides; None if nothing is."""
+    rows, columns = (np.flatnonzero(seen.any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return None
+    return slice(max(rows[0] - 1, 0), rows[-1] + 2), slice(max(columns[0] - 1, 0), columns[-1] + 2)
+
+
+def _spoil(
+    depth: F32, part: NDArray[np.int32], rays: F32, focal: Vector, sensor: SensorConfig, rng: np.random.Generator
+) -> None:
+    """Add the faults of the sensor to a picture, in place."""
+    lost = np.zeros(depth.shape, bool)
+    if sensor.steep:
+        lost |= _facing(depth, rays, focal) < STEEP
+    if sensor.holes > 0.0:
+        field = _patches(depth.shape, HOLE_PATCH, rng)
+        lost |= field > np.quantile(field, 1.0 - sensor.holes)
+    if sensor.crop > 0.0:
+        lost |= _beyond_crop(part, sensor.crop * rng.uniform(), rng)
+    if sensor.noise > 0.0:
+        depth += sensor.noise * _patches(depth.shape, NOISE_PATCH, rng) * depth**2
+    depth[lost], part[lost] = 0.0, NOTHING
+
+
+def _patches(shape: tuple[int, ...], pixels: float, rng: np.random.Generator) -> F32:
+    """Random numbers of the variance 1, neighbours within so many `pixels` alike."""
+    smoothed = gaussian_filter(rng.standard_normal(shape, np.float32), pixels)
+    return np.asarray(2.0 * np.sqrt(np.pi) * pixels * smoothed, np.float32)
+
+
+def _put_floor(depth: F32, part: NDArray[np.int32], rays: F32, camera: Camera, floor: NDArray[np.float64]) -> None:
     """Fill in the plane near to the object, where it is seen and nothing is before it."""
-    rays, on_object = camera.rays(), part != NOTHING
+    on_object = part != NOTHING
     if not on_object.any():
         return
-    middle = np.median(camera.points(depth)[on_object], axis=0)
+    middle = np.median(rays[on_object] * depth[on_object, None], axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
         behind = floor[3] / (rays @ floor[:3])
         near = np.linalg.norm(rays * behind[..., None] - middle, axis=-1) < FLOOR_REACH
@@ -65,14 +87,17 @@ def _put_floor(depth: F32, part: NDArray[np.int32], camera: Camera, floor: NDArr
     depth[there] = behind[there]
 
 
-def _facing(depth: F32, camera: Camera) -> F32:
-    """Cosine between every pixel's ray and the normal of what is seen there, from differences of its neighbours' places."""
-    places = camera.points(depth)
-    across, down = np.gradient(places, axis=1), np.gradient(places, axis=0)
-    normals = np.cross(across, down)
-    rays = camera.rays()
-    lengths = np.linalg.norm(normals, axis=-1) * np.linalg.norm(rays, axis=-1)
-    return np.asarray(np.abs(np.sum(normals * rays, axis=-1)) / np.maximum(lengths, 1e-12), np.float32)
+def _facing(depth: F32, rays: F32, focal: Vector) -> F32:
+    """Cosine between every pixel's ray and the normal of what is seen there.
+
+    The place of a pixel is depth * ray, and from one to the next rays change by 1 / `focal`: the cross product of what places
+    change by, over depth / (focal * focal), is the normal below, whose product with the ray is the depth.
+    """
+    down, across = np.gradient(depth)
+    x, y = across * np.float32(focal[0]), down * np.float32(focal[1])
+    z = depth + x * rays[..., 0] + y * rays[..., 1]
+    lengths = np.sqrt((x * x + y * y + z * z) * np.einsum("ijk,ijk->ij", rays, rays))
+    return np.asarray(depth / np.maximum(lengths, 1e-12), np.float32)
 
 
 def _beyond_crop(part: NDArray[np.int32], share: float, rng: np.random.Generator) -> NDArray[np.bool_]:
