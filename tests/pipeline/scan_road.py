@@ -8,6 +8,7 @@ from pathlib import Path
 from whole_road import Listener, tiny_config
 
 from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.scans.dataset import ROLES
 from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.synth import Synth
@@ -65,6 +66,6 @@ def made_in(folder: Path) -> Scanned:
     workspace = Workspace(folder / "workspace")
     Prepare(folder / "partnet", workspace, hold_back=(folder / "partnet" / HELD_BACK,)).run(Listener())
     made = Scanned(workspace, str(config))
-    made.render(unlabelled=True).run(Listener())
+    made.render(beside=ROLES).run(Listener())
     made.train("supervised").run(Listener())
     return made

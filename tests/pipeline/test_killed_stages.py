@@ -13,6 +13,7 @@ import pytest
 from scan_road import CATEGORY, Scanned
 from whole_road import MADE, Listener, Road, contents, undone
 
+from kinmo.pipeline.scans.dataset import ROLES
 from kinmo.pipeline.scans.networks import NETWORKS, Cell
 from kinmo.pipeline.stage import Stage
 from kinmo.workspace import Workspace
@@ -82,7 +83,7 @@ def test_stages_of_scans_do_too(name: str, moments: tuple[int, ...], scanned: Sc
         shutil.rmtree(again.workspace.path / folder)
     for network in NETWORKS if name == "train" else ():
         again.workspace.forget(Cell(CATEGORY, "supervised", 0).stage(network))
-    stage = again.render(unlabelled=True) if name == "render" else again.train("supervised")
+    stage = again.render(beside=ROLES) if name == "render" else again.train("supervised")
     killed_and_repeated(stage, moments)
     own = {path: made for path, made in contents(scanned.workspace.path).items() if path.startswith(folders)}
     ended = contents(again.workspace.path)

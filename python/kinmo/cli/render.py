@@ -29,7 +29,8 @@ def render(
         kinmo render
         kinmo render --category laptop
     """
-    from kinmo.pipeline.scans.render import Render
+    from kinmo.pipeline.scans.render import WITH_LABELS, Render
     from kinmo.workspace import Workspace
 
-    execute(options, Render(Workspace(options.workspace), config, category, options.seed, options.worker_count, unlabelled))
+    beside = (*WITH_LABELS, "unlabelled") if unlabelled else WITH_LABELS
+    execute(options, Render(Workspace(options.workspace), config, category, options.seed, options.worker_count, beside))

@@ -59,7 +59,7 @@ def test_objects_to_train_on_are_scanned_with_others_like_them_and_count_once(sc
         assert count_objects(dataset.files[role]) == len(by_object)
         if count == 2:
             assert all(not np.allclose(one.extents.sizes, other.extents.sizes) for one, other in by_object.values())
-    report = scanned.render(unlabelled=True).run(Listener()).data["categories"][CATEGORY]
+    report = scanned.render(beside=ROLES).run(Listener()).data["categories"][CATEGORY]
     found = {role: count_objects(dataset.files[role]) for role in ("train", "hidden", "validation", "test")}
     assert {role: report["objects"][role] for role in found} == found
 
@@ -87,11 +87,23 @@ def test_objects_that_are_not_closed_have_no_variants(scanned: Scanned, tmp_path
 
 def test_what_was_scanned_is_not_scanned_again(scanned: Scanned) -> None:
     before, told = contents(scanned.workspace.path), Listener()
-    plan = scanned.render(unlabelled=True).plan()
+    plan = scanned.render(beside=ROLES).plan()
     assert (plan.steps, plan.seconds) == ((), 0.0)
-    scanned.render(unlabelled=True).run(told)
+    scanned.render(beside=ROLES).run(told)
     assert told.notes == ["scanned already"]
     assert contents(scanned.workspace.path) == before
+
+
+def test_only_what_is_asked_for_is_scanned_beside_the_labelled_objects(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    shutil.rmtree(workspace.scans)
+    shutil.rmtree(workspace.own_scans, ignore_errors=True)
+    labelled = {"train", "validation", "test"}
+    for beside, roles in (((), labelled), (("hidden",), labelled | {"hidden"}), (("unlabelled",), {*labelled, "unlabelled"})):
+        found = Render(workspace, scanned.config, FAMILY, beside=beside).run(Listener())
+        assert set(found.data["categories"][CATEGORY]["objects"]) == roles
+    assert open_scan_dataset(workspace, CATEGORY).files["hidden"], "what is not asked for stays"
 
 
 def test_an_object_that_cannot_be_scanned_says_why_and_is_not_tried_again(scanned: Scanned, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from kinmo.errors import InputError, did_you_mean
 from kinmo.formats import Layout
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.pseudo_label import PseudoLabel
-from kinmo.pipeline.scans.dataset import Setting
+from kinmo.pipeline.scans.dataset import Role, Setting
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.networks import Cell, Protocol
 from kinmo.pipeline.scans.render import Render
@@ -40,6 +40,14 @@ NEEDED: Mapping[Setting, str] = {
     "ceiling": "whose labels are held back: kinmo prepare --hold-back keeps some",
 }
 """Shapes that a setting needs beside the labelled ones."""
+SCANNED: Mapping[Setting, tuple[Role, ...]] = {
+    "supervised": (),
+    "semi": ("unlabelled",),
+    "semi-weakly": ("pseudo", "hidden"),
+    "dsg-net": ("pseudo", "hidden"),
+    "ceiling": ("hidden",),
+}
+"""Roles of what is scanned for a setting beside the labelled shapes; held back labels tell how right pseudo labels are."""
 MANY_SEEDS = ("Refrigerator", "Scissors")
 """Categories whose cells have three seeds by default."""
 TOO_LONG = "it would have taken longer than --hours"
@@ -199,10 +207,10 @@ class MakeTable:
         if row.setting in ("semi-weakly", "dsg-net"):
             yield Train(self.method, place, self.config, None, SHARED_SEED, self.device, self.workers, self.start)
             yield PseudoLabel(place, self.method, category, None, self.device, self.workers)
-        yield Render(place, self.config, category, SHARED_SEED, self.workers, unlabelled=row.setting == "semi")
+        yield Render(place, self.config, category, SHARED_SEED, self.workers, SCANNED[row.setting])
         tested = Workspace(self.workspace.root, is_rough=row.on_rough)
         if row.on_rough != row.of_rough:
-            yield Render(tested, self.config, category, SHARED_SEED, self.workers)
+            yield Render(tested, self.config, category, SHARED_SEED, self.workers, beside=())
         yield TrainAncsh(place, self.config, category, row.setting, seed, self.device, self.workers)
         yield EvaluateScans(place, cell, self.device, row.on_rough)
 

@@ -31,6 +31,10 @@ from kinmo.workers import Crashed, map_unordered
 from kinmo.workspace import Workspace, digest, remove_leftovers
 
 STAGE = "render"
+SPLITS: tuple[Role, ...] = tuple(split.value for split in Split)
+"""Roles of labelled shapes."""
+WITH_LABELS: tuple[Role, ...] = ("hidden", "pseudo")
+"""Roles of other shapes whose joints are known, in some way."""
 SECONDS_PER_FRAME = 0.012
 """On one core, until the journal knows better."""
 
@@ -39,8 +43,9 @@ SECONDS_PER_FRAME = 0.012
 class Render:
     """Scan the objects of a category, or of those of the paper's five that there are labelled shapes of.
 
-    Every labelled shape is scanned as its joints move it, and every one with a pseudo label as that says; with `unlabelled`,
-    those without joints too, as they stand. Frames that were made from the same files in the same way stay as they are.
+    Every labelled shape is scanned as its joints move it, and with them those of the roles in `beside`: shapes with held back
+    or pseudo labels as these say, unlabelled ones as they stand. Frames that were made from the same files in the same way stay
+    as they are, whether asked for or not.
     """
 
     workspace: Workspace
@@ -48,7 +53,7 @@ class Render:
     category: str | None = None
     seed: int = 0
     workers: int = 1
-    unlabelled: bool = False
+    beside: tuple[Role, ...] = WITH_LABELS
 
     def plan(self) -> Plan:
         config = self._scans()
@@ -88,7 +93,7 @@ class Render:
         return Outcome(self.workspace.scans, data, _text(data), failed=len(crashed))
 
     def _is_asked(self, job: Job) -> bool:
-        return self.unlabelled or job.role != "unlabelled"
+        return job.role in (*SPLITS, *self.beside)
 
     def _scanned(self, config: ScansConfig, pending: Sequence[Job]) -> Iterator[tuple[Job, Crashed | None]]:
         """Pseudo-labelled objects come last: those with true labels show how far hinges open."""
