@@ -31,7 +31,7 @@ from kinmo.workers import Crashed, map_unordered
 from kinmo.workspace import Workspace, digest, remove_leftovers
 
 STAGE = "render"
-SPLITS: tuple[Role, ...] = tuple(split.value for split in Split)
+LABELLED: tuple[Role, ...] = tuple(split.value for split in Split)
 """Roles of labelled shapes."""
 WITH_LABELS: tuple[Role, ...] = ("hidden", "pseudo")
 """Roles of other shapes whose joints are known, in some way."""
@@ -93,7 +93,7 @@ class Render:
         return Outcome(self.workspace.scans, data, _text(data), failed=len(crashed))
 
     def _is_asked(self, job: Job) -> bool:
-        return job.role in (*SPLITS, *self.beside)
+        return job.role in (*LABELLED, *self.beside)
 
     def _scanned(self, config: ScansConfig, pending: Sequence[Job]) -> Iterator[tuple[Job, Crashed | None]]:
         """Pseudo-labelled objects come last: those with true labels show how far hinges open."""
