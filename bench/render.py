@@ -100,13 +100,13 @@ def compare(name: str, target: ArticulatedObject, frames: int, repeats: int) -> 
 def whole_frames(target: ArticulatedObject, quick: bool) -> None:
     """Drawing the state and the camera, the picture, and 1,024 labelled points; then with what a bad sensor makes of it."""
     config = ScansConfig(states=2 if quick else 10, views=10)
-    for words, sensor in (("", config.sensor), (", by a bad sensor", config.rough)):
+    for words, sensor, goal in (("", config.sensor, FRAME_GOAL), (", by a bad sensor", config.rough, None)):
         start = time.process_time()
         frames = scan(target, replace(config, sensor=sensor), 0)
         each = 1e3 * (time.process_time() - start) / (len(frames) + frames.refused.total())
         claim = f"ms a labelled frame of 1,024 points{words}"
-        line = {"claim": claim, "ours": each, "peer": None, "ratio": None, "goal": FRAME_GOAL}
-        print(json.dumps(line | {"met": each <= FRAME_GOAL}))
+        line = {"claim": claim, "ours": each, "peer": None, "ratio": None, "goal": goal}
+        print(json.dumps(line | {"met": None if goal is None else each <= goal}))
 
 
 def main() -> None:
