@@ -41,37 +41,37 @@ pub fn render(parts: &[Mesh], transforms: &[Matrix3x4<f64>], camera: &Pinhole, d
     depths.fill((1.0 / camera.far as f32).next_down());
     shown.fill(-1);
     let mut canvas = Canvas::new(camera.width, camera.height, depths, shown);
-    let mut corners: Vec<Corner> = Vec::new();
     for (index, (part, transform)) in parts.iter().zip(transforms).enumerate() {
-        let (linear, shift) = (transform.fixed_columns::<3>(0).into_owned(), transform.column(3).into_owned());
-        let place = |vertex: &Point3<f64>| linear * vertex.coords + shift;
-        corners.clear();
-        corners.extend(part.vertices().iter().map(|vertex| camera.corner(&place(vertex))));
-        let mut block = [Framed::default(); BLOCK];
-        for faces in part.faces().chunks(BLOCK) {
-            let mut count = 0;
-            for face in faces {
-                let triangle = face.map(|i| corners[i as usize]);
-                if triangle.iter().all(|corner| corner.to_array()[2] > 0.0) {
-                    // without a branch, which nobody could foresee
-                    block[count] = canvas.frame(triangle);
-                    count += usize::from(!block[count].is_empty());
-                } else {
-                    for triangle in camera.cut(face.map(|i| place(&part.vertices()[i as usize]))) {
-                        let framed = canvas.frame(triangle);
-                        if !framed.is_empty() {
-                            canvas.fill(&framed, index as i32);
-                        }
-                    }
-                }
-            }
-            for triangle in &block[..count] {
-                canvas.fill(triangle, index as i32);
-            }
-        }
+        draw(part, transform, index as i32, camera, &mut canvas);
     }
     for (depth, part) in depths.iter_mut().zip(shown) {
         *depth = if *part < 0 { 0.0 } else { 1.0 / *depth };
+    }
+}
+
+/// Draws a moved part where it is nearer than what is seen.
+fn draw(part: &Mesh, transform: &Matrix3x4<f64>, index: i32, camera: &Pinhole, canvas: &mut Canvas) {
+    let (linear, shift) = (transform.fixed_columns::<3>(0).into_owned(), transform.column(3).into_owned());
+    let place = |vertex: &Point3<f64>| linear * vertex.coords + shift;
+    let corners: Vec<Corner> = part.vertices().iter().map(|vertex| camera.corner(&place(vertex))).collect();
+    let mut block = [Framed::default(); BLOCK];
+    for faces in part.faces().chunks(BLOCK) {
+        let mut count = 0;
+        for face in faces {
+            let triangle = face.map(|i| corners[i as usize]);
+            if triangle.iter().all(|corner| corner.to_array()[2] > 0.0) {
+                // without a branch, which nobody could foresee
+                block[count] = canvas.frame(triangle);
+                count += usize::from(!block[count].is_empty());
+            } else {
+                for triangle in camera.cut(face.map(|i| place(&part.vertices()[i as usize]))) {
+                    canvas.fill(&canvas.frame(triangle), index);
+                }
+            }
+        }
+        for triangle in &block[..count] {
+            canvas.fill(triangle, index);
+        }
     }
 }
 

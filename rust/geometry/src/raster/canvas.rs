@@ -52,9 +52,10 @@ impl<'a> Canvas<'a> {
     }
 
     /// Draws a triangle where it is nearer than what is seen: the pixels whose middles all three sides leave on the inside.
-    ///
-    /// Only for triangles that are not [empty](Framed::is_empty).
     pub fn fill(&mut self, triangle: &Framed, part: i32) {
+        if triangle.is_empty() {
+            return;
+        }
         let ([left, top, ..], [right, bottom, ..]) = (triangle.first.to_array(), triangle.last.to_array());
         if (right - left).max(bottom - top) < NARROW && self.width >= LANES {
             self.fill_narrow(triangle, part);
