@@ -86,6 +86,12 @@ def test_wrong_usage_is_exit_code_2(arguments: list[str]) -> None:
         ["predict", "scan.npz", "--category", "safe", "--method", "paper"],
         ["predict", "shapes", "--depth-scale", "1000"],
         ["synth", "shapes", "--layout", "dsg_net", "--held-back"],
+        ["table", "sensors", "--method", "paper"],
+        ["table", "sensors", "--from", "elsewhere"],
+        ["eval", "urdfs", "--truth", "shapes", "--protocol", "ancsh"],
+        ["eval", "urdfs", "--truth", "shapes", "--method", "paper"],
+        ["eval", "--truth", "shapes", "urdfs", "--ablations"],
+        ["eval", "--truth", "shapes", "urdfs", "--hidden-names"],
     ],
 )
 def test_an_option_that_would_do_nothing_is_refused(arguments: list[str]) -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from kinmo.evaluation.scan_metrics import FrameScore
 from kinmo.evaluation.scan_records import ObjectScans
-from kinmo.evaluation.scan_summary import change, gap_closed, measure_titles, summary
+from kinmo.evaluation.scan_summary import change, change_of_failures, gap_closed, measure_titles, summary
 from kinmo.joint import JointKind
 from kinmo.scans.articulated_object import Structure
 
@@ -45,6 +45,19 @@ def test_a_change_is_over_the_objects_that_both_rows_have():
     found = change(objects([0.3, 0.3, 0.9]), objects([0.1, 0.1]), STRUCTURE)[TURN]
     assert (found.value, found.count) == (pytest.approx(np.degrees(-0.2)), 2)
     assert change(objects([]), objects([0.1]), STRUCTURE) == [None] * len(measure_titles(STRUCTURE))
+
+
+def test_a_row_gains_nothing_by_what_it_has_not_found():
+    def two_frames(*rotations):
+        one, half = np.array([0.1]), np.full(2, 0.5)
+        frames = [FrameScore(np.array([0.0, turn]), half, half, one, one, one, one) for turn in rotations]
+        return [ObjectScans("object", tuple(frames))]
+
+    before, after = two_frames(0.1, 1.5), two_frames(0.2, np.nan)
+    found = change(before, after, STRUCTURE)[TURN]
+    assert found.value == pytest.approx(np.degrees(0.1 / 3.0)), "of three parts that both have found one is worse"
+    assert change_of_failures(before, after) == pytest.approx(50.0)
+    assert gap_closed(before, after, two_frames(0.0, 0.0), STRUCTURE)[TURN] == pytest.approx(-1.0)
 
 
 def test_the_share_of_the_gap_is_how_far_errors_have_gone_from_the_worse_to_the_best():

@@ -9,6 +9,7 @@ from typer import Argument, BadParameter, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions, Method, ProtocolName
+from kinmo.errors import InputError
 
 
 def evaluate(
@@ -48,6 +49,14 @@ def evaluate(
     if files is not None and truth is not None:
         from kinmo.pipeline.score_urdfs import ScoreUrdfs
 
+        given = {
+            "--method": method is not None,
+            "--ablations": ablations,
+            "--hidden-names": hidden_names,
+            "--protocol": protocol is not ProtocolName.KINMO,
+        }
+        for name in (name for name, is_given in given.items() if is_given):
+            raise InputError(name, "applies only to the workspace's own shapes and scans, expected none with FILES")
         execute(options, ScoreUrdfs(files, truth, workspace, category, options.worker_count))
         return
     from kinmo.pipeline.evaluate import Evaluate

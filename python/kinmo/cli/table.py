@@ -9,6 +9,7 @@ from typer import Argument, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions, Method, ProtocolName, Start
+from kinmo.errors import InputError
 
 
 class Name(str, Enum):
@@ -53,6 +54,9 @@ def table(
     from kinmo.pipeline.scans.make_table import MakeTable
     from kinmo.workspace import Workspace
 
+    if name is Name.SENSORS and (start is not None or method is not Method.KINMO):
+        option = "--method" if start is None else "--from"
+        raise InputError(option, "applies only to tables with pseudo labels, expected none with sensors")
     stage = MakeTable(
         name.value,
         Workspace(options.workspace),

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.errors import InputError
 from kinmo.evaluation.aggregate import Figure, Unit
@@ -90,6 +91,33 @@ def _sums(measure: Measure, rows: list[int]) -> Callable[[ObjectScans], tuple[fl
         return measure.factor * sum(known), len(known)
 
     return sums
+
+
+def found_by_all(rows: Sequence[Sequence[ObjectScans]]) -> list[list[ObjectScans]]:
+    """Of every row the objects that all have, without what any of the rows has not found of a frame.
+
+    What is hard to find has large errors where it is found: a row that loses it would seem to gain by that. The rows are of
+    the same frames, in one order.
+    """
+    by_id = [{scored.id: scored for scored in row} for row in rows]
+    common = sorted(set(by_id[0]).intersection(*by_id))
+    found: list[list[ObjectScans]] = [[] for _ in rows]
+    for name in common:
+        together = list(zip(*(row[name].frames for row in by_id), strict=True))
+        known = [_known(frames) for frames in together]
+        for place, row in enumerate(found):
+            kept = (_only(frames[place], where) for frames, where in zip(together, known, strict=True))
+            row.append(ObjectScans(name, tuple(kept)))
+    return found
+
+
+def _known(frames: Sequence[FrameScore]) -> dict[str, NDArray[np.bool_]]:
+    """What all of some rows have found of a frame."""
+    return {key: np.all([np.isfinite(getattr(frame, key)) for frame in frames], axis=0) for key in _NAMES}
+
+
+def _only(frame: FrameScore, known: Mapping[str, NDArray[np.bool_]]) -> FrameScore:
+    return FrameScore(**{key: np.where(known[key], getattr(frame, key), np.nan) for key in _NAMES})
 
 
 def write_scores(path: Path, scores: Iterable[tuple[str, FrameScore]]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from kinmo.evaluation.aggregate import Estimate, Figure, changes, micro, sums_of
-from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed, of_rows, rows_of
+from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed, found_by_all, of_rows, rows_of
 from kinmo.scans.articulated_object import Structure
 
 
@@ -31,11 +31,18 @@ def failures(objects: Sequence[ObjectScans]) -> float | None:
 
 
 def change(before: Sequence[ObjectScans], after: Sequence[ObjectScans], structure: Structure) -> list[Estimate | None]:
-    """By how much the means of `after` are above those of `before`, over the objects that both have, drawn alike for both."""
-    earlier, later = ({scored.id: scored for scored in objects} for objects in (before, after))
-    common = sorted(earlier.keys() & later.keys())
+    """By how much the means of `after` are above those of `before`, over what both have found of the same frames.
+
+    The objects are drawn alike for both.
+    """
     figures = _figures(structure)
-    return changes(*(sums_of([objects[name] for name in common], figures) for objects in (earlier, later)))
+    return changes(*(sums_of(objects, figures) for objects in found_by_all((before, after))))
+
+
+def change_of_failures(before: Sequence[ObjectScans], after: Sequence[ObjectScans]) -> float | None:
+    """By how many hundredths of the frames more `after` has some part not found; None without frames."""
+    shares = failures(before), failures(after)
+    return None if shares[0] is None or shares[1] is None else shares[1] - shares[0]
 
 
 def gap_closed(
@@ -43,10 +50,11 @@ def gap_closed(
 ) -> list[float | None]:
     """A measure each: the share of the way from the errors of `less` to those of `best` that `more` has gone.
 
+    Over what all three have found of the same frames.
     None where `best` is no better than `less`: there is no way to go.
     """
     shares: list[float | None] = []
-    rows = (summary(objects, structure) for objects in (less, more, best))
+    rows = (summary(objects, structure) for objects in found_by_all((less, more, best)))
     for measure, low, mid, high in zip(measures_of(structure), *rows, strict=True):
         way = 0.0 if low is None or high is None else high.value - low.value
         is_better = way > 0.0 if measure.larger_is_better else way < 0.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from kinmo.evaluation.aggregate import Estimate, micro, sums_of
 from kinmo.evaluation.paper_tables import MARK
 from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed, of_rows, rows_of
-from kinmo.evaluation.scan_summary import change, failures, measures_of, summary
+from kinmo.evaluation.scan_summary import change, change_of_failures, failures, measures_of, summary
 from kinmo.evaluation.tables import INTERVAL, Caption, Cell, Column, Table
 from kinmo.joint import JointKind
 from kinmo.scans.articulated_object import Structure
@@ -61,7 +61,7 @@ def over_parts(
 ) -> Table:
     """Means over all parts, or joints, with their 95 % intervals over the objects, and the share of frames that failed.
 
-    Then by how much the second of every pair of `compared` is above the first.
+    Then by how much the second of every pair of `compared` is above the first, over what both have found.
     """
     columns = [Column("trained on"), Column("objects"), Column("seeds")]
     for measure in measures_of(structure):
@@ -77,7 +77,8 @@ def over_parts(
     for before, after in compared:
         differences = change(before.objects, after.objects, structure)
         name = f"{after.name} against {before.name}"
-        lines.append((name, None, _seeds(after), *_with_intervals(differences, structure), None))
+        lost = change_of_failures(before.objects, after.objects)
+        lines.append((name, None, _seeds(after), *_with_intervals(differences, structure), lost))
     return Table(_counted(caption, rows), (*columns, FAILED), tuple(lines))
 
 

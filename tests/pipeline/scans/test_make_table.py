@@ -8,6 +8,7 @@ from collections import Counter
 from dataclasses import fields
 from pathlib import Path
 from types import SimpleNamespace
+from typing import get_args
 
 import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
@@ -21,7 +22,7 @@ from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.report import Report
-from kinmo.pipeline.scans.dataset import REFUSED, Setting, open_scan_dataset, scans_of
+from kinmo.pipeline.scans.dataset import REFUSED, Setting, open_scan_dataset, scans_of, training_data
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.judge_trained import JudgeTrained
 from kinmo.pipeline.scans.judged import JudgedScans
@@ -124,17 +125,46 @@ def judged(scanned: Scanned, tmp_path: Path) -> Workspace:
 
 
 def test_a_table_says_how_right_pseudo_labels_are_where_true_ones_are_held_back(judged: Workspace) -> None:
-    written = WrittenTables(judged, "2")
-    hidden, pseudo = (scans_of(judged, CATEGORY, role) for role in ("hidden", "pseudo"))
-    for is_run in (False, True):
-        if is_run:
-            taken_for(judged, "semi-weakly", 0)
-            shutil.copytree(hidden, pseudo)
+    written, cell = WrittenTables(judged, "2"), Cell(CATEGORY, "semi-weakly", 0)
+
+    def shown() -> str:
         written.write({CATEGORY: [0]})
-        text = (written.folder / CATEGORY / "means.md").read_text(encoding="utf-8")
-        count = count_objects(open_scan_dataset(judged, CATEGORY).files["hidden"])
-        labels = f"Of {count} objects that pseudo labels give these joints {count} truly have them, {count} all in"
-        assert (labels in " ".join(text.split())) is is_run
+        return " ".join((written.folder / CATEGORY / "means.md").read_text(encoding="utf-8").split())
+
+    assert "Pseudo labels (" not in shown()
+    taken_for(judged, cell.setting, cell.seed)
+    hidden, pseudo = (scans_of(judged, CATEGORY, role) for role in ("hidden", "pseudo"))
+    shutil.copytree(hidden, pseudo)
+    assert "Pseudo labels (semi-weakly) are others now than those that the networks were trained on." in shown()
+    dataset = open_scan_dataset(judged, CATEGORY)
+    data = training_data(dataset, dataset.beside(cell.setting))
+    for network in NETWORKS:
+        record = judged.record(cell.stage(network))
+        assert record is not None
+        judged.write_record(cell.stage(network), StageRecord({**record.inputs, "data": data}))
+    count = count_objects(dataset.files["hidden"])
+    assert f"Of {count} objects that pseudo labels give these joints {count} truly have them, {count} all in" in shown()
+
+
+def test_what_is_left_out_of_a_layout_is_counted_with_the_setting_that_learns_from_it(judged: Workspace) -> None:
+    pseudo = scans_of(judged, CATEGORY, "pseudo")
+    pseudo.mkdir()
+    for name in ("one-partnet", "two-partnet", "two-partnet.1", "three-dsg_net"):
+        (pseudo / f"{name}{REFUSED}").touch()
+    dataset = open_scan_dataset(judged, CATEGORY)
+    assert {setting: dataset.left_out(setting) for setting in get_args(Setting)} == {
+        "supervised": 0,
+        "semi": 0,
+        "semi-weakly": 2,
+        "dsg-net": 1,
+        "ceiling": 0,
+    }
+
+
+def test_fewer_seeds_take_none_out_of_a_table(judged: Workspace, scanned: Scanned) -> None:
+    taken_for(judged, "supervised", 1)
+    found = MakeTable("2", judged, scanned.config, "kinmo", FAMILY, 1, hours=0.0, **HOW).run(Listener())
+    assert {row[0]: row[2] for row in found.data[CATEGORY]["means"]["rows"]}["supervised"] == "0, 1"
 
 
 def test_rows_say_which_seeds_they_are_of_and_gaps_are_over_those_that_all_have(judged: Workspace) -> None:

@@ -356,6 +356,8 @@ def test_nothing_is_replaced_but_what_was_found_in_the_same_scan(scanned: Scanne
     ]
     stages[0].run(Listener())
     stages[0].run(Listener())
+    (tmp_path / "elsewhere").symlink_to(tmp_path / "a")
+    PredictScan(tmp_path / "elsewhere" / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).plan()
     before = contents(tmp_path / "out")
     for attempt in (stages[1].plan, lambda: stages[1].run(Listener())):
         with pytest.raises(InputError, match=r"seen\.json: is in the way"):

@@ -43,14 +43,14 @@ def scans_of(workspace: Workspace, category: str, role: Role) -> Path:
 class ScanDataset:
     """The scans of a category's objects of one structure, by role; those of `unlabelled` objects have no structure.
 
-    `others` counts objects that have another structure, by that and by role: no network of this structure can say what they
-    are. `truths` are as in `Dataset`.
+    `others` counts objects that have another structure, by that, by role and by the layout they came in: no network of this
+    structure can say what they are. `truths` are as in `Dataset`.
     """
 
     category: str
     structure: Structure
     files: Mapping[Role, tuple[ScanFile, ...]]
-    others: Mapping[tuple[str, Role], int]
+    others: Mapping[tuple[str, Role, str], int]
     truths: Mapping[tuple[str, str], str]
 
     def beside(self, setting: Setting) -> tuple[ScanFile, ...]:
@@ -58,14 +58,29 @@ class ScanDataset:
         if setting == "ceiling":
             return self.files["hidden"]
         if setting in ("semi-weakly", "dsg-net"):
-            is_wanted = {"semi-weakly": False, "dsg-net": True}[setting]
-            return tuple(f for f in self.files["pseudo"] if (f.provenance["layout"] == Layout.DSG_NET.value) is is_wanted)
+            return tuple(file for file in self.files["pseudo"] if is_pseudo_labelled_for(setting, file.provenance["layout"]))
         return ()
+
+    def left_out(self, setting: Setting) -> int:
+        """How many objects with pseudo labels a setting could have been trained on, had they this structure."""
+        counts = ((layout, count) for (_, role, layout), count in self.others.items() if role == "pseudo")
+        return sum(count for layout, count in counts if is_pseudo_labelled_for(setting, layout))
+
+
+def is_pseudo_labelled_for(setting: Setting, layout: str) -> bool:
+    """Whether a setting learns from pseudo labels of shapes in a layout."""
+    return setting == ("dsg-net" if layout == Layout.DSG_NET.value else "semi-weakly")
 
 
 def fingerprint(files: Sequence[ScanFile]) -> str:
     """Changes whenever one of the files would be made anew."""
     return digest([[file.id, file.provenance["made_from"]] for file in files])
+
+
+def training_data(dataset: ScanDataset, beside: Sequence[ScanFile]) -> dict[str, str]:
+    """What networks that are trained on the labelled objects, and on those `beside` them, are made from."""
+    training = (*dataset.files["train"], *beside)
+    return {"training": fingerprint(training), "validation": fingerprint(dataset.files["validation"])}
 
 
 def scanned_categories(workspace: Workspace) -> tuple[str, ...]:
@@ -110,14 +125,15 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     for role in ("pseudo", "unlabelled"):  # copies of what is chosen by
         found[role] = [file for file in found[role] if dataset.truths.get(file.object) not in kept]
     files: dict[Role, tuple[ScanFile, ...]] = {}
-    others: Counter[tuple[str, Role]] = Counter()
+    others: Counter[tuple[str, Role, str]] = Counter()
     for role, some in found.items():
         files[role] = tuple(f for f in some if f.frames > 0 and (role == "unlabelled" or f.structure == structure))
         kept_objects = {file.object for file in files[role]}
         rest = (file for file in some if file.object not in kept_objects)
-        left_out = {(file.object, str(file.structure) if file.frames else NO_FRAME) for file in rest}
-        others.update((reason, role) for _, reason in left_out)
-        others[NO_SCAN, role] += sum(1 for _ in scans_of(workspace, spelling, role).glob(f"*[!0-9]{REFUSED}"))  # no variants
+        left_out = {(f.object, str(f.structure) if f.frames else NO_FRAME, f.provenance["layout"]) for f in rest}
+        others.update((reason, role, layout) for _, reason, layout in left_out)
+        for layout in (each.value for each in Layout):  # names of variants end otherwise
+            others[NO_SCAN, role, layout] += sum(1 for _ in scans_of(workspace, spelling, role).glob(f"*-{layout}{REFUSED}"))
     return ScanDataset(spelling, structure, files, others, dataset.truths)
 
 

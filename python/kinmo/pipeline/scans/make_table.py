@@ -16,7 +16,7 @@ from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.scans.dataset import Role, Setting
 from kinmo.pipeline.scans.evaluate import EvaluateScans
-from kinmo.pipeline.scans.networks import Cell, Protocol
+from kinmo.pipeline.scans.networks import Cell, Protocol, trained_cells
 from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.scans.table_rows import TABLES, RowOf
 from kinmo.pipeline.scans.train import TrainAncsh, training_seconds
@@ -118,7 +118,7 @@ class MakeTable:
                     observer.note(f"not run: {name}: {error}")
                     is_known = self._is_known_to_be_impossible(row, category, seed)
                     failed += not (is_known and row.setting == "ceiling")  # few workspaces have labels that are held back
-        seeds = {category: self._seeds_of(category) for category in self._categories()}
+        seeds = {category: self._shown_seeds(category) for category in self._categories()}
         written = WrittenTables(self.workspace, self.name).write(seeds, self.protocol)
         return replace(written, failed=failed)
 
@@ -197,6 +197,13 @@ class MakeTable:
     def _seeds_of(self, category: str) -> tuple[int, ...]:
         count = self.seeds or (3 if any(same_category(category, name) for name in MANY_SEEDS) else 1)
         return tuple(range(self.seed, self.seed + count))
+
+    def _shown_seeds(self, category: str) -> list[int]:
+        """Those that are asked for, and those that there are networks of: fewer seeds take nothing out of a table."""
+        cells = (cell for row in TABLES[self.name].rows for cell in trained_cells(row.workspace(self.workspace)))
+        settings = {row.setting for row in TABLES[self.name].rows}
+        trained = {cell.seed for cell in cells if cell.category == category and cell.setting in settings}
+        return sorted(trained.union(self._seeds_of(category)))
 
     def _cells(self, category: str) -> Iterator[tuple[RowOf, int]]:
         """The rows of the first seed, then those of the next: what is cut off leaves whole comparisons."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -45,6 +46,11 @@ class Cell:
         trained = [dict(record.inputs) | {"network": None} for record in records if record is not None]
         are_of_one_kind = len(trained) == len(NETWORKS) and trained[0] == trained[1]
         return (ancsh, npcs) if are_of_one_kind and ancsh.exists() and npcs.exists() else None
+
+    def has_seen(self, workspace: Workspace, data: Mapping[str, str]) -> bool:
+        """Whether the networks were trained on these scans (`kinmo.pipeline.scans.dataset.training_data`)."""
+        records = (workspace.record(self.stage(network)) for network in NETWORKS)
+        return all(record is not None and record.inputs.get("data") == data for record in records)
 
 
 def trained_cells(workspace: Workspace) -> list[Cell]:

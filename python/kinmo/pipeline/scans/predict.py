@@ -92,7 +92,7 @@ class PredictScan:
         document, *others = self._files()
         try:
             written = json.loads(document.read_text(encoding="utf-8"))
-            is_own = "schema_version" in written and written["scan"] == str(self.source)
+            is_own = "schema_version" in written and written["scan"] == _name_of(self.source)
         except (OSError, ValueError, KeyError, TypeError):
             is_own = False
         for path in (document, *others):
@@ -154,11 +154,16 @@ def scan_document(
         "kinmo": __version__,
         "weights": weights,
         "trained": str(cell),
-        "scan": str(source),
+        "scan": _name_of(source),
         "category": cell.category,
         "parts": parts,
         "joints": joints,
     }
+
+
+def _name_of(scan: Path) -> str:
+    """The same for a file wherever one stands, and however it is spelled."""
+    return str(scan.resolve())
 
 
 def _of_nearest(points: NDArray[np.float64], seen: NDArray[np.float64], parts: NDArray[np.integer]) -> NDArray[np.int16]:

@@ -13,7 +13,7 @@ from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.learning.training import FitResult, Progress
 from kinmo.pipeline.fitting import Fitter, trained
 from kinmo.pipeline.journal import seconds_per_unit
-from kinmo.pipeline.scans.dataset import ScanDataset, Setting, fingerprint, open_scan_dataset, scanned_categories
+from kinmo.pipeline.scans.dataset import ScanDataset, Setting, open_scan_dataset, scanned_categories, training_data
 from kinmo.pipeline.scans.networks import NETWORKS, Cell
 from kinmo.pipeline.scans.self_label import SelfLabel, self_labels
 from kinmo.pipeline.stage import Observer, Outcome, Plan
@@ -179,7 +179,7 @@ class TrainAncsh:
                 raise InputError(folder, f"expected scans of an object of {dataset.structure} to {role}")
         if self.setting in BESIDE and not beside:
             raise InputError(folder, f"no scans of an object of {dataset.structure} {BESIDE[self.setting]}", self.setting)
-        data = {"training": fingerprint(training), "validation": fingerprint(validation)}
+        data = training_data(dataset, beside)
         objects, labelled = (count_objects(training), count_objects(validation)), count_objects(dataset.files["train"])
         for network in NETWORKS:
             inputs = {"network": network, "config": to_table(section), "seed": self.seed, "data": data}

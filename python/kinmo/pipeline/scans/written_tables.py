@@ -28,7 +28,16 @@ from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluation_folder import ALL
 from kinmo.pipeline.label_decisions import labelled_by
 from kinmo.pipeline.model_files import trained_on
-from kinmo.pipeline.scans.dataset import NO_FRAME, NO_SCAN, Role, ScanDataset, Setting, open_scan_dataset
+from kinmo.pipeline.scans.dataset import (
+    NO_FRAME,
+    NO_SCAN,
+    Role,
+    ScanDataset,
+    Setting,
+    is_pseudo_labelled_for,
+    open_scan_dataset,
+    training_data,
+)
 from kinmo.pipeline.scans.networks import PROTOCOLS, Protocol
 from kinmo.pipeline.scans.table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
@@ -41,7 +50,10 @@ WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code 
 MORE: Mapping[Protocol, Sequence[Measure]] = {"kinmo": (), "ancsh": ACCURACIES}
 """What is measured besides, part by part."""
 AUTHORS_MEASURE = "The authors' figures are of their data, and measured as --protocol ancsh measures."
-AGAINST = "Rows with the word against say by how much the first is above the second, over the seeds that both have."
+AGAINST = (
+    "Rows with the word against say by how much the first is above the second, over the seeds that both have, and the parts "
+    "and joints of each frame that both have found."
+)
 ROLE_NAMES: Mapping[Role, str] = {"train": "labelled", "validation": "validation", "test": "test", "hidden": "held back"}
 OTHER = "of other structures"
 UNSEEN = {NO_FRAME: "that no frame shows all parts of", NO_SCAN: "that cannot be scanned (kinmo render says why)"}
@@ -213,9 +225,14 @@ class WrittenTables:
             if row.setting in PSEUDO_LABELLED and shown.objects:
                 place = row.workspace(self.workspace)
                 dataset = open_scan_dataset(place, category)
-                methods = " and ".join(labelled_by(place, open_dataset(place, dataset.category).unlabelled))
-                others = sum(count for (_, role), count in dataset.others.items() if role == "pseudo")
-                left_out = f"left out: {counted(others, 'object')} that they give other joints, or none that can be seen."
+                if not row.cell(category, shown.seeds[0]).has_seen(place, training_data(dataset, dataset.beside(row.setting))):
+                    yield f"Pseudo labels ({row.title}) are others now than those that the networks were trained on."
+                    continue
+                unlabelled = open_dataset(place, dataset.category).unlabelled
+                taught = [entry for entry in unlabelled if is_pseudo_labelled_for(row.setting, entry.layout)]
+                methods = " and ".join(labelled_by(place, taught))
+                others = counted(dataset.left_out(row.setting), "object")
+                left_out = f"left out: {others} that they give other joints, or none that can be seen."
                 hidden, truths = dataset.files["hidden"], dataset.truths
                 counts = count_labels(dataset.beside(row.setting), hidden, truths) if truths else ""
                 yield f"Pseudo labels ({row.title}) are by --method {methods}; {left_out} {counts}".rstrip()
@@ -239,7 +256,7 @@ def _objects_of(dataset: ScanDataset) -> str:
     text = f"{dataset.category}, {training} labelled objects to train on"
     for what in (OTHER, *UNSEEN.values()):
         counts = Counter[str]()
-        for (reason, role), count in dataset.others.items():
+        for (reason, role, _), count in dataset.others.items():
             counts[ROLE_NAMES.get(role, "")] += count * (UNSEEN.get(reason, OTHER) == what)
         left_out = [f"{counts[name]} {name}" for name in ROLE_NAMES.values() if counts[name]]
         text += f"; left out, {what}: {', '.join(left_out)}" if left_out else ""
