@@ -41,6 +41,8 @@ demo: $(SETUP_STAMP) ## the whole road on procedural shapes, scans of dishwasher
 	$(KINMO) synth $(DEMO)/partnet --count $(COUNT)
 	$(KINMO) prepare $(DEMO)/partnet --workspace $(DEMO)/workspace
 	$(KINMO) train all --config small --category dishwasher --workspace $(DEMO)/workspace
+	$(KINMO) render --config small --category dishwasher --example $(DEMO)/scan.npz --workspace $(DEMO)/workspace
+	$(KINMO) predict $(DEMO)/scan.npz --category dishwasher --out $(DEMO)/predicted --workspace $(DEMO)/workspace
 	$(KINMO) pseudo-label --workspace $(DEMO)/workspace
 	$(KINMO) eval --workspace $(DEMO)/workspace
 	$(KINMO) report --workspace $(DEMO)/workspace

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 from typer import Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions
+from kinmo.errors import InputError
 
 
 def render(
@@ -15,6 +17,9 @@ def render(
     config: Annotated[str, Option("--config", "-c", help="small, paper, or a TOML file with a table scans.")] = "small",
     category: Annotated[
         str | None, Option(help="Only shapes of this category.", show_default="those of the paper that are there")
+    ] = None,
+    example: Annotated[
+        Path | None, Option(help="Write a scan of a test object to this .npz, to try kinmo predict on.", show_default=False)
     ] = None,
     unlabelled: Annotated[bool, Option("--unlabelled", help="Scan shapes without joints too, as they stand.")] = False,
 ) -> None:
@@ -28,9 +33,18 @@ def render(
 
         kinmo render
         kinmo render --category laptop
+        kinmo render --category laptop --example scan.npz
     """
+    from kinmo.pipeline.scans.example import ExampleScan
     from kinmo.pipeline.scans.render import WITH_LABELS, Render
     from kinmo.workspace import Workspace
 
     beside = (*WITH_LABELS, "unlabelled") if unlabelled else WITH_LABELS
-    execute(options, Render(Workspace(options.workspace), config, category, options.seed, options.worker_count, beside))
+    workspace = Workspace(options.workspace)
+    rendering = Render(workspace, config, category, options.seed, options.worker_count, beside)
+    if example is None:
+        execute(options, rendering)
+    elif category is None:
+        raise InputError("--example", "expected --category too, which it is to be of")
+    else:
+        execute(options, rendering, ExampleScan(workspace, category, example, options.seed))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import dataclass
 from pathlib import Path
 from tokenize import TokenError
+from typing import Any
 from zipfile import BadZipFile
 from zlib import error as ZlibError
 
@@ -12,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.errors import InputError
+from kinmo.workspace import write_bytes_atomically
 
 F64 = NDArray[np.float64]
 
@@ -113,6 +116,13 @@ def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: flo
         problem = f"expected points that are {SMALLEST:g} to {LARGEST:g} apart along an axis, got {across:g}"
         raise InputError(path, problem)
     return ScanInput(points, places)
+
+
+def write_points(path: Path, points: NDArray[np.floating], **beside: NDArray[Any]) -> None:
+    """Write an .npz that `read_scan` reads, with other arrays `beside` its points [n, 3]."""
+    file = io.BytesIO()
+    np.savez_compressed(file, points=points, **beside)  # type: ignore[arg-type]
+    write_bytes_atomically(path, file.getvalue())
 
 
 def check_is_scan(path: Path) -> str:

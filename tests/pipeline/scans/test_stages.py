@@ -22,6 +22,7 @@ from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.label_decisions import folder_name
 from kinmo.pipeline.scans.dataset import REFUSED, ROLES, open_scan_dataset, scans_of
 from kinmo.pipeline.scans.evaluate import EvaluateScans
+from kinmo.pipeline.scans.example import ExampleScan
 from kinmo.pipeline.scans.networks import Cell, scores_path, trained_cells
 from kinmo.pipeline.scans.predict import PredictScan
 from kinmo.pipeline.scans.render import Render
@@ -30,6 +31,7 @@ from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.scans.articulation import opening
 from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
+from kinmo.scans.scan_input import read_scan
 from kinmo.store import read_header
 from kinmo.workspace import Workspace
 
@@ -344,6 +346,25 @@ def test_a_depth_image_in_millimetres_goes_through_the_command(scanned: Scanned,
         assert np.abs(labelled["points"][:, None] - points[None]).max(axis=2).min(axis=1).max() < 0.01, "within a pixel"
     (joint,) = json.loads((tmp_path / "out" / "depth.json").read_text())["joints"]
     assert joint["kind"] == "R"
+
+
+def test_an_example_of_the_test_scans_is_one_that_parts_are_found_in(scanned: Scanned, tmp_path: Path) -> None:
+    example = ExampleScan(scanned.workspace, FAMILY, tmp_path / "new" / "scan.npz")
+    assert [step for step in example.plan().steps if "scan.npz" in step]
+    name = example.run(Listener()).data["object"]
+    test = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob(f"{name}-*.safetensors")))
+    np.testing.assert_array_equal(read_scan(example.path).points, test.read("points", 0))
+    before = contents(tmp_path / "new")
+    example.run(Listener())
+    assert contents(tmp_path / "new") == before
+    found = PredictScan(example.path, tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Listener())
+    assert len(found.data["parts"]) == 2
+    for taken in ("scan.npz", "points.npz", "scan.txt"):
+        (tmp_path / taken).write_bytes(b"mine")
+        np.savez(tmp_path / "points.npz", points=np.zeros((3, 3)))
+        with pytest.raises(InputError, match=r"in the way|ends in \.npz"):
+            ExampleScan(scanned.workspace, FAMILY, tmp_path / taken).plan()
+    assert (tmp_path / "scan.npz").read_bytes() == b"mine"
 
 
 def test_nothing_is_replaced_but_what_was_found_in_the_same_scan(scanned: Scanned, tmp_path: Path) -> None:

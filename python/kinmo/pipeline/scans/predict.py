@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,8 +25,8 @@ from kinmo.report.scan_picture import scan_picture
 from kinmo.scans.answers import PointAnswers
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
-from kinmo.scans.scan_input import Intrinsics, check_is_scan, read_scan
-from kinmo.workspace import Workspace, write_bytes_atomically, write_text_atomically
+from kinmo.scans.scan_input import Intrinsics, check_is_scan, read_scan, write_points
+from kinmo.workspace import Workspace, write_text_atomically
 
 SCHEMA_VERSION = 1
 PREFERRED = ("semi-weakly", "dsg-net", "semi", "supervised", "ceiling")
@@ -79,7 +78,7 @@ class PredictScan:
         write_text_atomically(target, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
         write_text_atomically(drawing, picture)
         parts = _of_nearest(points, seen, answer.parts)
-        write_bytes_atomically(labelled, _npz(points, parts, scan.places))
+        write_points(labelled, points, parts=parts, places=scan.places)
         return Outcome(target, document, _text(document))
 
     def _files(self) -> tuple[Path, Path, Path]:
@@ -169,12 +168,6 @@ def _name_of(scan: Path) -> str:
 def _of_nearest(points: NDArray[np.float64], seen: NDArray[np.float64], parts: NDArray[np.integer]) -> NDArray[np.int16]:
     """The part [n] of each of `points` [n, 3]: that of the nearest one that the networks have seen."""
     return np.asarray(parts[cKDTree(seen).query(points)[1]], np.int16)
-
-
-def _npz(points: NDArray[np.float64], parts: NDArray[np.int16], places: NDArray[np.int64]) -> bytes:
-    file = io.BytesIO()
-    np.savez_compressed(file, points=points, parts=parts, places=places)
-    return file.getvalue()
 
 
 def _text(document: dict[str, Any]) -> str:

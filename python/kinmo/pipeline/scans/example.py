@@ -1,0 +1,55 @@
+"""A scan to try `kinmo predict` on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from kinmo.errors import InputError
+from kinmo.pipeline.scans.dataset import open_scan_dataset
+from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.scans.scan_input import READING, write_points
+from kinmo.workspace import Workspace
+
+MARK = "example_of"
+"""The array beside the points, which has the id of the object."""
+
+
+@dataclass(frozen=True)
+class ExampleScan:
+    """Write one of the scans that networks of `category` are tested on to `path`, an .npz: its points, in the camera's frame.
+
+    The object is drawn by `seed`. Raises InputError if there is no such scan, or `path` holds anything but such an example.
+    """
+
+    workspace: Workspace
+    category: str
+    path: Path
+    seed: int = 0
+
+    def plan(self) -> Plan:
+        self._check_replaceable()
+        return Plan((f"write a test scan of a {self.category} to {self.path}",), 0.0)
+
+    def run(self, observer: Observer) -> Outcome:
+        self._check_replaceable()
+        dataset = open_scan_dataset(self.workspace, self.category)
+        files = dataset.files["test"]
+        if not files:
+            raise InputError(self.workspace.scans / dataset.category, f"expected scans of a test object of {dataset.structure}")
+        file = files[int(np.random.default_rng(self.seed).integers(len(files)))]
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        write_points(self.path, file.read("points", 0), **{MARK: np.array(file.id)})
+        return Outcome(self.path, {"scan": str(self.path), "object": file.id}, f"a scan of {file.id}")
+
+    def _check_replaceable(self) -> None:
+        if self.path.suffix != ".npz":
+            raise InputError(self.path, "expected a name that ends in .npz", "--example")
+        try:
+            is_own = MARK in getattr(np.load(self.path, allow_pickle=False), "files", ())
+        except READING:
+            is_own = False
+        if self.path.exists() and not is_own:
+            raise InputError(self.path, "is in the way: name another file", "--example")
