@@ -30,6 +30,7 @@ from kinmo.pipeline.scans.self_label import SelfLabel
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.scans.articulation import opening
+from kinmo.scans.renderers import NOTHING
 from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
 from kinmo.scans.scan_input import read_scan
 from kinmo.store import read_header
@@ -287,6 +288,27 @@ def test_networks_learn_from_pseudo_labels_too(scanned: Scanned, tmp_path: Path)
     assert facts["labelled"] == count_objects(dataset.files["train"])
     assert facts["objects"] == facts["labelled"] + count_objects(dataset.files["pseudo"])
     assert count_objects(dataset.files["pseudo"]) > 0
+
+
+def test_networks_that_know_a_floor_leave_its_points_out(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
+    config = tmp_path / "floor.toml"
+    config.write_text(Path(scanned.config).read_text(encoding="utf-8") + "[scans.sensor]\nfloor = true\n", encoding="utf-8")
+    floored = Scanned(Workspace(tmp_path / "workspace"), str(config))
+    floored.render(beside=()).run(Listener())
+    training = open_scan_dataset(floored.workspace, CATEGORY).files["train"]
+    assert all((file.read("parts") == NOTHING).any() for file in training), "the floor is seen, and no part's"
+    floored.train("supervised").run(Listener())
+    weights = Cell(CATEGORY, "supervised", 0).weights(floored.workspace)
+    assert weights is not None
+    header = json.loads(weights[0].with_suffix(".json").read_text(encoding="utf-8"))
+    known = json.loads(Cell(CATEGORY, "supervised", 0).folder(scanned.workspace, "ancsh").joinpath("weights.json").read_text())
+    assert header["facts"]["classes"] == known["facts"]["classes"] + 1
+    example = ExampleScan(floored.workspace, FAMILY, tmp_path / "scan.npz")
+    example.run(Listener())
+    PredictScan(example.path, tmp_path / "out", floored.workspace, FAMILY, **HOW).run(Listener())
+    with np.load(tmp_path / "out" / "scan.parts.npz") as labelled:
+        assert set(np.unique(labelled["parts"])) <= {NOTHING, 0, 1}
 
 
 def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> None:
