@@ -326,6 +326,10 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
     before = contents(tmp_path / "workspace")
     stage.run(Listener())
     assert contents(tmp_path / "workspace") == before
+    evaluation = ["eval", "--category", FAMILY, "--workspace", str(tmp_path / "workspace"), "--device", "cpu", "--workers", "1"]
+    result = CliRunner().invoke(app, evaluation)
+    assert result.exit_code == 0, result.output
+    assert "Table 1" in result.output and "Table 2" in result.output, "those of shapes and those of scans"
 
 
 def test_without_a_category_of_the_papers_train_all_says_that_scans_are_left_out(scanned: Scanned, tmp_path: Path) -> None:
