@@ -92,8 +92,24 @@ def test_a_slider_is_taken_to_move_along_x_of_the_base(seen):
     assert coded_score(seen, true).state[row] == pytest.approx(np.linalg.norm(right - slid), abs=1e-6)
 
 
-def test_a_frame_with_anything_missing_is_dropped(seen):
+def test_frames_are_dropped_from_the_measures_that_lack_something(seen):
+    true, missing = seen[2][0], np.full_like(seen[2][0].states, np.nan)
+    whole, dropped = coded_score(seen, true), coded_score(seen, replace(true, states=missing))
+    assert dropped.is_whole and np.isnan(dropped.state).all()
+    for name in ("rotation", "translation", "iou", "axis", "line"):
+        np.testing.assert_array_equal(getattr(dropped, name), getattr(whole, name))
+    scales = true.poses.scales.copy()
+    scales[1] = np.nan
+    lost = coded_score(seen, replace(true, poses=replace(true.poses, scales=scales)))
+    assert not lost.is_whole and all(np.isnan(getattr(lost, name)).all() for name in ("translation", "iou", "state"))
+    scales[0] = np.nan
+    lost = coded_score(seen, replace(true, poses=replace(true.poses, scales=scales)))
+    assert all(np.isnan(getattr(lost, field.name)).all() for field in fields(lost)), "without the base there is nothing"
+
+
+def test_a_joint_that_no_point_tells_of_counts_as_right(seen):
     true = seen[2][0]
-    dropped = coded_score(seen, replace(true, states=np.full_like(true.states, np.nan)))
-    assert not dropped.is_whole
-    assert all(np.isnan(getattr(dropped, field.name)).all() for field in fields(dropped))
+    untold = replace(true, directions=np.full_like(true.directions, np.nan), pivots=np.full_like(true.pivots, np.nan))
+    score = coded_score(seen, untold)
+    np.testing.assert_array_equal(score.axis, 0.0)
+    np.testing.assert_array_equal(score.line, 0.0)

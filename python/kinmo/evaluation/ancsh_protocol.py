@@ -7,8 +7,8 @@ Its faults, of which the default measures (`scan_metrics`) have none:
 - The overlap of boxes is counted on a grid, by a test with edges in the wrong order: one of the three is a face's diagonal.
 - A hinge's state is off by the angle between the two turns against the base, axes that are off included. A slider is taken to
   move along x of the base: from where the part's box begins by the network to where its visible points do.
-- The distance of parallel axes counts as zero.
-- Frames in which anything was not found are left out without a word.
+- The distance of parallel axes counts as zero, and so do angle and distance of a joint that no point tells of.
+- Frames are left out without a word, measure by measure, where what it is of was not found of any part.
 """
 
 from __future__ import annotations
@@ -33,10 +33,12 @@ CORNER, ENDS = (1, -1, 1), ((1, -1, -1), (-1, -1, -1), (1, 1, 1))
 def score_as_ancsh(
     found: ScanEstimate, true: ScanEstimate, structure: Structure, points: NDArray[np.floating], parts: NDArray[np.integer]
 ) -> FrameScore:
-    """Errors of `found` in the scan `points` [n, 3] that are said to be of `parts` [n]; all NaN for a frame that is dropped."""
-    known = (found.poses.scales, found.half_extents, found.directions, found.states)
-    if not all(np.isfinite(values).all() for values in known):
+    """Errors of `found` in the scan `points` [n, 3] that are said to be of `parts` [n]; NaN in measures without the frame."""
+    if not np.isfinite(found.poses.scales[0]):  # nothing can be told against the base
         return nothing_found(structure)
+    has_poses, has_boxes, has_states = (
+        bool(np.isfinite(values).all()) for values in (found.poses.scales, found.half_extents, found.states)
+    )
     with np.errstate(invalid="ignore", divide="ignore"):
         turned = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
         corners = np.linalg.norm(found.poses.translations - true.poses.translations, axis=1)
@@ -50,14 +52,18 @@ def score_as_ancsh(
     axis = [axis_error(found.directions[row], true.directions[row]) for row in range(len(structure.kinds))]
     overlap = [box_overlap(_corners(found, part), _corners(true, part)) for part in range(structure.part_count)]
     return FrameScore(
-        np.nan_to_num(np.array(turned)),
-        corners,
-        np.array(overlap),
-        np.nan_to_num(np.array(state)),
+        _only_if(has_poses, np.nan_to_num(np.array(turned))),
+        _only_if(has_poses, corners),
+        _only_if(has_poses and has_boxes, np.array(overlap)),
+        _only_if(has_poses and has_boxes and has_states, np.nan_to_num(np.array(state))),
         np.full(len(structure.kinds), np.nan),
-        np.array(axis),
+        np.nan_to_num(np.array(axis)),
         np.nan_to_num(np.array(lines)),
     )
+
+
+def _only_if(is_known: bool, values: F64) -> F64:
+    return values if is_known else np.full_like(values, np.nan)
 
 
 def box_overlap(mine: F64, right: F64) -> float:
