@@ -94,8 +94,9 @@ def test_one_process_at_a_time_works_in_a_workspace(tmp_path):
     command = [sys.executable, "-c", script, str(workspace.path)]
     other = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert other.stdout.readline() == "locked\n"
-    with pytest.raises(InUse, match=f"process {other.pid}"), workspace.locked():
+    with pytest.raises(InUse, match=f"process {other.pid}") as raised, workspace.locked():
         pass
+    assert not isinstance(raised.value, ValueError), "nothing that was given is wrong"
     other.kill()
     other.wait()
     other.stdin.close()

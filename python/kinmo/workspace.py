@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from kinmo import __version__
-from kinmo.errors import InputError
+from kinmo.errors import InputError, KinmoError
 
 _TEMPORARY = ".{name}.tmp~"
 _REPLACED = ".{name}.old~"
@@ -69,7 +69,7 @@ def write_bytes_atomically(path: Path, data: bytes) -> None:
         temporary.write_bytes(data)
 
 
-class InUse(InputError):
+class InUse(KinmoError):
     """Another process writes into a folder: nothing can be done there now."""
 
 

@@ -23,7 +23,7 @@ from kinmo.pipeline.scans.train import TrainAncsh, training_seconds
 from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
 from kinmo.pipeline.train import Train
-from kinmo.workspace import InUse, Workspace
+from kinmo.workspace import Workspace
 
 WORDS: Mapping[type, str] = {
     Train: "train motion networks",
@@ -112,8 +112,6 @@ class MakeTable:
                     observer.note(name)
                     for stage in self._stages(row, category, seed):
                         failed += stage.run(observer).failed
-                except InUse:
-                    raise
                 except InputError as error:
                     observer.note(f"not run: {name}: {error}")
                     is_known = self._is_known_to_be_impossible(row, category, seed)
