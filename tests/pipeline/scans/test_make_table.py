@@ -271,6 +271,12 @@ def test_the_report_shows_what_each_setting_makes_of_the_same_scans(judged: Work
     assert len(set(frames)) == min(COMMON, count_objects(open_scan_dataset(judged, CATEGORY).files["test"]))
 
 
+def test_the_report_shows_no_pictures_of_what_has_changed_since(judged: Workspace) -> None:
+    assert list(picture_sections(judged))
+    next(scans_of(judged, CATEGORY, "test").glob("*.safetensors")).unlink()
+    assert not list(picture_sections(judged))
+
+
 def test_a_category_without_test_objects_is_said_to_be_not_judged(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
