@@ -65,6 +65,14 @@ def test_where_another_process_is_writing_it_is_said_once_and_no_table_is_writte
     assert not workspace.evaluation.exists()
 
 
+def test_tables_and_reasons_are_written_by_one_process_at_a_time(judged: Workspace) -> None:
+    with judged.locked():
+        with pytest.raises(InUse):
+            WrittenTables(judged, "2").write({CATEGORY: [0]})
+        with pytest.raises(InUse):
+            JudgedScans(judged, Cell(CATEGORY, "semi", 0)).leave_out("of a reason")
+
+
 def test_without_labels_that_are_held_back_the_row_of_true_ones_is_no_failure(tmp_path: Path) -> None:
     Synth(tmp_path / "partnet", 2, (FAMILY,), ("partnet_mobility",)).run(Listener())
     workspace, told = Workspace(tmp_path / "workspace"), Listener()
