@@ -15,7 +15,7 @@ from kinmo.learning.weights import Weights, load_weights
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.fitting import Fitter, Work, config_to_train_by, trained
 from kinmo.pipeline.journal import seconds_per_unit
-from kinmo.pipeline.model_files import CONFIG, WEIGHTS, model_folder
+from kinmo.pipeline.model_files import CONFIG, METHOD_MODELS, WEIGHTS, model_folder
 from kinmo.pipeline.models import CONTINUED, GROUPS, TRAINERS
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.splits import Split
@@ -143,8 +143,10 @@ class Train:
 
     def _fittings(self, dataset: Dataset, config: Config) -> Iterator[ShapeFitting]:
         if self.start is not None and not CONTINUED.keys() & set(GROUPS[self.group]):
-            able = ", ".join(name for name, models in GROUPS.items() if CONTINUED.keys() & set(models))
-            raise InputError("--from", f"{self.group} goes on from nothing, expected it with one of {able}")
+            is_method = self.group in METHOD_MODELS
+            others = (name for name, models in GROUPS.items() if CONTINUED.keys() & set(models))
+            able = " or ".join(name for name in others if (name in METHOD_MODELS) is is_method)
+            raise InputError("--from", f"{self.group} cannot start from trained weights; use it with {able}")
         for model in GROUPS[self.group]:
             start = self._start_of(model)
             section = getattr(config, TRAINERS[model][0])

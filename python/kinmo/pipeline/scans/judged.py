@@ -38,7 +38,7 @@ class JudgedScans:
         dataset = open_scan_dataset(scanned, self.cell.category)
         if not dataset.files["test"]:
             folder = scanned.scans / self.cell.category
-            raise InputError(folder, f"expected scans of a test object of {dataset.structure}")
+            raise InputError(folder, f"expected scans of a test object with {dataset.structure.in_words}")
         return dataset.files["test"]
 
     def inputs(self) -> dict[str, Any]:

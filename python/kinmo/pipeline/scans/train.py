@@ -22,14 +22,13 @@ from kinmo.typed_tables import to_table
 from kinmo.wording import counted
 from kinmo.workspace import Workspace, digest, remove_leftovers
 
-GUESSED = "with pseudo labels: kinmo pseudo-label and kinmo render make them, of shapes they are sure of"
-BESIDE: dict[Setting, str] = {
-    "semi": "that the supervised networks were sure of",
-    "semi-weakly": GUESSED,
-    "dsg-net": f"in DSG-Net's layout {GUESSED}",
-    "ceiling": "whose labels were held back: kinmo prepare --hold-back keeps some",
+BESIDE: dict[Setting, tuple[str, str]] = {
+    "semi": ("objects that the supervised networks are sure of", "lower ancsh.confidence"),
+    "semi-weakly": ("pseudo-labelled objects", "run kinmo pseudo-label, then kinmo render"),
+    "dsg-net": ("pseudo-labelled objects in DSG-Net's layout", "run kinmo pseudo-label, then kinmo render"),
+    "ceiling": ("objects whose labels are held back", "run kinmo prepare --hold-back FOLDER, then kinmo render"),
 }
-"""What a setting trains on beside the labelled shapes, without which it would be another one."""
+"""What a setting trains on beside the labelled shapes, without which it would be another one, and how to get it."""
 SECONDS_PER_FRAME = 0.010
 """On one CPU core with the configuration `small`, until the journal knows better."""
 
@@ -171,9 +170,11 @@ class TrainAncsh:
         folder = self.workspace.scans / dataset.category
         for files, role in ((training, "train"), (validation, "validate on")):
             if not files:
-                raise InputError(folder, f"expected scans of an object of {dataset.structure} to {role}")
+                raise InputError(folder, f"expected scans of an object with {dataset.structure.in_words} to {role}")
         if self.setting in BESIDE and not beside:
-            raise InputError(folder, f"no scans of an object of {dataset.structure} {BESIDE[self.setting]}", self.setting)
+            wanted, remedy = BESIDE[self.setting]
+            problem = f"needs scans of {wanted} with {dataset.structure.in_words}, and there are none: {remedy}"
+            raise InputError(folder, problem, self.setting)
         data = {"training": fingerprint(training), "validation": fingerprint(validation)}
         objects, labelled = (count_objects(training), count_objects(validation)), count_objects(dataset.files["train"])
         for network in NETWORKS:
