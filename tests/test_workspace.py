@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -16,6 +17,7 @@ from kinmo.workspace import (
     StageRecord,
     Workspace,
     digest,
+    kept_while_unchanged,
     remove_leftovers,
     write_atomically,
     write_bytes_atomically,
@@ -94,8 +96,9 @@ def test_one_process_at_a_time_works_in_a_workspace(tmp_path):
     command = [sys.executable, "-c", script, str(workspace.path)]
     other = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert other.stdout.readline() == "locked\n"
-    with pytest.raises(InUse, match=f"process {other.pid}"), workspace.locked():
+    with pytest.raises(InUse, match=f"process {other.pid}") as raised, workspace.locked():
         pass
+    assert not isinstance(raised.value, ValueError), "nothing that was given is wrong"
     other.kill()
     other.wait()
     other.stdin.close()
@@ -148,6 +151,34 @@ def test_a_record_of_another_version_or_garbled_counts_for_nothing(tmp_path):
     workspace.forget("gnn")
     workspace.forget("gnn")
     assert not workspace.is_current("gnn", {})
+
+
+def test_a_file_is_read_again_only_after_it_changed(tmp_path, monkeypatch):
+    monkeypatch.setattr("kinmo.workspace._SETTLED", -1)
+    path, read = tmp_path / "file", []
+
+    @kept_while_unchanged
+    def text(path):
+        read.append(path)
+        return path.read_text(encoding="utf-8")
+
+    with pytest.raises(FileNotFoundError):
+        text(path)
+    read.clear()
+    for count, contents in enumerate(("a", "longer", "b"), start=1):
+        write_bytes_atomically(path, contents.encode())
+        assert [text(path), text(path), text(Path(str(path)))] == [contents] * 3
+        assert len(read) == count
+    path.unlink()
+    with pytest.raises(FileNotFoundError):
+        text(path)
+
+
+def test_of_a_file_that_has_just_changed_nothing_is_kept(tmp_path):
+    path, first_byte = tmp_path / "file", kept_while_unchanged(lambda path: path.read_bytes()[:1])
+    for contents in (b"a", b"b", b"c") * 20:
+        path.write_bytes(contents)
+        assert first_byte(path) == contents
 
 
 @given(st.dictionaries(words, plain, min_size=1, max_size=4))

@@ -1,4 +1,4 @@
-"""The error a user's mistake ends in."""
+"""Errors that are told in one line."""
 
 from __future__ import annotations
 
@@ -8,11 +8,8 @@ from difflib import get_close_matches
 from pathlib import Path
 
 
-class InputError(ValueError):
-    """A file or value given by the user that cannot be used.
-
-    Its text is one line that names the file, the field, and what was expected. The command line prints it and exits with 1.
-    """
+class KinmoError(Exception):
+    """What keeps a command from being done, in one line that names where. The command line prints it and exits with 1."""
 
     def __init__(self, where: Path | str, problem: str, field: str | None = None) -> None:
         self.where = str(where).encode("utf-8", "backslashreplace").decode("utf-8")
@@ -21,8 +18,12 @@ class InputError(ValueError):
         place = self.where if field is None else f"{self.where}: {field}"
         super().__init__(" ".join(f"{place}: {problem}".split()))
 
-    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str | None]]:
+    def __reduce__(self) -> tuple[type[KinmoError], tuple[str, str, str | None]]:
         return type(self), (self.where, self.problem, self.field)  # it comes out of worker processes
+
+
+class InputError(KinmoError, ValueError):
+    """A file or value given by the user that cannot be used: its text names the file, the field, and what was expected."""
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -24,7 +24,7 @@ from kinmo.ground_truth import EdgeLabels
 from kinmo.joint import Joint, JointKind, MotionType
 from kinmo.mobility import Body, Mobility
 from kinmo.prepared import Boxes, PreparedShape
-from kinmo.workspace import digest
+from kinmo.workspace import digest, kept_while_unchanged
 
 FORMAT = 6
 """Of the files; files of another format are made again."""
@@ -118,6 +118,12 @@ def read_header(path: Path) -> dict[str, Any]:
     return data
 
 
+@kept_while_unchanged
+def made_from(path: Path) -> str:
+    """A hash of all that a file was prepared from. Raises InputError as `read_header` does."""
+    return str(read_header(path)["provenance"]["made_from"])
+
+
 def read_prepared(path: Path) -> PreparedShape:
     """Reads a prepared shape. Raises InputError if the file is missing, cut, or of another format."""
     header = read_header(path)
@@ -204,7 +210,7 @@ class PreparedStore:
     def __init__(self, folder: Path) -> None:
         """Reads the index of `folder`. Raises InputError if there is none, or it is not whole."""
         self.folder = Path(folder)
-        self.entries: tuple[IndexEntry, ...] = tuple(_read_index(self.folder / INDEX))
+        self.entries: tuple[IndexEntry, ...] = _read_index(self.folder / INDEX)
 
     def __len__(self) -> int:
         return len(self.entries)
@@ -228,12 +234,12 @@ def index_text(entries: Sequence[IndexEntry]) -> str:
     return "".join(json.dumps(asdict(entry), sort_keys=True) + "\n" for entry in ordered)
 
 
-def _read_index(path: Path) -> Iterator[IndexEntry]:
+@kept_while_unchanged
+def _read_index(path: Path) -> tuple[IndexEntry, ...]:
     try:
         with path.open(encoding="utf-8") as lines:
-            for line in lines:
-                data = json.loads(line)
-                yield IndexEntry(**{**data, "repairs": tuple(data["repairs"])})
+            every = [json.loads(line) for line in lines]
+        return tuple(IndexEntry(**{**data, "repairs": tuple(data["repairs"])}) for data in every)
     except FileNotFoundError:
         raise InputError(path, "missing: run kinmo prepare first") from None
     except (OSError, ValueError, TypeError, KeyError) as error:

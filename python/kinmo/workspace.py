@@ -10,18 +10,24 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import wraps
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from kinmo import __version__
-from kinmo.errors import InputError
+from kinmo.errors import InputError, KinmoError
 
 _TEMPORARY = ".{name}.tmp~"
 _REPLACED = ".{name}.old~"
+_SETTLED = 2_000_000_000
+"""Nanoseconds, longer than a tick of the clock of any file system."""
+
+Value = TypeVar("Value")
 
 
 @contextmanager
@@ -69,7 +75,7 @@ def write_bytes_atomically(path: Path, data: bytes) -> None:
         temporary.write_bytes(data)
 
 
-class InUse(InputError):
+class InUse(KinmoError):
     """Another process writes into a folder: nothing can be done there now."""
 
 
@@ -202,6 +208,34 @@ def _contents(path: Path) -> bytes | None:
         return None
 
 
+def kept_while_unchanged(read: Callable[[Path], Value]) -> Callable[[Path], Value]:
+    """Keeps what `read` gave of a file for as long as the file stays as it is. Nobody may change what was given.
+
+    Nothing is kept of a file that has just changed: it could change again and look the same, since clocks of file systems tick
+    slowly.
+    """
+    known: dict[Path, tuple[tuple[int, ...], Value]] = {}
+
+    @wraps(read)
+    def reading(path: Path) -> Value:
+        try:
+            found = path.stat()
+        except OSError:
+            return read(path)  # which tells it in its own words
+        stamp = found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
+        kept = known.get(path)
+        if kept is not None and kept[0] == stamp:
+            return kept[1]
+        is_settled = time.time_ns() - found.st_ctime_ns > _SETTLED
+        value = read(path)
+        if is_settled:
+            known[path] = stamp, value
+        return value
+
+    return reading
+
+
+@kept_while_unchanged
 def _hash(path: Path) -> str | None:
     """A hash of a file's contents; None if it cannot be read."""
     contents = _contents(path)

@@ -17,6 +17,7 @@ from kinmo.cli.execute import execute, one_line_errors
 from kinmo.cli.options import CommonOptions
 from kinmo.errors import InputError
 from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.workspace import InUse
 
 
 @dataclass
@@ -71,6 +72,7 @@ def test_what_failed_gives_exit_code_1_after_the_result(capsys: pytest.CaptureFi
     ("error", "line", "code"),
     [
         (InputError(Path("a.json"), "expected a\nlist", "parts"), "kinmo: a.json: parts: expected a list\n", 1),
+        (InUse("w", "another kinmo is writing here"), "kinmo: w: another kinmo is writing here\n", 1),
         (KeyboardInterrupt(), "kinmo: stopped; the same command goes on from here\n", 130),
         (PermissionError(13, "Permission denied", "out"), "kinmo: out: Permission denied\n", 1),
         (ZeroDivisionError("division\nby zero"), None, 1),

@@ -32,6 +32,15 @@ def test_a_line_that_a_killed_process_left_unfinished_spoils_no_other(tmp_path: 
     assert seconds_per_unit(workspace, "no such stage", 0.5) == 0.5
 
 
+def test_shares_of_labels_share_the_journal_and_say_where_they_ran(tmp_path: Path) -> None:
+    root, some, rough = Workspace(tmp_path), Workspace(tmp_path, 0.8), Workspace(tmp_path, 0.8, is_rough=True)
+    for workspace in (root, some, rough):
+        run(workspace, "train-gnn", 3)
+    assert [found.what for found in runs(root)] == ["3 things", "labels-80: 3 things", "rough/labels-80: 3 things"]
+    assert runs(some) == runs(root)
+    assert seconds_per_unit(rough, "train-gnn", 0.5) == seconds_per_unit(root, "train-gnn", 0.5) != 0.5
+
+
 def test_what_never_ran_takes_as_long_as_the_last_of_its_kind(tmp_path: Path) -> None:
     workspace = Workspace(tmp_path)
     lines = [

@@ -350,9 +350,10 @@ def test_shapes_that_a_workspace_loses_are_counted(road: Road, tmp_path: Path) -
     assert [note.split()[0] for note in listener.notes] == [str(lost)] != ["0"]
 
 
-def test_networks_that_go_on_from_nothing_say_so(road: Road) -> None:
-    with pytest.raises(InputError, match="--from: gnn goes on from nothing, expected it with one of motion, axis"):
-        Train("gnn", road.workspace, "small", start=road.workspace).plan()
+def test_networks_that_cannot_start_from_trained_weights_say_so(road: Road) -> None:
+    for group, able in (("gnn", "motion or axis"), ("paper", "kinmo")):
+        with pytest.raises(InputError, match=f"--from: {group} cannot start from trained weights; use it with {able}$"):
+            Train(group, road.workspace, "small", start=road.workspace).plan()
 
 
 def test_several_devices_are_refused_before_anything_is_done(road: Road, tmp_path: Path) -> None:

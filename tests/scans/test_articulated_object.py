@@ -99,6 +99,7 @@ def test_a_part_on_a_moving_part_comes_after_it() -> None:
     target = articulated_object(shape_of_boxes(boxes, bodies))
     assert target.structure.parents == (0, 1)
     assert str(target.structure) == "3 parts (R on 0, R on 1)"
+    assert target.structure.in_words == "3 parts (revolute on part 0, revolute on part 1)"
 
 
 @pytest.mark.parametrize(

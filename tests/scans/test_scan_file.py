@@ -36,6 +36,20 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     assert back.refused == scans.refused
 
 
+def test_whoever_opens_a_file_changes_it_for_nobody_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kinmo.workspace._SETTLED", -1)
+    target, path = cupboard_object(), tmp_path / "cupboard.safetensors"
+    write_scans(path, target, scan(target, CONFIG, 0), {"made_from": "here"})
+    one, other = open_scans(path), open_scans(path)
+    one.provenance["made_from"] = "there"  # type: ignore[index]
+    assert other.provenance == open_scans(path).provenance == {"made_from": "here"}
+    for array in (one.facing, one.extents.sizes, one.extents.centers, one.joints[0].direction, one.joints[0].pivot):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.0
+    write_scans(path, target, scan(target, CONFIG, 1), {"made_from": "elsewhere"})
+    assert open_scans(path).provenance == {"made_from": "elsewhere"}
+
+
 def test_the_same_frames_give_the_same_bytes(tmp_path: Path) -> None:
     target = cupboard_object()
     for name in ("one", "two"):

@@ -50,7 +50,7 @@ def test_a_depth_image_gives_the_points_that_its_camera_sees(tmp_path):
 )
 def test_points_have_no_use_for_a_camera(tmp_path, given, option):
     np.savez(tmp_path / "scan.npz", points=POINTS)
-    with pytest.raises(InputError, match=f"{option}: is of depth images, and .*scan.npz holds points"):
+    with pytest.raises(InputError, match=f"{option}: applies only to depth images; .*scan.npz holds points"):
         read_scan(tmp_path / "scan.npz", **given)
 
 

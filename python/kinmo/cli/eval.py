@@ -56,7 +56,7 @@ def evaluate(
             "--protocol": protocol is not ProtocolName.KINMO,
         }
         for name in (name for name, is_given in given.items() if is_given):
-            raise InputError(name, "applies only to the workspace's own shapes and scans, expected none with FILES")
+            raise InputError(name, "applies only to the workspace's own shapes and scans, not to FILES")
         execute(options, ScoreUrdfs(files, truth, workspace, category, options.worker_count))
         return
     from kinmo.pipeline.evaluate import Evaluate

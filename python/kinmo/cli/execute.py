@@ -15,7 +15,7 @@ from typer import BadParameter, Exit
 
 from kinmo.cli.console import duration, observer
 from kinmo.cli.options import CommonOptions
-from kinmo.errors import InputError
+from kinmo.errors import KinmoError
 
 if TYPE_CHECKING:
     from kinmo.pipeline.stage import Outcome, Plan, Stage
@@ -73,7 +73,7 @@ def one_line_errors() -> Iterator[None]:
         sys.stdout.flush()
     except (Exit, BadParameter):
         raise
-    except InputError as error:
+    except KinmoError as error:
         print(f"kinmo: {error}", file=sys.stderr)
         raise Exit(FAILED) from None
     except KeyboardInterrupt:

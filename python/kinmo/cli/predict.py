@@ -61,7 +61,7 @@ def predict(
     workspace = Workspace(options.workspace)
     if category is not None:
         if method is not None:
-            raise InputError("--method", "is of shapes, expected none with --category, which is of scans")
+            raise InputError("--method", "applies only to shapes, not to scans (--category)")
         from kinmo.pipeline.scans.predict import PredictScan
         from kinmo.scans.scan_input import Intrinsics
 
@@ -73,7 +73,7 @@ def predict(
         raise BadParameter("a scan needs --category: what is to be seen in it", param_hint="--category")
     for option, value in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
         if value is not None:
-            raise InputError(option, "is of scans, expected --category, what is to be seen in it, beside it")
+            raise InputError(option, "applies only to scans; give --category too")
     from kinmo.pipeline.predict import Predict
 
     by = (method or Method.KINMO).value

@@ -54,5 +54,5 @@ def synth(
 
     layouts = tuple(name.value for name in layout or ())
     if held_back and layouts and LayoutName.PARTNET.value not in layouts:
-        raise InputError("--held-back", "expected --layout partnet beside it: these are the shapes that it is of")
+        raise InputError("--held-back", "applies only to --layout partnet")
     execute(options, Synth(folder, count, tuple(family or ()), layouts, None, held_back, options.seed, options.worker_count))

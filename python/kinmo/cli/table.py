@@ -56,7 +56,7 @@ def table(
 
     if name is Name.SENSORS and (start is not None or method is not Method.KINMO):
         option = "--method" if start is None else "--from"
-        raise InputError(option, "applies only to tables with pseudo labels, expected none with sensors")
+        raise InputError(option, "applies only to tables with pseudo labels, not to sensors")
     stage = MakeTable(
         name.value,
         Workspace(options.workspace),

@@ -79,16 +79,16 @@ def train(
     from kinmo.workspace import Workspace
 
     if setting is not None and what is not What.ANCSH:
-        raise InputError("--setting", f"is of ancsh, expected none with {what.value}")
+        raise InputError("--setting", "applies only to kinmo train ancsh")
     if method is not None and what is not What.ALL:
-        raise InputError("--method", f"is of all, expected none with {what.value}")
+        raise InputError("--method", "applies only to kinmo train all")
     workspace, continued = Workspace(options.workspace), None if start is None else Workspace(start)
     how = (options.seed, options.device, options.worker_count)
     if what is What.ALL:
         execute(options, TrainAll(workspace, config, (method or Method.KINMO).value, category, *how, continued))
     elif what is What.ANCSH:
         if continued is not None:
-            raise InputError("--from", "ancsh goes on from nothing, expected it with all, motion or axis")
+            raise InputError("--from", "ancsh cannot start from trained weights; use it with all, motion or axis")
         execute(options, TrainAncsh(workspace, config, category, (setting or SettingName.SEMI_WEAKLY).value, *how))
     else:
         execute(options, Train(what.value, workspace, config, category, *how, continued))

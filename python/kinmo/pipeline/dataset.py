@@ -9,7 +9,7 @@ from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
 from kinmo.prepared import PreparedShape
 from kinmo.splits import Split, leaks, split_of, within_share
-from kinmo.store import IndexEntry, PreparedStore, read_header
+from kinmo.store import IndexEntry, PreparedStore, made_from
 from kinmo.workspace import Workspace, digest
 
 
@@ -36,7 +36,7 @@ class Dataset:
 
     def fingerprint(self, entries: Iterable[IndexEntry]) -> str:
         """Changes whenever the files or the preparation of one of the shapes do."""
-        return digest([read_header(self.store.folder / entry.file)["provenance"]["made_from"] for entry in entries])
+        return digest([made_from(self.store.folder / entry.file) for entry in entries])
 
     def categories(self) -> tuple[str, ...]:
         """Categories of the labelled shapes."""

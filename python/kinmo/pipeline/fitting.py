@@ -9,8 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
-from kinmo.config import TrainingConfig
-from kinmo.errors import expecting
+from kinmo.config import Config, TrainingConfig, load_config
+from kinmo.errors import InputError, expecting
 from kinmo.learning.training import FitResult, Progress, remove_checkpoints
 from kinmo.learning.weights import pick_device
 from kinmo.pipeline.journal import timed
@@ -18,6 +18,20 @@ from kinmo.pipeline.model_files import HEADER, METRICS, WEIGHTS
 from kinmo.pipeline.stage import Observer, Outcome
 from kinmo.workers import Crashed, map_unordered, may_be_cut_off, tell
 from kinmo.workspace import StageRecord, Workspace
+
+
+@dataclass(frozen=True)
+class Work:
+    """How much there is to train: an epoch goes through so many `units`, in the journal's unit of the stage."""
+
+    schedule: TrainingConfig
+    units: int
+    seconds_per_unit: float
+
+    @property
+    def seconds(self) -> float:
+        """About how long it takes alone."""
+        return self.schedule.epochs * self.units * self.seconds_per_unit
 
 
 class Fitting(Protocol):
@@ -36,15 +50,7 @@ class Fitting(Protocol):
     def inputs(self) -> dict[str, Any]: ...
 
     @property
-    def schedule(self) -> TrainingConfig: ...
-
-    @property
-    def units(self) -> int:
-        """What an epoch goes through, in the journal's unit of the stage."""
-
-    @property
-    def seconds(self) -> float:
-        """About how long it takes alone."""
+    def work(self) -> Work: ...
 
     def fit(self, on_progress: Callable[[Progress], None]) -> FitResult:
         """Train it into its folder. Runs in another process."""
@@ -65,10 +71,10 @@ class Fitter:
         """Those that were not trained from the same inputs."""
         return [each for each in fittings if not self.workspace.is_current(each.stage, each.inputs)]
 
-    def seconds(self, fittings: Sequence[Fitting]) -> float:
-        """About how long all of them take."""
-        alone = [each.seconds for each in fittings]
-        return max([sum(alone) / max(self._at_once(fittings), 1), *alone], default=0.0)
+    def seconds(self, works: Sequence[Work]) -> float:
+        """About how long all of it takes."""
+        alone = [each.seconds for each in works]
+        return max([sum(alone) / max(self._at_once(works), 1), *alone], default=0.0)
 
     def run(self, fittings: Sequence[Fitting], observer: Observer) -> None:
         """Train those that are pending, the ones that take longest first."""
@@ -83,18 +89,31 @@ class Fitter:
             shown = [f"{key} {value:.3f}" for key, value in progress.metrics.items() if key.endswith(("loss", "/error"))]
             observer.progress(f"training {name}", progress.epoch, progress.epochs, " ".join(shown))
 
-        at_once = self._at_once(pending)
+        at_once = self._at_once([each.work for each in pending])
         if at_once > 1:
-            pending = sorted(pending, key=lambda each: -each.seconds)
+            pending = sorted(pending, key=lambda each: -each.work.seconds)
         for each, answer in map_unordered(partial(_fit, self.workspace), pending, at_once, on_progress):
             if isinstance(answer, Crashed):
                 raise ChildProcessError(f"the process that trained {each.name} died: too little memory?")
 
-    def _at_once(self, fittings: Sequence[Fitting]) -> int:
-        threads = [each.schedule.threads for each in fittings]
-        if not fittings or 0 in threads or pick_device(self.device) != "cpu":
+    def _at_once(self, works: Sequence[Work]) -> int:
+        threads = [each.schedule.threads for each in works]
+        if not works or 0 in threads or pick_device(self.device) != "cpu":
             return 1
-        return min(len(fittings), self.workers // max(threads))
+        return min(len(works), self.workers // max(threads))
+
+
+def config_to_train_by(name: str, sections: Sequence[str]) -> Config:
+    """The configuration of that name or path.
+
+    Raises InputError if one of the `sections` is for several devices: each would run the command anew, and find the workspace
+    locked.
+    """
+    config = load_config(name)
+    for section in sections:
+        if getattr(config, section).training.devices > 1:
+            raise InputError(name, "kinmo train uses one device, expected 1", f"{section}.training.devices")
+    return config
 
 
 def _fit(workspace: Workspace, fitting: Fitting) -> None:
@@ -103,7 +122,7 @@ def _fit(workspace: Workspace, fitting: Fitting) -> None:
     workspace.forget(fitting.stage)
     with timed(workspace, fitting.stage) as watch:
         result = fitting.fit(lambda progress: tell((fitting.name, progress)))
-        watch.amount = len(result.history) * fitting.units
+        watch.amount = len(result.history) * fitting.work.units
         watch.what = f"{fitting.name} for {len(result.history)} epochs"
     outputs = tuple(str((fitting.folder / name).relative_to(workspace.path)) for name in (WEIGHTS, HEADER, METRICS))
     workspace.write_record(fitting.stage, StageRecord(fitting.inputs, outputs))

@@ -1,4 +1,7 @@
-"""When each stage ran and how long it took: what the report shows, and what estimates are made from."""
+"""When each stage ran and how long it took: what the report shows, and what estimates are made from.
+
+Workspaces that lie in another one have no journal of their own: theirs is the root's, which so knows how long everything takes.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +45,8 @@ def timed(workspace: Workspace, stage: str) -> Iterator[Stopwatch]:
     yield watch
     if watch.amount:
         seconds = time.monotonic() - begin
-        run = Run(stage, started.isoformat(timespec="seconds"), round(seconds, 2), watch.amount, watch.what)
+        place = "" if workspace.path == workspace.root else f"{workspace.path.relative_to(workspace.root).as_posix()}: "
+        run = Run(stage, started.isoformat(timespec="seconds"), round(seconds, 2), watch.amount, place + watch.what)
         with _path(workspace).open("a+b") as lines:
             begun = "\n" if _ends_within_a_line(lines) else ""  # by a process that was killed
             lines.write(f"{begun}{json.dumps(asdict(run), ensure_ascii=False)}\n".encode())
@@ -83,4 +87,4 @@ def seconds_per_unit(workspace: Workspace, stage: str, otherwise: float, kind: s
 
 
 def _path(workspace: Workspace) -> Path:
-    return workspace.path / "journal.jsonl"
+    return workspace.root / "journal.jsonl"

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kinmo.config import Config, TrainingConfig, load_config
+from kinmo.config import Config
 from kinmo.errors import InputError
 from kinmo.learning.training import FitResult, Progress
 from kinmo.learning.weights import Weights, load_weights
 from kinmo.pipeline.dataset import Dataset, open_dataset
-from kinmo.pipeline.fitting import Fitter, trained
+from kinmo.pipeline.fitting import Fitter, Work, config_to_train_by, trained
 from kinmo.pipeline.journal import seconds_per_unit
-from kinmo.pipeline.model_files import CONFIG, WEIGHTS, model_folder
+from kinmo.pipeline.model_files import CONFIG, METHOD_MODELS, WEIGHTS, model_folder
 from kinmo.pipeline.models import CONTINUED, GROUPS, TRAINERS
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.splits import Split
@@ -26,6 +26,8 @@ from kinmo.workspace import Workspace, remove_leftovers, write_text_atomically
 
 SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.02, "ranking": 0.02, "gnn_contact": 0.004}
 """Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
+SECTIONS = ("gnn", "axis", "ranking")
+"""Of the configuration, that networks of whole shapes are trained by."""
 TRAINED_ON = (Split.TRAIN, Split.VALIDATION)
 
 
@@ -57,18 +59,10 @@ class ShapeFitting:
         return model_folder(self.workspace, self.model, self.category)
 
     @property
-    def schedule(self) -> TrainingConfig:
-        chosen: TrainingConfig = (self.section if self.start is None else self.section.continued).training
-        return chosen
-
-    @property
-    def units(self) -> int:
-        return len(self.training)
-
-    @property
-    def seconds(self) -> float:
+    def work(self) -> Work:
+        schedule = (self.section if self.start is None else self.section.continued).training
         each = seconds_per_unit(self.workspace, self.stage, SECONDS_PER_SHAPE[self.model])
-        return self.units * self.schedule.epochs * each
+        return Work(schedule, len(self.training), each)
 
     def fit(self, on_progress: Callable[[Progress], None]) -> FitResult:
         dataset = open_dataset(self.workspace, self.category)
@@ -119,20 +113,20 @@ class Train:
     start: Workspace | None = None
 
     def plan(self) -> Plan:
-        dataset, config = open_dataset(self.workspace, self.category), self._config()
+        dataset, config = open_dataset(self.workspace, self.category), config_to_train_by(self.config, SECTIONS)
         fittings = list(self._fittings(dataset, config))
         pending = self._fitter.pending(fittings)
         steps = tuple(
-            f"train {each.name} on {counted(len(each.training), 'shape')} for {counted(each.schedule.epochs, 'epoch')}, "
+            f"train {each.name} on {counted(len(each.training), 'shape')} for {counted(each.work.schedule.epochs, 'epoch')}, "
             f"choose by {len(each.validation)}"
             for each in fittings
             if each in pending
         )
         left_out = tuple(self._left_out(dataset, config)) if pending else ()
-        return Plan(steps + left_out, self._fitter.seconds(pending))
+        return Plan(steps + left_out, self._fitter.seconds([each.work for each in pending]))
 
     def run(self, observer: Observer) -> Outcome:
-        config = self._config()
+        config = config_to_train_by(self.config, SECTIONS)
         dataset = open_dataset(self.workspace, self.category)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
@@ -147,18 +141,12 @@ class Train:
     def _fitter(self) -> Fitter:
         return Fitter(self.workspace, self.device, self.workers)
 
-    def _config(self) -> Config:
-        """Raises InputError for several devices: each would run the command anew, and find the workspace locked."""
-        config = load_config(self.config)
-        for section in ("gnn", "axis", "ranking"):
-            if getattr(config, section).training.devices > 1:
-                raise InputError(self.config, "kinmo train uses one device, expected 1", f"{section}.training.devices")
-        return config
-
     def _fittings(self, dataset: Dataset, config: Config) -> Iterator[ShapeFitting]:
         if self.start is not None and not CONTINUED.keys() & set(GROUPS[self.group]):
-            able = ", ".join(name for name, models in GROUPS.items() if CONTINUED.keys() & set(models))
-            raise InputError("--from", f"{self.group} goes on from nothing, expected it with one of {able}")
+            is_method = self.group in METHOD_MODELS
+            others = (name for name, models in GROUPS.items() if CONTINUED.keys() & set(models))
+            able = " or ".join(name for name in others if (name in METHOD_MODELS) is is_method)
+            raise InputError("--from", f"{self.group} cannot start from trained weights; use it with {able}")
         for model in GROUPS[self.group]:
             start = self._start_of(model)
             section = getattr(config, TRAINERS[model][0])

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from kinmo.categories import same_category
-from kinmo.config import load_config
 from kinmo.errors import InputError
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.pseudo_label import SECONDS_PER_SHAPE, PseudoLabel
 from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, Setting, open_scan_dataset
 from kinmo.pipeline.scans.render import Render
-from kinmo.pipeline.scans.train import TrainAncsh, training_seconds
+from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
 from kinmo.pipeline.train import Train
 from kinmo.splits import Split
@@ -87,9 +86,8 @@ class TrainAll:
         for category in self._categories(dataset):
             yield Render(self.workspace, self.config, category, self.seed, self.workers), lambda: nothing
         for category in self._categories(dataset):
-            seconds = training_seconds(self.workspace, load_config(self.config).ancsh, self.workers)
-            training = Plan((f"train ancsh and npcs ({category})",), seconds)
             stage = TrainAncsh(self.workspace, self.config, category, self._setting(category), *how)
+            training = Plan((f"train ancsh and npcs ({category})",), stage.guessed_seconds())
             yield stage, lambda training=training: training  # type: ignore[misc]
 
     def _setting(self, category: str) -> Setting:

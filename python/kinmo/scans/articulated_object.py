@@ -48,6 +48,12 @@ class Structure:
         joints = (f"{kind.value} on {parent}" for kind, parent in zip(self.kinds, self.parents, strict=True))
         return f"{self.part_count} parts ({', '.join(joints)})"
 
+    @property
+    def in_words(self) -> str:
+        """For messages: `2 parts (revolute on part 0)`, which tables put shortly."""
+        joints = (f"{kind.name.lower()} on part {parent}" for kind, parent in zip(self.kinds, self.parents, strict=True))
+        return f"{self.part_count} parts ({', '.join(joints)})"
+
 
 @dataclass(frozen=True, eq=False)
 class Extents:

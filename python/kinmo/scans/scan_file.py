@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
@@ -20,7 +20,7 @@ from kinmo.joint import Joint
 from kinmo.scans.articulated_object import Extents, Structure
 from kinmo.scans.scan import Scans
 from kinmo.store import joint_from_data, joint_to_data
-from kinmo.workspace import write_bytes_atomically
+from kinmo.workspace import kept_while_unchanged, write_bytes_atomically
 
 F64 = NDArray[np.float64]
 
@@ -125,20 +125,32 @@ def write_scans(path: Path, target: Described, scans: Scans, provenance: Mapping
 
 def open_scans(path: Path) -> ScanFile:
     """What `write_scans` wrote, without its frames. Raises InputError for anything else."""
+    known = _without_frames(path)
+    extents = Extents(known.extents.centers, known.extents.sizes)
+    # A new one each time, which keeps the file mapped for as long as it is there itself.
+    return replace(known, extents=extents, refused=dict(known.refused), provenance=dict(known.provenance))
+
+
+@kept_while_unchanged
+def _without_frames(path: Path) -> ScanFile:
+    """The file as it is opened, with arrays that cannot be written to; its frames are not to be read."""
     try:
         with safe_open(path, framework="numpy") as file:
             data = json.loads(file.metadata()[_HEADER_KEY])
             if data["format"] != FORMAT:
                 raise ValueError(f"of format {data['format']}, expected {FORMAT}")
             joints = tuple(joint_from_data(joint) for joint in data["joints"])
+            centers, sizes, facing = (file.get_tensor(name) for name in ("centers", "sizes", "facing"))
+            for array in (centers, sizes, facing, *(each for joint in joints for each in (joint.direction, joint.pivot))):
+                array.flags.writeable = False
             return ScanFile(
                 path,
                 data["id"],
                 data["category"],
                 Structure(tuple(joint.kind for joint in joints), tuple(data["parents"])),
                 joints,
-                Extents(file.get_tensor("centers"), file.get_tensor("sizes")),
-                file.get_tensor("facing"),
+                Extents(centers, sizes),
+                facing,
                 data["frames"],
                 data["refused"],
                 data["provenance"],

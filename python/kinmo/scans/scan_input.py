@@ -105,7 +105,7 @@ def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: flo
         points = found
         for option, value in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
             if value is not None:
-                raise InputError(option, f"is of depth images, and {path} holds points")
+                raise InputError(option, f"applies only to depth images; {path} holds points")
     places = np.flatnonzero(np.isfinite(points).all(axis=1) & (points[:, 2] > 0.0))
     points = points[places]
     count = len(np.unique(points, axis=0))

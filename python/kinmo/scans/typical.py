@@ -61,7 +61,7 @@ class Typical:
         turns = [(np.nan, np.nan) if pair is None else (float(pair[0]), float(pair[1])) for pair in data["turns"]]
         square, along_axes = (np.array(data[name], bool) for name in ("square", "along_axes"))
         if not len(turns) == len(along_axes) == len(square) - 1 == len(structure.kinds):
-            raise ValueError(f"{len(turns)} joints and {len(square)} parts, expected those of {structure}")
+            raise ValueError(f"{len(turns)} joints and {len(square)} parts, expected those of {structure.in_words}")
         return cls(np.array(turns, np.float64).reshape(-1, 2), square, along_axes)
 
 

@@ -85,7 +85,7 @@ def right_answers(file: ScanFile, batch: ScanBatch) -> tuple[PartAnswers, JointA
         return torch.log(torch.nn.functional.one_hot(labels, parts).float().clamp(min=1e-12))
 
     scales = torch.from_numpy(file.extents.diagonals).float().expand(2, TINY.points, -1)
-    shifts = torch.from_numpy(file.extents.centers).float() + 0.5 - 0.5 * scales.unsqueeze(-1)
+    shifts = torch.tensor(file.extents.centers).float() + 0.5 - 0.5 * scales.unsqueeze(-1)
     said = PartAnswers(sure(batch.parts), batch.npcs.unsqueeze(2).expand(-1, -1, parts, -1))
     whole = LayoutAnswers(batch.half_sizes, batch.pivots)
     return said, JointAnswers(scales, shifts, sure(batch.joints), batch.heatmap, batch.toward, batch.axes, whole)

@@ -14,7 +14,6 @@ import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
 from whole_road import Listener
 
-from kinmo.config import load_config
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_tables import NOT_RUN
 from kinmo.evaluation.scan_tables import OUTDATED as OUTDATED_ROW
@@ -31,7 +30,7 @@ from kinmo.pipeline.scans.networks import NETWORKS, PROTOCOLS, Cell
 from kinmo.pipeline.scans.pictures import COMMON
 from kinmo.pipeline.scans.report import OUTDATED, picture_sections
 from kinmo.pipeline.scans.table_rows import SHARES, TABLES, printed_row
-from kinmo.pipeline.scans.train import training_seconds
+from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.pipeline.synth import Synth
 from kinmo.scans.articulated_object import Structure
@@ -64,6 +63,14 @@ def test_where_another_process_is_writing_it_is_said_once_and_no_table_is_writte
             stage.run(told)
     assert not [note for note in told.notes if note.startswith("not ")]
     assert not workspace.evaluation.exists()
+
+
+def test_tables_and_reasons_are_written_by_one_process_at_a_time(judged: Workspace) -> None:
+    with judged.locked():
+        with pytest.raises(InUse):
+            WrittenTables(judged, "2").write({CATEGORY: [0]})
+        with pytest.raises(InUse):
+            JudgedScans(judged, Cell(CATEGORY, "semi", 0)).leave_out("of a reason")
 
 
 def test_without_labels_that_are_held_back_the_row_of_true_ones_is_no_failure(tmp_path: Path) -> None:
@@ -301,6 +308,12 @@ def test_the_report_shows_what_each_setting_makes_of_the_same_scans(judged: Work
     assert len(set(frames)) == min(COMMON, count_objects(open_scan_dataset(judged, CATEGORY).files["test"]))
 
 
+def test_the_report_shows_no_pictures_of_what_has_changed_since(judged: Workspace) -> None:
+    assert list(picture_sections(judged))
+    next(scans_of(judged, CATEGORY, "test").glob("*.safetensors")).unlink()
+    assert not list(picture_sections(judged))
+
+
 def test_a_category_without_test_objects_is_said_to_be_not_judged(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
@@ -336,8 +349,19 @@ def test_what_is_done_for_scans_that_are_to_be_made_anew_is_to_be_done_again(
     plans = [MakeTable("4", judged, name, "kinmo", FAMILY, 1, **HOW).plan() for name in (scanned.config, str(config))]
     assert plans[0].steps == ()
     assert plans[1].steps == (f"{CATEGORY}, supervised, seed 0: render, train, judge",)
-    training = training_seconds(judged, load_config(str(config)).ancsh, 1)
+    training = TrainAncsh(judged, str(config), FAMILY, "supervised", **HOW).guessed_seconds()
     assert plans[1].seconds > training > 0.0
+
+
+@pytest.mark.parametrize("threads", [0, 1])
+def test_training_takes_as_long_before_there_are_scans_as_with_them(scanned: Scanned, tmp_path: Path, threads: int) -> None:
+    text, config = Path(scanned.config).read_text(encoding="utf-8"), tmp_path / "threads.toml"
+    others, own = text.split("[ancsh]\n")
+    config.write_text(f"{others}[ancsh]\n{own.replace('threads = 1', f'threads = {threads}')}", encoding="utf-8")
+    stages = [TrainAncsh(scanned.workspace, str(config), FAMILY, "supervised", 1, "cpu", workers) for workers in (1, 2)]
+    alone, together = (stage.plan().seconds for stage in stages)
+    assert [stage.guessed_seconds() for stage in stages] == [alone, together]
+    assert (together < alone) is (threads == 1), "on all threads one network is trained at a time"
 
 
 def test_a_table_whose_motion_networks_have_none_to_go_on_from_says_so(scanned: Scanned, tmp_path: Path) -> None:

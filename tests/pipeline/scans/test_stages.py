@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shutil
 from collections import Counter
 from pathlib import Path
@@ -209,8 +210,9 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(s
 
 
 def test_a_setting_without_anything_of_its_own_is_none(scanned: Scanned) -> None:
-    for setting, what in (("semi-weakly", "kinmo pseudo-label and kinmo render make them"), ("dsg-net", "DSG-Net")):
-        with pytest.raises(InputError, match=what):
+    for setting, objects in (("semi-weakly", "objects"), ("dsg-net", "objects in DSG-Net's layout")):
+        problem = f"{setting}: needs scans of pseudo-labelled {objects} with 2 parts (revolute on part 0), and there are none"
+        with pytest.raises(InputError, match=re.escape(f"{problem}: run kinmo pseudo-label, then kinmo render")):
             scanned.train(setting).plan()
 
 

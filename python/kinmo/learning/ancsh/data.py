@@ -30,7 +30,7 @@ class ScanData:
     def __init__(self, training: Sequence[ScanFile], validation: Sequence[ScanFile], config: AncshConfig) -> None:
         self.training, self.validation, self.config = list(training), list(validation), config
         self._odds = odds([file.object for file in training], [has_true_labels(file) for file in training], config.trusted)
-        self._rotations: dict[ScanFile, tuple[F64, F64]] = {}
+        self._looks: dict[tuple[ScanFile, int, bool], F64] = {}
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[ScanBatch]:
         size = self.config.batch_frames
@@ -56,20 +56,21 @@ class ScanData:
         """The axes [3, 3] that a frame is seen along."""
         if self.config.axes == "camera":
             return np.eye(3)
-        if file not in self._rotations:
-            self._rotations[file] = self._looks(file)
-        first, second = self._rotations[file]
         is_first = self.config.axes != "base" or rng.random() < FIRST_LOOKS
-        return np.asarray((first if is_first else second)[row])
+        return self._look(file, row, is_first)
 
-    def _looks(self, file: ScanFile) -> tuple[F64, F64]:
-        """The axes [F, 3, 3] of all frames of a file at the first look and, if there is one, at the second."""
-        scans = file.read("points")
-        first = scan_rotations(scans, self.config.axes)
-        if self.config.axes != "base":
-            return first, first
-        bases = file.read("parts") == 0
-        return first, np.stack([base_axes(*each) for each in zip(scans, bases, first, strict=True)])
+    def _look(self, file: ScanFile, row: int, is_first: bool) -> F64:
+        """The axes [3, 3] of a frame at the first look or at the second: found when they are asked for, which takes longer than
+        all else, and kept.
+        """
+        key = file, row, is_first
+        if key not in self._looks:
+            if is_first:
+                axes = scan_rotations(file.read("points", slice(row, row + 1)), self.config.axes)[0]
+            else:
+                axes = base_axes(file.read("points", row), file.read("parts", row) == 0, self._look(file, row, True))
+            self._looks[key] = axes
+        return self._looks[key]
 
 
 def odds(objects: Sequence[Hashable], trusted: Sequence[bool], least: float) -> F64:

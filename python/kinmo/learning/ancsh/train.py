@@ -73,7 +73,7 @@ def structure_of(files: Sequence[ScanFile]) -> Structure:
         raise InputError("scans", "expected those of at least one object")
     for file in files:
         if file.structure != files[0].structure:
-            raise InputError(file.path, f"has {file.structure}, expected {files[0].structure}")
+            raise InputError(file.path, f"has {file.structure.in_words}, expected {files[0].structure.in_words}")
     return files[0].structure
 
 

@@ -80,7 +80,7 @@ class EvaluateScans:
 def judged(file: ScanFile, network: Ancsh, seed: int) -> Iterator[JudgedFrame]:
     """Every frame of an object with what was found in it."""
     if file.structure != network.structure:
-        raise InputError(file.path, f"has {file.structure}, expected {network.structure}")
+        raise InputError(file.path, f"has {file.structure.in_words}, expected {network.structure.in_words}")
     points, parts, poses, values, turns = (file.read(name) for name in ("points", "parts", "poses", "values", "turns"))
     answers, found = network.find(list(points), [1.0] * len(points), seed=seed)
     for row in range(len(points)):

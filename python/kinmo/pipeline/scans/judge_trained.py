@@ -15,7 +15,7 @@ from kinmo.pipeline.scans.networks import Cell, Protocol, trained_cells
 from kinmo.pipeline.scans.table_rows import TABLES, RowOf, has_figures, is_printed
 from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.workspace import InUse, Workspace
+from kinmo.workspace import Workspace
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,6 @@ class JudgeTrained:
         for stage in self._stages():
             try:
                 stage.run(observer)
-            except InUse:
-                raise
             except InputError as error:
                 observer.note(f"not judged: {stage.cell}: {error}")
         texts, data = [], {}

@@ -38,7 +38,7 @@ class JudgedScans:
         dataset = open_scan_dataset(scanned, self.cell.category)
         if not dataset.files["test"]:
             folder = scanned.scans / self.cell.category
-            raise InputError(folder, f"expected scans of a test object of {dataset.structure}")
+            raise InputError(folder, f"expected scans of a test object with {dataset.structure.in_words}")
         return dataset.files["test"]
 
     def inputs(self) -> dict[str, Any]:
@@ -51,7 +51,8 @@ class JudgedScans:
 
     def leave_out(self, reason: str) -> None:
         """Keep why there is no such judgement, for as long as the prepared shapes are those that there are now."""
-        self.workspace.write_record(self._absence, StageRecord({"shapes": self._shapes(), "reason": reason}))
+        with self.workspace.locked():
+            self.workspace.write_record(self._absence, StageRecord({"shapes": self._shapes(), "reason": reason}))
 
     def reason(self) -> str | None:
         """Why there is no such judgement, if that was told of the prepared shapes that there are now."""

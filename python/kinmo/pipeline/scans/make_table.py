@@ -9,7 +9,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from kinmo.categories import same_category
-from kinmo.config import load_config
 from kinmo.errors import InputError, did_you_mean
 from kinmo.formats import Layout
 from kinmo.pipeline.dataset import open_dataset
@@ -19,11 +18,11 @@ from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.networks import Cell, Protocol, trained_cells
 from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.scans.table_rows import TABLES, RowOf
-from kinmo.pipeline.scans.train import TrainAncsh, training_seconds
+from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
 from kinmo.pipeline.train import Train
-from kinmo.workspace import InUse, Workspace
+from kinmo.workspace import Workspace
 
 WORDS: Mapping[type, str] = {
     Train: "train motion networks",
@@ -112,8 +111,6 @@ class MakeTable:
                     observer.note(name)
                     for stage in self._stages(row, category, seed):
                         failed += stage.run(observer).failed
-                except InUse:
-                    raise
                 except InputError as error:
                     observer.note(f"not run: {name}: {error}")
                     is_known = self._is_known_to_be_impossible(row, category, seed)
@@ -153,7 +150,7 @@ class MakeTable:
         """The plan of a stage whose input is not there yet: what it will be at most."""
         seconds = 0.0
         if isinstance(stage, TrainAncsh):
-            seconds = training_seconds(stage.workspace, load_config(self.config).ancsh, self.workers)
+            seconds = stage.guessed_seconds()
             if stage.setting == "semi" and stage.category:
                 is_taught = Cell(stage.category, "supervised", stage.seed).weights(stage.workspace) is not None
                 seconds *= 1 if is_taught else 2

@@ -8,6 +8,7 @@ from typing import get_args
 from kinmo.evaluation.tables import read_table
 from kinmo.pipeline.report_tables import shown
 from kinmo.pipeline.scans.dataset import Setting
+from kinmo.pipeline.scans.judged import JudgedScans
 from kinmo.pipeline.scans.networks import pictures_path, trained_cells
 from kinmo.pipeline.scans.pictures import HIT_DEGREES, HIT_IOU, ScanPicture, read_pictures
 from kinmo.pipeline.scans.table_rows import TABLES
@@ -43,8 +44,11 @@ def table_sections(workspace: Workspace) -> Iterator[Section]:
 
 
 def picture_sections(workspace: Workspace) -> Iterator[Section]:
-    """By category: the same scans by the networks of every setting, of the first seed; then hits and failures of one."""
-    cells = [cell for cell in trained_cells(workspace) if pictures_path(workspace, cell, on_rough=False).exists()]
+    """By category: the same scans by the networks of every setting, of the first seed; then hits and failures of one.
+
+    There are none of judgements that hold no more.
+    """
+    cells = [cell for cell in trained_cells(workspace) if JudgedScans(workspace, cell).held()]
     for category in sorted({cell.category for cell in cells}):
         own = [cell for cell in cells if cell.category == category]
         first = min(cell.seed for cell in own)

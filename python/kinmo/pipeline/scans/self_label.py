@@ -42,20 +42,20 @@ class SelfLabel:
         return Plan((f"label {counted(frames, 'scan')} of {self.category} by what networks say",), frames * each)
 
     def run(self, observer: Observer) -> Outcome:
-        dataset = open_scan_dataset(self.workspace, self.category)
-        folder = self_labels_folder(self.workspace, dataset.category, self.seed)
-        if self._is_current(dataset):
-            observer.note(f"{dataset.category}: scans are labelled already")
-            return Outcome(folder)
-        weights = self._cell(dataset).weights(self.workspace)
-        if weights is None:
-            raise InputError(self.workspace.models, f"no networks to label scans of {self.category} by")
-        files = dataset.files["unlabelled"]
-        if not files:
-            problem = f"no scans of unlabelled objects of {dataset.category}: run kinmo render --unlabelled first"
-            raise InputError(self.workspace.own_scans, problem)
-        inputs, stage = self._inputs(dataset), self._stage(dataset)
         with self.workspace.locked():
+            dataset = open_scan_dataset(self.workspace, self.category)
+            folder = self_labels_folder(self.workspace, dataset.category, self.seed)
+            if self._is_current(dataset):
+                observer.note(f"{dataset.category}: scans are labelled already")
+                return Outcome(folder)
+            weights = self._cell(dataset).weights(self.workspace)
+            if weights is None:
+                raise InputError(self.workspace.models, f"no networks to label scans of {self.category} by")
+            files = dataset.files["unlabelled"]
+            if not files:
+                problem = f"no scans of unlabelled objects of {dataset.category}: run kinmo render --unlabelled first"
+                raise InputError(self.workspace.own_scans, problem)
+            inputs, stage = self._inputs(dataset), self._stage(dataset)
             self.workspace.forget(stage)
             remove_leftovers(folder)
             made_from = {_own_path(folder, file): digest([inputs, file.id]) for file in files}

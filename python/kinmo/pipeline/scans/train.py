@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kinmo.config import AncshConfig, AncshNetworkName, Config, TrainingConfig, load_config
+from kinmo.config import AncshConfig, AncshNetworkName, Config
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.learning.training import FitResult, Progress
-from kinmo.pipeline.fitting import Fitter, trained
+from kinmo.pipeline.fitting import Fitter, Work, config_to_train_by, trained
 from kinmo.pipeline.journal import seconds_per_unit
 from kinmo.pipeline.scans.dataset import ScanDataset, Setting, open_scan_dataset, scanned_categories, training_data
 from kinmo.pipeline.scans.networks import NETWORKS, Cell
@@ -22,14 +22,13 @@ from kinmo.typed_tables import to_table
 from kinmo.wording import counted
 from kinmo.workspace import Workspace, digest, remove_leftovers
 
-GUESSED = "with pseudo labels: kinmo pseudo-label and kinmo render make them, of shapes they are sure of"
-BESIDE: dict[Setting, str] = {
-    "semi": "that the supervised networks were sure of",
-    "semi-weakly": GUESSED,
-    "dsg-net": f"in DSG-Net's layout {GUESSED}",
-    "ceiling": "whose labels were held back: kinmo prepare --hold-back keeps some",
+BESIDE: dict[Setting, tuple[str, str]] = {
+    "semi": ("objects that the supervised networks are sure of", "lower ancsh.confidence"),
+    "semi-weakly": ("pseudo-labelled objects", "run kinmo pseudo-label, then kinmo render"),
+    "dsg-net": ("pseudo-labelled objects in DSG-Net's layout", "run kinmo pseudo-label, then kinmo render"),
+    "ceiling": ("objects whose labels are held back", "run kinmo prepare --hold-back FOLDER, then kinmo render"),
 }
-"""What a setting trains on beside the labelled shapes, without which it would be another one."""
+"""What a setting trains on beside the labelled shapes, without which it would be another one, and how to get it."""
 SECONDS_PER_FRAME = 0.010
 """On one CPU core with the configuration `small`, until the journal knows better."""
 
@@ -64,16 +63,8 @@ class ScanFitting:
         return self.cell.folder(self.workspace, self.network)
 
     @property
-    def schedule(self) -> TrainingConfig:
-        return self.section.training
-
-    @property
-    def units(self) -> int:
-        return self.section.batches_per_epoch * self.section.batch_frames
-
-    @property
-    def seconds(self) -> float:
-        return self.units * self.schedule.epochs * _seconds_per_frame(self.workspace, self.stage, self.network)
+    def work(self) -> Work:
+        return _work(self.workspace, self.section, self.network, self.stage)
 
     def fit(self, on_progress: Callable[[Progress], None]) -> FitResult:
         return train_ancsh(
@@ -106,7 +97,7 @@ class TrainAncsh:
     workers: int = 1
 
     def plan(self) -> Plan:
-        config = self._config()
+        config = self._config
         steps: list[str] = []
         seconds = 0.0
         for stage in self._before(config):
@@ -116,19 +107,24 @@ class TrainAncsh:
         if steps:  # what they leave decides what is trained on
             cells = [Cell(category, self.setting, self.seed) for category in self._categories()]
             steps += [f"train {network} ({cell})" for cell in cells for network in NETWORKS]
-            return Plan(tuple(steps), seconds + len(cells) * training_seconds(self.workspace, config.ancsh, self.workers))
+            return Plan(tuple(steps), seconds + self.guessed_seconds(len(cells)))
         fittings = list(self._fittings(config))
         pending = self._fitter.pending(fittings)
         steps += [
-            f"train {each.name} on scans of {counted(each.objects[0], 'object')} for {counted(each.schedule.epochs, 'epoch')}, "
-            f"validate on {each.objects[1]}"
+            f"train {each.name} on scans of {counted(each.objects[0], 'object')} "
+            f"for {counted(each.work.schedule.epochs, 'epoch')}, validate on {each.objects[1]}"
             for each in fittings
             if each in pending
         ]
-        return Plan(tuple(steps), seconds + self._fitter.seconds(pending))
+        return Plan(tuple(steps), seconds + self._fitter.seconds([each.work for each in pending]))
+
+    def guessed_seconds(self, categories: int = 1) -> float:
+        """About how long it takes to train the networks of so many categories, whatever scans there will be."""
+        section = self._config.ancsh
+        return self._fitter.seconds([_work(self.workspace, section, network) for network in NETWORKS] * categories)
 
     def run(self, observer: Observer) -> Outcome:
-        config = self._config()
+        config = self._config
         for stage in self._before(config):
             stage.run(observer)
         with self.workspace.locked():
@@ -141,11 +137,9 @@ class TrainAncsh:
     def _fitter(self) -> Fitter:
         return Fitter(self.workspace, self.device, self.workers)
 
+    @property
     def _config(self) -> Config:
-        config = load_config(self.config)
-        if config.ancsh.training.devices > 1:
-            raise InputError(self.config, "kinmo train uses one device, expected 1", "ancsh.training.devices")
-        return config
+        return config_to_train_by(self.config, ("ancsh",))
 
     def _categories(self) -> tuple[str, ...]:
         categories = (self.category,) if self.category else scanned_categories(self.workspace)
@@ -176,9 +170,11 @@ class TrainAncsh:
         folder = self.workspace.scans / dataset.category
         for files, role in ((training, "train"), (validation, "validate on")):
             if not files:
-                raise InputError(folder, f"expected scans of an object of {dataset.structure} to {role}")
+                raise InputError(folder, f"expected scans of an object with {dataset.structure.in_words} to {role}")
         if self.setting in BESIDE and not beside:
-            raise InputError(folder, f"no scans of an object of {dataset.structure} {BESIDE[self.setting]}", self.setting)
+            wanted, remedy = BESIDE[self.setting]
+            problem = f"needs scans of {wanted} with {dataset.structure.in_words}, and there are none: {remedy}"
+            raise InputError(folder, problem, self.setting)
         data = training_data(dataset, beside)
         objects, labelled = (count_objects(training), count_objects(validation)), count_objects(dataset.files["train"])
         for network in NETWORKS:
@@ -191,12 +187,7 @@ def _paths(files: tuple[ScanFile, ...]) -> tuple[Path, ...]:
     return tuple(file.path for file in files)
 
 
-def training_seconds(workspace: Workspace, section: AncshConfig, workers: int) -> float:
-    """About how long both networks of a category take to train."""
-    frames = section.training.epochs * section.batches_per_epoch * section.batch_frames
-    seconds = [frames * _seconds_per_frame(workspace, "", network) for network in NETWORKS]
-    return sum(seconds) / min(workers, len(NETWORKS))
-
-
-def _seconds_per_frame(workspace: Workspace, stage: str, network: AncshNetworkName) -> float:
-    return seconds_per_unit(workspace, stage, SECONDS_PER_FRAME, kind=f"train-{network}-")
+def _work(workspace: Workspace, section: AncshConfig, network: AncshNetworkName, stage: str = "") -> Work:
+    """How much there is to train of a network, which does not depend on how many scans there are."""
+    each = seconds_per_unit(workspace, stage, SECONDS_PER_FRAME, kind=f"train-{network}-")
+    return Work(section.training, section.batches_per_epoch * section.batch_frames, each)

@@ -82,6 +82,10 @@ class WrittenTables:
 
     def write(self, seeds: Mapping[str, Sequence[int]], shown: Protocol = "kinmo") -> Outcome:
         """Write it for the categories of `seeds`, by each protocol; the text is that of the one to be `shown`."""
+        with self.workspace.locked():
+            return self._write(seeds, shown)
+
+    def _write(self, seeds: Mapping[str, Sequence[int]], shown: Protocol) -> Outcome:
         texts, data = [], {}
         whole = self._held(seeds)
         places = {category: {category: by_seed} for category, by_seed in whole.items()}
