@@ -2,9 +2,10 @@
 
     RAYON_NUM_THREADS=1 OMP_NUM_THREADS=1 python bench/pose.py [--quick]
 
-Three parts with 1,024 pairs of points each and 10,000 hypotheses a part, in 200 problems of which one is timed; then two parts
-on a revolute joint, the same sum of squares. First checks that neither peer has the better result: in the median and the 95th
-percentile of the errors no difference that the problems can tell from none (paired bootstrap, 95 %).
+Three parts with 1,024 pairs of points each and 10,000 hypotheses a part, in 200 problems of which one is timed: first checks
+that NumPy's poses are no better, in the median and the 95th percentile of the errors. Then two parts on a hinge, and two of
+which one slides in the other, each the same sum of squares. Last, answers without errors of objects with two to six parts: the
+largest errors of their poses and joints, whatever is known to be typical of them.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import argparse
 import json
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,22 +27,34 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from kinmo import _core
+from kinmo.joint import KIND_CODES, JointKind
+from kinmo.scans.answers import PointAnswers
+from kinmo.scans.articulated_object import Structure
+from kinmo.scans.estimate import PoseOptions, ScanEstimate, estimate
+from kinmo.scans.input_frame import InputFrame
+from kinmo.scans.typical import Typical
 
 F64 = NDArray[np.float64]
 SEARCH_GOAL, JOINT_GOAL = 10.0, 100.0
 PARTS, POINTS, HYPOTHESES, THRESHOLD = 3, 1024, 10_000, 0.1
 SCALE, NOISE, WRONG = 0.7, 0.03, 0.4
-PROBLEMS, REPEATS, DRAWS = 200, 20, 1000
+PROBLEMS, REPEATS = 200, 20
 QUICK = 5, 3
+POSE_GOAL, DEGREES_GOAL = 1e-4, 0.01
+MOST_PARTS, EXACT_POINTS, EXACT_HYPOTHESES, MOST_TILT = 6, 200, 200, 0.35
+EXACT_SHARE = 20
 CHUNK = 1000
 """Hypotheses that NumPy scores at once: more do not fit its caches."""
 
 
-def clouds(seed: int) -> tuple[F64, F64, list[Rotation]]:
-    """Pairs [PARTS, POINTS, 3] of points, two of five wrong, and the true turns; part 1 hangs on part 0 by a hinge along x."""
+def clouds(seed: int, slides: bool = False) -> tuple[F64, F64, list[Rotation]]:
+    """Pairs [PARTS, POINTS, 3] of points, two of five wrong, and the true turns; part 1 hangs on part 0 by a hinge along x, or
+    slides in it.
+    """
     rng = np.random.default_rng(seed)
     base = Rotation.random(random_state=rng)
-    turns = [base, base * Rotation.from_rotvec([rng.uniform(-1.5, 1.5), 0.0, 0.0]), Rotation.random(random_state=rng)]
+    turned = base * Rotation.from_rotvec([rng.uniform(-1.5, 1.5), 0.0, 0.0])
+    turns = [base, base if slides else turned, Rotation.random(random_state=rng)]
     source = rng.uniform(-0.5, 0.5, (PARTS, POINTS, 3))
     target = np.stack([SCALE * turn.apply(points) for turn, points in zip(turns, source, strict=True)])
     target += rng.normal(scale=NOISE, size=target.shape)
@@ -91,10 +105,6 @@ def timed(run: Callable[[], object], repeats: int) -> float:
     return 1e3 * min(times)
 
 
-def interval(low: F64, high: F64) -> str:
-    return ", ".join(f"{least:+.4f} to {most:+.4f}" for least, most in zip(low, high, strict=True))
-
-
 def degrees(found: F64, true: Rotation) -> float:
     return float(np.degrees((Rotation.from_matrix(found) * true.inv()).magnitude()))
 
@@ -125,22 +135,19 @@ def search(problems: int, repeats: int) -> None:
         pairs = zip(("rotation (deg)", "place", "scale"), middle, high, strict=True)
         texts = [f"{what} off by {median:.4f} in the median, {most:.4f} in the 95th percentile" for what, median, most in pairs]
         print(f"{name:>6}, {problems} problems of {PARTS} parts: {'; '.join(texts)}")
-    both = np.stack([np.array(errors[name]) for name in ("kinmo", "NumPy")])
-    drawn = np.random.default_rng(0).integers(0, both.shape[1], (DRAWS, both.shape[1]))
-    apart = np.array([np.subtract(*np.percentile(both[:, rows], [50, 95], axis=1).swapaxes(0, 1)) for rows in drawn])
-    low, high = np.percentile(apart, [2.5, 97.5], axis=0)
-    print(f"kinmo above NumPy (rotation, place, scale): medians {interval(low[0], high[0])}; 95 % {interval(low[1], high[1])}")
-    no_worse = bool((low <= 0.0).all())
+    no_worse = bool((figures["kinmo"] <= figures["NumPy"]).all())
     source, target, _ = clouds(0)
     own, theirs = timed(lambda: ours(source, target), repeats), timed(lambda: peer(source, target), max(1, repeats // 4))
     report("similarities of 3 parts x 1,024 pairs x 10,000 hypotheses, ms", own, theirs, SEARCH_GOAL, no_worse)
 
 
-def joint(repeats: int) -> None:
+def joint(kind: JointKind, repeats: int) -> None:
     """The same sum of squares by either solver."""
-    source, target, turns = clouds(1)
+    slides = kind is JointKind.PRISMATIC
+    source, target, turns = clouds(1, slides)
     source, target = source[:2], target[:2]
-    direction, count = np.array([1.0, 0.0, 0.0]), POINTS
+    direction = np.array([1.0, 0.0, 0.0])
+    shared = np.sqrt(0.5 * POINTS) * np.eye(3) if slides else np.sqrt(POINTS) * direction[:, None]
     starts = np.arange(3, dtype=np.int64) * POINTS
     start = np.stack([(turn * Rotation.from_rotvec([0.1, -0.1, 0.1])).as_matrix() for turn in turns[:2]])
     clouds_ = [(SCALE * (a - a.mean(0)), b - b.mean(0)) for a, b in zip(source, target, strict=True)]
@@ -148,11 +155,11 @@ def joint(repeats: int) -> None:
     def residuals(vectors: F64) -> F64:
         found = Rotation.from_rotvec(vectors.reshape(2, 3))
         own = [(turn.apply(a) - b).ravel() for turn, (a, b) in zip(found, clouds_, strict=True)]
-        tie = found[0].apply(direction) - found[1].apply(direction)
-        return np.concatenate([*own, np.sqrt(count) * tie])
+        tie = (found[0].as_matrix() - found[1].as_matrix()) @ shared
+        return np.concatenate([*own, tie.ravel()])
 
     def ours() -> F64:
-        pairs, kinds = np.array([[0, 1]], np.uint32), np.zeros(1, np.uint8)
+        pairs, kinds = np.array([[0, 1]], np.uint32), np.array([KIND_CODES[kind]], np.uint8)
         return _core.tie_poses(
             source.reshape(-1, 3), target.reshape(-1, 3), starts, pairs, kinds, direction[None], start, np.full(2, SCALE),
             np.zeros((2, 3)), frames=np.array([0, 2]), threshold=1e3,
@@ -164,9 +171,91 @@ def joint(repeats: int) -> None:
 
     own_cost = np.sum(residuals(Rotation.from_matrix(ours()).as_rotvec().ravel()) ** 2)
     peer_cost = np.sum(residuals(peer()) ** 2)
-    print(f"sum of squares: kinmo {own_cost:.9f}, SciPy {peer_cost:.9f}")
+    name = "sliding in each other" if slides else "on a hinge"
+    print(f"sum of squares, {name}: kinmo {own_cost:.9f}, SciPy {peer_cost:.9f}")
     own, theirs = timed(ours, repeats), timed(peer, repeats)
-    report("two parts on a joint, 2 x 1,024 pairs, ms", own, theirs, JOINT_GOAL, bool(own_cost <= peer_cost * (1 + 1e-9)))
+    report(f"two parts {name}, 2 x 1,024 pairs, ms", own, theirs, JOINT_GOAL, bool(own_cost <= peer_cost * (1 + 1e-9)))
+
+
+@dataclass(frozen=True, eq=False)
+class Exact:
+    """What is said without error of an object, and what is true of it in the camera's frame: similarities of its K parts from
+    NPCS, and directions and pivots of its joints.
+    """
+
+    answer: PointAnswers
+    structure: Structure
+    turns: list[Rotation]
+    scales: F64
+    shifts: F64
+    directions: F64
+    pivots: F64
+
+
+def exact_object(kinds: tuple[JointKind, ...], rng: np.random.Generator) -> Exact:
+    """Parts that hang by earlier ones, their axes at random, half of them near those of the coordinates."""
+    count = len(kinds) + 1
+    parents = tuple(int(rng.integers(part)) for part in range(1, count))
+    sizes, corners = rng.uniform(0.2, 0.6, count), rng.uniform(-0.2, 0.6, (count, 3))
+    # of every part, what takes NAOCS to the camera
+    turns, shifts = [Rotation.random(random_state=rng)], [rng.uniform(-0.3, 0.3, 3) + [0.0, 0.0, 2.0]]
+    axes, pivots, seen_axes, seen_pivots = [], [], [], []
+    for kind, parent in zip(kinds, parents, strict=True):
+        tilted = Rotation.from_rotvec(rng.uniform(-1.0, 1.0, 3) * MOST_TILT / np.sqrt(3.0)).apply(np.eye(3)[rng.integers(3)])
+        axis, pivot = (
+            (tilted if rng.random() < 0.5 else Rotation.random(random_state=rng).apply(tilted)),
+            rng.uniform(0.0, 1.0, 3),
+        )
+        turn = Rotation.from_rotvec(axis * (0.0 if kind is JointKind.PRISMATIC else rng.uniform(-1.5, 3.0)))
+        slide = 0.0 if kind is JointKind.REVOLUTE else rng.uniform(-0.3, 0.5)
+        seen_axes.append(turns[parent].apply(axis))
+        seen_pivots.append(turns[parent].apply(pivot) + shifts[parent])
+        turns.append(turns[parent] * turn)
+        shifts.append(turns[parent].apply(pivot - turn.apply(pivot) + slide * axis) + shifts[parent])
+        axes.append(axis)
+        pivots.append(pivot)
+    npcs = rng.uniform(0.2, 0.8, (count, EXACT_POINTS, 3))
+    naocs = sizes[:, None, None] * npcs + corners[:, None]
+    points = np.stack([turn.apply(own) + shift for turn, own, shift in zip(turns, naocs, shifts, strict=True)])
+    parts = np.repeat(np.arange(count), EXACT_POINTS)
+    # points of the base tell of joints as well
+    told = np.where(parts > 0, parts, rng.integers(1, count, len(parts)))
+    answer = PointAnswers(
+        InputFrame(np.zeros(3), 1.0), points.reshape(-1, 3), parts, npcs.reshape(-1, 3), sizes, corners,
+        told, np.array(axes)[told - 1], np.array(pivots)[told - 1],
+    )  # fmt: skip
+    placed = np.stack([turn.apply(corner) + shift for turn, corner, shift in zip(turns, corners, shifts, strict=True)])
+    return Exact(answer, Structure(kinds, parents), turns, sizes, placed, np.array(seen_axes), np.array(seen_pivots))
+
+
+def exact_errors(found: ScanEstimate, right: Exact) -> tuple[float, float]:
+    """The largest of poses (radians, lengths and shares of scales) and of places of joints, and of directions in degrees."""
+    turned = [degrees(*both) for both in zip(found.poses.rotations, right.turns, strict=True)]
+    moved = np.linalg.norm(found.poses.translations - right.shifts, axis=1)
+    aside = np.linalg.norm(np.cross(found.pivots - right.pivots, right.directions), axis=1)
+    poses = np.concatenate([np.radians(turned), moved, abs(found.poses.scales / right.scales - 1.0), aside])
+    off = np.linalg.norm(np.cross(found.directions, right.directions), axis=1)
+    return float(poses.max()), float(np.degrees(np.arcsin(off.clip(max=1.0))).max())
+
+
+def exact(problems: int) -> None:
+    """Objects of two to six parts, with joints of one kind and of all; nothing is typical, or all that can be."""
+    rng, every = np.random.default_rng(0), list(JointKind)
+    worst, count, options = np.zeros(2), 0, PoseOptions(hypotheses=EXACT_HYPOTHESES)
+    for parts in range(2, MOST_PARTS + 1):
+        for some in (*([kind] for kind in every), every):
+            for _ in range(problems):
+                kinds = tuple(some[index] for index in rng.integers(0, len(some), parts - 1))
+                right = exact_object(kinds, rng)
+                known = Typical(np.tile([0.0, 1.5], (parts - 1, 1)), np.ones(parts, bool), np.ones(parts - 1, bool))
+                for typical in (None, known):
+                    (found,) = estimate([right.answer], right.structure, options, typical)
+                    worst = np.maximum(worst, exact_errors(found, right))
+                    count += 1
+    for what, largest, goal in zip(("poses", "joints (deg)"), worst.tolist(), (POSE_GOAL, DEGREES_GOAL), strict=True):
+        print(f"answers without errors, {count} times: {what} off by {largest:.1e} at most")
+        claim = {"claim": f"largest error of {what} from answers without errors", "ours": largest, "peer": None, "ratio": None}
+        print(json.dumps({**claim, "goal": goal, "met": largest <= goal}))
 
 
 def report(claim: str, ours: float, peer: float, goal: float, no_worse: bool) -> None:
@@ -177,13 +266,15 @@ def report(claim: str, ours: float, peer: float, goal: float, no_worse: bool) ->
 
 
 def main() -> None:
-    """Both comparisons."""
+    """All comparisons."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="few problems and repeats")
     quick = parser.parse_args().quick
     problems, repeats = QUICK if quick else (PROBLEMS, REPEATS)
     search(problems, repeats)
-    joint(repeats)
+    joint(JointKind.REVOLUTE, repeats)
+    joint(JointKind.PRISMATIC, repeats)
+    exact(max(1, problems // EXACT_SHARE))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ from kinmo.config import ScansConfig
 from kinmo.learning.ancsh.targets import layout
 from kinmo.scans.answers import MIDDLE, Layout, said_half_sizes, said_joints
 from kinmo.scans.scan import scan
-from kinmo.scans.typical import Typical
 from scanned import cupboard_object, true_answers
 
 TARGET = cupboard_object()
@@ -34,7 +33,7 @@ def test_what_is_said_of_the_whole_counts_before_what_points_say() -> None:
     answer = true_answers(TARGET, SCANS, 0)
     answer = replace(answer, pivots=answer.pivots + 1.0, npcs=answer.npcs * 0.5, layout=Layout(HALF_SIZES, PIVOTS))
     np.testing.assert_array_equal(said_half_sizes(answer), HALF_SIZES)
-    directions, pivots = said_joints(answer, TARGET.structure, Typical.unknown(TARGET.structure))
+    directions, pivots = said_joints(answer, TARGET.structure)
     np.testing.assert_array_equal(pivots, PIVOTS)
     for joint, direction, pivot in zip(TARGET.joints, directions, pivots, strict=True):
         np.testing.assert_allclose(np.abs(direction @ joint.direction), 1.0, atol=1e-6)

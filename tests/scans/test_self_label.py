@@ -12,12 +12,10 @@ from kinmo.learning.ancsh.targets import canonical_coordinates
 from kinmo.scans.estimate import PoseOptions, estimate
 from kinmo.scans.scan import scan
 from kinmo.scans.self_label import UNSURE, self_labelled
-from kinmo.scans.typical import Typical
 from scanned import cupboard_object, true_answers
 
 CONFIG = ScansConfig(states=2, views=4, size=160, points=2048, least_pixels=4, smallest_part=0.05)
 NAME = ("one", "Cupboard")
-KNOWN = Typical.unknown(cupboard_object().structure)
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +28,7 @@ def seen():
 
 def test_what_networks_say_without_error_is_the_true_label(seen):
     target, scans, answers, found = seen
-    made = self_labelled(NAME, scans.points, answers, found, target.structure, KNOWN, 0.8)
+    made = self_labelled(NAME, scans.points, answers, found, target.structure, 0.8)
     assert made is not None
     said, labelled = made
     assert len(labelled) == len(scans)
@@ -46,9 +44,8 @@ def test_what_networks_say_without_error_is_the_true_label(seen):
 
 def test_frames_that_say_opposite_directions_still_tell_the_line(seen):
     target, scans, answers, found = seen
-    split = [replace(one, axes=-one.axes) if row % 2 else one for row, one in enumerate(answers)]
-    known = replace(KNOWN, along_axes=np.ones(len(target.joints), bool))
-    made = self_labelled(NAME, scans.points, split, found, target.structure, known, 0.0)
+    split = [replace(one, directions=-one.directions) if row % 2 else one for row, one in enumerate(found)]
+    made = self_labelled(NAME, scans.points, answers, split, target.structure, 0.0)
     assert made is not None
     for mine, right in zip(made[0].joints, target.joints, strict=True):
         assert abs(mine.direction @ right.direction) > 0.999
@@ -57,8 +54,8 @@ def test_frames_that_say_opposite_directions_still_tell_the_line(seen):
 def test_frames_that_networks_are_not_sure_of_are_left_out(seen):
     target, scans, answers, found = seen
     doubtful = [replace(one, inliers=np.full_like(one.inliers, 0.5)) if row % 2 else one for row, one in enumerate(found)]
-    made = self_labelled(NAME, scans.points, answers, doubtful, target.structure, KNOWN, 0.8)
+    made = self_labelled(NAME, scans.points, answers, doubtful, target.structure, 0.8)
     assert made is not None
     assert len(made[1]) == len(scans) - len(scans) // 2
     assert made[1].refused == {UNSURE: len(scans) // 2}
-    assert self_labelled(NAME, scans.points, answers, doubtful, target.structure, KNOWN, 1.1) is None
+    assert self_labelled(NAME, scans.points, answers, doubtful, target.structure, 1.1) is None

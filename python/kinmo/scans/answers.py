@@ -9,16 +9,12 @@ from numpy.typing import NDArray
 
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.input_frame import InputFrame
-from kinmo.scans.typical import Typical
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
 MIDDLE = np.full(3, 0.5)
 """Of a part in NPCS, and of the object in NAOCS."""
-
-NEAR_AXIS = np.cos(np.radians(20.0))
-"""From this cosine on a direction that typically is along an axis is taken for that axis."""
 
 LEAST_LENGTH = 1e-6
 """Of the median of said axes, below which it is no direction."""
@@ -75,35 +71,26 @@ def said_half_sizes(answer: PointAnswers) -> F64:
     return np.array([np.abs(npcs - MIDDLE).max(axis=0) if len(npcs) else np.full(3, np.nan) for npcs in seen])
 
 
-def said_joints(answer: PointAnswers, structure: Structure, typical: Typical) -> tuple[F64, F64]:
+def telling(answer: PointAnswers, joint: int) -> NDArray[np.bool_]:
+    """The points [n] that tell of a joint (from 1); where none does, those of the part that it moves."""
+    own = answer.joints == joint
+    return np.asarray(own if own.any() else answer.parts == joint)
+
+
+def said_joints(answer: PointAnswers, structure: Structure) -> tuple[F64, F64]:
     """Directions (unit) and pivots [K - 1, 3] in NAOCS.
 
-    The medians over the points that tell of a joint; where none does, over those of the part that it moves, and NaN where there
-    is none of those either. Pivots are those of the layout, where there is one. What is typically along an axis, and said to be
-    within `NEAR_AXIS` of one, is along that.
+    The medians over the points that are `telling` of a joint; NaN where there is none. Pivots are those of the layout, where
+    there is one.
     """
     directions, pivots = (np.full((structure.part_count - 1, 3), np.nan) for _ in range(2))
     for joint in range(1, structure.part_count):
-        telling = answer.joints == joint
-        if not telling.any():
-            telling = answer.parts == joint
-        if telling.any():
-            direction = np.median(answer.axes[telling], axis=0)
+        own = telling(answer, joint)
+        if own.any():
+            direction = np.median(answer.axes[own], axis=0)
             length = float(np.linalg.norm(direction))
             directions[joint - 1] = direction / length if length > LEAST_LENGTH else np.nan
-            if typical.along_axes[joint - 1]:
-                directions[joint - 1] = _along_axis(directions[joint - 1])
-            pivots[joint - 1] = np.median(answer.pivots[telling], axis=0)
+            pivots[joint - 1] = np.median(answer.pivots[own], axis=0)
     if answer.layout is not None:
         pivots = answer.layout.pivots
     return directions, pivots
-
-
-def _along_axis(direction: F64) -> F64:
-    """The axis that a unit vector is near to; itself if it is to none."""
-    nearest = np.argmax(np.abs(direction))
-    if not abs(direction[nearest]) >= NEAR_AXIS:
-        return direction
-    along = np.zeros(3)
-    along[nearest] = np.sign(direction[nearest])
-    return along

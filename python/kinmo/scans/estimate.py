@@ -18,6 +18,7 @@ from kinmo.scans.articulated_object import Structure
 from kinmo.scans.input_frame import InputFrame
 from kinmo.scans.part_boxes import said_boxes, seen_boxes
 from kinmo.scans.typical import Typical
+from kinmo.scans.typical_axes import likely_directions
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
@@ -104,7 +105,9 @@ def estimate(
         source, target, starts, hypotheses=options.hypotheses, threshold=options.threshold, seed=options.seed
     )
     shares = np.array([right[a:b].mean() if b > a else np.nan for a, b in pairwise(starts)])
-    joints = [said_joints(answer, structure, typical) for answer in answers]
+    said = [said_joints(answer, structure) for answer in answers]
+    likely = likely_directions(answers, [own for own, _ in said], free, structure, typical, options.threshold)
+    joints = [(directions, pivots) for directions, (_, pivots) in zip(likely, said, strict=True)]
     tied = _tied(free, source, target, starts, joints, structure, options, typical)
     boxes = seen_boxes(answers, tied, options.threshold) if options.boxes == "seen" else said_boxes(answers, tied)
     estimates = []

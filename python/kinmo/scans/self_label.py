@@ -14,7 +14,6 @@ from kinmo.scans.answers import MIDDLE, PointAnswers, said_half_sizes, said_join
 from kinmo.scans.articulated_object import Extents, Structure
 from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.scan import Scans
-from kinmo.scans.typical import Typical
 
 F64 = NDArray[np.float64]
 
@@ -48,7 +47,6 @@ def self_labelled(
     answers: Sequence[PointAnswers],
     estimates: Sequence[ScanEstimate],
     structure: Structure,
-    typical: Typical,
     confidence: float,
 ) -> tuple[SaidObject, Scans] | None:
     """The frames of one object that networks are sure of, labelled; None where there is none.
@@ -61,7 +59,8 @@ def self_labelled(
     if not sure:
         return None
     extents = _extents([answers[row] for row in sure])
-    said = SaidObject(*name, structure, _joints([answers[row] for row in sure], structure, typical), extents)
+    joints = _joints([answers[row] for row in sure], [estimates[row] for row in sure], structure)
+    said = SaidObject(*name, structure, joints, extents)
     places = np.zeros((len(sure), *points.shape[1:]), np.float32)
     for frame, row in enumerate(sure):
         poses, parts = estimates[row].poses, answers[row].parts
@@ -85,11 +84,12 @@ def _extents(answers: Sequence[PointAnswers]) -> Extents:
     return Extents(shifts + MIDDLE * scales[:, None] - MIDDLE, sizes)
 
 
-def _joints(answers: Sequence[PointAnswers], structure: Structure, typical: Typical) -> tuple[Joint, ...]:
-    """Pivots are medians; directions the lines that come nearest to what the frames say, of the sign that most say."""
-    said = [said_joints(answer, structure, typical) for answer in answers]
-    directions = [_mean_direction(np.stack([frame[0][row] for frame in said])) for row in range(len(structure.kinds))]
-    pivots = np.median([frame[1] for frame in said], axis=0)
+def _joints(answers: Sequence[PointAnswers], estimates: Sequence[ScanEstimate], structure: Structure) -> tuple[Joint, ...]:
+    """Pivots are medians of what is said; directions the lines that come nearest to those found, of the sign of most."""
+    parents = list(structure.parents)
+    found = [np.einsum("kji,kj->ki", each.poses.rotations[parents], each.directions) for each in estimates]
+    directions = [_mean_direction(np.stack([frame[row] for frame in found])) for row in range(len(parents))]
+    pivots = np.median([said_joints(answer, structure)[1] for answer in answers], axis=0)
     return tuple(
         Joint(kind, direction, pivot - MIDDLE)
         for kind, direction, pivot in zip(structure.kinds, directions, pivots, strict=True)

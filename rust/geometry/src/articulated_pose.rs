@@ -25,8 +25,8 @@ pub struct Tie {
 
 impl Tie {
     /// It weighs as much as the smaller number of points.
-    fn coupling(&self, counts: &[usize]) -> Coupling {
-        let weight = self.parts.map(|part| counts[part]).into_iter().min().unwrap_or(0) as f64;
+    fn coupling(&self, parts: &[Moments]) -> Coupling {
+        let weight = f64::min(parts[self.parts[0]].weight, parts[self.parts[1]].weight);
         Coupling { parts: self.parts, kind: self.kind, direction: self.direction, weight }
     }
 }
@@ -100,15 +100,14 @@ fn inliers_of(pairs: &[Pair], pose: &Similarity, threshold: f64) -> Vec<bool> {
 
 /// Least squares over all pairs and ties, with the scales of `poses`.
 fn tied(parts: &[Moments], ties: &[Tie], poses: &[Similarity]) -> Vec<Similarity> {
-    let counts: Vec<usize> = parts.iter().map(|part| part.count).collect();
-    let couplings: Vec<Coupling> = ties.iter().map(|tie| tie.coupling(&counts)).collect();
+    let couplings: Vec<Coupling> = ties.iter().map(|tie| tie.coupling(parts)).collect();
     let covariances: Vec<Matrix3<f64>> =
         parts.iter().zip(poses).map(|(part, pose)| part.covariance * pose.scale).collect();
     let starts: Vec<Rotation3<f64>> = poses.iter().map(|pose| pose.rotation).collect();
     let rotations = couple_rotations(&covariances, &couplings, &starts);
     let fitted = rotations.into_iter().zip(poses).zip(parts).map(|((rotation, pose), part)| {
         let shifted = part.target - rotation * part.source * pose.scale;
-        let translation = if part.count > 0 { shifted } else { pose.translation };
+        let translation = if part.weight > 0.0 { shifted } else { pose.translation };
         Similarity { rotation, translation, ..*pose }
     });
     fitted.collect()

@@ -38,6 +38,7 @@ pub mod sampling;
 pub mod seen_box;
 pub mod settled_pose;
 pub mod similarity;
+mod soft_fit;
 #[cfg(test)]
 mod soup;
 mod strata;

@@ -6,6 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::similarity::Similarity;
+use crate::soft_fit::soft_fit;
 
 /// Points whose squared residuals are taken at once.
 const LANES: usize = 16;
@@ -13,6 +14,8 @@ const LANES: usize = 16;
 const BLOCKS_A_LOOK: usize = 4;
 /// A fit to the inliers of a fit is repeated at most so often.
 const MOST_FITS: usize = 20;
+/// By so many times may the sum grow where pairs are weighed: it knows of no errors but those up to the threshold.
+const MOST_RISE: f32 = 1.1;
 
 /// A point and where it is seen.
 pub type Pair = (Point3<f64>, Point3<f64>);
@@ -31,7 +34,8 @@ pub struct Search {
 /// The similarity with the smallest sum of squared residuals, each counted up to the squared threshold (MSAC).
 ///
 /// Every hypothesis is the fit to three pairs drawn at random, and is given up as soon as its sum is above the best one. The best
-/// is fitted anew to its inliers until they stay the same. `None` where no triple that is drawn determines a similarity.
+/// is fitted anew to its inliers until they stay the same, and then to all pairs by how likely each is right, if there are enough
+/// to tell. `None` where no triple that is drawn determines a similarity.
 ///
 /// Torr and Zisserman, MLESAC, 2000.
 pub fn find_similarity(pairs: &[Pair], search: &Search) -> Option<Similarity> {
@@ -59,7 +63,8 @@ pub fn find_similarity(pairs: &[Pair], search: &Search) -> Option<Similarity> {
         let Some(lower) = residuals.cost_below(&found, cost) else { break };
         (cost, similarity) = (lower, found);
     }
-    Some(similarity)
+    let soft = soft_fit(pairs, &similarity, search.threshold);
+    soft.filter(|found| residuals.cost_below(found, MOST_RISE * cost).is_some()).or(Some(similarity))
 }
 
 /// Whether a pair's residual is below the threshold.

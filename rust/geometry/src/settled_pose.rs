@@ -30,8 +30,8 @@ const FITS: usize = 2;
 ///
 /// What slides is turned as that, what turns is tried at every angle of its tie's range (of `ranges`), and the best taken: that
 /// with the least sum of residuals, each counted up to `threshold`. Where pairs clearly tell of an angle out of the range, or of
-/// one the other way round, that is taken. If it is square the part is turned about its tie to face its axes, within the range.
-/// What turns without a range goes along with what it hangs by. Scales stay as they are, and so do parts without pairs.
+/// one the other way round, or of no turn about the tie at all, that is taken. If it is square the part is turned about its tie
+/// to face its axes, within the range. What turns without a range goes along with what it hangs by. Scales stay as they are, and so do parts without pairs.
 pub fn settled(
     parts: &[&[Pair]],
     ties: &[Tie],
@@ -91,9 +91,10 @@ struct Hinge {
 
 impl Hinge {
     /// The best place of the part: within the range, unless another is clearly better, where the part is `now` or that with
-    /// the direction the other way round.
+    /// the direction the other way round; off the hinge as it is `now`, if that is clearly better than all that turns about it.
     fn best(&self, now: &Rotation3<f64>, place: impl Fn(Rotation3<f64>) -> Placed) -> Placed {
         let [low, high] = [self.range[0] - MARGIN, self.range[1] + MARGIN];
+        let free = place(*now);
         let now = self.angle(now);
         let steps = ((high - low) / STEP).ceil();
         let angles: Vec<f64> = (0..=steps as usize).map(|step| low + (high - low) * step as f64 / steps).collect();
@@ -105,7 +106,8 @@ impl Hinge {
         let inside = least(&mut angles.iter().copied().chain(allowed));
         let outside = least(&mut angles.iter().map(|angle| -angle).chain([now]));
         let (inside, outside) = (inside.expect("three angles at least"), outside.expect("one angle at least"));
-        if outside.cost * MOST_RISE < inside.cost { outside } else { inside }
+        let turned = if outside.cost * MOST_RISE < inside.cost { outside } else { inside };
+        if free.cost * MOST_RISE < turned.cost { free } else { turned }
     }
 
     /// The angle of the turn about the hinge that is nearest to that of a part.
@@ -238,9 +240,13 @@ mod tests {
             translation: Vector3::x(),
         };
         let places = [[0.0, 0.0, 0.0], [1.0, 0.2, 0.0], [0.3, 0.6, 0.1], [0.5, 0.1, 0.9]].map(Point3::from);
-        for (direction, range) in
-            [(Vector3::z_axis(), [0.0, 1.5]), (-Vector3::z_axis(), [0.0, 1.5]), (Vector3::z_axis(), [2.0, 2.5])]
-        {
+        let tilted = Unit::new_normalize(Vector3::new(0.1, -0.2, 1.0));
+        for (direction, range) in [
+            (Vector3::z_axis(), [0.0, 1.5]),
+            (-Vector3::z_axis(), [0.0, 1.5]),
+            (Vector3::z_axis(), [2.0, 2.5]),
+            (tilted, [0.0, 1.5]),
+        ] {
             let truth = pose(1.2);
             let pairs = places.map(|place| (place, truth.apply(&place)));
             let tie = Tie { parts: [0, 1], kind: JointKind::Revolute, direction };

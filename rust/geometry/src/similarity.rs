@@ -29,12 +29,14 @@ impl Similarity {
         if pairs.len() < 3 {
             return None;
         }
-        let moments = Moments::of(pairs);
-        let (rotation, stretches) = nearest_rotation(moments.covariance)?;
-        if stretches[1] <= NEGLIGIBLE * stretches[0] || moments.spread == 0.0 {
-            return None;
-        }
-        moments.similarity(rotation, stretches.sum() / moments.spread)
+        Moments::of(pairs).fit()
+    }
+
+    /// The same of pairs with weights of at least 0, not all of them 0.
+    pub(crate) fn fit_weighted<'a>(
+        pairs: impl IntoIterator<Item = (&'a (Point3<f64>, Point3<f64>), f64)>,
+    ) -> Option<Self> {
+        Moments::weighted(pairs).fit()
     }
 
     /// The least-squares fit to three pairs, in closed form: both triangles are flat, so that the best turn takes one plane to
@@ -80,7 +82,8 @@ pub(crate) fn angle_between(a: &Rotation3<f64>, b: &Rotation3<f64>) -> f64 {
 /// What least squares need to know of pairs of points.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Moments {
-    pub(crate) count: usize,
+    /// Sum of the weights: how many pairs there are, where these have none.
+    pub(crate) weight: f64,
     /// Middle of the source points.
     pub(crate) source: Vector3<f64>,
     /// Middle of the target points.
@@ -93,22 +96,27 @@ pub(crate) struct Moments {
 
 impl Moments {
     pub(crate) fn of<'a>(pairs: impl IntoIterator<Item = &'a (Point3<f64>, Point3<f64>)>) -> Self {
+        Self::weighted(pairs.into_iter().map(|pair| (pair, 1.0)))
+    }
+
+    pub(crate) fn weighted<'a>(pairs: impl IntoIterator<Item = (&'a (Point3<f64>, Point3<f64>), f64)>) -> Self {
         let mut pairs = pairs.into_iter().peekable();
         // Sums about the first, which is no farther off than they spread, lose nothing to rounding.
-        let near = pairs.peek().map_or([Vector3::zeros(); 2], |(source, target)| [source.coords, target.coords]);
-        let (mut count, mut sums, mut products, mut squares) = (0, [Vector3::zeros(); 2], Matrix3::zeros(), 0.0);
-        for pair in pairs {
+        let near = pairs.peek().map_or([Vector3::zeros(); 2], |((source, target), _)| [source.coords, target.coords]);
+        let (mut whole, mut sums, mut products, mut squares) = (0.0, [Vector3::zeros(); 2], Matrix3::zeros(), 0.0);
+        for (pair, weight) in pairs {
             let [source, target] = [pair.0.coords - near[0], pair.1.coords - near[1]];
-            count += 1;
-            sums[0] += source;
-            sums[1] += target;
-            products += target * source.transpose();
-            squares += source.norm_squared();
+            let weighted = source * weight;
+            whole += weight;
+            sums[0] += weighted;
+            sums[1] += target * weight;
+            products += target * weighted.transpose();
+            squares += source.dot(&weighted);
         }
-        let whole = count as f64;
-        let [source, target] = sums.map(|sum| sum / whole.max(1.0));
+        let share = if whole > 0.0 { 1.0 / whole } else { 0.0 };
+        let [source, target] = sums.map(|sum| sum * share);
         Self {
-            count,
+            weight: whole,
             source: source + near[0],
             target: target + near[1],
             covariance: products - target * source.transpose() * whole,
@@ -116,7 +124,13 @@ impl Moments {
         }
     }
 
-    fn similarity(&self, rotation: Rotation3<f64>, scale: f64) -> Option<Similarity> {
+    /// The least-squares fit; `None` where the pairs do not determine it.
+    fn fit(&self) -> Option<Similarity> {
+        let (rotation, stretches) = nearest_rotation(self.covariance)?;
+        if stretches[1] <= NEGLIGIBLE * stretches[0] || self.spread == 0.0 {
+            return None;
+        }
+        let scale = stretches.sum() / self.spread;
         let translation = self.target - rotation * self.source * scale;
         (scale > 0.0 && scale.is_finite()).then_some(Similarity { rotation, scale, translation })
     }
@@ -190,6 +204,17 @@ mod tests {
             prop_assert!((found.rotation.matrix() - true_one.rotation.matrix()).norm() < 1e-6);
             prop_assert!((found.scale - true_one.scale).abs() < 1e-9 * true_one.scale);
             prop_assert!((found.translation - true_one.translation).norm() < 1e-7);
+        }
+
+        #[test]
+        fn a_pair_of_weight_two_counts_as_two(a in points(6), b in points(6)) {
+            let pairs: Vec<_> = a.into_iter().zip(b).collect();
+            let twice: Vec<_> = pairs.iter().chain(&pairs[..2]).copied().collect();
+            let weighted = pairs.iter().enumerate().map(|(row, pair)| (pair, if row < 2 { 2.0 } else { 1.0 }));
+            if let (Some(one), Some(other)) = (Similarity::fit(&twice), Similarity::fit_weighted(weighted)) {
+                let (first, second) = (squares(&one, &twice), squares(&other, &twice));
+                prop_assert!((first - second).abs() < 1e-9 * (1.0 + first), "{first} {second}");
+            }
         }
 
         #[test]

@@ -15,6 +15,7 @@ from kinmo.errors import InputError
 from kinmo.learning.ancsh.data import ScanData, odds
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
 from kinmo.learning.ancsh.network import (
+    KIND,
     AncshNetwork,
     JointAnswers,
     LayoutAnswers,
@@ -26,10 +27,12 @@ from kinmo.learning.ancsh.network import (
 from kinmo.learning.ancsh.predict import Ancsh, to_naocs
 from kinmo.learning.ancsh.targets import layout
 from kinmo.learning.ancsh.train import train_ancsh
+from kinmo.learning.weights import save_weights
 from kinmo.scans.input_frame import base_axes, scan_rotations
 from kinmo.scans.scan import scan
 from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
 from kinmo.scans.typical import Typical
+from kinmo.typed_tables import to_table
 from scanned import cupboard_object
 
 TINY = AncshConfig(
@@ -303,3 +306,20 @@ def test_no_scans_have_no_answers(file: ScanFile) -> None:
     count = file.structure.part_count
     network = AncshNetwork(TINY, count, count).eval()
     assert Ancsh(network, network, TINY, file.structure, Typical.unknown(file.structure), "cpu").answer([]) == []
+
+
+@pytest.mark.parametrize("classes", [None, "two", 0, 10**9])
+def test_weights_that_do_not_say_how_many_classes_they_tell_apart_are_refused_in_one_line(
+    file: ScanFile, tmp_path: Path, classes: object
+) -> None:
+    count, structure = file.structure.part_count, file.structure
+    facts = {"kinds": [kind.value for kind in structure.kinds], "parents": list(structure.parents)}
+    facts["typical"] = Typical.unknown(structure).to_data()
+    whole, broken = tmp_path / "whole.safetensors", tmp_path / "broken.safetensors"
+    network = AncshNetwork(TINY, count, count)
+    save_weights(whole, network, KIND, to_table(TINY), facts | {"classes": count})
+    save_weights(broken, network, KIND, to_table(TINY), facts if classes is None else facts | {"classes": classes})
+    for paths in ((broken, None), (whole, broken)):
+        with pytest.raises(InputError, match=rf"broken\.json: facts\.classes: expected {count} or {count + 1}, got"):
+            Ancsh.load(*paths, "cpu")
+    Ancsh.load(whole, None, "cpu")

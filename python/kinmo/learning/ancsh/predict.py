@@ -47,14 +47,14 @@ class Ancsh:
         loaded = load_weights(weights, KIND)
         config, structure = _config_of(loaded), _structure_of(loaded)
         typical = _typical_of(loaded, structure)
-        joints = AncshNetwork(config, structure.part_count, int(loaded.facts["classes"]))
+        joints = AncshNetwork(config, structure.part_count, _classes_of(loaded, structure))
         loaded.fill(joints)
         parts: PartNetwork = joints
         if part_weights is not None:
             own = load_weights(part_weights, KIND)
             if (_seen_as(_config_of(own)), _structure_of(own)) != (_seen_as(config), structure):
                 raise InputError(part_weights, f"is for other objects than {weights}")
-            parts = PartNetwork(_config_of(own), structure.part_count, int(own.facts["classes"]))
+            parts = PartNetwork(_config_of(own), structure.part_count, _classes_of(own, structure))
             own.fill(parts)
         return cls(joints.to(device).eval(), parts.to(device).eval(), config, structure, typical, device)
 
@@ -109,7 +109,7 @@ class Ancsh:
         said = parts.parts.argmax(-1)
         home = own.parts.argmax(-1)
         arrays = [
-            values.double().cpu().numpy()
+            values.cpu().double().numpy()
             for values in (
                 seen,
                 _of_part(parts.npcs, said),
@@ -133,7 +133,7 @@ class Ancsh:
 
 
 def _layouts(said: LayoutAnswers) -> list[Layout]:
-    half_sizes, pivots = (values.double().cpu().numpy() for values in (said.half_sizes, said.pivots))
+    half_sizes, pivots = (values.cpu().double().numpy() for values in (said.half_sizes, said.pivots))
     return [Layout(*both) for both in zip(half_sizes, pivots, strict=True)]
 
 
@@ -171,6 +171,14 @@ def _structure_of(loaded: Weights) -> Structure:
         return Structure(tuple(JointKind(kind) for kind in loaded.facts["kinds"]), tuple(loaded.facts["parents"]))
     except (KeyError, TypeError, ValueError):
         raise InputError(loaded.path.with_suffix(".json"), "expected the joints of the objects it is for", "facts") from None
+
+
+def _classes_of(loaded: Weights, structure: Structure) -> int:
+    """Of points: the parts, and what is none of them where the network tells that."""
+    classes, parts = loaded.facts.get("classes"), structure.part_count
+    if not isinstance(classes, int) or classes not in (parts, parts + 1):
+        raise InputError(loaded.path.with_suffix(".json"), f"expected {parts} or {parts + 1}, got {classes!r}", "facts.classes")
+    return classes
 
 
 def _typical_of(loaded: Weights, structure: Structure) -> Typical:

@@ -56,7 +56,7 @@ class AxisSelector:
             moved = cloud.moved(candidates.kinds[group], candidates.directions[group], candidates.pivots[group], angles, shifts)
             features = self._features(cloud.shown(moved.reshape(-1, *moved.shape[2:])))
             logits = self.network.compare(original.expand(len(features), -1), features)
-            scores[group] = torch.sigmoid(logits).double().view(len(group), -1).mean(1).cpu().numpy()
+            scores[group] = torch.sigmoid(logits).cpu().double().view(len(group), -1).mean(1).numpy()
         return scores
 
     def _features(self, clouds: NDArray[np.float32]) -> torch.Tensor:

@@ -46,6 +46,6 @@ class JointRanking:
         batch = collate([view], hide_names=self.hide_names, hide_category=float(self.hide_categories))
         batch = batch.to(torch.device(self.device))
         hypotheses, rest = averaged(self.networks, batch)
-        flat = hypotheses.double().exp().cpu().numpy()
+        flat = hypotheses.cpu().double().exp().numpy()
         counts = [view.evidence.rows(unit).stop - view.evidence.rows(unit).start for unit in view.units]
-        return np.split(flat, np.cumsum(counts)[:-1]), rest.double().exp().cpu().numpy()
+        return np.split(flat, np.cumsum(counts)[:-1]), rest.cpu().double().exp().numpy()

@@ -50,7 +50,7 @@ class MotionGnnPredictor:
         pieces: list[EdgeOutput] = []
         for group in grouped(graphs, self.config):
             batch = batch_graphs(group).to(self.device)
-            output = EdgeOutput(*(values.double().cpu() for values in self.network(batch)))
+            output = EdgeOutput(*(values.cpu().double() for values in self.network(batch)))
             pieces += map(
                 EdgeOutput._make, zip(*(torch.split(values, list(batch.edge_counts)) for values in output), strict=True)
             )

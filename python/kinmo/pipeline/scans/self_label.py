@@ -78,9 +78,7 @@ class SelfLabel:
     def _label(self, file: ScanFile, network: Ancsh, path: Path, made_from: str) -> None:
         points = file.read("points")
         answers, estimates = network.find(list(points), [1.0] * len(points), seed=self.seed)
-        made = self_labelled(
-            (file.id, file.category), points, answers, estimates, network.structure, network.typical, self.confidence
-        )
+        made = self_labelled((file.id, file.category), points, answers, estimates, network.structure, self.confidence)
         if made is not None:
             path.parent.mkdir(parents=True, exist_ok=True)
             provenance = {"made_from": made_from, "role": "unlabelled", "layout": file.provenance["layout"]}
