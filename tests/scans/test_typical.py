@@ -76,14 +76,15 @@ def test_round_parts_and_slanted_joints_are_not_taken_for_square_ones(tmp_path):
 
 
 def rough_answers(target, scans, row, rng):
-    """What networks may say: places off by what a turn and noise of a few degrees make, directions too."""
+    """What networks may say: places off by what a turn and noise of a few degrees make, directions off together and apart."""
     answers = true_answers(target, scans, row)
     npcs = answers.npcs.copy()
     for part in range(target.structure.part_count):
         own = answers.parts == part
         turn = rng.normal(scale=0.1, size=3)
         npcs[own] += np.cross(turn, npcs[own] - 0.5) + rng.normal(scale=0.03, size=(own.sum(), 3))
-    return replace(answers, npcs=npcs, axes=answers.axes + rng.normal(scale=0.1, size=3))
+    together, apart = rng.normal(scale=0.1, size=3), rng.normal(scale=0.03, size=answers.axes.shape)
+    return replace(answers, npcs=npcs, axes=answers.axes + together + apart)
 
 
 def test_what_is_typical_makes_rough_answers_right(cupboards):
