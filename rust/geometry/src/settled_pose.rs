@@ -31,7 +31,8 @@ const FITS: usize = 2;
 /// What slides is turned as that, what turns is tried at every angle of its tie's range (of `ranges`), and the best taken: that
 /// with the least sum of residuals, each counted up to `threshold`. Where pairs clearly tell of an angle out of the range, or of
 /// one the other way round, or of no turn about the tie at all, that is taken. If it is square the part is turned about its tie
-/// to face its axes, within the range. What turns without a range goes along with what it hangs by. Scales stay as they are, and so do parts without pairs.
+/// to face its axes, within the range. What turns without a range goes along with what it hangs by. Scales stay as they are, and
+/// so do parts without pairs.
 pub fn settled(
     parts: &[&[Pair]],
     ties: &[Tie],

@@ -38,7 +38,8 @@ class ExampleScan:
         dataset = open_scan_dataset(self.workspace, self.category)
         files = dataset.files["test"]
         if not files:
-            raise InputError(self.workspace.scans / dataset.category, f"expected scans of a test object of {dataset.structure}")
+            problem = f"expected scans of a test object with {dataset.structure.in_words}"
+            raise InputError(self.workspace.scans / dataset.category, problem)
         file = files[int(np.random.default_rng(self.seed).integers(len(files)))]
         self.path.parent.mkdir(parents=True, exist_ok=True)
         write_points(self.path, file.read("points", 0), **{MARK: np.array(file.id)})
