@@ -107,6 +107,20 @@ def test_frames_are_dropped_from_the_measures_that_lack_something(seen):
     assert all(np.isnan(getattr(lost, field.name)).all() for field in fields(lost)), "without the base there is nothing"
 
 
+def test_states_are_left_out_where_no_point_is_said_to_be_of_a_slider(seen):
+    target, scans, truths = seen
+    (row,) = rows_of(seen, JointKind.PRISMATIC)
+    seen_parts = scans.parts[0] != row + 1
+    points, parts = scans.points[0][seen_parts].astype(float), scans.parts[0][seen_parts]
+    scales = truths[0].poses.scales.copy()
+    for scale in (scales[row + 1], np.nan):
+        scales[row + 1] = scale
+        found = replace(truths[0], poses=replace(truths[0].poses, scales=scales))
+        score = score_as_ancsh(found, truths[0], target.structure, points, parts)
+        assert np.isnan(score.state).all()
+        assert np.isnan(score.rotation).all() == np.isnan(scale)
+
+
 def test_a_joint_that_no_point_tells_of_counts_as_right(seen):
     true = seen[2][0]
     untold = replace(true, directions=np.full_like(true.directions, np.nan), pivots=np.full_like(true.pivots, np.nan))

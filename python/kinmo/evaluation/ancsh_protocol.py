@@ -39,6 +39,8 @@ def score_as_ancsh(
     has_poses, has_boxes, has_states = (
         bool(np.isfinite(values).all()) for values in (found.poses.scales, found.half_extents, found.states)
     )
+    clouds = [points[parts == row + 1] for row in range(len(structure.kinds))]
+    are_seen = all(len(cloud) or kind is JointKind.REVOLUTE for cloud, kind in zip(clouds, structure.kinds, strict=True))
     with np.errstate(invalid="ignore", divide="ignore"):
         turned = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
         corners = np.linalg.norm(found.poses.translations - true.poses.translations, axis=1)
@@ -46,7 +48,7 @@ def score_as_ancsh(
         state = [
             _turn_error(found, true, row + 1)
             if kind is JointKind.REVOLUTE
-            else _slide_error(found, true, row, points[parts == row + 1])
+            else _slide_error(found, true, row, clouds[row])
             for row, kind in enumerate(structure.kinds)
         ]
     axis = [axis_error(found.directions[row], true.directions[row]) for row in range(len(structure.kinds))]
@@ -55,7 +57,7 @@ def score_as_ancsh(
         _only_if(has_poses, np.nan_to_num(np.array(turned))),
         _only_if(has_poses, corners),
         _only_if(has_poses and has_boxes, np.array(overlap)),
-        _only_if(has_poses and has_boxes and has_states, np.nan_to_num(np.array(state))),
+        _only_if(has_poses and has_boxes and has_states and are_seen, np.nan_to_num(np.array(state))),
         np.full(len(structure.kinds), np.nan),
         np.nan_to_num(np.array(axis)),
         np.nan_to_num(np.array(lines)),
@@ -114,6 +116,8 @@ def _turn_error(found: ScanEstimate, true: ScanEstimate, part: int) -> float:
 
 def _slide_error(found: ScanEstimate, true: ScanEstimate, row: int, cloud: NDArray[np.floating]) -> float:
     """For the visible points `cloud` [n, 3] of the part that joint `row` moves against the base."""
+    if not len(cloud):
+        return np.nan
     base, part = found.poses.rotations[0], row + 1
     begins = ((cloud - found.poses.translations[0]) @ base)[:, 0].min()
     middle = (found.centers[part] - found.poses.translations[part]) @ found.poses.rotations[part]
