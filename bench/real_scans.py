@@ -1,6 +1,7 @@
 """Table 2 on real categories: what pseudo labels are worth for partial scans where most labels of real objects are hidden.
 
-    python bench/real_scans.py DATA... --cache DIR [--from WORKSPACE] [--category NAME ...] [--share 0.3] [--seeds 1]
+    python bench/real_scans.py DATA... --cache DIR [--from WORKSPACE] [--category NAME ...] [--share 0.3]
+                                [--seeds 1] [--method kinmo paper]
 
 DATA are folders of PartNet-Mobility objects. Of each category, of its objects to train on, `--share` keep their joints; the
 others are shown without, as PartNet has them, and their joints are held back for the row with true labels. Objects of all other
@@ -20,12 +21,14 @@ from pathlib import Path
 from kinmo.categories import canonical_category, same_category
 from kinmo.cli.console import LineObserver
 from kinmo.formats import Layout, discover
+from kinmo.pipeline.model_files import METHOD_MODELS
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.scans.make_table import MakeTable
 from kinmo.splits import Split, split_of, within_share
 from kinmo.workspace import Workspace
 
 CATEGORIES = ("laptop", "bucket", "table", "safe", "box")
+METHODS = tuple(METHOD_MODELS)
 JOINTS = ("mobility_v2.json", "mobility.urdf")
 
 
@@ -75,6 +78,7 @@ def main() -> None:
     parser.add_argument("--cache", type=Path, required=True)
     parser.add_argument("--from", dest="start", type=Path)
     parser.add_argument("--category", nargs="+", choices=CATEGORIES, default=list(CATEGORIES))
+    parser.add_argument("--method", nargs="+", choices=METHODS, default=list(METHODS))
     parser.add_argument("--share", type=float, default=0.3)
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--hours", type=float)
@@ -89,7 +93,7 @@ def main() -> None:
     start = None if options.start is None else Workspace(options.start)
     for category in () if options.quick else options.category:
         table = MakeTable(
-            "2", workspace, "small", "kinmo", category, options.seeds, options.hours, workers=workers, start=start
+            "2", workspace, "small", tuple(options.method), category, options.seeds, options.hours, workers=workers, start=start
         )
         print(table.run(observer).text)
 

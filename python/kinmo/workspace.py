@@ -24,6 +24,8 @@ from kinmo.errors import InputError, KinmoError
 
 _TEMPORARY = ".{name}.tmp~"
 _REPLACED = ".{name}.old~"
+DEFAULT_METHOD = "kinmo"
+"""Whose pseudo labels are meant where nothing is said."""
 _SETTLED = 2_000_000_000
 """Nanoseconds, longer than a tick of the clock of any file system."""
 
@@ -130,16 +132,19 @@ class Workspace:
     `labels` is the share of the labelled shapes for training whose labels count. A workspace with fewer than all of them lies
     in another one, its `root`: it has that one's prepared shapes and scans, and everything that labels decide is its own, such
     as scans of what has no label (`own_scans`). One that `is_rough`, too, is within another, for scans as a bad sensor takes
-    them, and all that is made from these.
+    them, and all that is made from these. One of another `method` than the default lies in that of the default one: it has the
+    pseudo labels that this method gives, and what is made from them, but no motion networks of its own (`motion`).
     """
 
-    def __init__(self, path: Path | str, labels: float = 1.0, is_rough: bool = False) -> None:
+    def __init__(self, path: Path | str, labels: float = 1.0, is_rough: bool = False, method: str = DEFAULT_METHOD) -> None:
         self.root = Path(path)
-        self.labels, self.is_rough = labels, is_rough
+        self.labels, self.is_rough, self.method = labels, is_rough, method
         self.path = self.root / "rough" if is_rough else self.root
         self.scans = self.path / "scans"
         if labels != 1.0:
             self.path = self.path / f"labels-{100.0 * labels:g}"
+        if method != DEFAULT_METHOD:
+            self.path = self.path / f"by-{method}"
         self.prepared = self.root / "prepared"
         self.models = self.path / "models"
         self.pseudo = self.path / "pseudo"
@@ -155,8 +160,13 @@ class Workspace:
         return hash(self._key)
 
     @property
-    def _key(self) -> tuple[Path, float, bool]:
-        return self.root, self.labels, self.is_rough
+    def _key(self) -> tuple[Path, float, bool, str]:
+        return self.root, self.labels, self.is_rough, self.method
+
+    @property
+    def motion(self) -> Workspace:
+        """The one that has the motion networks, which all methods share, and the networks that saw no pseudo label."""
+        return Workspace(self.root, self.labels, self.is_rough)
 
     @contextmanager
     def locked(self) -> Iterator[None]:

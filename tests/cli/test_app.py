@@ -84,9 +84,12 @@ OF_THE_WORKSPACE = "applies only to the workspace's own shapes and scans, not to
     ("command", "message"),
     [
         ("train all --setting supervised", "--setting: applies only to kinmo train ancsh"),
-        ("train gnn --method paper", "--method: applies only to kinmo train all"),
+        ("train gnn --method paper", "--method: applies only to kinmo train all and ancsh"),
+        (
+            "train ancsh --method paper --setting semi",
+            "--method: applies only to settings with pseudo labels, not to semi",
+        ),
         ("train ancsh --from elsewhere", "--from: ancsh cannot start from trained weights; use it with all, motion or axis"),
-        ("predict scan.npz --category safe --method paper", "--method: applies only to shapes, not to scans (--category)"),
         ("predict shapes --depth-scale 1000", "--depth-scale: applies only to scans; give --category too"),
         ("synth shapes --layout dsg_net --held-back", "--held-back: applies only to --layout partnet"),
         ("table sensors --method paper", "--method: applies only to tables with pseudo labels, not to sensors"),

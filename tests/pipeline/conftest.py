@@ -29,7 +29,7 @@ def road(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Road]:
         "synth": Synth(shapes, COUNT, FAMILIES),
         "prepare": Prepare(shapes, workspace),
         "train": Train("motion", workspace, config, device="cpu"),
-        "pseudo-label": PseudoLabel(workspace, METHODS[0], threshold=0.0, device="cpu"),
+        "pseudo-label": PseudoLabel(workspace, threshold=0.0, device="cpu"),
         "eval": Evaluate(workspace, METHODS, device="cpu"),
         "report": Report(workspace),
     }

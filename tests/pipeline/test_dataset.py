@@ -7,6 +7,7 @@ from itertools import pairwise
 import pytest
 
 from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.model_files import model_folder
 from kinmo.splits import Split, split_of
 from kinmo.store import INDEX, IndexEntry, file_name, index_text
 from kinmo.workspace import Workspace
@@ -103,3 +104,12 @@ def test_workspaces_with_fewer_labels_lie_in_the_whole_one(tmp_path):
     assert part.path == tmp_path / "labels-30"
     for own in ("models", "pseudo", "own_scans", "evaluation"):
         assert tmp_path / "labels-30" in getattr(part, own).parents
+
+
+def test_workspaces_of_another_method_share_all_but_what_comes_of_pseudo_labels(tmp_path):
+    whole, part = Workspace(tmp_path, 0.3), Workspace(tmp_path, 0.3, method="paper")
+    assert (part.prepared, part.scans) == (whole.prepared, whole.scans)
+    assert part.motion == whole == whole.motion != part
+    assert model_folder(part, "axis") == model_folder(whole, "axis") == whole.models / "axis"
+    for own in ("models", "pseudo", "own_scans", "evaluation"):
+        assert whole.path / "by-paper" in getattr(part, own).parents

@@ -108,9 +108,9 @@ def test_a_higher_threshold_leaves_fewer_folders(road: Road, tmp_path: Path) -> 
         return {path.parent.name for path in workspace.pseudo.glob("laptop*/mobility_v2.json")}
 
     before = accepted()
-    PseudoLabel(workspace, METHODS[0], "laptop", threshold=0.5, device="cpu").run(Listener())
+    PseudoLabel(workspace, "laptop", threshold=0.5, device="cpu").run(Listener())
     assert accepted() < before
-    PseudoLabel(workspace, METHODS[0], "laptop", threshold=1.0, device="cpu").run(Listener())
+    PseudoLabel(workspace, "laptop", threshold=1.0, device="cpu").run(Listener())
     assert not accepted()
 
 
@@ -230,7 +230,7 @@ def test_categories_are_matched_whatever_their_spelling(road: Road) -> None:
     [
         Train("motion", Workspace(Path("nowhere")), "small"),
         Evaluate(Workspace(Path("nowhere")), METHODS),
-        PseudoLabel(Workspace(Path("nowhere")), METHODS[0]),
+        PseudoLabel(Workspace(Path("nowhere"))),
     ],
 )
 def test_a_stage_without_its_inputs_says_what_to_run_first(
@@ -255,8 +255,8 @@ def test_a_run_for_one_category_leaves_the_report_of_the_others(road: Road, tmp_
     workspace = Workspace(tmp_path / "workspace")
     stale = workspace.pseudo / "no such shape"
     stale.mkdir()
-    before = PseudoLabel(workspace, METHODS[0], threshold=0.0, device="cpu")
-    outcome = PseudoLabel(workspace, METHODS[0], "laptop", threshold=1.0, device="cpu").run(Listener())
+    before = PseudoLabel(workspace, threshold=0.0, device="cpu")
+    outcome = PseudoLabel(workspace, "laptop", threshold=1.0, device="cpu").run(Listener())
     categories = {row[0]: row for row in outcome.data["tables"][0]["rows"]}
     assert set(categories) > {"Laptop", "all"}
     assert int(categories["Laptop"][2]) == 0

@@ -22,7 +22,7 @@ def make(name: str, method: str, scanned: Scanned, folder: Path) -> MakeTable:
     """A table, made in a workspace of its own."""
     shutil.copytree(scanned.workspace.path, folder / "workspace")
     shutil.rmtree(folder / "workspace" / "eval", ignore_errors=True)  # of other tests
-    stage = MakeTable(name, Workspace(folder / "workspace"), scanned.config, method, FAMILY, 1, **HOW)  # type: ignore[arg-type]
+    stage = MakeTable(name, Workspace(folder / "workspace"), scanned.config, (method,), FAMILY, 1, **HOW)  # type: ignore[arg-type]
     stage.run(Listener())
     return stage
 
@@ -47,7 +47,7 @@ def test_each_share_of_the_labels_has_motion_networks_of_its_own(scanned: Scanne
     stage = make("3", "paper", scanned, tmp_path)
     labelled = set()
     for share in SHARES:
-        workspace = Workspace(stage.workspace.root, share)
+        workspace, labels = (Workspace(stage.workspace.root, share, method=method) for method in ("kinmo", "paper"))
         entries = open_dataset(workspace).labelled[Split.TRAIN]
         labelled.add(len(entries))
         for model in ("gnn_fine", "axis"):
@@ -55,5 +55,7 @@ def test_each_share_of_the_labels_has_motion_networks_of_its_own(scanned: Scanne
             assert record is not None
             assert record.inputs["data"]["training"] == open_dataset(workspace).fingerprint(entries)
             assert (workspace.models / model / WEIGHTS).is_file()
-        assert workspace.record("pseudo-label") is not None
+        assert not (labels.models / "axis").exists(), "methods share motion networks"
+        assert labels.record("pseudo-label") is not None
+        assert workspace.record("pseudo-label") is None, "of the other method, which was not asked for"
     assert len(labelled) >= 3, "one to four shapes"

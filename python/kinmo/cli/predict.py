@@ -21,7 +21,9 @@ def predict(
         Argument(help="A shape's folder, a folder with shapes anywhere below it, or the file of a scan.", show_default=False),
     ],
     out: Annotated[Path, Option("--out", "-o", help="Folder for the results, one folder a shape.")] = Path("predicted"),
-    method: Annotated[Method | None, Option(help="Which method answers.", show_default="kinmo")] = None,
+    method: Annotated[
+        Method | None, Option(help="Which method answers; for a scan, whose pseudo labels networks saw.", show_default="kinmo")
+    ] = None,
     category: Annotated[
         str | None, Option(help="What is seen in the scan, however it is spelled.", show_default=False, rich_help_panel=SCANS)
     ] = None,
@@ -60,13 +62,12 @@ def predict(
 
     workspace = Workspace(options.workspace)
     if category is not None:
-        if method is not None:
-            raise InputError("--method", "applies only to shapes, not to scans (--category)")
         from kinmo.pipeline.scans.predict import PredictScan
         from kinmo.scans.scan_input import Intrinsics
 
         camera = None if intrinsics is None else Intrinsics.parse(intrinsics)
-        scan = PredictScan(shape, out, workspace, category, camera, depth_scale, options.seed, options.device)
+        answering = None if method is None else method.value
+        scan = PredictScan(shape, out, workspace, category, camera, depth_scale, answering, options.seed, options.device)
         execute(options, scan)
         return
     if shape.is_file():

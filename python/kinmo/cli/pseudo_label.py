@@ -25,7 +25,7 @@ def pseudo_label(
     A shape whose joints all score above the threshold, and whose other parts surely rest, is written to pseudo/<id>/ in
     PartNet-Mobility's own layout, so that whatever reads that reads it too. Copies of labelled shapes are left alone.
     pseudo/acceptance.json says how many shapes and joints there are at which score, by category and type, and what was refused
-    and why.
+    and why. Labels of --method paper lie beside those of kinmo, in by-paper/.
 
     For example:
 
@@ -35,5 +35,5 @@ def pseudo_label(
     from kinmo.pipeline.pseudo_label import PseudoLabel
     from kinmo.workspace import Workspace
 
-    workspace = Workspace(options.workspace)
-    execute(options, PseudoLabel(workspace, method.value, category, threshold, options.device, options.worker_count))
+    workspace = Workspace(options.workspace, method=method.value)
+    execute(options, PseudoLabel(workspace, category, threshold, options.device, options.worker_count))

@@ -8,7 +8,7 @@ from typing import Annotated
 from typer import Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions
+from kinmo.cli.options import CommonOptions, Method
 from kinmo.errors import InputError
 
 
@@ -21,6 +21,7 @@ def render(
     example: Annotated[
         Path | None, Option(help="Write a scan of a test object to this .npz, to try kinmo predict on.", show_default=False)
     ] = None,
+    method: Annotated[Method, Option(help="Whose pseudo labels to go by.")] = Method.KINMO,
     unlabelled: Annotated[bool, Option("--unlabelled", help="Scan shapes without joints too, as they stand.")] = False,
 ) -> None:
     """Scan shapes with a virtual depth camera.
@@ -40,7 +41,7 @@ def render(
     from kinmo.workspace import Workspace
 
     beside = (*WITH_LABELS, "unlabelled") if unlabelled else WITH_LABELS
-    workspace = Workspace(options.workspace)
+    workspace = Workspace(options.workspace, method=method.value)
     rendering = Render(workspace, config, category, options.seed, options.worker_count, beside)
     if example is None:
         execute(options, rendering)

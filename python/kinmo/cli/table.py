@@ -33,7 +33,7 @@ def table(
         int | None, Option(min=1, max=100, help="How often every cell is trained.", show_default="3 or 1, by category")
     ] = None,
     hours: Annotated[float | None, Option(min=0.0, help="Begin nothing that would end later.", show_default=False)] = None,
-    method: Annotated[Method, Option(help="Which method labels.")] = Method.KINMO,
+    method: Annotated[Method | None, Option(help="Only rows with pseudo labels of this method.", show_default="all")] = None,
     protocol: Annotated[
         ProtocolName, Option(help="How scans are measured: rightly, or as ANCSH's public code does, faults included.")
     ] = ProtocolName.KINMO,
@@ -41,9 +41,10 @@ def table(
     """Train and judge all that one of the paper's tables of partial scans is about.
 
     2 compares networks that see labelled shapes alone (supervised), their own labels of unlabelled scans too (semi), pseudo
-    labels of unlabelled shapes (semi-weakly), and true ones. 3 has fewer labels: 100, 80, 50 and 30 %. 4 takes shapes in
-    the layout of DSG-Net for the unlabelled ones. sensors, none of the paper's, tells what a bad depth camera costs. Cells
-    are done one after the other and kept: the same command goes on where it stopped, and what was not run is shown as such.
+    labels of unlabelled shapes (semi-weakly; by kinmo's method and by the paper's), and true ones. 3 has fewer labels: 100, 80,
+    50 and 30 %. 4 takes shapes in the layout of DSG-Net for the unlabelled ones. sensors, none of the paper's, tells what a bad
+    depth camera costs. Cells are done one after the other and kept: the same command goes on where it stopped, and what was not
+    run is shown as such.
 
     For example:
 
@@ -54,14 +55,15 @@ def table(
     from kinmo.pipeline.scans.make_table import MakeTable
     from kinmo.workspace import Workspace
 
-    if name is Name.SENSORS and (start is not None or method is not Method.KINMO):
+    if name is Name.SENSORS and (start is not None or method is not None):
         option = "--method" if start is None else "--from"
         raise InputError(option, "applies only to tables with pseudo labels, not to sensors")
+    methods = tuple(each.value for each in Method) if method is None else (method.value,)
     stage = MakeTable(
         name.value,
         Workspace(options.workspace),
         config,
-        method.value,
+        methods,
         category,
         seeds,
         hours,

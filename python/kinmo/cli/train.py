@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions, Method, Start
 from kinmo.errors import InputError
+
+if TYPE_CHECKING:
+    from kinmo.pipeline.scans.dataset import Setting
 
 
 class What(str, Enum):
@@ -45,7 +48,9 @@ def train(
         SettingName | None,
         Option(help="ancsh: which labels count beside those of the labelled shapes.", show_default="semi-weakly"),
     ] = None,
-    method: Annotated[Method | None, Option(help="all: which method gives pseudo labels.", show_default="kinmo")] = None,
+    method: Annotated[
+        Method | None, Option(help="all, ancsh: which method gives, or gave, pseudo labels.", show_default="kinmo")
+    ] = None,
 ) -> None:
     """Train the networks.
 
@@ -73,6 +78,7 @@ def train(
         kinmo train ancsh --category refrigerator --setting supervised
         kinmo train motion --workspace real --from procedural
     """
+    from kinmo.pipeline.scans.dataset import PSEUDO_LABELLED
     from kinmo.pipeline.scans.train import TrainAncsh
     from kinmo.pipeline.train import Train
     from kinmo.pipeline.train_all import TrainAll
@@ -80,15 +86,19 @@ def train(
 
     if setting is not None and what is not What.ANCSH:
         raise InputError("--setting", "applies only to kinmo train ancsh")
-    if method is not None and what is not What.ALL:
-        raise InputError("--method", "applies only to kinmo train all")
-    workspace, continued = Workspace(options.workspace), None if start is None else Workspace(start)
+    if method is not None and what not in (What.ALL, What.ANCSH):
+        raise InputError("--method", "applies only to kinmo train all and ancsh")
+    workspace = Workspace(options.workspace, method=(method or Method.KINMO).value)
+    continued = None if start is None else Workspace(start)
     how = (options.seed, options.device, options.worker_count)
     if what is What.ALL:
-        execute(options, TrainAll(workspace, config, (method or Method.KINMO).value, category, *how, continued))
+        execute(options, TrainAll(workspace, config, category, *how, continued))
     elif what is What.ANCSH:
         if continued is not None:
             raise InputError("--from", "ancsh cannot start from trained weights; use it with all, motion or axis")
-        execute(options, TrainAncsh(workspace, config, category, (setting or SettingName.SEMI_WEAKLY).value, *how))
+        learnt_from: Setting = (setting or SettingName.SEMI_WEAKLY).value
+        if method is not None and learnt_from not in PSEUDO_LABELLED:
+            raise InputError("--method", f"applies only to settings with pseudo labels, not to {learnt_from}")
+        execute(options, TrainAncsh(workspace, config, category, learnt_from, *how))
     else:
         execute(options, Train(what.value, workspace, config, category, *how, continued))

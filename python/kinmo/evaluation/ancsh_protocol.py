@@ -46,9 +46,7 @@ def score_as_ancsh(
         corners = np.linalg.norm(found.poses.translations - true.poses.translations, axis=1)
         lines = [_line(found, true, row) for row in range(len(structure.kinds))]
         state = [
-            _turn_error(found, true, row + 1)
-            if kind is JointKind.REVOLUTE
-            else _slide_error(found, true, row, clouds[row])
+            _turn_error(found, true, row + 1) if kind is JointKind.REVOLUTE else _slide_error(found, true, row, clouds[row])
             for row, kind in enumerate(structure.kinds)
         ]
     axis = [axis_error(found.directions[row], true.directions[row]) for row in range(len(structure.kinds))]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -55,12 +55,6 @@ def read_decision(path: Path) -> Decision | None:
         return Decision(**{**data, "judgement": Judgement(**{**judgement, "joints": joints})})
     except (OSError, ValueError, KeyError, TypeError):
         return None
-
-
-def labelled_by(workspace: Workspace, entries: Iterable[IndexEntry]) -> list[str]:
-    """The methods that gave some shapes the pseudo labels that they have."""
-    decisions = (read_decision(decision_path(workspace, entry)) for entry in entries)
-    return sorted({decision.method for decision in decisions if decision is not None and decision.judgement.is_accepted})
 
 
 def acceptance(decisions: Sequence[Decision], copies: int) -> dict[str, Any]:

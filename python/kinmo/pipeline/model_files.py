@@ -17,7 +17,7 @@ HEADER = "weights.json"
 METRICS = "metrics.json"
 """One entry an epoch, from the first epoch on."""
 CONFIG = "config.json"
-"""In `workspace.models`: the configuration of the last training, which prediction follows."""
+"""Beside the motion networks: the configuration of their last training, which prediction follows."""
 
 
 METHOD_MODELS: dict[str, tuple[str, ...]] = {"kinmo": ("gnn_fine", "ranking"), "paper": ("gnn_fine", "axis")}
@@ -25,8 +25,9 @@ METHOD_MODELS: dict[str, tuple[str, ...]] = {"kinmo": ("gnn_fine", "ranking"), "
 
 
 def model_folder(workspace: Workspace, model: str, category: str | None = None) -> Path:
-    """Where a model lies; models of a single category have a folder each."""
-    return workspace.models / model / category if category else workspace.models / model
+    """Where a motion network lies; those of a single category have a folder each."""
+    folder = workspace.motion.models / model
+    return folder / category if category else folder
 
 
 def weights_for(workspace: Workspace, model: str, category: str) -> Path | None:
@@ -41,12 +42,12 @@ def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:
     """A hash of all weights of some models, with those of single categories; empty if one of the models has none."""
     found: dict[str, str] = {}
     for model in models:
-        headers = sorted((workspace.models / model).rglob(HEADER))
+        headers = sorted(model_folder(workspace, model).rglob(HEADER))
         if not headers:
             return ""
         for path in headers:
             with expecting("what weights are for", path):
-                found[str(path.relative_to(workspace.models))] = json.loads(path.read_text(encoding="utf-8"))["sha256"]
+                found[str(path.relative_to(workspace.motion.models))] = json.loads(path.read_text(encoding="utf-8"))["sha256"]
     return digest(found)
 
 
@@ -70,7 +71,7 @@ def trained_on(weights: Path) -> tuple[int, int]:
 
 def trained_config(workspace: Workspace) -> Config:
     """The configuration that the workspace's networks were trained with; `small` if none was trained."""
-    path = workspace.models / CONFIG
+    path = workspace.motion.models / CONFIG
     if not path.exists():
         return load_config("small")
     try:

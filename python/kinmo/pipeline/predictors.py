@@ -24,7 +24,7 @@ from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
 from kinmo.mobility import Mobility
 from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree, retyped
 from kinmo.normalisation import Normalisation
-from kinmo.pipeline.model_files import METHOD_MODELS, WEIGHTS, trained_config, weights_digest, weights_for
+from kinmo.pipeline.model_files import METHOD_MODELS, WEIGHTS, model_folder, trained_config, weights_digest, weights_for
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
 from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of
@@ -263,15 +263,15 @@ def _weights(workspace: Workspace, model: str, category: str) -> tuple[Path, int
     """The weights for a category, and when they were written (ns)."""
     path = weights_for(workspace, model, category)
     if path is None:
-        raise InputError(workspace.models / model, f"not trained for {category}: run kinmo train first")
+        raise InputError(model_folder(workspace, model), f"not trained for {category}: run kinmo train first")
     return path, path.stat().st_mtime_ns
 
 
 def _all_weights(workspace: Workspace, model: str) -> list[tuple[Path, int]]:
     """All weights of a model, those of single categories too, and when they were written (ns)."""
-    found = sorted((workspace.models / model).rglob(WEIGHTS))
+    found = sorted(model_folder(workspace, model).rglob(WEIGHTS))
     if not found:
-        raise InputError(workspace.models / model, "not trained yet: run kinmo train motion first")
+        raise InputError(model_folder(workspace, model), "not trained yet: run kinmo train motion first")
     return [(path, path.stat().st_mtime_ns) for path in found]
 
 

@@ -40,14 +40,13 @@ SECONDS_PER_SHAPE = 1.5
 
 @dataclass(frozen=True)
 class PseudoLabel:
-    """Label the unlabelled shapes, all or those of one category; `threshold` None is that of the configuration.
+    """Label the unlabelled shapes by the method of the workspace, all or those of one category.
 
-    The acceptance report is of everything that is labelled, also by earlier runs for other categories. Labels of shapes that
-    are no longer there, or have become labelled ones, are removed.
+    `threshold` None is that of the configuration. The acceptance report is of everything that is labelled, also by earlier runs
+    for other categories. Labels of shapes that are no longer there, or have become labelled ones, are removed.
     """
 
     workspace: Workspace
-    method: str
     category: str | None = None
     threshold: float | None = None
     device: str = "auto"
@@ -55,7 +54,7 @@ class PseudoLabel:
 
     def plan(self) -> Plan:
         dataset = open_dataset(self.workspace, self.category)
-        way = self._way(load_predictor(self.workspace, self.method, self.device))
+        way = self._way(load_predictor(self.workspace, self.workspace.method, self.device))
         jobs = self._jobs(dataset, way)
         if not jobs and self._is_reported(way):
             return Plan((), 0.0)
@@ -63,11 +62,11 @@ class PseudoLabel:
         each = seconds_per_unit(self.workspace, LABELLING, SECONDS_PER_SHAPE / self.workers)
         if not jobs:
             return Plan(("report on the pseudo labels that there are now",), 0.0)
-        return Plan((f"label {counted(len(jobs), 'shape')} by {self.method}{copies}",), len(jobs) * each)
+        return Plan((f"label {counted(len(jobs), 'shape')} by {self.workspace.method}{copies}",), len(jobs) * each)
 
     def run(self, observer: Observer) -> Outcome:
         dataset = open_dataset(self.workspace, self.category)
-        predictor = load_predictor(self.workspace, self.method, self.device)
+        predictor = load_predictor(self.workspace, self.workspace.method, self.device)
         way = self._way(predictor)
         with self.workspace.locked():
             jobs = self._jobs(dataset, way)
@@ -137,11 +136,11 @@ class PseudoLabel:
             for job, judgement in each_shape(labelling, jobs, self.workers, self.device):
                 if isinstance(judgement, Crashed):
                     judgement = labelling.refused(job, "the process that labelled it died")
-                decision = Decision(judgement, job.made_from, self.method, way["threshold"])
+                decision = Decision(judgement, job.made_from, self.workspace.method, way["threshold"])
                 write_decision(decision_path(self.workspace, job.entry), decision)
                 done += 1
                 observer.progress("labelling shapes", done, total, job.entry.id)
-            watch.amount, watch.what = len(jobs), f"{counted(len(jobs), 'shape')} by {self.method}"
+            watch.amount, watch.what = len(jobs), f"{counted(len(jobs), 'shape')} by {self.workspace.method}"
 
 
 @dataclass(frozen=True)

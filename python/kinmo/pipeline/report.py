@@ -133,13 +133,15 @@ class Report:
         return Section("Training", charts=charts) if charts else None
 
     def _pseudo_labels(self) -> Iterator[Section]:
-        report = _json(self.workspace.pseudo / ACCEPTANCE)
-        if report is not None:
-            with expecting("the report of kinmo pseudo-label", self.workspace.pseudo / ACCEPTANCE):
-                record = self.workspace.record(LABELLING)
-                text = report["text"] + (RELABEL if record is None or not self._labels_with(record) else "")
-                section = Section("Pseudo labels", text, [Table(**table) for table in report["tables"]])
-            yield section
+        for method in METHOD_MODELS:
+            workspace = Workspace(self.workspace.root, method=method)
+            report = _json(workspace.pseudo / ACCEPTANCE)
+            if report is not None:
+                with expecting("the report of kinmo pseudo-label", workspace.pseudo / ACCEPTANCE):
+                    record = workspace.record(LABELLING)
+                    text = report["text"] + (RELABEL if record is None or not self._labels_with(record) else "")
+                    section = Section(f"Pseudo labels by {method}", text, [Table(**table) for table in report["tables"]])
+                yield section
 
     def _labels_with(self, record: StageRecord) -> bool:
         """Whether the networks that gave labels are those that the workspace has now."""

@@ -10,7 +10,7 @@ from kinmo.categories import same_category
 from kinmo.errors import InputError
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.pseudo_label import SECONDS_PER_SHAPE, PseudoLabel
-from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, Setting, open_scan_dataset
+from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, PSEUDO_LABELLED, Setting, open_scan_dataset
 from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
@@ -27,12 +27,12 @@ class TrainAll:
     """Train the motion networks on all categories; then for one, label what has no joints and do all that scans need.
 
     Without a category all shapes are labelled, and scans are for those of the paper's five that there are labelled shapes of.
-    Networks for scans learn from pseudo labels where there are any, else from the labelled shapes alone.
+    Networks for scans learn from pseudo labels, of the workspace's method, where there are any, else from the labelled shapes
+    alone.
     """
 
     workspace: Workspace
     config: str
-    method: str
     category: str | None = None
     seed: int = 0
     device: str = "auto"
@@ -78,15 +78,19 @@ class TrainAll:
         """Each with a guess at its plan for when what comes before it is not done; what comes next may depend on what is."""
         nothing = Plan((), 0.0)
         how = (self.seed, self.device, self.workers)
-        yield Train("motion", self.workspace, self.config, None, *how, self.start), lambda: nothing
+        yield Train("motion", self.workspace.motion, self.config, None, *how, self.start), lambda: nothing
         count = sum(self.category is None or same_category(entry.category, self.category) for entry in dataset.unlabelled)
         if count:
-            labelling = Plan((f"label {counted(count, 'shape')} by {self.method}",), count * SECONDS_PER_SHAPE / self.workers)
-            yield PseudoLabel(self.workspace, self.method, self.category, None, self.device, self.workers), lambda: labelling
+            labelling = Plan(
+                (f"label {counted(count, 'shape')} by {self.workspace.method}",), count * SECONDS_PER_SHAPE / self.workers
+            )
+            yield PseudoLabel(self.workspace, self.category, None, self.device, self.workers), lambda: labelling
         for category in self._categories(dataset):
             yield Render(self.workspace, self.config, category, self.seed, self.workers), lambda: nothing
         for category in self._categories(dataset):
-            stage = TrainAncsh(self.workspace, self.config, category, self._setting(category), *how)
+            setting = self._setting(category)
+            place = self.workspace if setting in PSEUDO_LABELLED else self.workspace.motion
+            stage = TrainAncsh(place, self.config, category, setting, *how)
             training = Plan((f"train ancsh and npcs ({category})",), stage.guessed_seconds())
             yield stage, lambda training=training: training  # type: ignore[misc]
 

@@ -24,9 +24,11 @@ from kinmo.pipeline.label_decisions import folder_name
 from kinmo.pipeline.scans.dataset import REFUSED, ROLES, open_scan_dataset, scans_of
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.example import ExampleScan
+from kinmo.pipeline.scans.judge_trained import JudgeTrained
 from kinmo.pipeline.scans.networks import Cell, scores_path, trained_cells
 from kinmo.pipeline.scans.predict import PredictScan
 from kinmo.pipeline.scans.render import Render
+from kinmo.pipeline.scans.report import picture_sections
 from kinmo.pipeline.scans.self_label import SelfLabel
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.train_all import TrainAll
@@ -292,6 +294,37 @@ def test_networks_learn_from_pseudo_labels_too(scanned: Scanned, tmp_path: Path)
     assert count_objects(dataset.files["pseudo"]) > 0
 
 
+def test_each_method_has_pseudo_labels_scans_and_networks_of_its_own(scanned: Scanned, tmp_path: Path) -> None:
+    workspace, (label, *_) = pseudo_labelled(scanned, tmp_path / "workspace")
+    other = Workspace(workspace.root, method="paper")
+    shutil.copytree(label.parent, other.pseudo / label.parent.name)
+    for place in (workspace, other):
+        Render(place, scanned.config, FAMILY).run(Listener())
+        TrainAncsh(place, scanned.config, FAMILY, "semi-weakly", **HOW).run(Listener())
+    known, others = (open_scan_dataset(place, CATEGORY).files for place in (workspace, other))
+    assert count_objects(known["pseudo"]) > count_objects(others["pseudo"]) == 1
+    assert [file.path for file in known["test"]] == [file.path for file in others["test"]]
+    table = JudgeTrained(workspace, FAMILY, device="cpu").run(Listener()).data["table-2"][CATEGORY]["means"]
+    trained = {row[0]: row[1] for row in table["rows"] if row[2] == "0"}
+    assert trained["semi-weakly"] != trained["semi-weakly, paper"] == f"{trained['supervised']} + 1"
+    assert {"semi-weakly, paper against supervised", "semi-weakly against semi-weakly, paper"} <= {
+        row[0] for row in table["rows"]
+    }
+    shown = [picture.title for section in picture_sections(workspace) for picture in section.pictures]
+    assert {title.split(":")[0] for title in shown} >= {"supervised", "semi-weakly", "semi-weakly, paper"}
+    example = ExampleScan(workspace, FAMILY, tmp_path / "scan.npz")
+    example.run(Listener())
+
+    def trained_for(method: str | None) -> str:
+        stage = PredictScan(example.path, tmp_path / "out", workspace, FAMILY, method=method, **HOW)
+        return str(stage.run(Listener()).data["trained"])
+
+    assert trained_for(None) == trained_for("kinmo") == f"{CATEGORY}, semi-weakly, seed 0"
+    assert trained_for("paper") == f"{CATEGORY}, semi-weakly, seed 0, pseudo labels by --method paper"
+    shutil.rmtree(workspace.models / "ancsh")
+    assert trained_for(None) == trained_for("paper"), "which is all that there is"
+
+
 def test_networks_that_know_a_floor_leave_its_points_out(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
     config = tmp_path / "floor.toml"
@@ -315,7 +348,7 @@ def test_networks_that_know_a_floor_leave_its_points_out(scanned: Scanned, tmp_p
 
 def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
-    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, "kinmo", FAMILY, **HOW)
+    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, FAMILY, **HOW)
     steps = " ".join(stage.plan().steps)
     for step in ("gnn_fine", "gnn_coarse", "axis", "ranking", "label", "scan", "ancsh"):
         assert step in steps, "said before anything is done"
@@ -336,10 +369,10 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
 
 def test_without_a_category_of_the_papers_train_all_says_that_scans_are_left_out(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
-    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, "kinmo", **HOW)
+    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, **HOW)
     assert "ancsh" not in " ".join(stage.plan().steps)
     with pytest.raises(InputError, match="expected a labelled shape of safe to train on"):
-        TrainAll(Workspace(tmp_path / "workspace"), scanned.config, "kinmo", "safe", **HOW).plan()
+        TrainAll(Workspace(tmp_path / "workspace"), scanned.config, "safe", **HOW).plan()
 
 
 def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_path: Path) -> None:

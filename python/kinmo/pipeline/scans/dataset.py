@@ -32,6 +32,8 @@ Setting = Literal["supervised", "semi", "semi-weakly", "dsg-net", "ceiling"]
 """What networks are trained on beside the labelled shapes (paper, section 4.2): nothing; scans of unlabelled shapes with what
 networks that were trained so far say of them; shapes with pseudo labels, in PartNet's layouts or in DSG-Net's; shapes whose
 true labels were held back, which is the best that pseudo labels could do."""
+PSEUDO_LABELLED: tuple[Setting, ...] = ("semi-weakly", "dsg-net")
+"""Networks of these lie in the workspace of the method whose labels they saw, all others in that of the motion networks."""
 
 
 def scans_of(workspace: Workspace, category: str, role: Role) -> Path:
@@ -57,7 +59,7 @@ class ScanDataset:
         """What to train on in a setting beside the labelled shapes; what networks label for `semi` is not among them."""
         if setting == "ceiling":
             return self.files["hidden"]
-        if setting in ("semi-weakly", "dsg-net"):
+        if setting in PSEUDO_LABELLED:
             return tuple(file for file in self.files["pseudo"] if is_pseudo_labelled_for(setting, file.provenance["layout"]))
         return ()
 

@@ -13,7 +13,7 @@ from kinmo.errors import InputError, did_you_mean
 from kinmo.formats import Layout
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.pseudo_label import PseudoLabel
-from kinmo.pipeline.scans.dataset import Role, Setting
+from kinmo.pipeline.scans.dataset import PSEUDO_LABELLED, Role, Setting
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.networks import Cell, Protocol, trained_cells
 from kinmo.pipeline.scans.render import Render
@@ -65,13 +65,14 @@ class MakeTable:
     With `hours`, no cell is begun that would not be done by then, as far as that can be told beforehand; cells that are not
     run, and those that cannot be, are shown as such. Without a category it is of those of the paper's that there are labelled
     shapes of. Motion networks go on from those of `start`, if that is given. `seeds` None means three for `MANY_SEEDS`, else
-    one; `seed` is the first of them. Scans, motion networks and pseudo labels are the same for all seeds.
+    one; `seed` is the first of them. Of rows that learn from pseudo labels those of `methods` are made. Scans, motion networks
+    and pseudo labels are the same for all seeds.
     """
 
     name: str
     workspace: Workspace
     config: str
-    method: str
+    methods: tuple[str, ...]
     category: str | None = None
     seeds: int | None = None
     hours: float | None = None
@@ -204,13 +205,14 @@ class MakeTable:
 
     def _cells(self, category: str) -> Iterator[tuple[RowOf, int]]:
         """The rows of the first seed, then those of the next: what is cut off leaves whole comparisons."""
-        return ((row, seed) for seed in self._seeds_of(category) for row in TABLES[self.name].rows)
+        rows = [row for row in TABLES[self.name].rows if row.setting not in PSEUDO_LABELLED or row.method in self.methods]
+        return ((row, seed) for seed in self._seeds_of(category) for row in rows)
 
     def _stages(self, row: RowOf, category: str, seed: int) -> Iterator[Stage]:
         place, cell = row.workspace(self.workspace), row.cell(category, seed)
-        if row.setting in ("semi-weakly", "dsg-net"):
-            yield Train(self.method, place, self.config, None, SHARED_SEED, self.device, self.workers, self.start)
-            yield PseudoLabel(place, self.method, category, None, self.device, self.workers)
+        if row.setting in PSEUDO_LABELLED:
+            yield Train(row.method, place.motion, self.config, None, SHARED_SEED, self.device, self.workers, self.start)
+            yield PseudoLabel(place, category, None, self.device, self.workers)
         yield Render(place, self.config, category, SHARED_SEED, self.workers, SCANNED[row.setting])
         tested = Workspace(self.workspace.root, is_rough=row.on_rough)
         if row.on_rough != row.of_rough:

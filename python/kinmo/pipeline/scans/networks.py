@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from kinmo.config import AncshNetworkName
-from kinmo.pipeline.model_files import WEIGHTS
+from kinmo.pipeline.model_files import METHOD_MODELS, WEIGHTS
 from kinmo.pipeline.scans.dataset import Setting
 from kinmo.workspace import Workspace
 
@@ -63,6 +63,12 @@ def trained_cells(workspace: Workspace) -> list[Cell]:
             if cell.weights(workspace):
                 found.append(cell)
     return found
+
+
+def trained_by_all_methods(workspace: Workspace) -> list[tuple[Workspace, Cell]]:
+    """Those whose networks are there, with the workspace in which they are: the given one, or that of another method."""
+    places = [Workspace(workspace.root, workspace.labels, workspace.is_rough, method) for method in METHOD_MODELS]
+    return [(place, cell) for place in places for cell in trained_cells(place)]
 
 
 Protocol = Literal["kinmo", "ancsh"]

@@ -18,7 +18,7 @@ from kinmo.errors import InputError, did_you_mean
 from kinmo.joint import JointKind
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.model_files import networks_digest
-from kinmo.pipeline.scans.networks import Cell, trained_cells
+from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods
 from kinmo.pipeline.scans.pictures import view_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.report.scan_picture import scan_picture
@@ -26,7 +26,7 @@ from kinmo.scans.answers import PointAnswers
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.scan_input import Intrinsics, check_is_scan, read_scan, write_points
-from kinmo.workspace import Workspace, write_text_atomically
+from kinmo.workspace import DEFAULT_METHOD, Workspace, write_text_atomically
 
 SCHEMA_VERSION = 1
 PREFERRED = ("semi-weakly", "dsg-net", "semi", "supervised", "ceiling")
@@ -36,7 +36,7 @@ SECONDS = 5.0
 
 @dataclass(frozen=True)
 class PredictScan:
-    """Find the parts of an object of `category` in a scan.
+    """Find the parts of an object of `category` in a scan, by networks that saw pseudo labels of `method`, if it is given.
 
     Into `out` go all that was found (NAME.json), the part of every point (NAME.parts.npz), and a picture (NAME.svg).
     """
@@ -47,21 +47,22 @@ class PredictScan:
     category: str
     intrinsics: Intrinsics | None = None
     depth_scale: float | None = None
+    method: str | None = None
     seed: int = 0
     device: str = "auto"
 
     def plan(self) -> Plan:
-        cell = self._cell()
+        place, cell = self._networks()
         check_is_scan(self.source)
         self._check_replaceable()
-        return Plan((f"find the parts of a {cell.category} in {self.source} by the networks of {cell}",), SECONDS)
+        return Plan((f"find the parts of a {cell.category} in {self.source} by the networks of {_name(place, cell)}",), SECONDS)
 
     def run(self, observer: Observer) -> Outcome:
-        cell = self._cell()
+        place, cell = self._networks()
         self._check_replaceable()
         scan = read_scan(self.source, self.intrinsics, self.depth_scale)
         points = scan.points
-        weights = cell.weights(self.workspace)
+        weights = cell.weights(place)
         assert weights is not None, "trained_cells has those with weights"
         network = Ancsh.load(*weights, device=self.device)
         rng = np.random.default_rng(self.seed)
@@ -71,7 +72,8 @@ class PredictScan:
             observer.note("these networks want to know how large the whole object is; what is seen of it is taken for that")
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
         (answer,), (found,) = network.find([seen], [diagonal], seed=self.seed)
-        document = scan_document(found, answer, network.structure, self.source, cell, networks_digest(weights))
+        document = scan_document(found, answer, network.structure, self.source, cell.category)
+        document |= {"weights": networks_digest(weights), "trained": _name(place, cell)}
         picture = scan_picture([view_of(seen, answer.parts, found, network.structure)], self.source.stem)
         self.out.mkdir(parents=True, exist_ok=True)
         target, drawing, labelled = self._files()
@@ -100,21 +102,33 @@ class PredictScan:
                     path, "is in the way, and not what kinmo predict found in this scan: name another folder by --out"
                 )
 
-    def _cell(self) -> Cell:
+    def _networks(self) -> tuple[Workspace, Cell]:
         """Raises InputError if nothing was trained for the category."""
-        cells = trained_cells(self.workspace)
-        fitting = [cell for cell in cells if same_category(cell.category, self.category)]
+        trained = trained_by_all_methods(self.workspace)
+        if self.method is not None:
+            trained = [(place, cell) for place, cell in trained if place.method == self.method]
+        fitting = [(place, cell) for place, cell in trained if same_category(cell.category, self.category)]
         if not fitting:
-            known = sorted({cell.category for cell in cells})
+            known = sorted({cell.category for _, cell in trained})
             near = did_you_mean(self.category, known)
             there = f"; there are those of {', '.join(known)}" if known else ""
             problem = f"no networks that find a {self.category} in scans{near}{there}: run kinmo train all --category first"
             raise InputError(self.workspace.models, problem)
-        return min(fitting, key=lambda cell: (cell.seed != self.seed, PREFERRED.index(cell.setting), cell.seed))
+        return min(fitting, key=self._rank)
+
+    def _rank(self, trained: tuple[Workspace, Cell]) -> tuple[bool, int, int, bool]:
+        """The least comes first."""
+        place, cell = trained
+        return cell.seed != self.seed, PREFERRED.index(cell.setting), cell.seed, place.method != DEFAULT_METHOD
+
+
+def _name(place: Workspace, cell: Cell) -> str:
+    """What networks are of, in words."""
+    return str(cell) if place.method == DEFAULT_METHOD else f"{cell}, pseudo labels by --method {place.method}"
 
 
 def scan_document(
-    found: ScanEstimate, answer: PointAnswers, structure: Structure, source: Path, cell: Cell, weights: str
+    found: ScanEstimate, answer: PointAnswers, structure: Structure, source: Path, category: str
 ) -> dict[str, Any]:
     """What was found, in the frame and the lengths of the scan (x to the right, y down, z forward); null where unknown."""
     parts = [
@@ -151,10 +165,8 @@ def scan_document(
     return {
         "schema_version": SCHEMA_VERSION,
         "kinmo": __version__,
-        "weights": weights,
-        "trained": str(cell),
         "scan": _name_of(source),
-        "category": cell.category,
+        "category": category,
         "parts": parts,
         "joints": joints,
     }

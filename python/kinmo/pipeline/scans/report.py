@@ -9,12 +9,12 @@ from kinmo.evaluation.tables import read_table
 from kinmo.pipeline.report_tables import shown
 from kinmo.pipeline.scans.dataset import Setting
 from kinmo.pipeline.scans.judged import JudgedScans
-from kinmo.pipeline.scans.networks import pictures_path, trained_cells
+from kinmo.pipeline.scans.networks import Cell, pictures_path, trained_by_all_methods
 from kinmo.pipeline.scans.pictures import HIT_DEGREES, HIT_IOU, ScanPicture, read_pictures
 from kinmo.pipeline.scans.table_rows import TABLES
 from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.report.page import Picture, Section
-from kinmo.workspace import Workspace
+from kinmo.workspace import DEFAULT_METHOD, Workspace
 
 LEGEND = (
     "Left what was found, right the truth, as the camera sees them: points in the colours of their parts, amodal boxes, and "
@@ -48,26 +48,34 @@ def picture_sections(workspace: Workspace) -> Iterator[Section]:
 
     There are none of judgements that hold no more.
     """
-    cells = [cell for cell in trained_cells(workspace) if JudgedScans(workspace, cell).held()]
-    for category in sorted({cell.category for cell in cells}):
-        own = [cell for cell in cells if cell.category == category]
-        first = min(cell.seed for cell in own)
+    judged = [each for each in trained_by_all_methods(workspace) if JudgedScans(*each).held()]
+    judged.sort(key=lambda each: SETTINGS.index(each[1].setting))
+    for category in sorted({cell.category for _, cell in judged}):
+        own = [(place, cell) for place, cell in judged if cell.category == category]
+        first = min(cell.seed for _, cell in own)
         pictures = {
-            cell.setting: read_pictures(pictures_path(workspace, cell, on_rough=False)) for cell in own if cell.seed == first
+            _name(place, cell): read_pictures(pictures_path(place, cell, on_rough=False))
+            for place, cell in own
+            if cell.seed == first
         }
         common = _side_by_side(pictures)
         if common and len(pictures) > 1:
             yield Section(f"Scans of {category}, by setting", LEGEND, pictures=common)
-        setting = next((name for name in pictures if name == "semi-weakly"), min(pictures, key=SETTINGS.index))
+        name = "semi-weakly" if "semi-weakly" in pictures else next(iter(pictures))
         for title, wanted in (("hits", True), ("failures", False)):
-            chosen = (p for p in pictures[setting] if p.is_hit is wanted and not p.is_common)
+            chosen = (p for p in pictures[name] if p.is_hit is wanted and not p.is_common)
             some = [Picture(p.svg, f"{p.id}, frame {p.frame}", [p.text]) for p in chosen]
             if some:
-                yield Section(f"Scans of {category}, {title} ({setting})", LEGEND, pictures=some)
+                yield Section(f"Scans of {category}, {title} ({name})", LEGEND, pictures=some)
 
 
-def _side_by_side(pictures: Mapping[Setting, Sequence[ScanPicture]]) -> list[Picture]:
-    """A scan after the other, each by every setting."""
-    common = [(p, setting) for setting, some in pictures.items() for p in some if p.is_common]
-    common.sort(key=lambda each: (each[0].id, each[0].frame, SETTINGS.index(each[1])))
-    return [Picture(p.svg, f"{setting}: {p.id}, frame {p.frame}", [p.text]) for p, setting in common]
+def _name(place: Workspace, cell: Cell) -> str:
+    """A setting, and the method whose pseudo labels it learnt from, unless that is the default."""
+    return cell.setting if place.method == DEFAULT_METHOD else f"{cell.setting}, {place.method}"
+
+
+def _side_by_side(pictures: Mapping[str, Sequence[ScanPicture]]) -> list[Picture]:
+    """A scan after the other, each by every setting, in their order."""
+    common = [(p, name) for name, some in pictures.items() for p in some if p.is_common]
+    common.sort(key=lambda each: (each[0].id, each[0].frame))
+    return [Picture(p.svg, f"{name}: {p.id}, frame {p.frame}", [p.text]) for p, name in common]

@@ -26,15 +26,13 @@ from kinmo.evaluation.scan_tables import (
 from kinmo.evaluation.tables import Caption, Table, as_text, write_table
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluation_folder import ALL
-from kinmo.pipeline.label_decisions import labelled_by
 from kinmo.pipeline.model_files import trained_on
 from kinmo.pipeline.scans.dataset import (
     NO_FRAME,
     NO_SCAN,
+    PSEUDO_LABELLED,
     Role,
     ScanDataset,
-    Setting,
-    is_pseudo_labelled_for,
     open_scan_dataset,
     training_data,
 )
@@ -57,9 +55,8 @@ AGAINST = (
 ROLE_NAMES: Mapping[Role, str] = {"train": "labelled", "validation": "validation", "test": "test", "hidden": "held back"}
 OTHER = "of other structures"
 UNSEEN = {NO_FRAME: "that no frame shows all parts of", NO_SCAN: "that cannot be scanned (kinmo render says why)"}
-PSEUDO_LABELLED: tuple[Setting, ...] = ("semi-weakly", "dsg-net")
-GAP = ("supervised", "semi-weakly", "true labels")
-"""Rows, in this order: how far the second goes from the first to the third."""
+LEAST, MOST = "supervised", "true labels"
+"""Rows between which those with pseudo labels are: how far from the first to the second these go."""
 
 
 HeldBySeed = Mapping[int, Mapping[str, dict[str, Any] | None]]
@@ -136,10 +133,10 @@ class WrittenTables:
             structure = printed_structure(printed)
             return {"means": over_parts(rows, structure, caption), "parts": by_part(rows, structure, caption, MORE[protocol])}
         caption = self._caption(str(dataset.structure), _objects_of(dataset), run, protocol)
-        gaps = self._gaps(category, by_seed, dataset.structure, protocol)
+        gaps = list(self._gaps(category, by_seed, dataset.structure, protocol))
         pairs = [self._alike(titles, category, by_seed, protocol) for titles in TABLES[self.name].compared]
         compared = [(pair[0], pair[1]) for pair in pairs if pair]
-        summed = caption.noting(gaps, *self._labels(rows, category), *reasons, AGAINST if compared else "")
+        summed = caption.noting(*gaps, *self._labels(rows, category), *reasons, AGAINST if compared else "")
         return {
             "means": over_parts(rows, dataset.structure, summed, compared),
             "parts": by_part(rows, dataset.structure, caption, MORE[protocol]),
@@ -193,15 +190,21 @@ class WrittenTables:
         whole = {seed: judged for seed, judged in by_seed.items() if all(judged.get(title) for title in titles)}
         return [self._row(rows[title], category, whole, protocol) for title in titles] if whole else []
 
-    def _gaps(self, category: str, by_seed: HeldBySeed, structure: Structure, protocol: Protocol) -> str:
-        """How far pseudo labels go from no labels to true ones."""
-        rows = self._alike(GAP, category, by_seed, protocol)
-        if not rows:
-            return ""
-        less, more, best = (row.objects for row in rows)
-        shares = zip(measure_titles(structure), gap_closed(less, more, best, structure), strict=True)
-        texts = [f"{title} {share:.0%}" for title, share in shares if share is not None]
-        return f"Share of the gap to true labels that pseudo labels close: {', '.join(texts)}." if texts else ""
+    def _gaps(self, category: str, by_seed: HeldBySeed, structure: Structure, protocol: Protocol) -> Iterator[str]:
+        """How far the pseudo labels of each row go from no labels to true ones."""
+        known = {row.title for row in TABLES[self.name].rows}
+        for row in TABLES[self.name].rows:
+            is_between = row.setting in PSEUDO_LABELLED and {LEAST, MOST} <= known
+            rows = self._alike((LEAST, row.title, MOST), category, by_seed, protocol) if is_between else []
+            if rows:
+                less, more, best = (each.objects for each in rows)
+                shares = zip(measure_titles(structure), gap_closed(less, more, best, structure), strict=True)
+                texts = [f"{title} {share:.0%}" for title, share in shares if share is not None]
+                yield (
+                    f"Share of the gap to true labels that pseudo labels close ({row.title}): {', '.join(texts)}."
+                    if texts
+                    else ""
+                )
 
     def _caption(self, what: str, of: str, seeds: tuple[int, ...], protocol: Protocol) -> Caption:
         table = TABLES[self.name]
@@ -232,14 +235,11 @@ class WrittenTables:
                 if not row.cell(category, shown.seeds[0]).has_seen(place, training_data(dataset, dataset.beside(row.setting))):
                     yield f"Pseudo labels ({row.title}) are others now than those that the networks were trained on."
                     continue
-                unlabelled = open_dataset(place, dataset.category).unlabelled
-                taught = [entry for entry in unlabelled if is_pseudo_labelled_for(row.setting, entry.layout)]
-                methods = " and ".join(labelled_by(place, taught))
                 others = counted(dataset.left_out(row.setting), "object")
                 left_out = f"left out: {others} that they give other joints, or none that can be seen."
                 hidden, truths = dataset.files["hidden"], dataset.truths
                 counts = count_labels(dataset.beside(row.setting), hidden, truths) if truths else ""
-                yield f"Pseudo labels ({row.title}) are by --method {methods}; {left_out} {counts}".rstrip()
+                yield f"Pseudo labels ({row.title}) are by --method {row.method}; {left_out} {counts}".rstrip()
 
     def _stage(self, place: str) -> str:
         return f"table-{self.name}-{place}"
