@@ -30,7 +30,9 @@ class ScanData:
     def __init__(self, training: Sequence[ScanFile], validation: Sequence[ScanFile], config: AncshConfig) -> None:
         self.training, self.validation, self.config = list(training), list(validation), config
         self._odds = odds([file.object for file in training], [has_true_labels(file) for file in training], config.trusted)
-        self._looks: dict[tuple[ScanFile, int, bool], F64] = {}
+        # places for all from the beginning: small arrays that come one by one, and stay, would break up the memory that batches
+        # need again and again
+        self._looks = {file: np.full((file.frames, 2, 3, 3), np.nan) for file in {*training, *validation}}
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[ScanBatch]:
         size = self.config.batch_frames
@@ -63,14 +65,13 @@ class ScanData:
         """The axes [3, 3] of a frame at the first look or at the second: found when they are asked for, which takes longer than
         all else, and kept.
         """
-        key = file, row, is_first
-        if key not in self._looks:
+        axes = self._looks[file][row, int(is_first)]
+        if np.isnan(axes[0, 0]):
             if is_first:
-                axes = scan_rotations(file.read("points", slice(row, row + 1)), self.config.axes)[0]
+                axes[:] = scan_rotations(file.read("points", slice(row, row + 1)), self.config.axes)[0]
             else:
-                axes = base_axes(file.read("points", row), file.read("parts", row) == 0, self._look(file, row, True))
-            self._looks[key] = axes
-        return self._looks[key]
+                axes[:] = base_axes(file.read("points", row), file.read("parts", row) == 0, self._look(file, row, True))
+        return axes
 
 
 def odds(objects: Sequence[Hashable], trusted: Sequence[bool], least: float) -> F64:
