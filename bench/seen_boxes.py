@@ -14,7 +14,6 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import get_args
 
 import numpy as np
 import torch
@@ -24,12 +23,13 @@ from kinmo.evaluation.scan_metrics import score_frame, truth
 from kinmo.formats import Found, Layout, read_found
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.scans.dataset import Setting, open_scan_dataset
+from kinmo.pipeline.scans.dataset import open_scan_dataset
 from kinmo.pipeline.scans.networks import Cell
+from kinmo.pipeline.scans.settings import SETTINGS
 from kinmo.scans.articulated_object import articulated_object
 from kinmo.scans.estimate import PoseOptions, estimate
 from kinmo.scans.scan import scan
-from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
+from kinmo.scans.scan_file import Provenance, ScanFile, open_scans, write_scans
 from kinmo.splits import Split
 from kinmo.workspace import Workspace
 
@@ -41,7 +41,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("workspace", type=Path)
     parser.add_argument("--category", default="refrigerator")
-    parser.add_argument("--setting", default="ceiling", choices=get_args(Setting))
+    parser.add_argument("--setting", default="ceiling", choices=SETTINGS)
     parser.add_argument("--objects", type=int, default=30)
     parser.add_argument("--quick", action="store_true", help="two objects")
     arguments = parser.parse_args()
@@ -87,7 +87,7 @@ def scanned(workspace: Workspace, category: str, ids: set[str], sensor: SensorCo
             scans = scan(target, config, zlib.crc32(entry.id.encode()), to_train=False)
             if len(scans):
                 path = Path(folder) / "scans.safetensors"
-                write_scans(path, target, scans, {})
+                write_scans(path, target, scans, Provenance())
                 yield open_scans(path)
 
 

@@ -114,8 +114,8 @@ def test_the_choices_of_the_options_are_those_of_the_program() -> None:
     from kinmo.cli.train import SettingName, What
     from kinmo.pipeline.models import GROUPS
     from kinmo.pipeline.predictors import PREDICTORS
-    from kinmo.pipeline.scans.dataset import Setting
     from kinmo.pipeline.scans.networks import PROTOCOLS
+    from kinmo.pipeline.scans.settings import Setting
     from kinmo.pipeline.scans.table_rows import TABLES
     from kinmo.synth import generate
 

@@ -9,14 +9,14 @@ import numpy as np
 from kinmo.config import ScansConfig
 from kinmo.evaluation.scan_labels import LabelCounts, count_labels
 from kinmo.scans.scan import scan
-from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
+from kinmo.scans.scan_file import Provenance, ScanFile, open_scans, write_scans
 from scanned import cupboard_object
 
 TARGET = cupboard_object()
 
 
 def named(file: ScanFile, name: str, variant: int = 0) -> ScanFile:
-    return replace(file, id=name, provenance={"variant": variant})
+    return replace(file, id=name, provenance=Provenance(variant=variant))
 
 
 def moved(file: ScanFile, part: int, direction: tuple[float, float, float], shift: float) -> ScanFile:
@@ -28,7 +28,8 @@ def moved(file: ScanFile, part: int, direction: tuple[float, float, float], shif
 
 
 def test_labels_count_as_right_if_all_joints_are_in_their_places(tmp_path) -> None:
-    write_scans(tmp_path / "a.safetensors", TARGET, scan(TARGET, ScansConfig(states=1, views=1, size=64, points=16), 0), {})
+    scans = scan(TARGET, ScansConfig(states=1, views=1, size=64, points=16), 0)
+    write_scans(tmp_path / "a.safetensors", TARGET, scans, Provenance())
     file = open_scans(tmp_path / "a.safetensors")
     kinds = [kind.value for kind in file.structure.kinds]
     door, drawer = kinds.index("R") + 1, kinds.index("P") + 1

@@ -8,10 +8,10 @@ from pathlib import Path
 from whole_road import Listener, tiny_config
 
 from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.scans.dataset import ROLES
 from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.synth import Synth
+from kinmo.scans.scan_file import ROLES
 from kinmo.synth.generate import HELD_BACK
 from kinmo.workspace import Workspace
 

@@ -13,9 +13,9 @@ import pytest
 from scan_road import CATEGORY, Scanned
 from whole_road import MADE, Listener, Road, contents, undone
 
-from kinmo.pipeline.scans.dataset import ROLES
 from kinmo.pipeline.scans.networks import NETWORKS, Cell
 from kinmo.pipeline.stage import Stage
+from kinmo.scans.scan_file import ROLES
 from kinmo.workspace import Workspace
 
 FORK = multiprocessing.get_context("forkserver")

@@ -10,7 +10,7 @@ import pytest
 from kinmo.config import ScansConfig
 from kinmo.errors import InputError
 from kinmo.scans.scan import Scans, scan
-from kinmo.scans.scan_file import open_scans, write_scans
+from kinmo.scans.scan_file import Provenance, open_scans, write_scans
 from scanned import cupboard_object
 
 CONFIG = ScansConfig(states=2, views=2, size=64, points=50)
@@ -20,11 +20,11 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     target = cupboard_object()
     scans = scan(target, CONFIG, 0)
     path = tmp_path / "cupboard.safetensors"
-    write_scans(path, target, scans, {"made_from": "here"})
+    write_scans(path, target, scans, Provenance("here"))
     file = open_scans(path)
     assert (file.id, file.category, file.frames) == (target.id, target.category, len(scans))
     assert file.structure == target.structure
-    assert file.provenance == {"made_from": "here"}
+    assert file.provenance == Provenance("here")
     np.testing.assert_array_equal(file.extents.sizes, target.part_extents.sizes)
     for mine, theirs in zip(file.joints, target.joints, strict=True):
         assert (mine.kind, mine.lower, mine.upper) == (theirs.kind, theirs.lower, theirs.upper)
@@ -39,28 +39,28 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
 def test_whoever_opens_a_file_changes_it_for_nobody_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kinmo.workspace._SETTLED", -1)
     target, path = cupboard_object(), tmp_path / "cupboard.safetensors"
-    write_scans(path, target, scan(target, CONFIG, 0), {"made_from": "here"})
+    write_scans(path, target, scan(target, CONFIG, 0), Provenance("here"))
     one, other = open_scans(path), open_scans(path)
-    one.provenance["made_from"] = "there"  # type: ignore[index]
-    assert other.provenance == open_scans(path).provenance == {"made_from": "here"}
+    one.refused["unseen"] = 1  # type: ignore[index]
+    assert "unseen" not in {*other.refused, *open_scans(path).refused}
     for array in (one.facing, one.extents.sizes, one.extents.centers, one.joints[0].direction, one.joints[0].pivot):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0.0
-    write_scans(path, target, scan(target, CONFIG, 1), {"made_from": "elsewhere"})
-    assert open_scans(path).provenance == {"made_from": "elsewhere"}
+    write_scans(path, target, scan(target, CONFIG, 1), Provenance("elsewhere"))
+    assert open_scans(path).provenance == Provenance("elsewhere")
 
 
 def test_the_same_frames_give_the_same_bytes(tmp_path: Path) -> None:
     target = cupboard_object()
     for name in ("one", "two"):
-        write_scans(tmp_path / name, target, scan(target, CONFIG, 3), {})
+        write_scans(tmp_path / name, target, scan(target, CONFIG, 3), Provenance())
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
 
 
 def test_an_object_without_a_frame_can_be_kept_too(tmp_path: Path) -> None:
     target = cupboard_object()
     scans: Scans = scan(target, ScansConfig(states=1, views=1, size=64, points=50, least_pixels=10_000), 0)
-    write_scans(tmp_path / "none", target, scans, {})
+    write_scans(tmp_path / "none", target, scans, Provenance())
     file = open_scans(tmp_path / "none")
     assert file.frames == 0
     assert sum(file.refused.values()) == 1
@@ -78,7 +78,7 @@ def test_what_is_no_file_of_scans_is_refused_with_its_path(tmp_path: Path, conte
 def test_a_file_that_was_cut_is_refused(tmp_path: Path) -> None:
     target = cupboard_object()
     path = tmp_path / "cut.safetensors"
-    write_scans(path, target, scan(target, CONFIG, 0), {})
+    write_scans(path, target, scan(target, CONFIG, 0), Provenance())
     path.write_bytes(path.read_bytes()[:-10])
     with pytest.raises(InputError, match="run kinmo render again"):
         open_scans(path)

@@ -15,7 +15,7 @@ from kinmo.mobility import Body
 from kinmo.scans.articulated_object import articulated_object
 from kinmo.scans.estimate import PoseOptions, estimate
 from kinmo.scans.scan import scan
-from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
+from kinmo.scans.scan_file import Provenance, ScanFile, open_scans, write_scans
 from kinmo.scans.typical import Typical
 from kinmo.synth.primitives import cylinder
 from scanned import cupboard_object, hinge, true_answers, true_estimate
@@ -26,7 +26,7 @@ DEGREE = np.pi / 180
 
 def scanned(folder: Path, target, seed: int = 0) -> ScanFile:
     path = folder / f"{seed}.safetensors"
-    write_scans(path, target, scan(target, OPTIONS, seed), {})
+    write_scans(path, target, scan(target, OPTIONS, seed), Provenance())
     return open_scans(path)
 
 

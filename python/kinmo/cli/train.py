@@ -12,7 +12,7 @@ from kinmo.cli.options import CommonOptions, Method, Start
 from kinmo.errors import InputError
 
 if TYPE_CHECKING:
-    from kinmo.pipeline.scans.dataset import Setting
+    from kinmo.pipeline.scans.settings import Setting
 
 
 class What(str, Enum):
@@ -27,7 +27,7 @@ class What(str, Enum):
 
 
 class SettingName(str, Enum):
-    """The settings of `kinmo.pipeline.scans.dataset`, without importing it."""
+    """The settings of `kinmo.pipeline.scans.settings`, without importing it."""
 
     SUPERVISED = "supervised"
     SEMI = "semi"
@@ -78,7 +78,7 @@ def train(
         kinmo train ancsh --category refrigerator --setting supervised
         kinmo train motion --workspace real --from procedural
     """
-    from kinmo.pipeline.scans.dataset import PSEUDO_LABELLED
+    from kinmo.pipeline.scans.settings import PSEUDO_LABELLED
     from kinmo.pipeline.scans.train import TrainAncsh
     from kinmo.pipeline.train import Train
     from kinmo.pipeline.train_all import TrainAll

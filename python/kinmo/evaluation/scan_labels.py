@@ -37,8 +37,8 @@ def count_labels(said: Sequence[ScanFile], true: Sequence[ScanFile], originals: 
 
     All files are of one structure, those of variants are passed over. An original that is not among `true` has another one.
     """
-    labels = {file.object: file for file in said if not file.is_variant}
-    truths = {file.id: file for file in true if not file.is_variant}
+    labels = {file.object: file for file in said if not file.provenance.variant}
+    truths = {file.id: file for file in true if not file.provenance.variant}
     held_back = [(file, originals[name]) for name, file in labels.items() if name in originals]
     pairs = [(file, truths[original]) for file, original in held_back if original in truths]
     right = sum(_is_right(*pair) for pair in pairs)

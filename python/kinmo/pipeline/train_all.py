@@ -10,8 +10,9 @@ from kinmo.categories import same_category
 from kinmo.errors import InputError
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.pseudo_label import SECONDS_PER_SHAPE, PseudoLabel
-from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, PSEUDO_LABELLED, Setting, open_scan_dataset
+from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, open_scan_dataset
 from kinmo.pipeline.scans.render import Render
+from kinmo.pipeline.scans.settings import PSEUDO_LABELLED, Setting
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
 from kinmo.pipeline.train import Train

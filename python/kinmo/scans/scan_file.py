@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,13 +28,36 @@ FORMAT = 2
 _HEADER_KEY = "kinmo"
 _ARRAYS = tuple(field.name for field in fields(Scans) if field.name != "refused")
 
+Role = Literal["train", "validation", "test", "hidden", "unlabelled", "pseudo"]
+"""What an object is for. Joints of the first four are true, those of `hidden` held back; `unlabelled` ones have none, or what
+networks gave them."""
+ROLES: tuple[Role, ...] = get_args(Role)
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where frames come from: `made_from` is a hash of all that they depend on, `layout` that of the object's files.
+
+    A `variant` other than 0 is not the object itself but one like it.
+    """
+
+    made_from: str = ""
+    role: Role = "train"
+    layout: str = ""
+    variant: int = 0
+
+    @property
+    def has_true_labels(self) -> bool:
+        """Whether no network labelled the frames."""
+        return self.role not in ("pseudo", "unlabelled")
+
 
 @dataclass(frozen=True, eq=False)
 class ScanFile:
     """The frames of one object; arrays stay on disk until they are asked for.
 
     `joints` are those of parts 1 and up and `extents` the boxes of the parts, in the normalised frame; `facing` [K] is the
-    share of each part's surface that faces an axis, NaN where that is not known; `provenance` is what the file was made from.
+    share of each part's surface that faces an axis, NaN where that is not known.
     """
 
     path: Path
@@ -46,7 +69,7 @@ class ScanFile:
     facing: F64
     frames: int
     refused: Mapping[str, int]
-    provenance: Mapping[str, Any]
+    provenance: Provenance
 
     def read(self, name: str, frames: slice | int = slice(None)) -> NDArray[Any]:
         """The array of that name of `Scans`, of all `frames` or of some."""
@@ -59,12 +82,7 @@ class ScanFile:
     @property
     def object(self) -> tuple[str, str]:
         """What tells the object from others of its role; variants of one have the same."""
-        return self.id, str(self.provenance.get("layout", ""))
-
-    @property
-    def is_variant(self) -> bool:
-        """Whether it is not of the object itself but of one like it."""
-        return bool(self.provenance.get("variant", 0))
+        return self.id, self.provenance.layout
 
     @cached_property
     def _tensors(self) -> Any:
@@ -106,8 +124,8 @@ class Described(Protocol):
     def facing(self) -> F64: ...
 
 
-def write_scans(path: Path, target: Described, scans: Scans, provenance: Mapping[str, Any]) -> None:
-    """Write the frames of `target`, whole or not at all; the same frames give the same bytes. `provenance` is plain data."""
+def write_scans(path: Path, target: Described, scans: Scans, provenance: Provenance) -> None:
+    """Write the frames of `target`, whole or not at all; the same frames give the same bytes."""
     tensors = {name: np.ascontiguousarray(getattr(scans, name)) for name in _ARRAYS}
     tensors |= {"centers": target.part_extents.centers, "sizes": target.part_extents.sizes, "facing": target.facing}
     header = {
@@ -118,7 +136,7 @@ def write_scans(path: Path, target: Described, scans: Scans, provenance: Mapping
         "joints": [joint_to_data(joint) for joint in target.joints],
         "frames": len(scans),
         "refused": scans.refused,
-        "provenance": provenance,
+        "provenance": asdict(provenance),
     }
     write_bytes_atomically(path, save(tensors, {_HEADER_KEY: json.dumps(header, sort_keys=True)}))
 
@@ -128,7 +146,7 @@ def open_scans(path: Path) -> ScanFile:
     known = _without_frames(path)
     extents = Extents(known.extents.centers, known.extents.sizes)
     # A new one each time, which keeps the file mapped for as long as it is there itself.
-    return replace(known, extents=extents, refused=dict(known.refused), provenance=dict(known.provenance))
+    return replace(known, extents=extents, refused=dict(known.refused))
 
 
 @kept_while_unchanged
@@ -153,7 +171,7 @@ def _without_frames(path: Path) -> ScanFile:
                 facing,
                 data["frames"],
                 data["refused"],
-                data["provenance"],
+                Provenance(**data["provenance"]),
             )
     except (SafetensorError, OSError, KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(path, f"not a file of scans ({error}): run kinmo render again") from None
@@ -162,6 +180,6 @@ def _without_frames(path: Path) -> ScanFile:
 def is_made_from(path: Path, made_from: str) -> bool:
     """Whether `write_scans` wrote the file, with that in its provenance."""
     try:
-        return bool(open_scans(path).provenance["made_from"] == made_from)
-    except (InputError, KeyError):
+        return open_scans(path).provenance.made_from == made_from
+    except InputError:
         return False

@@ -30,7 +30,7 @@ from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.learning.weights import save_weights
 from kinmo.scans.input_frame import base_axes, scan_rotations
 from kinmo.scans.scan import scan
-from kinmo.scans.scan_file import ScanFile, open_scans, write_scans
+from kinmo.scans.scan_file import Provenance, ScanFile, open_scans, write_scans
 from kinmo.scans.typical import Typical
 from kinmo.typed_tables import to_table
 from scanned import cupboard_object
@@ -63,7 +63,7 @@ def linear(before: int, after: int) -> int:
 def file(tmp_path_factory: pytest.TempPathFactory) -> ScanFile:
     target = cupboard_object()
     path = tmp_path_factory.mktemp("scans") / "cupboard.safetensors"
-    write_scans(path, target, scan(target, ScansConfig(states=6, views=4, size=128, points=256), 0), {"seed": 0})
+    write_scans(path, target, scan(target, ScansConfig(states=6, views=4, size=128, points=256), 0), Provenance())
     return open_scans(path)
 
 

@@ -8,7 +8,6 @@ from collections import Counter
 from dataclasses import fields
 from pathlib import Path
 from types import SimpleNamespace
-from typing import get_args
 
 import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
@@ -21,7 +20,7 @@ from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.report import Report
-from kinmo.pipeline.scans.dataset import REFUSED, Setting, open_scan_dataset, scans_of, training_data
+from kinmo.pipeline.scans.dataset import REFUSED, open_scan_dataset, scans_of, training_data
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.judge_trained import JudgeTrained
 from kinmo.pipeline.scans.judged import JudgedScans
@@ -29,6 +28,7 @@ from kinmo.pipeline.scans.make_table import MakeTable
 from kinmo.pipeline.scans.networks import NETWORKS, PROTOCOLS, Cell
 from kinmo.pipeline.scans.pictures import COMMON
 from kinmo.pipeline.scans.report import OUTDATED, picture_sections
+from kinmo.pipeline.scans.settings import SETTINGS, Setting
 from kinmo.pipeline.scans.table_rows import SHARES, TABLES, printed_row
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.scans.written_tables import WrittenTables
@@ -160,7 +160,7 @@ def test_what_is_left_out_of_a_layout_is_counted_with_the_setting_that_learns_fr
     for name in ("one-partnet", "two-partnet", "two-partnet.1", "three-dsg_net"):
         (pseudo / f"{name}{REFUSED}").touch()
     dataset = open_scan_dataset(judged, CATEGORY)
-    assert {setting: dataset.left_out(setting) for setting in get_args(Setting)} == {
+    assert {setting: dataset.left_out(setting) for setting in SETTINGS} == {
         "supervised": 0,
         "semi": 0,
         "semi-weakly": 2,
@@ -236,11 +236,11 @@ def test_a_table_counts_objects_of_other_structures_that_no_frame_shows_or_that_
     base = SimpleNamespace(
         id="still", category=CATEGORY, structure=Structure((), ()), joints=(), part_extents=file.extents, facing=file.facing
     )
-    write_scans(still, base, file.scans(), dict(file.provenance))
+    write_scans(still, base, file.scans(), file.provenance)
     hinged = SimpleNamespace(**vars(base) | {"id": "unseen", "structure": file.structure, "joints": file.joints})
     scans = file.scans()
     none = {field.name: getattr(scans, field.name)[:0] for field in fields(scans) if field.name != "refused"}
-    write_scans(unseen, hinged, Scans(**none, refused=Counter({"too small": 4})), dict(file.provenance))
+    write_scans(unseen, hinged, Scans(**none, refused=Counter({"too small": 4})), file.provenance)
     for variant in ("", ".1", ".2"):
         some.with_name(f"tiny-partnet_mobility{variant}{REFUSED}").touch()
     text = " ".join(WrittenTables(judged, "2").write({CATEGORY: [0]}).text.split())

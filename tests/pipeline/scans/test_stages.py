@@ -21,7 +21,7 @@ from kinmo.errors import InputError
 from kinmo.learning.ancsh.predict import POINTS_TO_ASK_ABOUT
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.label_decisions import folder_name
-from kinmo.pipeline.scans.dataset import REFUSED, ROLES, open_scan_dataset, scans_of
+from kinmo.pipeline.scans.dataset import REFUSED, open_scan_dataset, scans_of
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.example import ExampleScan
 from kinmo.pipeline.scans.judge_trained import JudgeTrained
@@ -34,7 +34,7 @@ from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.scans.articulation import opening
 from kinmo.scans.renderers import NOTHING
-from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
+from kinmo.scans.scan_file import ROLES, ScanFile, count_objects, open_scans
 from kinmo.scans.scan_input import read_scan
 from kinmo.store import read_header
 from kinmo.workspace import Workspace
@@ -76,9 +76,9 @@ def test_objects_that_stand_in_for_validation_ones_are_seen_as_they_are(scanned:
     before = open_scan_dataset(scanned.workspace, CATEGORY)
     dataset = open_scan_dataset(Workspace(tmp_path / "workspace"), CATEGORY)
     (chosen,) = dataset.files["validation"]
-    assert not chosen.is_variant
+    assert not chosen.provenance.variant
     assert {file.id for file in dataset.files["train"]} == {file.id for file in before.files["train"]} - {chosen.id}
-    assert any(file.is_variant for file in dataset.files["train"])
+    assert any(file.provenance.variant for file in dataset.files["train"])
 
 
 def test_objects_that_are_not_closed_have_no_variants(scanned: Scanned, tmp_path: Path) -> None:
@@ -88,7 +88,7 @@ def test_objects_that_are_not_closed_have_no_variants(scanned: Scanned, tmp_path
     config.write_text(text, encoding="utf-8")
     Render(workspace, str(config), FAMILY).run(Listener())
     files = open_scan_dataset(workspace, CATEGORY).files
-    assert not any(file.is_variant for role in ROLES for file in files[role])
+    assert not any(file.provenance.variant for role in ROLES for file in files[role])
 
 
 def test_what_was_scanned_is_not_scanned_again(scanned: Scanned) -> None:

@@ -29,7 +29,9 @@ class ScanData:
 
     def __init__(self, training: Sequence[ScanFile], validation: Sequence[ScanFile], config: AncshConfig) -> None:
         self.training, self.validation, self.config = list(training), list(validation), config
-        self._odds = odds([file.object for file in training], [has_true_labels(file) for file in training], config.trusted)
+        self._odds = odds(
+            [file.object for file in training], [file.provenance.has_true_labels for file in training], config.trusted
+        )
         # places for all from the beginning: small arrays that come one by one, and stay, would break up the memory that batches
         # need again and again
         self._looks = {file: np.full((file.frames, 2, 3, 3), np.nan) for file in {*training, *validation}}
@@ -85,11 +87,6 @@ def odds(objects: Sequence[Hashable], trusted: Sequence[bool], least: float) -> 
     if 0.0 < share < least:
         weights = np.where(is_trusted, weights * least / share, weights * (1.0 - least) / (1.0 - share))
     return np.asarray(weights)
-
-
-def has_true_labels(file: ScanFile) -> bool:
-    """Whether no network labelled the scans."""
-    return file.provenance.get("role") not in ("pseudo", "unlabelled")
 
 
 def _seen_and_said(

@@ -10,7 +10,7 @@ import torch
 
 from kinmo.config import AncshConfig, AncshNetworkName
 from kinmo.errors import InputError
-from kinmo.learning.ancsh.data import ScanData, has_true_labels
+from kinmo.learning.ancsh.data import ScanData
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, total
 from kinmo.learning.ancsh.network import KIND, AncshNetwork, PartNetwork
 from kinmo.learning.training import FitResult, Learner, Progress, fit
@@ -55,7 +55,7 @@ def train_ancsh(
         "kinds": [kind.value for kind in structure.kinds],
         "parents": list(structure.parents),
         "classes": learner.classes,
-        "typical": Typical.of([file for file in used[0] if has_true_labels(file)] or used[0]).to_data(),
+        "typical": Typical.of([file for file in used[0] if file.provenance.has_true_labels] or used[0]).to_data(),
         "seed": seed,
         "objects": count_objects(used[0]),
         "labelled": labelled,

@@ -6,34 +6,25 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, get_args
 
 from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
 from kinmo.formats import Layout
 from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.scans.settings import PSEUDO_LABELLED, Setting, is_pseudo_labelled_for
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.scan_file import ScanFile, open_scans
+from kinmo.scans.scan_file import ROLES, Role, ScanFile, open_scans
 from kinmo.splits import Split, kept_to_choose_by
 from kinmo.workspace import Workspace, digest
 
 PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
 """Of the paper's Table 2."""
 
-Role = Literal["train", "validation", "test", "hidden", "unlabelled", "pseudo"]
-"""What an object is for. Joints of the first four are true, those of `hidden` held back; `unlabelled` ones have none."""
-ROLES: tuple[Role, ...] = get_args(Role)
 NO_FRAME, NO_SCAN = "no frame", "no scan"
 """Stand for the structure of objects that were scanned, but too little of some part was seen in every frame; and of those that
 cannot be scanned."""
 REFUSED = ".refused.json"
 """Ending of what stands in place of the scans of an object that cannot be scanned, and says why."""
-Setting = Literal["supervised", "semi", "semi-weakly", "dsg-net", "ceiling"]
-"""What networks are trained on beside the labelled shapes (paper, section 4.2): nothing; scans of unlabelled shapes with what
-networks that were trained so far say of them; shapes with pseudo labels, in PartNet's layouts or in DSG-Net's; shapes whose
-true labels were held back, which is the best that pseudo labels could do."""
-PSEUDO_LABELLED: tuple[Setting, ...] = ("semi-weakly", "dsg-net")
-"""Networks of these lie in the workspace of the method whose labels they saw, all others in that of the motion networks."""
 
 
 def scans_of(workspace: Workspace, category: str, role: Role) -> Path:
@@ -60,7 +51,7 @@ class ScanDataset:
         if setting == "ceiling":
             return self.files["hidden"]
         if setting in PSEUDO_LABELLED:
-            return tuple(file for file in self.files["pseudo"] if is_pseudo_labelled_for(setting, file.provenance["layout"]))
+            return tuple(file for file in self.files["pseudo"] if is_pseudo_labelled_for(setting, file.provenance.layout))
         return ()
 
     def left_out(self, setting: Setting) -> int:
@@ -69,14 +60,9 @@ class ScanDataset:
         return sum(count for layout, count in counts if is_pseudo_labelled_for(setting, layout))
 
 
-def is_pseudo_labelled_for(setting: Setting, layout: str) -> bool:
-    """Whether a setting learns from pseudo labels of shapes in a layout."""
-    return setting == ("dsg-net" if layout == Layout.DSG_NET.value else "semi-weakly")
-
-
 def fingerprint(files: Sequence[ScanFile]) -> str:
     """Changes whenever one of the files would be made anew."""
-    return digest([[file.id, file.provenance["made_from"]] for file in files])
+    return digest([[file.id, file.provenance.made_from] for file in files])
 
 
 def training_data(dataset: ScanDataset, beside: Sequence[ScanFile]) -> dict[str, str]:
@@ -119,7 +105,7 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     if not fitting["validation"]:
         ids = {file.id for file in fitting["train"]}
         kept = kept_to_choose_by(ids)
-        found["validation"] += [file for file in found["train"] if file.id in kept and not file.is_variant]
+        found["validation"] += [file for file in found["train"] if file.id in kept and not file.provenance.variant]
         kept = kept if ids & (counted - kept) else kept - counted
     labelled = [file for file in found["train"] if file.id not in kept]
     found["hidden"] += [file for file in labelled if file.id not in counted]
@@ -132,7 +118,7 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         files[role] = tuple(f for f in some if f.frames > 0 and (role == "unlabelled" or f.structure == structure))
         kept_objects = {file.object for file in files[role]}
         rest = (file for file in some if file.object not in kept_objects)
-        left_out = {(f.object, str(f.structure) if f.frames else NO_FRAME, f.provenance["layout"]) for f in rest}
+        left_out = {(f.object, str(f.structure) if f.frames else NO_FRAME, f.provenance.layout) for f in rest}
         others.update((reason, role, layout) for _, reason, layout in left_out)
         for layout in (each.value for each in Layout):  # names of variants end otherwise
             others[NO_SCAN, role, layout] += sum(1 for _ in scans_of(workspace, spelling, role).glob(f"*-{layout}{REFUSED}"))

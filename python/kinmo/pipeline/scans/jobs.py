@@ -13,11 +13,11 @@ import numpy as np
 from kinmo.config import ScansConfig
 from kinmo.formats import Found, read_found
 from kinmo.limits import MOST_TURN
-from kinmo.pipeline.scans.dataset import REFUSED, Role
+from kinmo.pipeline.scans.dataset import REFUSED
 from kinmo.scans.articulated_object import ArticulatedObject, articulated_object, still_object
 from kinmo.scans.articulation import opened_as_usual
 from kinmo.scans.scan import Scans, scan
-from kinmo.scans.scan_file import is_made_from, write_scans
+from kinmo.scans.scan_file import Provenance, Role, is_made_from, write_scans
 from kinmo.scans.variants import draw_change
 from kinmo.shape import Shape
 from kinmo.workspace import write_text_atomically
@@ -69,8 +69,7 @@ class Job:
 
     def write(self, target: ArticulatedObject, scans: Scans) -> None:
         """Leave scans of `target`, which is the object or one like it."""
-        made = {"made_from": self.made_from, "role": self.role, "layout": self.layout, "variant": self.variant}
-        write_scans(self.path, target, scans, made)
+        write_scans(self.path, target, scans, Provenance(self.made_from, self.role, self.layout, self.variant))
         self.files[1].unlink(missing_ok=True)
 
     def _refused(self) -> dict[str, str]:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
-from kinmo.formats import Layout
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.pseudo_label import PseudoLabel
-from kinmo.pipeline.scans.dataset import PSEUDO_LABELLED, Role, Setting
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.networks import Cell, Protocol, trained_cells
 from kinmo.pipeline.scans.render import Render
+from kinmo.pipeline.scans.settings import PSEUDO_LABELLED, SUPPLEMENTS
 from kinmo.pipeline.scans.table_rows import TABLES, RowOf
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.scans.written_tables import WrittenTables
@@ -32,21 +30,6 @@ WORDS: Mapping[type, str] = {
     EvaluateScans: "judge",
 }
 """What the stages of a cell are called in a plan."""
-NEEDED: Mapping[Setting, str] = {
-    "semi": "without labels",
-    "semi-weakly": "without labels in PartNet's layouts",
-    "dsg-net": "in DSG-Net's layout",
-    "ceiling": "whose labels are held back: kinmo prepare --hold-back keeps some",
-}
-"""Shapes that a setting needs beside the labelled ones."""
-SCANNED: Mapping[Setting, tuple[Role, ...]] = {
-    "supervised": (),
-    "semi": ("unlabelled",),
-    "semi-weakly": ("pseudo", "hidden"),
-    "dsg-net": ("pseudo", "hidden"),
-    "ceiling": ("hidden",),
-}
-"""Roles of what is scanned for a setting beside the labelled shapes; held back labels tell how right pseudo labels are."""
 MANY_SEEDS = ("Refrigerator", "Scissors")
 """Categories whose cells have three seeds by default."""
 TOO_LONG = "it would have taken longer than --hours"
@@ -159,16 +142,9 @@ class MakeTable:
 
     def _check(self, row: RowOf, category: str) -> None:
         """Raises CannotBeRun if there are no shapes of the kind that networks are to learn from beside the labelled ones."""
-        dataset = open_dataset(row.workspace(self.workspace), category)
-        layouts = Counter(entry.layout == Layout.DSG_NET.value for entry in dataset.unlabelled)
-        counts: Mapping[Setting, int] = {
-            "semi": layouts.total(),
-            "semi-weakly": layouts[False],
-            "dsg-net": layouts[True],
-            "ceiling": len(dataset.hidden),
-        }
-        if not counts.get(row.setting, 1):
-            raise CannotBeRun(self.workspace.prepared, f"no shapes of {category} {NEEDED[row.setting]}")
+        needed = SUPPLEMENTS.get(row.setting)
+        if needed is not None and not needed.count(open_dataset(row.workspace(self.workspace), category)):
+            raise CannotBeRun(self.workspace.prepared, f"no shapes of {category} {needed.shapes}")
 
     def _is_known_to_be_impossible(self, row: RowOf, category: str, seed: int) -> bool:
         """Whether a cell cannot be run with what there is. If so, the reason is kept for the tables."""
@@ -213,7 +189,8 @@ class MakeTable:
         if row.setting in PSEUDO_LABELLED:
             yield Train(row.method, place.motion, self.config, None, SHARED_SEED, self.device, self.workers, self.start)
             yield PseudoLabel(place, category, None, self.device, self.workers)
-        yield Render(place, self.config, category, SHARED_SEED, self.workers, SCANNED[row.setting])
+        needed = SUPPLEMENTS.get(row.setting)
+        yield Render(place, self.config, category, SHARED_SEED, self.workers, needed.scanned if needed else ())
         tested = Workspace(self.workspace.root, is_rough=row.on_rough)
         if row.on_rough != row.of_rough:
             yield Render(tested, self.config, category, SHARED_SEED, self.workers, beside=())

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from kinmo.config import AncshNetworkName
 from kinmo.pipeline.model_files import METHOD_MODELS, WEIGHTS
-from kinmo.pipeline.scans.dataset import Setting
+from kinmo.pipeline.scans.settings import Setting
 from kinmo.workspace import Workspace
 
 NETWORKS: tuple[AncshNetworkName, ...] = ("ancsh", "npcs")

@@ -18,11 +18,11 @@ from kinmo.formats import Found, Layout
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.label_decisions import LABELS, folder_name
-from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, ROLES, Role, scans_of
+from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, scans_of
 from kinmo.pipeline.scans.jobs import VARIED, Job, Rendering, count_objects_of, frames_of, variants_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.articulation import opening
-from kinmo.scans.scan_file import ScanFile, open_scans
+from kinmo.scans.scan_file import ROLES, Role, ScanFile, open_scans
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
@@ -183,9 +183,9 @@ def summary(files: Sequence[ScanFile]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for category in sorted({file.category for file in files}):
         own = [file for file in files if file.category == category]
-        moving = [file for file in own if file.provenance["role"] != "unlabelled"]
+        moving = [file for file in own if file.provenance.role != "unlabelled"]
         found[category] = {
-            "objects": _objects_by((str(file.provenance["role"]), file) for file in own),
+            "objects": _objects_by((file.provenance.role, file) for file in own),
             "frames": sum(file.frames for file in own),
             "structures": _objects_by((str(file.structure), file) for file in moving),
             "refused": dict(sum((Counter(file.refused) for file in own), Counter())),

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import get_args
 
 from kinmo.evaluation.tables import read_table
 from kinmo.pipeline.report_tables import shown
-from kinmo.pipeline.scans.dataset import Setting
 from kinmo.pipeline.scans.judged import JudgedScans
 from kinmo.pipeline.scans.networks import Cell, pictures_path, trained_by_all_methods
 from kinmo.pipeline.scans.pictures import HIT_DEGREES, HIT_IOU, ScanPicture, read_pictures
+from kinmo.pipeline.scans.settings import SETTINGS
 from kinmo.pipeline.scans.table_rows import TABLES
 from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.report.page import Picture, Section
@@ -21,8 +20,6 @@ LEGEND = (
     f"axes. A frame is a hit if every part is turned right within {HIT_DEGREES:g}° and every box overlaps the true one by "
     f"{HIT_IOU:.0%}."
 )
-
-SETTINGS: tuple[Setting, ...] = get_args(Setting)
 
 OUTDATED = (
     "Since these tables were written, networks or scans have changed, or more was judged: the same kinmo eval, or kinmo table, "

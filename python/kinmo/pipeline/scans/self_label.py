@@ -15,7 +15,7 @@ from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scans.dataset import ScanDataset, fingerprint, open_scan_dataset
 from kinmo.pipeline.scans.networks import Cell
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.scans.scan_file import ScanFile, is_made_from, open_scans, write_scans
+from kinmo.scans.scan_file import Provenance, ScanFile, is_made_from, open_scans, write_scans
 from kinmo.scans.self_label import self_labelled
 from kinmo.wording import counted
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers
@@ -81,8 +81,7 @@ class SelfLabel:
         made = self_labelled((file.id, file.category), points, answers, estimates, network.structure, self.confidence)
         if made is not None:
             path.parent.mkdir(parents=True, exist_ok=True)
-            provenance = {"made_from": made_from, "role": "unlabelled", "layout": file.provenance["layout"]}
-            write_scans(path, *made, provenance)
+            write_scans(path, *made, Provenance(made_from, "unlabelled", file.provenance.layout))
 
     def _stage(self, dataset: ScanDataset) -> str:
         return f"self-label-{dataset.category}-{self.seed}"

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from kinmo.categories import same_category
 from kinmo.evaluation.paper_tables import paper_tables
-from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, Setting
+from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES
 from kinmo.pipeline.scans.judged import JudgedScans
 from kinmo.pipeline.scans.networks import Cell
+from kinmo.pipeline.scans.settings import Setting
 from kinmo.workspace import DEFAULT_METHOD, Workspace
 
 SHARES = (1.0, 0.8, 0.5, 0.3)

@@ -13,22 +13,16 @@ from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.learning.training import FitResult, Progress
 from kinmo.pipeline.fitting import Fitter, Work, config_to_train_by, trained
 from kinmo.pipeline.journal import seconds_per_unit
-from kinmo.pipeline.scans.dataset import ScanDataset, Setting, open_scan_dataset, scanned_categories, training_data
+from kinmo.pipeline.scans.dataset import ScanDataset, open_scan_dataset, scanned_categories, training_data
 from kinmo.pipeline.scans.networks import NETWORKS, Cell
 from kinmo.pipeline.scans.self_label import SelfLabel, self_labels
+from kinmo.pipeline.scans.settings import SUPPLEMENTS, Setting
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import ScanFile, count_objects, open_scans
 from kinmo.typed_tables import to_table
 from kinmo.wording import counted
 from kinmo.workspace import Workspace, digest, remove_leftovers
 
-BESIDE: dict[Setting, tuple[str, str]] = {
-    "semi": ("objects that the supervised networks are sure of", "lower ancsh.confidence"),
-    "semi-weakly": ("pseudo-labelled objects", "run kinmo pseudo-label, then kinmo render"),
-    "dsg-net": ("pseudo-labelled objects in DSG-Net's layout", "run kinmo pseudo-label, then kinmo render"),
-    "ceiling": ("objects whose labels are held back", "run kinmo prepare --hold-back FOLDER, then kinmo render"),
-}
-"""What a setting trains on beside the labelled shapes, without which it would be another one, and how to get it."""
 SECONDS_PER_FRAME = 0.010
 """On one CPU core with the configuration `small`, until the journal knows better."""
 
@@ -171,9 +165,9 @@ class TrainAncsh:
         for files, role in ((training, "train"), (validation, "validate on")):
             if not files:
                 raise InputError(folder, f"expected scans of an object with {dataset.structure.in_words} to {role}")
-        if self.setting in BESIDE and not beside:
-            wanted, remedy = BESIDE[self.setting]
-            problem = f"needs scans of {wanted} with {dataset.structure.in_words}, and there are none: {remedy}"
+        needed = SUPPLEMENTS.get(self.setting)
+        if needed is not None and not beside:
+            problem = f"needs scans of {needed.objects} with {dataset.structure.in_words}, and there are none: {needed.remedy}"
             raise InputError(folder, problem, self.setting)
         data = training_data(dataset, beside)
         objects, labelled = (count_objects(training), count_objects(validation)), count_objects(dataset.files["train"])

@@ -30,17 +30,16 @@ from kinmo.pipeline.model_files import trained_on
 from kinmo.pipeline.scans.dataset import (
     NO_FRAME,
     NO_SCAN,
-    PSEUDO_LABELLED,
-    Role,
     ScanDataset,
     open_scan_dataset,
     training_data,
 )
 from kinmo.pipeline.scans.networks import PROTOCOLS, Protocol
+from kinmo.pipeline.scans.settings import PSEUDO_LABELLED
 from kinmo.pipeline.scans.table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.scan_file import count_objects
+from kinmo.scans.scan_file import Role, count_objects
 from kinmo.wording import counted
 from kinmo.workspace import StageRecord, Workspace
 
