@@ -50,6 +50,8 @@ FINISHED = (
     "models/ancsh/*/*/*/*/weights.*",
 )
 """Files that nothing may write again once they are whole; `models` only while the stage of the model is finished."""
+BY = "by-"
+"""Begins the names of the folders of other methods."""
 FAMILIES = ("laptop", "stapler")
 FORK = multiprocessing.get_context("forkserver")
 FORK.set_forkserver_preload(
@@ -164,7 +166,7 @@ class Experiment:
 
     def _epochs(self) -> dict[str, int]:
         """Complete epochs by what the network is called."""
-        tables = (self.workspace / "models").rglob("metrics.json")
+        tables = self.workspace.rglob("metrics.json")
         return {
             _network(path.parent.relative_to(self.workspace).as_posix()): len(json.loads(path.read_text(encoding="utf-8")))
             for path in tables
@@ -184,18 +186,27 @@ def _same(one: dict[str, tuple[bytes, int]], other: dict[str, tuple[bytes, int]]
 def _is_finished(name: str, found: dict[str, tuple[bytes, int]]) -> bool:
     """Whether a file is not to be written again."""
     is_draft = any(part.startswith(".") and part.endswith("~") for part in name.split("/"))
-    if is_draft or not any(fnmatch(name, glob) for glob in FINISHED):
+    place, own = _split(name)
+    if is_draft or not any(fnmatch(own, glob) for glob in FINISHED):
         return False
-    return not name.startswith("models/") or f"records/{_record(name.rsplit('/', 1)[0])}.json" in found
+    return not own.startswith("models/") or f"{place}records/{_record(own.rsplit('/', 1)[0])}.json" in found
+
+
+def _split(name: str) -> tuple[str, str]:
+    """The place in the workspace of what the labels of another method than the default give, and the name there."""
+    first, _, rest = name.partition("/")
+    return (f"{first}/", rest) if first.startswith(BY) else ("", name)
 
 
 def _network(folder: str) -> str:
     """What training calls the network in a folder of the workspace."""
-    _, name, *cell = folder.split("/")
+    place, own = _split(folder)
+    _, name, *cell = own.split("/")
     if not cell:
         return name
     category, setting, seed, network = cell
-    return f"{network} ({category}, {setting}, seed {seed})"
+    labels = f", labels by {place.removeprefix(BY)[:-1]}" if place else ""
+    return f"{network} ({category}, {setting}, seed {seed}{labels})"
 
 
 def _record(folder: str) -> str:

@@ -320,7 +320,7 @@ def test_each_method_has_pseudo_labels_scans_and_networks_of_its_own(scanned: Sc
         return str(stage.run(Listener()).data["trained"])
 
     assert trained_for(None) == trained_for("kinmo") == f"{CATEGORY}, semi-weakly, seed 0"
-    assert trained_for("paper") == f"{CATEGORY}, semi-weakly, seed 0, pseudo labels by --method paper"
+    assert trained_for("paper") == f"{CATEGORY}, semi-weakly, seed 0, labels by paper"
     shutil.rmtree(workspace.models / "ancsh")
     assert trained_for(None) == trained_for("paper"), "which is all that there is"
 

@@ -37,17 +37,19 @@ class EvaluateScans:
         files = self._scans.files()
         frames = sum(file.frames for file in files)
         each = seconds_per_unit(self.workspace, self._scans.stage, SECONDS_PER_FRAME, kind=self._scans.kind)
-        return Plan((f"judge {self.cell} on {counted(frames, 'scan')} of {counted(len(files), 'test object')}",), frames * each)
+        return Plan(
+            (f"judge {self._title} on {counted(frames, 'scan')} of {counted(len(files), 'test object')}",), frames * each
+        )
 
     def run(self, observer: Observer) -> Outcome:
         path = scores_path(self.workspace, self.cell, self.on_rough)
         with self.workspace.locked():
             if self._scans.held():
-                observer.note(f"{self.cell}: judged already")
+                observer.note(f"{self._title}: judged already")
                 return Outcome(path)
             weights = self.cell.weights(self.workspace)
             if weights is None:
-                raise InputError(self.workspace.models, f"no networks for {self.cell}: run kinmo train ancsh first")
+                raise InputError(self.workspace.models, f"no networks for {self._title}: run kinmo train ancsh first")
             inputs, files = self._scans.inputs(), self._scans.files()
             self.workspace.forget(self._scans.stage)
             network = Ancsh.load(*weights, device=self.device)
@@ -60,7 +62,7 @@ class EvaluateScans:
                         scores["kinmo"].append((file.id, frame.score))
                         coded = score_as_ancsh(frame.found, frame.true, network.structure, frame.points, frame.said_parts)
                         scores["ancsh"].append((file.id, coded))
-                    observer.progress(f"judging {self.cell}", done, len(files), file.id)
+                    observer.progress(f"judging {self._title}", done, len(files), file.id)
                 watch.amount = len(scores["kinmo"])
                 watch.what = f"{counted(watch.amount, 'scan')} of {self.cell.category}"
             write_pictures(pictures_path(self.workspace, self.cell, self.on_rough), book.pictures())
@@ -71,6 +73,10 @@ class EvaluateScans:
                 outputs.append(str(path.relative_to(self.workspace.path)))
             self.workspace.write_record(self._scans.stage, StageRecord(inputs, tuple(outputs)))
         return Outcome(path)
+
+    @property
+    def _title(self) -> str:
+        return self.cell.title(self.workspace)
 
     @property
     def _scans(self) -> JudgedScans:

@@ -42,7 +42,7 @@ class JudgeTrained:
             try:
                 stage.run(observer)
             except InputError as error:
-                observer.note(f"not judged: {stage.cell}: {error}")
+                observer.note(f"not judged: {stage.cell.title(stage.workspace)}: {error}")
         texts, data = [], {}
         for name, seeds in self._tables().items():
             outcome = WrittenTables(self.workspace, name).write(seeds, self.protocol)

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from kinmo.config import AncshNetworkName
 from kinmo.pipeline.model_files import METHOD_MODELS, WEIGHTS
 from kinmo.pipeline.scans.settings import Setting
-from kinmo.workspace import Workspace
+from kinmo.workspace import DEFAULT_METHOD, Workspace
 
 NETWORKS: tuple[AncshNetworkName, ...] = ("ancsh", "npcs")
 
@@ -25,6 +25,10 @@ class Cell:
 
     def __str__(self) -> str:
         return f"{self.category}, {self.setting}, seed {self.seed}"
+
+    def title(self, workspace: Workspace) -> str:
+        """What it is, in words, with the method whose pseudo labels the workspace has unless that is the default."""
+        return str(self) if workspace.method == DEFAULT_METHOD else f"{self}, labels by {workspace.method}"
 
     @property
     def key(self) -> str:

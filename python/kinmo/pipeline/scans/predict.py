@@ -55,7 +55,7 @@ class PredictScan:
         place, cell = self._networks()
         check_is_scan(self.source)
         self._check_replaceable()
-        return Plan((f"find the parts of a {cell.category} in {self.source} by the networks of {_name(place, cell)}",), SECONDS)
+        return Plan((f"find the parts of a {cell.category} in {self.source} by the networks of {cell.title(place)}",), SECONDS)
 
     def run(self, observer: Observer) -> Outcome:
         place, cell = self._networks()
@@ -73,7 +73,7 @@ class PredictScan:
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
         (answer,), (found,) = network.find([seen], [diagonal], seed=self.seed)
         document = scan_document(found, answer, network.structure, self.source, cell.category)
-        document |= {"weights": networks_digest(weights), "trained": _name(place, cell)}
+        document |= {"weights": networks_digest(weights), "trained": cell.title(place)}
         picture = scan_picture([view_of(seen, answer.parts, found, network.structure)], self.source.stem)
         self.out.mkdir(parents=True, exist_ok=True)
         target, drawing, labelled = self._files()
@@ -120,11 +120,6 @@ class PredictScan:
         """The least comes first."""
         place, cell = trained
         return cell.seed != self.seed, PREFERRED.index(cell.setting), cell.seed, place.method != DEFAULT_METHOD
-
-
-def _name(place: Workspace, cell: Cell) -> str:
-    """What networks are of, in words."""
-    return str(cell) if place.method == DEFAULT_METHOD else f"{cell}, pseudo labels by --method {place.method}"
 
 
 def scan_document(

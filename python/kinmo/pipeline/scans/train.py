@@ -46,7 +46,7 @@ class ScanFitting:
 
     @property
     def name(self) -> str:
-        return f"{self.network} ({self.cell})"
+        return f"{self.network} ({self.cell.title(self.workspace)})"
 
     @property
     def stage(self) -> str:
@@ -100,7 +100,7 @@ class TrainAncsh:
             seconds += plan.seconds
         if steps:  # what they leave decides what is trained on
             cells = [Cell(category, self.setting, self.seed) for category in self._categories()]
-            steps += [f"train {network} ({cell})" for cell in cells for network in NETWORKS]
+            steps += [f"train {network} ({cell.title(self.workspace)})" for cell in cells for network in NETWORKS]
             return Plan(tuple(steps), seconds + self.guessed_seconds(len(cells)))
         fittings = list(self._fittings(config))
         pending = self._fitter.pending(fittings)
