@@ -67,7 +67,7 @@ class ScanData:
         """The axes [3, 3] of a frame at the first look or at the second: found when they are asked for, which takes longer than
         all else, and kept.
         """
-        axes = self._looks[file][row, int(is_first)]
+        axes: F64 = self._looks[file][row, int(is_first)]
         if np.isnan(axes[0, 0]):
             if is_first:
                 axes[:] = scan_rotations(file.read("points", slice(row, row + 1)), self.config.axes)[0]
