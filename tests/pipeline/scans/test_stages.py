@@ -361,6 +361,13 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
     before = contents(tmp_path / "workspace")
     stage.run(Listener())
     assert contents(tmp_path / "workspace") == before
+    other = TrainAll(Workspace(tmp_path / "workspace", method="paper"), scanned.config, FAMILY, **HOW)
+    assert [step for step in other.plan().steps if "by paper" in step]
+    trained = other.run(Listener()).data
+    assert other.plan().steps == ()
+    of_its_own = {name for name in trained if "labels by paper" in name}
+    assert trained.keys() - of_its_own <= found.data.keys(), "all that saw no pseudo label is shared"
+    assert len(list((tmp_path / "workspace" / "by-paper").rglob("weights.json"))) == len(of_its_own)
     evaluation = ["eval", "--category", FAMILY, "--workspace", str(tmp_path / "workspace"), "--device", "cpu", "--workers", "1"]
     result = CliRunner().invoke(app, evaluation)
     assert result.exit_code == 0, result.output
