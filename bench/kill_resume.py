@@ -245,7 +245,7 @@ def tiny_config(folder: Path) -> Path:
         text = re.sub(rf"^{key} = \d+", f"{key} = {value}", text, flags=re.MULTILINE)
     # so much finds all parts of a scan now and then, without which there is no setting semi
     text = re.sub(r"(\nbatch_frames = )\d+(\nbatches_per_epoch = )\d+", r"\g<1>8\g<2>24", text)
-    unsure = {"[refinement]": "threshold = 0.0\ndoubt = 1.0", "[ancsh]": "confidence = 0.0"}
+    unsure = {"[refinement]": "threshold = 0.0\nchance = 0.0\ndoubt = 1.0", "[ancsh]": "confidence = 0.0"}
     for section, lines in unsure.items():
         text = text.replace(f"{section}\n", f"{section}\n{lines}\n")
     for section in ("[gnn.training]", "[ranking.training]"):  # fewer epochs label no laptop as what laptops usually are

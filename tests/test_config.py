@@ -24,7 +24,8 @@ def test_the_configurations_that_come_with_kinmo_survive_a_round_trip(name: str)
 def test_the_papers_weights_and_threshold_are_the_papers() -> None:
     refinement = load_config("paper").refinement
     assert refinement.weights == (0.5, 0.3, 0.2, 0.0)
-    assert refinement.threshold == 0.6
+    assert refinement.threshold == refinement.least_score("paper") == 0.6
+    assert refinement.least_score("kinmo") == refinement.chance
 
 
 @pytest.mark.parametrize(

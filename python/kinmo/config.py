@@ -305,17 +305,23 @@ class RefinementConfig:
     """From edges to joints (paper, section 3.3).
 
     `weights` of feasibility, direction, position and swept freedom; `position` is the reading of s^p (`scoring`); `threshold`
-    is the score above which a joint becomes a pseudo label, and `doubt` the largest chance, of which kinmo's own method alone
-    tells, that a part of such a shape moves that is said to rest; `extra` names candidates beyond the paper's (`boxes`,
-    `contact`, `symmetry`); `contact_pivots` says which axes have a second pivot in the interaction region (`candidates`).
+    is the score above which a joint becomes a pseudo label (tau). Scores of kinmo's own method are chances to be right: above
+    `chance` such a joint becomes one, and no part of the shape that is said to rest may move by a chance above `doubt`. `extra`
+    names candidates beyond the paper's (`boxes`, `contact`, `symmetry`); `contact_pivots` says which axes have a second pivot
+    in the interaction region (`candidates`).
     """
 
     weights: Annotated[tuple[Amount, ...], Within(3, 4)] = (0.5, 0.3, 0.2, 0.0)
     position: Literal["line", "printed"] = "line"
     threshold: Share = 0.6
+    chance: Share = 0.3
     doubt: Share = 0.05
     extra: tuple[Literal["boxes", "contact", "symmetry"], ...] = ()
     contact_pivots: Literal["central", "revolute", "none"] = "central"
+
+    def least_score(self, method: str) -> float:
+        """What every joint of a pseudo label by `method` must exceed."""
+        return self.threshold if method == "paper" else self.chance
 
     @property
     def sweeps(self) -> bool:

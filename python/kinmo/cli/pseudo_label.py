@@ -17,7 +17,8 @@ def pseudo_label(
     ] = None,
     method: Annotated[Method, Option(help="Which method labels.")] = Method.KINMO,
     threshold: Annotated[
-        float | None, Option(min=0.0, max=1.0, help="Score that every joint of a shape must exceed.", show_default="0.6")
+        float | None,
+        Option(min=0.0, max=1.0, help="Score that every joint of a shape must exceed.", show_default="0.3; of paper 0.6"),
     ] = None,
 ) -> None:
     """Give joints to the prepared shapes that have none.

@@ -94,7 +94,7 @@ class PseudoLabel:
     def _way(self, predictor: Predictor) -> dict[str, Any]:
         way = {"method": predictor.method, "weights": predictor.weights, "config": dict(predictor.config)}
         told = trained_config(self.workspace).refinement
-        threshold = told.threshold if self.threshold is None else self.threshold
+        threshold = told.least_score(self.workspace.method) if self.threshold is None else self.threshold
         return {**way, "threshold": threshold, "doubt": told.doubt, "kinmo": __version__}
 
     def _reported(self, way: dict[str, Any]) -> dict[str, Any]:
