@@ -29,7 +29,8 @@ REFUSED = ".refused.json"
 
 def scans_of(workspace: Workspace, category: str, role: Role) -> Path:
     """The folder of the scans with a role."""
-    return (workspace.own_scans if role in ("unlabelled", "pseudo") else workspace.scans) / category / role
+    places = {"pseudo": workspace.own_scans, "unlabelled": workspace.motion.own_scans}
+    return places.get(role, workspace.scans) / category / role
 
 
 @dataclass(frozen=True)

@@ -112,7 +112,8 @@ class PredictScan:
             known = sorted({cell.category for _, cell in trained})
             near = did_you_mean(self.category, known)
             there = f"; there are those of {', '.join(known)}" if known else ""
-            problem = f"no networks that find a {self.category} in scans{near}{there}: run kinmo train all --category first"
+            command = "kinmo train all --category" + (f" --method {self.method}" if self.method else "")
+            problem = f"no networks that find a {self.category} in scans{near}{there}: run {command} first"
             raise InputError(self.workspace.models, problem)
         return min(fitting, key=self._rank)
 
