@@ -166,7 +166,11 @@ class Workspace:
     @property
     def motion(self) -> Workspace:
         """The one that has the motion networks, which all methods share, and the networks that saw no pseudo label."""
-        return Workspace(self.root, self.labels, self.is_rough)
+        return self.by(DEFAULT_METHOD)
+
+    def by(self, method: str) -> Workspace:
+        """The one with the pseudo labels of a method, beside this."""
+        return Workspace(self.root, self.labels, self.is_rough, method)
 
     @contextmanager
     def locked(self) -> Iterator[None]:

@@ -134,7 +134,7 @@ class Report:
 
     def _pseudo_labels(self) -> Iterator[Section]:
         for method in METHOD_MODELS:
-            workspace = Workspace(self.workspace.root, method=method)
+            workspace = self.workspace.by(method)
             report = _json(workspace.pseudo / ACCEPTANCE)
             if report is not None:
                 with expecting("the report of kinmo pseudo-label", workspace.pseudo / ACCEPTANCE):

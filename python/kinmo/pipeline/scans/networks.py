@@ -71,8 +71,7 @@ def trained_cells(workspace: Workspace) -> list[Cell]:
 
 def trained_by_all_methods(workspace: Workspace) -> list[tuple[Workspace, Cell]]:
     """Those whose networks are there, with the workspace in which they are: the given one, or that of another method."""
-    places = [Workspace(workspace.root, workspace.labels, workspace.is_rough, method) for method in METHOD_MODELS]
-    return [(place, cell) for place in places for cell in trained_cells(place)]
+    return [(place, cell) for place in map(workspace.by, METHOD_MODELS) for cell in trained_cells(place)]
 
 
 Protocol = Literal["kinmo", "ancsh"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -72,8 +72,8 @@ class PredictScan:
             observer.note("these networks want to know how large the whole object is; what is seen of it is taken for that")
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
         (answer,), (found,) = network.find([seen], [diagonal], seed=self.seed)
-        document = scan_document(found, answer, network.structure, self.source, cell.category)
-        document |= {"weights": networks_digest(weights), "trained": cell.title(place)}
+        made_by = {"weights": networks_digest(weights), "trained": cell.title(place), "category": cell.category}
+        document = scan_document(found, answer, network.structure, self.source, made_by)
         picture = scan_picture([view_of(seen, answer.parts, found, network.structure)], self.source.stem)
         self.out.mkdir(parents=True, exist_ok=True)
         target, drawing, labelled = self._files()
@@ -124,9 +124,12 @@ class PredictScan:
 
 
 def scan_document(
-    found: ScanEstimate, answer: PointAnswers, structure: Structure, source: Path, category: str
+    found: ScanEstimate, answer: PointAnswers, structure: Structure, source: Path, made_by: Mapping[str, str]
 ) -> dict[str, Any]:
-    """What was found, in the frame and the lengths of the scan (x to the right, y down, z forward); null where unknown."""
+    """What was found, in the frame and the lengths of the scan (x to the right, y down, z forward); null where unknown.
+
+    `made_by` are facts about the networks.
+    """
     parts = [
         {
             "id": part,
@@ -161,8 +164,8 @@ def scan_document(
     return {
         "schema_version": SCHEMA_VERSION,
         "kinmo": __version__,
+        **made_by,
         "scan": _name_of(source),
-        "category": category,
         "parts": parts,
         "joints": joints,
     }

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from kinmo.evaluation.tables import read_table
 from kinmo.pipeline.report_tables import shown
 from kinmo.pipeline.scans.judged import JudgedScans
-from kinmo.pipeline.scans.networks import Cell, pictures_path, trained_by_all_methods
+from kinmo.pipeline.scans.networks import pictures_path, trained_by_all_methods
 from kinmo.pipeline.scans.pictures import HIT_DEGREES, HIT_IOU, ScanPicture, read_pictures
-from kinmo.pipeline.scans.settings import SETTINGS
+from kinmo.pipeline.scans.settings import SETTINGS, by_method
 from kinmo.pipeline.scans.table_rows import TABLES
 from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.report.page import Picture, Section
-from kinmo.workspace import DEFAULT_METHOD, Workspace
+from kinmo.workspace import Workspace
 
 LEGEND = (
     "Left what was found, right the truth, as the camera sees them: points in the colours of their parts, amodal boxes, and "
@@ -51,7 +51,7 @@ def picture_sections(workspace: Workspace) -> Iterator[Section]:
         own = [(place, cell) for place, cell in judged if cell.category == category]
         first = min(cell.seed for _, cell in own)
         pictures = {
-            _name(place, cell): read_pictures(pictures_path(place, cell, on_rough=False))
+            by_method(cell.setting, place.method): read_pictures(pictures_path(place, cell, on_rough=False))
             for place, cell in own
             if cell.seed == first
         }
@@ -64,11 +64,6 @@ def picture_sections(workspace: Workspace) -> Iterator[Section]:
             some = [Picture(p.svg, f"{p.id}, frame {p.frame}", [p.text]) for p in chosen]
             if some:
                 yield Section(f"Scans of {category}, {title} ({name})", LEGEND, pictures=some)
-
-
-def _name(place: Workspace, cell: Cell) -> str:
-    """A setting, and the method whose pseudo labels it learnt from, unless that is the default."""
-    return cell.setting if place.method == DEFAULT_METHOD else f"{cell.setting}, {place.method}"
 
 
 def _side_by_side(pictures: Mapping[str, Sequence[ScanPicture]]) -> list[Picture]:

@@ -9,6 +9,7 @@ from typing import Literal, get_args
 from kinmo.formats import Layout
 from kinmo.pipeline.dataset import Dataset
 from kinmo.scans.scan_file import Role
+from kinmo.workspace import DEFAULT_METHOD
 
 Setting = Literal["supervised", "semi", "semi-weakly", "dsg-net", "ceiling"]
 """Nothing; scans of unlabelled shapes with what networks that were trained so far say of them; shapes with pseudo labels, in
@@ -34,6 +35,10 @@ class Supplement:
     count: Callable[[Dataset], int]
 
 
+def _in_dsg_net(dataset: Dataset) -> int:
+    return sum(entry.layout == Layout.DSG_NET.value for entry in dataset.unlabelled)
+
+
 SUPPLEMENTS: Mapping[Setting, Supplement] = {
     "semi": Supplement(
         "without labels",
@@ -54,7 +59,7 @@ SUPPLEMENTS: Mapping[Setting, Supplement] = {
         "pseudo-labelled objects in DSG-Net's layout",
         "run kinmo pseudo-label, then kinmo render",
         ("pseudo", "hidden"),
-        lambda dataset: _in_dsg_net(dataset),
+        _in_dsg_net,
     ),
     "ceiling": Supplement(
         "whose labels are held back: kinmo prepare --hold-back keeps some",
@@ -66,10 +71,11 @@ SUPPLEMENTS: Mapping[Setting, Supplement] = {
 }
 
 
+def by_method(title: str, method: str) -> str:
+    """What stands for a setting, with the method whose pseudo labels it learnt from, unless that is the default."""
+    return title if method == DEFAULT_METHOD else f"{title}, {method}"
+
+
 def is_pseudo_labelled_for(setting: Setting, layout: str) -> bool:
     """Whether a setting learns from pseudo labels of shapes in a layout."""
     return setting == ("dsg-net" if layout == Layout.DSG_NET.value else "semi-weakly")
-
-
-def _in_dsg_net(dataset: Dataset) -> int:
-    return sum(entry.layout == Layout.DSG_NET.value for entry in dataset.unlabelled)

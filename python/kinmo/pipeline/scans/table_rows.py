@@ -10,7 +10,7 @@ from kinmo.evaluation.paper_tables import paper_tables
 from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES
 from kinmo.pipeline.scans.judged import JudgedScans
 from kinmo.pipeline.scans.networks import Cell
-from kinmo.pipeline.scans.settings import Setting
+from kinmo.pipeline.scans.settings import Setting, by_method
 from kinmo.workspace import DEFAULT_METHOD, Workspace
 
 SHARES = (1.0, 0.8, 0.5, 0.3)
@@ -46,14 +46,14 @@ class RowOf:
         return JudgedScans(self.workspace(root), self.cell(category, seed), self.on_rough)
 
 
-BY_PAPER = "{}, paper"
-"""How a row whose pseudo labels are of the paper's method is called, beside the one of kinmo's."""
+PAPER = "paper"
+"""The method, beside the default one, that rows learn from pseudo labels of."""
 METHODS = "Rows with the word paper learn from pseudo labels by --method paper, those beside them by kinmo."
 
 
 def _by_both_methods(title: str, setting: Setting, labels: float = 1.0, printed: str = "") -> tuple[RowOf, RowOf]:
     """A row by kinmo's pseudo labels, and one by the paper's, which has the paper's figures."""
-    return RowOf(title, setting, labels), RowOf(BY_PAPER.format(title), setting, labels, printed, method="paper")
+    return RowOf(title, setting, labels), RowOf(by_method(title, PAPER), setting, labels, printed, method=PAPER)
 
 
 @dataclass(frozen=True)
@@ -83,8 +83,8 @@ TABLES: Mapping[str, ScanTable] = {
         (
             ("supervised", "semi"),
             ("supervised", "semi-weakly"),
-            ("supervised", BY_PAPER.format("semi-weakly")),
-            (BY_PAPER.format("semi-weakly"), "semi-weakly"),
+            ("supervised", by_method("semi-weakly", PAPER)),
+            (by_method("semi-weakly", PAPER), "semi-weakly"),
         ),
         f"{METHODS} True labels: those of the shapes that the others have no labels of, the best that pseudo labels could do. "
         "Semi sees the scans of all unlabelled objects, whatever their structure.",
@@ -105,7 +105,7 @@ TABLES: Mapping[str, ScanTable] = {
         tuple(
             ("supervised, 100%", title)
             for share in SHARES
-            for title in (f"semi-weakly, {share:.0%}", BY_PAPER.format(f"semi-weakly, {share:.0%}"))
+            for title in (f"semi-weakly, {share:.0%}", by_method(f"semi-weakly, {share:.0%}", PAPER))
         ),
         f"{METHODS} Fewer labels are fewer for the motion networks, for what chooses axes and for ANCSH alike.",
     ),
@@ -116,7 +116,7 @@ TABLES: Mapping[str, ScanTable] = {
             RowOf("supervised", "supervised", printed="ANCSH"),
             *_by_both_methods("generated shapes", "dsg-net", printed="ANCSH (DSG)"),
         ),
-        (("supervised", "generated shapes"), ("supervised", BY_PAPER.format("generated shapes"))),
+        (("supervised", "generated shapes"), ("supervised", by_method("generated shapes", PAPER))),
         f"{METHODS} These generated shapes are not DSG-Net's own, as the authors' are, but whatever the workspace has in its "
         "layout.",
     ),
