@@ -33,11 +33,10 @@ def decision_path(workspace: Workspace, entry: IndexEntry) -> Path:
 
 @dataclass(frozen=True)
 class Decision:
-    """What was decided of a shape, by which method and threshold; `made_from` is a hash of all that it depends on."""
+    """What was decided of a shape, by which threshold; `made_from` is a hash of all that it depends on."""
 
     judgement: Judgement
     made_from: str
-    method: str
     threshold: float
 
 
@@ -57,10 +56,13 @@ def read_decision(path: Path) -> Decision | None:
         return None
 
 
-def acceptance(decisions: Sequence[Decision], copies: int) -> dict[str, Any]:
-    """The acceptance report as plain data: `text`, `tables` (as `kinmo.report.page.Table` takes them) and every refusal."""
+def acceptance(decisions: Sequence[Decision], method: str, copies: int) -> dict[str, Any]:
+    """The acceptance report, of decisions by a method, as plain data.
+
+    It has `text`, `tables` (as `kinmo.report.page.Table` takes them) and every refusal.
+    """
     judgements = [decision.judgement for decision in decisions]
-    ways = sorted({f"all joints above {decision.threshold:g}, by {decision.method}" for decision in decisions})
+    ways = sorted({f"all joints above {decision.threshold:g}, by {method}" for decision in decisions})
     whole = tally(judgements)
     categories = sorted({judgement.category for judgement in judgements})
     by_category = {name: tally(j for j in judgements if j.category == name) for name in categories} | {"all": whole}

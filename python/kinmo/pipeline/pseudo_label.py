@@ -78,8 +78,8 @@ class PseudoLabel:
                 whole = open_dataset(self.workspace)
                 self._remove_stale(whole)
                 self._label(jobs, len(dataset.unlabelled), predictor, way, observer)
-                decisions = self._decisions(whole.unlabelled)
-                report = acceptance([decision for decision in decisions if decision is not None], len(whole.copies))
+                decisions = [decision for decision in self._decisions(whole.unlabelled) if decision is not None]
+                report = acceptance(decisions, self.workspace.method, len(whole.copies))
                 write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
                 outputs = [str(self._report.relative_to(self.workspace.path))]
                 self.workspace.write_record(LABELLING, StageRecord(self._reported(way), tuple(outputs)))
@@ -136,8 +136,7 @@ class PseudoLabel:
             for job, judgement in each_shape(labelling, jobs, self.workers, self.device):
                 if isinstance(judgement, Crashed):
                     judgement = labelling.refused(job, "the process that labelled it died")
-                decision = Decision(judgement, job.made_from, self.workspace.method, way["threshold"])
-                write_decision(decision_path(self.workspace, job.entry), decision)
+                write_decision(decision_path(self.workspace, job.entry), Decision(judgement, job.made_from, way["threshold"]))
                 done += 1
                 observer.progress("labelling shapes", done, total, job.entry.id)
             watch.amount, watch.what = len(jobs), f"{counted(len(jobs), 'shape')} by {self.workspace.method}"
