@@ -3,7 +3,15 @@ from __future__ import annotations
 import pytest
 import torch
 
-from kinmo.learning.layers import EdgeConv, gather_points, nearest_neighbours, neighbour_max, scatter_max, scatter_mean
+from kinmo.learning.layers import (
+    EdgeConv,
+    gather_points,
+    max_over_points,
+    nearest_neighbours,
+    neighbour_max,
+    scatter_max,
+    scatter_mean,
+)
 
 
 def test_neighbours_are_those_of_the_distance_matrix() -> None:
@@ -68,3 +76,13 @@ def test_scatters_agree_with_loops() -> None:
         torch.testing.assert_close(scatter_max(values, index, 3)[slot], values[index == slot].amax(0))
     assert count.tolist() == [3, 3, 3, 0]
     assert mean[3].tolist() == [0, 0]
+
+
+def test_maxima_over_points_send_the_gradient_to_the_first_of_equal_ones() -> None:
+    features = torch.randint(4, (3, 5, 6, 7), generator=torch.Generator().manual_seed(0)).float().requires_grad_()
+    found = max_over_points(features)
+    weights = torch.randn(3, 5, 7)
+    (slopes,) = torch.autograd.grad((found * weights).sum(), features)
+    first = features.argmax(2, keepdim=True)
+    assert torch.equal(found, features.amax(2))
+    assert torch.equal(slopes, torch.zeros_like(features).scatter(2, first, weights.unsqueeze(2)))

@@ -61,10 +61,10 @@ def weighted_sum(features: Tensor, index: Tensor, weights: Tensor) -> Tensor:
 
 
 def max_over_points(features: Tensor) -> Tensor:
-    """Maxima [B, m, C] of `features` [B, m, k, C] over k."""
-    # unlike amax, a pool goes backward through the maxima alone
-    pooled: Tensor = nn.functional.max_pool2d(features.permute(0, 3, 1, 2), (1, features.shape[2]))
-    return pooled.squeeze(3).transpose(1, 2)
+    """Maxima [B, m, C] of `features` [B, m, k, C] over k; of equal ones the first has the gradient."""
+    with torch.no_grad():  # a pool finds them fastest, but goes backward slowly where channels come last
+        _, places = nn.functional.max_pool2d(features.permute(0, 3, 1, 2), (1, features.shape[2]), return_indices=True)
+    return features.flatten(1, 2).gather(1, places.squeeze(3).transpose(1, 2))
 
 
 def neighbour_max(features: Tensor, index: Tensor) -> Tensor:

@@ -1,0 +1,77 @@
+"""A training step of both networks of ANCSH, on one thread: forward, losses, backward and Adam, without reading scans.
+
+    python bench/ancsh_step.py [--config small] [--repeats 20]
+
+Prints the least processor time of a step and the frames a second that it makes. To compare two states of the code, run it in
+both, one after the other.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+
+import torch
+
+from kinmo.config import AncshConfig, AncshNetworkName, load_config
+from kinmo.learning.ancsh.loss import ScanBatch
+from kinmo.learning.ancsh.train import AncshLearner
+
+PARTS = 3
+NETWORKS: tuple[AncshNetworkName, ...] = ("ancsh", "npcs")
+
+
+def random_batch(config: AncshConfig) -> ScanBatch:
+    """Scans of an object of `PARTS` parts, all of whose points and answers are random."""
+    frames, points = config.batch_frames, config.points
+    known = torch.rand(frames, points)
+    return ScanBatch(
+        points=torch.rand(frames, points, 3) - 0.5,
+        parts=torch.randint(PARTS, (frames, points)),
+        npcs=torch.rand(frames, points, 3),
+        naocs=torch.rand(frames, points, 3),
+        joints=torch.randint(PARTS, (frames, points)),
+        heatmap=known,
+        toward=torch.nn.functional.normalize(torch.randn(frames, points, 3), dim=-1),
+        axes=torch.nn.functional.normalize(torch.randn(frames, points, 3), dim=-1),
+        has_pivot=torch.ones(frames, points),
+        half_sizes=torch.rand(frames, PARTS, 3) + 0.1,
+        pivots=torch.rand(frames, PARTS - 1, 3),
+        is_line=torch.ones(frames, PARTS - 1),
+    )
+
+
+def step_seconds(config: AncshConfig, which: AncshNetworkName, repeats: int) -> float:
+    """The least processor time of a step."""
+    torch.manual_seed(0)
+    learner, batch = AncshLearner(config, which, PARTS, PARTS), random_batch(config)
+    learner.log_dict = lambda *_, **__: None  # type: ignore[method-assign] # what is logged goes to a trainer, and here is none
+    optimizer = torch.optim.Adam(learner.network.parameters(), lr=config.training.learning_rate)
+    times = []
+    for _ in range(repeats):
+        start = time.process_time()
+        optimizer.zero_grad()
+        learner.training_step(batch, 0).backward()
+        optimizer.step()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def main() -> None:
+    """Both networks of a configuration."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--config", default="small")
+    parser.add_argument("--repeats", type=int, default=20)
+    arguments = parser.parse_args()
+    torch.set_num_threads(1)
+    config = load_config(arguments.config).ancsh
+    for which in NETWORKS:
+        seconds = step_seconds(config, which, arguments.repeats)
+        claim = f"a step of {which} ({arguments.config}, {config.batch_frames} frames of {config.points} points), ms"
+        print(f"{claim}: {1e3 * seconds:.0f}, {config.batch_frames / seconds:.0f} frames a second")
+        print(json.dumps({"claim": claim, "ours": 1e3 * seconds, "peer": None, "ratio": None, "goal": None, "met": None}))
+
+
+if __name__ == "__main__":
+    main()
