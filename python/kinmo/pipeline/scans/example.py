@@ -21,7 +21,8 @@ MARK = "example_of"
 class ExampleScan:
     """Write one of the scans that networks of `category` are tested on to `path`, an .npz: its points, in the camera's frame.
 
-    The object is drawn by `seed`. Raises InputError if there is no such scan, or `path` holds anything but such an example.
+    The object is drawn by `seed`; of its scans it is the one that shows all parts best. Raises InputError if there is no such
+    scan, or `path` holds anything but such an example.
     """
 
     workspace: Workspace
@@ -41,8 +42,10 @@ class ExampleScan:
             problem = f"expected scans of a test object with {dataset.structure.in_words}"
             raise InputError(self.workspace.scans / dataset.category, problem)
         file = files[int(np.random.default_rng(self.seed).integers(len(files)))]
+        seen = np.array([(file.read("parts") == part).sum(axis=1) for part in range(file.structure.part_count)])
+        row = int(seen.min(axis=0).argmax())
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        write_points(self.path, file.read("points", 0), **{MARK: np.array(file.id)})
+        write_points(self.path, file.read("points", row), **{MARK: np.array(file.id)})
         return Outcome(self.path, {"scan": str(self.path), "object": file.id}, f"a scan of {file.id}")
 
     def _check_replaceable(self) -> None:

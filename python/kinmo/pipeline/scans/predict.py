@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -112,7 +113,7 @@ class PredictScan:
             known = sorted({cell.category for _, cell in trained})
             near = did_you_mean(self.category, known)
             there = f"; there are those of {', '.join(known)}" if known else ""
-            command = "kinmo train all --category" + (f" --method {self.method}" if self.method else "")
+            command = f"kinmo train all --category {quote(self.category)}" + (f" --method {self.method}" if self.method else "")
             problem = f"no networks that find a {self.category} in scans{near}{there}: run {command} first"
             raise InputError(self.workspace.models, problem)
         return min(fitting, key=self._rank)
