@@ -68,3 +68,13 @@ def test_the_share_of_the_gap_is_how_far_errors_have_gone_from_the_worse_to_the_
     assert set(gap_closed(best, between, worse, STRUCTURE)) == {None}, "nothing is to be gained"
     low, middle, high = (objects([0.1], iou) for iou in (0.2, 0.5, 0.6))
     assert gap_closed(low, middle, high, STRUCTURE)[BOXES] == pytest.approx(0.75)
+
+
+def test_there_is_no_share_of_a_gap_that_chance_may_have_made():
+    before = [0.1, 0.5, 0.9, 0.3]
+    half = objects([turn - 0.05 for turn in before])
+    all_gain, some_gain = (
+        [turn - gain for turn, gain in zip(before, gains, strict=True)] for gains in ([0.1] * 4, [0.8, -0.4, -0.3, 0.3])
+    )
+    assert gap_closed(objects(before), half, objects(all_gain), STRUCTURE)[TURN] == pytest.approx(0.5)
+    assert gap_closed(objects(before), half, objects(some_gain), STRUCTURE)[TURN] is None

@@ -51,14 +51,13 @@ def gap_closed(
     """A measure each: the share of the way from the errors of `less` to those of `best` that `more` has gone.
 
     Over what all three have found of the same frames.
-    None where `best` is no better than `less`: there is no way to go.
+    None where `best` gains no more on `less` than chance could do: there is no way to go.
     """
+    low, middle, high = (sums_of(objects, _figures(structure)) for objects in found_by_all((less, more, best)))
     shares: list[float | None] = []
-    rows = (summary(objects, structure) for objects in found_by_all((less, more, best)))
-    for measure, low, mid, high in zip(measures_of(structure), *rows, strict=True):
-        way = 0.0 if low is None or high is None else high.value - low.value
-        is_better = way > 0.0 if measure.larger_is_better else way < 0.0
-        shares.append((mid.value - low.value) / way if is_better and low is not None and mid is not None else None)
+    for measure, gone, way in zip(measures_of(structure), changes(low, middle), changes(low, high), strict=True):
+        is_sure = way is not None and (way.low > 0.0 if measure.larger_is_better else way.high < 0.0)
+        shares.append(gone.value / way.value if is_sure and gone is not None and way is not None else None)
     return shares
 
 

@@ -56,6 +56,8 @@ OTHER = "of other structures"
 UNSEEN = {NO_FRAME: "that no frame shows all parts of", NO_SCAN: "that cannot be scanned (kinmo render says why)"}
 LEAST, MOST = "supervised", "true labels"
 """Rows between which those with pseudo labels are: how far from the first to the second these go."""
+NO_GAP = "(no sure gap)"
+"""Stands for that share where true labels gain no more than chance could do."""
 
 
 HeldBySeed = Mapping[int, Mapping[str, dict[str, Any] | None]]
@@ -198,12 +200,8 @@ class WrittenTables:
             if rows:
                 less, more, best = (each.objects for each in rows)
                 shares = zip(measure_titles(structure), gap_closed(less, more, best, structure), strict=True)
-                texts = [f"{title} {share:.0%}" for title, share in shares if share is not None]
-                yield (
-                    f"Share of the gap to true labels that pseudo labels close ({row.title}): {', '.join(texts)}."
-                    if texts
-                    else ""
-                )
+                texts = [f"{title} {NO_GAP if share is None else f'{share:.0%}'}" for title, share in shares]
+                yield f"Share of the gap to true labels that pseudo labels close ({row.title}): {', '.join(texts)}."
 
     def _caption(self, what: str, of: str, seeds: tuple[int, ...], protocol: Protocol) -> Caption:
         table = TABLES[self.name]
