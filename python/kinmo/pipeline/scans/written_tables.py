@@ -199,9 +199,11 @@ class WrittenTables:
             rows = self._alike((LEAST, row.title, MOST), category, by_seed, protocol) if is_between else []
             if rows:
                 less, more, best = (each.objects for each in rows)
-                shares = zip(measure_titles(structure), gap_closed(less, more, best, structure), strict=True)
-                texts = [f"{title} {NO_GAP if share is None else f'{share:.0%}'}" for title, share in shares]
-                yield f"Share of the gap to true labels that pseudo labels close ({row.title}): {', '.join(texts)}."
+                shares = gap_closed(less, more, best, structure)
+                if any(share is not None for share in shares):
+                    told = [NO_GAP if share is None else f"{share:.0%}" for share in shares]
+                    texts = (f"{title} {text}" for title, text in zip(measure_titles(structure), told, strict=True))
+                    yield f"Share of the gap to true labels that pseudo labels close ({row.title}): {', '.join(texts)}."
 
     def _caption(self, what: str, of: str, seeds: tuple[int, ...], protocol: Protocol) -> Caption:
         table = TABLES[self.name]
