@@ -28,7 +28,9 @@ def render(
 
     Every shape with joints, or with pseudo labels, is seen in many states from many sides; each frame is 1024 points with the
     part that every one is of and where on it. What is too small to be seen goes with what it moves against, and frames that
-    show too little of a part are refused and counted. Sensor noise, holes, crops and a floor can be asked for in a TOML file.
+    show too little of a part are refused and counted. Shapes with other joints than most of those to train on are counted too,
+    and not scanned unless they are among these: no network would see them. Sensor noise, holes, crops and a floor can be asked
+    for in a TOML file.
 
     For example:
 

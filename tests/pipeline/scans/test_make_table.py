@@ -20,13 +20,14 @@ from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.report import Report
-from kinmo.pipeline.scans.dataset import REFUSED, open_scan_dataset, scans_of, training_data
+from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of, training_data
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.judge_trained import JudgeTrained
 from kinmo.pipeline.scans.judged import JudgedScans
 from kinmo.pipeline.scans.make_table import MakeTable
 from kinmo.pipeline.scans.networks import NETWORKS, PROTOCOLS, Cell
 from kinmo.pipeline.scans.pictures import COMMON
+from kinmo.pipeline.scans.refusal import REFUSED
 from kinmo.pipeline.scans.report import OUTDATED, picture_sections
 from kinmo.pipeline.scans.settings import SETTINGS, Setting
 from kinmo.pipeline.scans.table_rows import SHARES, TABLES, printed_row

@@ -21,12 +21,13 @@ from kinmo.errors import InputError
 from kinmo.learning.ancsh.predict import POINTS_TO_ASK_ABOUT
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.label_decisions import folder_name
-from kinmo.pipeline.scans.dataset import REFUSED, open_scan_dataset, scans_of
+from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.example import ExampleScan
 from kinmo.pipeline.scans.judge_trained import JudgeTrained
 from kinmo.pipeline.scans.networks import Cell, scores_path, trained_cells
 from kinmo.pipeline.scans.predict import PredictScan
+from kinmo.pipeline.scans.refusal import REFUSED
 from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.scans.report import picture_sections
 from kinmo.pipeline.scans.self_label import SelfLabel
@@ -147,8 +148,9 @@ def test_what_is_to_be_scanned_anew_is_gone_before_that_begins(scanned: Scanned,
     config.write_text(Path(scanned.config).read_text(encoding="utf-8").replace("size = 96", "size = 80"), encoding="utf-8")
     with pytest.raises(KeyboardInterrupt):
         Render(workspace, str(config), FAMILY).run(CutOff())
-    (left,) = workspace.path.rglob("scans/**/*.safetensors")
-    assert len(open_scans(left).read("points")) > 0, "the one that was done, of all roles"
+    left = [open_scans(path) for path in workspace.path.rglob("scans/**/*.safetensors")]
+    assert {file.object for file in left} == {left[0].object}, "the one that was done, of all roles"
+    assert all(len(file.read("points")) > 0 for file in left)
 
 
 def test_fewer_labels_are_fewer_scans_to_train_on_and_more_that_are_hidden(scanned: Scanned) -> None:

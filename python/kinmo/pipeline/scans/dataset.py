@@ -11,6 +11,7 @@ from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
 from kinmo.formats import Layout
 from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.scans.refusal import REFUSED, read_refusal
 from kinmo.pipeline.scans.settings import PSEUDO_LABELLED, Setting, is_pseudo_labelled_for
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import ROLES, Role, ScanFile, open_scans
@@ -23,8 +24,6 @@ PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
 NO_FRAME, NO_SCAN = "no frame", "no scan"
 """Stand for the structure of objects that were scanned, but too little of some part was seen in every frame; and of those that
 cannot be scanned."""
-REFUSED = ".refused.json"
-"""Ending of what stands in place of the scans of an object that cannot be scanned, and says why."""
 
 
 def scans_of(workspace: Workspace, category: str, role: Role) -> Path:
@@ -78,9 +77,9 @@ def scanned_categories(workspace: Workspace) -> tuple[str, ...]:
 
 
 def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
-    """The scans of a category, however it is spelled, of the structure that most objects to train on have.
+    """The scans of a category, however it is spelled, of the structure that most objects to train on have (`usual_structure`).
 
-    Where as many have another, that with fewer parts is taken. What is trained on and what is hidden is as the workspace's
+    What is trained on and what is hidden is as the workspace's
     share of labels has it; the structure does not depend on that, nor do validation shapes. If none of these has the structure,
     some of all labelled ones take their place, and are trained on too only where nothing else is left. Raises InputError if
     nothing of it was scanned.
@@ -92,13 +91,9 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         there = f"; there are {', '.join(known)}" if known else ""
         raise InputError(workspace.scans, f"no scans of {category}{near}{there}: run kinmo render first")
     found = {role: _open_all(scans_of(workspace, spelling, role)) for role in ROLES}
-    structures = Counter(
-        structure for structure, _ in {(file.structure, file.object) for file in found["train"] if file.frames}
-    )
-    if not structures:
+    structure = usual_structure(found["train"])
+    if structure is None:
         raise InputError(workspace.scans / spelling, "expected scans of a labelled shape to train on")
-    most = max(structures.values())
-    structure = min((s for s, count in structures.items() if count == most), key=lambda s: (s.part_count, str(s)))
     dataset = open_dataset(workspace, spelling)
     counted = {entry.id for entry in dataset.labelled[Split.TRAIN]}
     fitting = {role: [file for file in found[role] if file.frames and file.structure == structure] for role in ROLES}
@@ -121,9 +116,23 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         rest = (file for file in some if file.object not in kept_objects)
         left_out = {(f.object, str(f.structure) if f.frames else NO_FRAME, f.provenance.layout) for f in rest}
         others.update((reason, role, layout) for _, reason, layout in left_out)
-        for layout in (each.value for each in Layout):  # names of variants end otherwise
-            others[NO_SCAN, role, layout] += sum(1 for _ in scans_of(workspace, spelling, role).glob(f"*-{layout}{REFUSED}"))
+        for layout in (each.value for each in Layout):
+            for path in scans_of(workspace, spelling, role).glob(f"*-{layout}{REFUSED}"):  # names of variants end otherwise
+                refusal = read_refusal(path)
+                others[(refusal.structure if refusal else None) or NO_SCAN, role, layout] += 1
     return ScanDataset(spelling, structure, files, others, dataset.truths)
+
+
+def usual_structure(training: Sequence[ScanFile]) -> Structure | None:
+    """The structure that most objects have that scans to train on are of; where as many have another, that with fewer parts.
+
+    None if there is no frame of any.
+    """
+    structures = Counter(structure for structure, _ in {(file.structure, file.object) for file in training if file.frames})
+    if not structures:
+        return None
+    most = max(structures.values())
+    return min((s for s, count in structures.items() if count == most), key=lambda s: (s.part_count, str(s)))
 
 
 def _open_all(folder: Path) -> list[ScanFile]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +13,13 @@ import numpy as np
 from kinmo.config import ScansConfig
 from kinmo.formats import Found, read_found
 from kinmo.limits import MOST_TURN
-from kinmo.pipeline.scans.dataset import REFUSED
-from kinmo.scans.articulated_object import ArticulatedObject, articulated_object, still_object
+from kinmo.pipeline.scans.refusal import Refusal, read_refusal, refusal_path, write_refusal
+from kinmo.scans.articulated_object import ArticulatedObject, Structure, articulated_object, still_object
 from kinmo.scans.articulation import opened_as_usual
 from kinmo.scans.scan import Scans, scan
 from kinmo.scans.scan_file import Provenance, Role, is_made_from, write_scans
 from kinmo.scans.variants import draw_change
 from kinmo.shape import Shape
-from kinmo.workspace import write_text_atomically
 
 VARIED: tuple[Role, ...] = ("train", "hidden", "pseudo")
 """Roles of objects that are scanned in variants too: more like them is what networks need, and what tests must not see."""
@@ -44,48 +43,76 @@ class Job:
     """How far their hinges open, in radians."""
     variant: int = 0
     """The object itself, or which one like it (`kinmo.scans.variants`)."""
+    wanted: Structure | None = None
+    """The structure without which it is not scanned; None for any."""
 
     @property
     def is_done(self) -> bool:
         """Whether its scans are there, or why there are none, made from the same."""
-        return self._refused().get("made_from") == self.made_from or is_made_from(self.path, self.made_from)
+        refusal = self.refusal
+        if refusal is None or refusal.made_from != self.made_from:
+            return is_made_from(self.path, self.made_from)
+        return refusal.structure is None or (self.wanted is not None and refusal.structure != str(self.wanted))
 
     @property
-    def refusal(self) -> str | None:
-        """Why it cannot be scanned; None where nothing says so."""
-        return self._refused().get("reason")
+    def refusal(self) -> Refusal | None:
+        """Why it is not scanned; None where nothing says so."""
+        return read_refusal(refusal_path(self.path))
 
     @property
     def files(self) -> tuple[Path, Path]:
         """Of its scans, and of its refusal."""
-        return self.path, self.path.with_suffix(REFUSED)
+        return self.path, refusal_path(self.path)
 
-    def refuse(self, reason: str) -> None:
-        """Leave a reason in place of scans."""
+    @property
+    def object(self) -> tuple[Role, str, str]:
+        """What tells the object from others; those like it have the same."""
+        return self.role, self.found.id, self.layout
+
+    def refuse(self, reason: str, structure: Structure | None = None) -> None:
+        """Leave a reason in place of scans, or the structure that is one."""
         scans, refusal = self.files
         scans.unlink(missing_ok=True)
-        text = json.dumps({"made_from": self.made_from, "reason": reason}, ensure_ascii=False)
-        write_text_atomically(refusal, text + "\n")
+        write_refusal(refusal, Refusal(self.made_from, reason, None if structure is None else str(structure)))
 
     def write(self, target: ArticulatedObject, scans: Scans) -> None:
         """Leave scans of `target`, which is the object or one like it."""
         write_scans(self.path, target, scans, Provenance(self.made_from, self.role, self.layout, self.variant))
         self.files[1].unlink(missing_ok=True)
 
-    def _refused(self) -> dict[str, str]:
-        try:
-            data = json.loads(self.files[1].read_text(encoding="utf-8"))
-            return {"made_from": str(data["made_from"]), "reason": str(data["reason"])}
-        except (OSError, ValueError, KeyError, TypeError):
-            return {}
-
 
 @dataclass(frozen=True)
 class Rendering:
-    """Scans an object, in whatever process; from the same sides and in the same states by whatever sensor."""
+    """Scans an object and those like it, in whatever process; from the same sides and in the same states by whatever sensor."""
 
     config: ScansConfig
     seed: int
+
+    def __call__(self, jobs: Sequence[Job]) -> None:
+        """`jobs` are of one object, which is read once; the object itself comes first, if it is among them."""
+        jobs[0].path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            shape = replace(read_found(jobs[0].found), id=jobs[0].found.id)
+        except ValueError as error:
+            for job in jobs:
+                job.refuse(str(error))
+            return
+        for job in jobs:
+            seed = zlib.crc32(f"{job.found.id} {job.role} {self.seed}".encode()) + job.variant
+            try:
+                target = still_object(shape) if job.role == "unlabelled" else self._moving(shape, job, seed)
+            except ValueError as error:
+                job.refuse(str(error))
+                continue
+            if job.wanted is None or target.structure == job.wanted:
+                self._scan(target, job, seed)
+                continue
+            # those like it are not wanted either; it comes last: until then all are looked at again
+            for refused in reversed(jobs) if not job.variant else (job,):
+                reason = f"{job.found.path}: has {target.structure.in_words}, expected {job.wanted.in_words}"
+                refused.refuse(reason, target.structure)
+            if not job.variant:
+                return
 
     def _moving(self, shape: Shape, job: Job, seed: int) -> ArticulatedObject:
         changing = np.random.default_rng([seed, CHANGING])
@@ -97,15 +124,7 @@ class Rendering:
             change=draw_change(np.asarray(shape.up), self.config.stretch, changing) if job.variant else None,
         )
 
-    def __call__(self, job: Job) -> None:
-        job.path.parent.mkdir(parents=True, exist_ok=True)
-        seed = zlib.crc32(f"{job.found.id} {job.role} {self.seed}".encode()) + job.variant
-        try:
-            shape = replace(read_found(job.found), id=job.found.id)
-            target = still_object(shape) if job.role == "unlabelled" else self._moving(shape, job, seed)
-        except ValueError as error:
-            job.refuse(str(error))
-            return
+    def _scan(self, target: ArticulatedObject, job: Job, seed: int) -> None:
         drawing = np.random.default_rng([seed, OPENING])
         target = replace(target, mobility=opened_as_usual(target.mobility, MOST_TURN, job.openings, drawing))
         config = replace(self.config, states=_states(self.config, job))
@@ -135,6 +154,11 @@ def variants_of(config: ScansConfig) -> int:
     return min(config.variants, config.states) if config.canonical == "closed" else 1
 
 
+def by_object(jobs: Iterable[Job]) -> Iterator[tuple[Job, ...]]:
+    """Those of one object, which stand in a row, together."""
+    return (tuple(own) for _, own in groupby(jobs, key=lambda job: job.object))
+
+
 def count_objects_of(jobs: Sequence[Job]) -> int:
     """Variants of an object are one."""
-    return len({(job.role, job.found.id, job.layout) for job in jobs})
+    return len({job.object for job in jobs})

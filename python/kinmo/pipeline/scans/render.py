@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import zlib
-from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,8 +17,9 @@ from kinmo.formats import Found, Layout
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.label_decisions import LABELS, folder_name
-from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, scans_of
-from kinmo.pipeline.scans.jobs import VARIED, Job, Rendering, count_objects_of, frames_of, variants_of
+from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, scans_of, usual_structure
+from kinmo.pipeline.scans.jobs import VARIED, Job, Rendering, by_object, count_objects_of, frames_of, variants_of
+from kinmo.pipeline.scans.rendered import in_words, summary
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.articulation import opening
 from kinmo.scans.scan_file import ROLES, Role, ScanFile, open_scans
@@ -43,9 +43,10 @@ SECONDS_PER_FRAME = 0.012
 class Render:
     """Scan the objects of a category, or of those of the paper's five that there are labelled shapes of.
 
-    Every labelled shape is scanned as its joints move it, and with them those of the roles in `beside`: shapes with held back
-    or pseudo labels as these say, unlabelled ones as they stand. Frames that were made from the same files in the same way stay
-    as they are, whether asked for or not.
+    Every labelled shape to train on is scanned as its joints move it. With them come the other labelled ones, and those of the
+    roles in `beside`: shapes with held back or pseudo labels as these say, if they have the structure that most of the first
+    have, as networks know no other; unlabelled ones as they stand. Frames that were made from the same files in the same way
+    stay as they are, whether asked for or not.
     """
 
     workspace: Workspace
@@ -57,7 +58,7 @@ class Render:
 
     def plan(self) -> Plan:
         config = self._scans()
-        pending = [job for job in self._jobs(config) if self._is_asked(job) and not job.is_done]
+        pending = [job for job in _wanting(list(self._jobs(config))) if self._is_asked(job) and not job.is_done]
         frames = sum(frames_of(config, job) for job in pending)
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
         what = ", ".join(sorted({job.category for job in pending}))
@@ -69,7 +70,7 @@ class Render:
         with self.workspace.locked():
             for folder in (self.workspace.scans, self.workspace.own_scans):
                 remove_leftovers(folder)
-            every = list(self._jobs(config))
+            every = _wanting(list(self._jobs(config)))
             done_before = {job for job in every if job.is_done}
             self._remove_stale(every, done_before)
             jobs = [job for job in every if self._is_asked(job)]
@@ -77,31 +78,41 @@ class Render:
             if jobs and not pending:
                 observer.note("scanned already")
             crashed: list[Job] = []
+            total = count_objects_of(pending)
             with timed(self.workspace, STAGE) as watch:
-                for done, (job, problem) in enumerate(self._scanned(config, pending), start=1):
+                for done, (own, problem) in enumerate(self._scanned(config, jobs), start=1):
                     if isinstance(problem, Crashed):
-                        crashed.append(job)
-                    observer.progress("scanning objects and variants", done, len(pending), job.found.id)
+                        crashed.append(own[0])
+                    observer.progress("scanning objects", done, max(done, total), own[0].found.id)
                 watch.amount = sum(frames_of(config, job) for job in pending)
                 watch.what = counted(count_objects_of(pending), "object")
             files = [open_scans(job.path) for job in jobs if job.path.exists()]
-            refused = {job.found.id: job.refusal for job in jobs if job.refusal is not None}
+            refusals = [(job, refusal) for job in jobs if (refusal := job.refusal) is not None]
+            refused = {job.found.id: refusal.reason for job, refusal in refusals if refusal.structure is None}
             refused |= {
                 job.found.id: f"{job.found.path}: the process that scanned it died (too little memory?)" for job in crashed
             }
-        data = {"categories": summary(files), "refused": refused}
-        return Outcome(self.workspace.scans, data, _text(data), failed=len(crashed))
+        unwanted = [(job.category, refusal.structure) for job, refusal in refusals if refusal.structure and not job.variant]
+        data = {"categories": summary(files, unwanted), "refused": refused}
+        return Outcome(self.workspace.scans, data, in_words(data), failed=len(crashed))
 
     def _is_asked(self, job: Job) -> bool:
         return job.role in (*LABELLED, *self.beside)
 
-    def _scanned(self, config: ScansConfig, pending: Sequence[Job]) -> Iterator[tuple[Job, Crashed | None]]:
-        """Pseudo-labelled objects come last: those with true labels show how far hinges open."""
-        scan_one = Rendering(config, self.seed)
-        yield from map_unordered(scan_one, [job for job in pending if job.role != "pseudo"], self.workers)
-        guessed = [job for job in pending if job.role == "pseudo"]
+    def _scanned(self, config: ScansConfig, jobs: Sequence[Job]) -> Iterator[tuple[tuple[Job, ...], Crashed | None]]:
+        """The jobs of one object after another, of those that are not done.
+
+        Objects to train on come first, as they decide which structure others must have; pseudo-labelled ones last, as those
+        with true labels show how far hinges open.
+        """
+        scan_all = Rendering(config, self.seed)
+        yield from map_unordered(scan_all, _pending(job for job in jobs if job.role == "train"), self.workers)
+        jobs = _wanting(jobs)
+        yield from map_unordered(scan_all, _pending(job for job in jobs if job.role not in ("train", "pseudo")), self.workers)
+        guessed = [job for job in jobs if job.role == "pseudo"]
         openings = {like: _openings(like) for like in {job.like for job in guessed}}
-        yield from map_unordered(scan_one, [replace(job, openings=openings[job.like]) for job in guessed], self.workers)
+        guessed = [replace(job, openings=openings[job.like]) for job in guessed]
+        yield from map_unordered(scan_all, _pending(guessed), self.workers)
 
     def _scans(self) -> ScansConfig:
         """The configuration, of which only the sensor counts that there is."""
@@ -162,6 +173,24 @@ class Render:
                         path.unlink()
 
 
+def _pending(jobs: Iterable[Job]) -> Iterator[tuple[Job, ...]]:
+    """Those that are not done, by object."""
+    return by_object(job for job in jobs if not job.is_done)
+
+
+def _wanting(jobs: Sequence[Job]) -> list[Job]:
+    """The same, wanted only if they have the structure that the scans to train on show, as far as there are any.
+
+    Those scans themselves, which tell it, and those of unlabelled objects, which have none, are wanted in any case.
+    """
+    scanned: dict[str, list[ScanFile]] = {}
+    for job in jobs:
+        if job.role == "train" and job.is_done and job.path.exists():
+            scanned.setdefault(job.category, []).append(open_scans(job.path))
+    structures = {category: usual_structure(files) for category, files in scanned.items()}
+    return [job if job.role in ("train", "unlabelled") else replace(job, wanted=structures.get(job.category)) for job in jobs]
+
+
 def _openings(scanned: Iterable[Path]) -> tuple[float, ...]:
     """How far from closed the hinges open, as far as that is known, of the objects that there are scans of."""
     files = (open_scans(path) for path in scanned if path.exists())
@@ -176,34 +205,3 @@ def _job(workspace: Workspace, found: Found, category: str, role: Role, layout: 
 def _chosen(entries: Sequence[IndexEntry], category: str | None) -> list[IndexEntry]:
     wanted = PAPER_CATEGORIES if category is None else (category,)
     return [entry for entry in entries if any(same_category(entry.category, name) for name in wanted)]
-
-
-def summary(files: Sequence[ScanFile]) -> dict[str, Any]:
-    """By category: objects and frames by role, structures, and frames refused by reason."""
-    found: dict[str, Any] = {}
-    for category in sorted({file.category for file in files}):
-        own = [file for file in files if file.category == category]
-        moving = [file for file in own if file.provenance.role != "unlabelled"]
-        found[category] = {
-            "objects": _objects_by((file.provenance.role, file) for file in own),
-            "frames": sum(file.frames for file in own),
-            "structures": _objects_by((str(file.structure), file) for file in moving),
-            "refused": dict(sum((Counter(file.refused) for file in own), Counter())),
-        }
-    return found
-
-
-def _objects_by(files: Iterable[tuple[str, ScanFile]]) -> dict[str, int]:
-    """How many objects there are scans of, by what stands before the files."""
-    return dict(Counter(name for name, _ in {(name, file.object): None for name, file in files}))
-
-
-def _text(data: dict[str, Any]) -> str:
-    lines = []
-    for category, found in data["categories"].items():
-        objects = ", ".join(f"{count} {role}" for role, count in found["objects"].items())
-        refused = sum(found["refused"].values())
-        lines.append(f"{category}: {counted(found['frames'], 'frame')} of objects ({objects}); {refused} refused")
-        lines += [f"    {count:5} {structure}" for structure, count in found["structures"].items()]
-    lines += [f"left out  {reason}" for reason in data["refused"].values()]
-    return "\n".join(lines)

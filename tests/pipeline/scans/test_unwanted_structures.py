@@ -1,0 +1,128 @@
+"""Objects that no network is trained for, as they have another structure than most of those to train on, are not scanned."""
+
+from __future__ import annotations
+
+import shutil
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from scan_road import SCANS
+from whole_road import Listener, contents, tiny_config
+
+from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.scans import jobs
+from kinmo.pipeline.scans.dataset import ScanDataset, open_scan_dataset, scans_of
+from kinmo.pipeline.scans.refusal import REFUSED, Refusal, read_refusal
+from kinmo.pipeline.scans.render import Render
+from kinmo.pipeline.scans.rendered import LINES
+from kinmo.pipeline.synth import Synth
+from kinmo.scans.scan_file import Role, count_objects, open_scans
+from kinmo.splits import Split
+from kinmo.synth.generate import HELD_BACK
+from kinmo.workspace import Workspace
+
+FAMILY, CATEGORY = "refrigerator", "Refrigerator"
+CHOSEN: tuple[Role, ...] = ("validation", "test", "hidden")
+
+
+@pytest.fixture(scope="module")
+def mixed(tmp_path_factory: pytest.TempPathFactory) -> Render:
+    """Rendering of refrigerators with doors and drawers of all numbers, done once."""
+    folder = tmp_path_factory.mktemp("mixed")
+    config = tiny_config(folder)
+    others, _ = config.read_text(encoding="utf-8").split("[ancsh]\n")
+    config.write_text(others + SCANS, encoding="utf-8")
+    Synth(folder / "partnet", 12, (FAMILY,), ("partnet_mobility", "partnet"), held_back=True).run(Listener())
+    workspace = Workspace(folder / "workspace")
+    Prepare(folder / "partnet", workspace, hold_back=(folder / "partnet" / HELD_BACK,)).run(Listener())
+    stage = Render(workspace, str(config), FAMILY)
+    stage.run(Listener())
+    return stage
+
+
+def dataset_of(stage: Render) -> ScanDataset:
+    return open_scan_dataset(stage.workspace, CATEGORY)
+
+
+def refused_structures(folder: Path) -> set[str | None]:
+    """Those for which objects there were not scanned."""
+    refusals = (read_refusal(path) for path in folder.glob(f"*{REFUSED}"))
+    return {refusal.structure for refusal in refusals if refusal is not None}
+
+
+def anew(stage: Render, folder: Path) -> Render:
+    """The same in a copy of the workspace without scans."""
+    shutil.copytree(stage.workspace.path, folder / "workspace")
+    workspace = Workspace(folder / "workspace")
+    shutil.rmtree(workspace.scans)
+    return Render(workspace, stage.config, FAMILY)
+
+
+def test_only_objects_to_train_on_are_scanned_whatever_their_structure(mixed: Render) -> None:
+    structure = dataset_of(mixed).structure
+    scanned = {role: [open_scans(path) for path in scans_of(mixed.workspace, CATEGORY, role).glob("*.safetensors")]
+               for role in ("train", *CHOSEN)}  # fmt: skip
+    assert len({file.structure for file in scanned["train"]}) > 1
+    assert {file.structure for role in CHOSEN for file in scanned[role]} == {structure}
+    assert mixed.plan().steps == ()
+
+
+def test_those_that_are_not_are_counted_with_their_structures(mixed: Render) -> None:
+    dataset, known = dataset_of(mixed), open_dataset(mixed.workspace, CATEGORY)
+    entries = {"validation": known.labelled[Split.VALIDATION], "test": known.labelled[Split.TEST], "hidden": known.hidden}
+    for role in CHOSEN:
+        left_out = sum(count for (_, other, _), count in dataset.others.items() if other == role)
+        assert count_objects(dataset.files[role]) + left_out == len(entries[role]), role
+    told = mixed.run(Listener())
+    not_scanned = told.data["categories"][CATEGORY]["not scanned"]
+    by_structure = Counter[str]()
+    for (structure, role, _), count in dataset.others.items():
+        by_structure[structure] += count * (role in CHOSEN)
+    assert not_scanned and not_scanned == {name: count for name, count in by_structure.items() if name in not_scanned}
+    assert str(dataset.structure) not in not_scanned
+    (first, count), *_ = not_scanned.items()
+    assert f"{count} {first}, not scanned\n" in told.text
+    rare = list(not_scanned.values())[LINES:]
+    assert not rare or f"{sum(rare)} of {len(rare)} more structures, not scanned" in told.text
+    assert not told.data["refused"]
+
+
+def test_what_has_become_the_structure_of_most_is_scanned(
+    mixed: Render, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(mixed.workspace.path, tmp_path / "workspace")
+    stage = Render(Workspace(tmp_path / "workspace"), mixed.config, FAMILY)
+    hidden = scans_of(stage.workspace, CATEGORY, "hidden")
+    refused_before = refused_structures(hidden)
+    of_train = {file.structure for file in dataset_of(mixed).files["train"]}
+    train = [open_scans(path) for path in scans_of(stage.workspace, CATEGORY, "train").glob("*.safetensors")]
+    other = next(file.structure for file in train if str(file.structure) in refused_before)
+    assert other not in of_train
+    monkeypatch.setattr("kinmo.pipeline.scans.render.usual_structure", lambda _: other)
+    assert stage.plan().steps
+    stage.run(Listener())
+    assert other in {open_scans(path).structure for path in hidden.glob("*.safetensors")}
+    assert str(other) not in refused_structures(hidden)
+
+
+@pytest.mark.parametrize("refusals", [0, 1, 3])
+def test_rendering_that_is_cut_off_while_it_refuses_ends_as_undisturbed(
+    mixed: Render, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refusals: int
+) -> None:
+    stage, left = anew(mixed, tmp_path), [refusals]
+
+    def cut_off(path: Path, refusal: Refusal) -> None:
+        left[0] -= 1
+        if left[0] < 0:
+            raise KeyboardInterrupt
+        write(path, refusal)
+
+    write = jobs.write_refusal
+    monkeypatch.setattr(jobs, "write_refusal", cut_off)
+    with pytest.raises(KeyboardInterrupt):
+        stage.run(Listener())
+    monkeypatch.undo()
+    stage.run(Listener())
+    assert contents(stage.workspace.scans) == contents(mixed.workspace.scans)
