@@ -57,15 +57,20 @@ class Scanned:
         return TrainAncsh(self.workspace, self.config, FAMILY, setting, **HOW)  # type: ignore[arg-type]
 
 
-def made_in(folder: Path) -> Scanned:
-    """Labelled objects, some whose labels are held back, scans of all, and networks that saw those with labels."""
+def prepared_in(folder: Path, family: str = FAMILY, count: int = 6) -> Scanned:
+    """Labelled objects, and some whose labels are held back, of which nothing is scanned yet."""
     config = tiny_config(folder)
     others, _ = config.read_text(encoding="utf-8").split("[ancsh]\n")
     config.write_text(others + SCANS, encoding="utf-8")
-    Synth(folder / "partnet", 6, (FAMILY,), ("partnet_mobility", "partnet"), held_back=True).run(Listener())
+    Synth(folder / "partnet", count, (family,), ("partnet_mobility", "partnet"), held_back=True).run(Listener())
     workspace = Workspace(folder / "workspace")
     Prepare(folder / "partnet", workspace, hold_back=(folder / "partnet" / HELD_BACK,)).run(Listener())
-    made = Scanned(workspace, str(config))
+    return Scanned(workspace, str(config))
+
+
+def made_in(folder: Path) -> Scanned:
+    """Objects with labels and without, scans of all, and networks that saw those with labels."""
+    made = prepared_in(folder)
     made.render(beside=ROLES).run(Listener())
     made.train("supervised").run(Listener())
     return made

@@ -7,20 +7,18 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from scan_road import SCANS
-from whole_road import Listener, contents, tiny_config
+from scan_road import prepared_in
+from whole_road import Listener, contents
 
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.scans import jobs
 from kinmo.pipeline.scans.dataset import ScanDataset, open_scan_dataset, scans_of
 from kinmo.pipeline.scans.refusal import REFUSED, Refusal, read_refusal
 from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.scans.rendered import LINES
-from kinmo.pipeline.synth import Synth
+from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import Role, count_objects, open_scans
 from kinmo.splits import Split
-from kinmo.synth.generate import HELD_BACK
 from kinmo.workspace import Workspace
 
 FAMILY, CATEGORY = "refrigerator", "Refrigerator"
@@ -30,14 +28,8 @@ CHOSEN: tuple[Role, ...] = ("validation", "test", "hidden")
 @pytest.fixture(scope="module")
 def mixed(tmp_path_factory: pytest.TempPathFactory) -> Render:
     """Rendering of refrigerators with doors and drawers of all numbers, done once."""
-    folder = tmp_path_factory.mktemp("mixed")
-    config = tiny_config(folder)
-    others, _ = config.read_text(encoding="utf-8").split("[ancsh]\n")
-    config.write_text(others + SCANS, encoding="utf-8")
-    Synth(folder / "partnet", 12, (FAMILY,), ("partnet_mobility", "partnet"), held_back=True).run(Listener())
-    workspace = Workspace(folder / "workspace")
-    Prepare(folder / "partnet", workspace, hold_back=(folder / "partnet" / HELD_BACK,)).run(Listener())
-    stage = Render(workspace, str(config), FAMILY)
+    made = prepared_in(tmp_path_factory.mktemp("mixed"), FAMILY, 12)
+    stage = Render(made.workspace, made.config, FAMILY)
     stage.run(Listener())
     return stage
 
@@ -62,10 +54,12 @@ def anew(stage: Render, folder: Path) -> Render:
 
 def test_only_objects_to_train_on_are_scanned_whatever_their_structure(mixed: Render) -> None:
     structure = dataset_of(mixed).structure
-    scanned = {role: [open_scans(path) for path in scans_of(mixed.workspace, CATEGORY, role).glob("*.safetensors")]
-               for role in ("train", *CHOSEN)}  # fmt: skip
-    assert len({file.structure for file in scanned["train"]}) > 1
-    assert {file.structure for role in CHOSEN for file in scanned[role]} == {structure}
+
+    def scanned(role: Role) -> set[Structure]:
+        return {open_scans(path).structure for path in scans_of(mixed.workspace, CATEGORY, role).glob("*.safetensors")}
+
+    assert len(scanned("train")) > 1
+    assert set.union(*map(scanned, CHOSEN)) == {structure}
     assert mixed.plan().steps == ()
 
 

@@ -79,10 +79,9 @@ def scanned_categories(workspace: Workspace) -> tuple[str, ...]:
 def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     """The scans of a category, however it is spelled, of the structure that most objects to train on have (`usual_structure`).
 
-    What is trained on and what is hidden is as the workspace's
-    share of labels has it; the structure does not depend on that, nor do validation shapes. If none of these has the structure,
-    some of all labelled ones take their place, and are trained on too only where nothing else is left. Raises InputError if
-    nothing of it was scanned.
+    What is trained on and what is hidden is as the workspace's share of labels has it; the structure does not depend on that,
+    nor do validation shapes. If none of these has the structure, some of all labelled ones take their place, and are trained on
+    too only where nothing else is left. Raises InputError if nothing of it was scanned.
     """
     known = scanned_categories(workspace)
     spelling = next((name for name in known if same_category(name, category)), None)
