@@ -107,10 +107,10 @@ class Rendering:
             if job.wanted is None or target.structure == job.wanted:
                 self._scan(target, job, seed)
                 continue
-            # those like it are not wanted either; it comes last: until then all are looked at again
-            for refused in reversed(jobs) if not job.variant else (job,):
-                reason = f"{job.found.path}: has {target.structure.in_words}, expected {job.wanted.in_words}"
-                refused.refuse(reason, target.structure)
+            # those like an object that is not wanted are not either; it comes last, so that what is cut off looks at it again
+            unwanted = (job,) if job.variant else reversed(jobs)
+            for each in unwanted:
+                each.refuse(f"{job.found.path}: has {target.structure.in_words}", target.structure)
             if not job.variant:
                 return
 
