@@ -127,6 +127,9 @@ def test_categories_count_alike_and_only_in_what_they_have():
     assert found[1]["rotation (deg)"] == pytest.approx(np.degrees(0.2))
     alone = summary(doors, STRUCTURE)[measure_titles(STRUCTURE).index("state (deg)")]
     assert found[0]["state (deg)"] == pytest.approx(alone.value), "a drawer has no angle"
+    most = [doors, drawers]
+    assert table.caption.shapes == sum(map(len, most))
+    assert table.caption.scans == sum(len(scored.frames) for own in most for scored in own)
 
 
 def test_a_comparison_stands_below_the_rows_with_its_interval():

@@ -21,7 +21,7 @@ def evaluate(
     category: Annotated[
         str | None, Option(help="Only shapes of this category, however it is spelled.", show_default=False)
     ] = None,
-    method: Annotated[Method | None, Option(help="Only the rows of this method.", show_default="all")] = None,
+    method: Annotated[Method | None, Option(help="Of Table 1, only the rows of this method.", show_default="all")] = None,
     ablations: Annotated[bool, Option("--ablations", help="Add rows with other candidates, terms and edges.")] = False,
     hidden_names: Annotated[bool, Option("--hidden-names", help="Add rows with all part names hidden.")] = False,
     protocol: Annotated[

@@ -19,7 +19,11 @@ def render(
         str | None, Option(help="Only shapes of this category.", show_default="those of the paper that are there")
     ] = None,
     example: Annotated[
-        Path | None, Option(help="Write a scan of a test object to this .npz, to try kinmo predict on.", show_default=False)
+        Path | None,
+        Option(
+            help="Write a scan of a test object, which is made if there is none, to this .npz, to try kinmo predict on.",
+            show_default=False,
+        ),
     ] = None,
     method: Annotated[Method, Option(help="Whose pseudo labels to go by.")] = Method.KINMO,
     unlabelled: Annotated[bool, Option("--unlabelled", help="Scan shapes without joints too, as they stand.")] = False,
@@ -50,4 +54,4 @@ def render(
     elif category is None:
         raise InputError("--example", "expected --category too, which it is to be of")
     else:
-        execute(options, rendering, ExampleScan(workspace, category, example, options.seed))
+        execute(options, ExampleScan(workspace, category, example, rendering, options.seed))

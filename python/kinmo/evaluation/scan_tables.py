@@ -114,7 +114,9 @@ def over_categories(rows: Mapping[str, Mapping[str, ScanRow]], structures: Mappi
         if printed:
             own = [printed_means(row.printed) for row in printed if row.printed is not None]
             lines.append((_authors(printed[0]), len(printed), *_means(own, measures), None))
-    return Table(caption, columns, tuple(lines))
+    counts = [_counted(caption, [by_category[category] for by_category in rows.values()]) for category in structures]
+    whole = replace(caption, shapes=sum(one.shapes for one in counts), scans=sum(one.scans for one in counts))
+    return Table(whole, columns, tuple(lines))
 
 
 def _means(values: Sequence[Mapping[Measure, float]], measures: Sequence[Measure]) -> list[Cell]:

@@ -56,7 +56,8 @@ def gather_points(features: Tensor, index: Tensor) -> Tensor:
 def weighted_sum(features: Tensor, index: Tensor, weights: Tensor) -> Tensor:
     """Sums [B, m, C] of the points `index` [B, m, k] of `features` [B, n, C], times `weights` [B, m, k]."""
     bags = _rows(index, features.shape[1]).flatten(0, 1)
-    sums = nn.functional.embedding_bag(bags, features.flatten(0, 1), mode="sum", per_sample_weights=weights.flatten(0, 1))
+    of_each = weights.flatten(0, 1).to(features.dtype)  # which differ in mixed precision
+    sums = nn.functional.embedding_bag(bags, features.flatten(0, 1), mode="sum", per_sample_weights=of_each)
     return sums.view(*index.shape[:2], -1)
 
 

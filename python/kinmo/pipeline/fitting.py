@@ -16,6 +16,7 @@ from kinmo.learning.weights import pick_device
 from kinmo.pipeline.journal import timed
 from kinmo.pipeline.model_files import HEADER, METRICS, WEIGHTS
 from kinmo.pipeline.stage import Observer, Outcome
+from kinmo.wording import counted
 from kinmo.workers import Crashed, map_unordered, may_be_cut_off, tell
 from kinmo.workspace import StageRecord, Workspace
 
@@ -120,10 +121,16 @@ def _fit(workspace: Workspace, fitting: Fitting) -> None:
     """Train one network. Progress is told (`workers.tell`) as its name and a `Progress`."""
     may_be_cut_off()  # what is on the disk is whole at any moment
     workspace.forget(fitting.stage)
+    epochs: list[int] = []  # those before it was cut off have had their time
+
+    def on_progress(progress: Progress) -> None:
+        epochs.append(progress.epoch)
+        tell((fitting.name, progress))
+
     with timed(workspace, fitting.stage) as watch:
-        result = fitting.fit(lambda progress: tell((fitting.name, progress)))
-        watch.amount = len(result.history) * fitting.work.units
-        watch.what = f"{fitting.name} for {len(result.history)} epochs"
+        fitting.fit(on_progress)
+        watch.amount = len(epochs) * fitting.work.units
+        watch.what = f"{fitting.name} for {counted(len(epochs), 'epoch')}"
     outputs = tuple(str((fitting.folder / name).relative_to(workspace.path)) for name in (WEIGHTS, HEADER, METRICS))
     workspace.write_record(fitting.stage, StageRecord(fitting.inputs, outputs))
     remove_checkpoints(fitting.folder)

@@ -58,16 +58,25 @@ class PseudoLabel:
         jobs = self._jobs(dataset, way)
         if not jobs and self._is_reported(way):
             return Plan((), 0.0)
-        copies = f", {len(dataset.copies)} copies of labelled shapes left alone" if dataset.copies else ""
-        each = seconds_per_unit(self.workspace, LABELLING, SECONDS_PER_SHAPE / self.workers)
         if not jobs:
             return Plan(("report on the pseudo labels that there are now",), 0.0)
-        return Plan((f"label {counted(len(jobs), 'shape')} by {self.workspace.method}{copies}",), len(jobs) * each)
+        copies = f", {len(dataset.copies)} copies of labelled shapes left alone" if dataset.copies else ""
+        return self._labelling(len(jobs), copies)
+
+    def _labelling(self, count: int, copies: str = "") -> Plan:
+        each = seconds_per_unit(self.workspace, LABELLING, SECONDS_PER_SHAPE / self.workers)
+        return Plan((f"label {counted(count, 'shape')} by {self.workspace.method}{copies}",), count * each)
+
+    def guess(self) -> Plan:
+        """Labelling all shapes."""
+        count = len(open_dataset(self.workspace, self.category).unlabelled)
+        return self._labelling(count) if count else Plan((), 0.0)
 
     def run(self, observer: Observer) -> Outcome:
         dataset = open_dataset(self.workspace, self.category)
         predictor = load_predictor(self.workspace, self.workspace.method, self.device)
         way = self._way(predictor)
+        failed = 0
         with self.workspace.locked():
             jobs = self._jobs(dataset, way)
             if not jobs and self._is_reported(way):
@@ -77,7 +86,7 @@ class PseudoLabel:
                 remove_leftovers(self.workspace.pseudo)
                 whole = open_dataset(self.workspace)
                 self._remove_stale(whole)
-                self._label(jobs, len(dataset.unlabelled), predictor, way, observer)
+                failed = self._label(jobs, len(dataset.unlabelled), predictor, way, observer)
                 decisions = [decision for decision in self._decisions(whole.unlabelled) if decision is not None]
                 report = acceptance(decisions, self.workspace.method, len(whole.copies))
                 write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
@@ -85,7 +94,7 @@ class PseudoLabel:
                 self.workspace.write_record(LABELLING, StageRecord(self._reported(way), tuple(outputs)))
         with expecting("the report of kinmo pseudo-label", self._report):
             data = json.loads(self._report.read_text(encoding="utf-8"))
-            return Outcome(self.workspace.pseudo, data, data["text"])
+            return Outcome(self.workspace.pseudo, data, data["text"], failed)
 
     @property
     def _report(self) -> Path:
@@ -129,17 +138,27 @@ class PseudoLabel:
             if decision.name.removesuffix(".json") not in names:
                 decision.unlink()
 
-    def _label(self, jobs: Sequence[Job], total: int, predictor: Predictor, way: dict[str, Any], observer: Observer) -> None:
+    def _label(self, jobs: Sequence[Job], total: int, predictor: Predictor, way: dict[str, Any], observer: Observer) -> int:
+        """Decide on all shapes but those that it fails on, whose number it returns: of these everything stays as it was."""
         labelling = Labelling(self.workspace.prepared, predictor, way["threshold"], way["doubt"])
         done = total - len(jobs)
+        failures: list[str] = []
         with timed(self.workspace, LABELLING) as watch:
             for job, judgement in each_shape(labelling, jobs, self.workers, self.device):
                 if isinstance(judgement, Crashed):
-                    judgement = labelling.refused(job, "the process that labelled it died")
-                write_decision(decision_path(self.workspace, job.entry), Decision(judgement, job.made_from, way["threshold"]))
+                    failures.append(f"{job.entry.source}: the process that labelled it died (too little memory?)")
+                elif isinstance(judgement, str):
+                    failures.append(judgement)
+                else:
+                    decision = Decision(judgement, job.made_from, way["threshold"])
+                    write_decision(decision_path(self.workspace, job.entry), decision)
                 done += 1
                 observer.progress("labelling shapes", done, total, job.entry.id)
             watch.amount, watch.what = len(jobs), f"{counted(len(jobs), 'shape')} by {self.workspace.method}"
+        if failures:
+            others = f", and so {len(failures) - 1} more" if len(failures) > 1 else ""
+            observer.note(f"failed: {failures[0]}{others}")
+        return len(failures)
 
 
 @dataclass(frozen=True)
@@ -160,14 +179,19 @@ class Labelling:
     threshold: float
     doubt: float
 
-    def __call__(self, job: Job) -> Judgement:
+    def __call__(self, job: Job) -> Judgement | str:
+        """The judgement; or why the shape could not be read, which says nothing of it: it could be when it was prepared."""
         entry = job.entry
         try:
             shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
             prepared = read_prepared(self.store / entry.file)
+        except ValueError as error:
+            return str(error)
+        try:
             prediction = self.predictor.predict(prepared, leaf_meshes(shape, prepared))
         except ValueError as error:
-            return self.refused(job, str(error))
+            shutil.rmtree(job.folder, ignore_errors=True)
+            return Judgement(entry.id, entry.layout, entry.category, refusal=f"failed: {error}")
         judgement = judge(prediction, entry.layout, self.threshold, self.doubt)
         if judgement.is_accepted:
             made_by = {
@@ -180,8 +204,3 @@ class Labelling:
         else:
             shutil.rmtree(job.folder, ignore_errors=True)
         return judgement
-
-    def refused(self, job: Job, reason: str) -> Judgement:
-        """The judgement of a shape that got no prediction; whatever was written of it before goes."""
-        shutil.rmtree(job.folder, ignore_errors=True)
-        return Judgement(job.entry.id, job.entry.layout, job.entry.category, refusal=f"failed: {reason}")

@@ -44,3 +44,10 @@ class Stage(Protocol):
     def plan(self) -> Plan: ...
 
     def run(self, observer: Observer) -> Outcome: ...
+
+
+class LaterStage(Stage, Protocol):
+    """A stage that works on what others leave."""
+
+    def guess(self) -> Plan:
+        """What it will do about, where stages before it have not been run yet, or will change what it is done for."""

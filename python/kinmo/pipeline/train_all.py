@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 from kinmo.categories import same_category
 from kinmo.errors import InputError
 from kinmo.pipeline.dataset import Dataset, open_dataset
-from kinmo.pipeline.pseudo_label import SECONDS_PER_SHAPE, PseudoLabel
+from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, open_scan_dataset
 from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.scans.settings import PSEUDO_LABELLED, Setting
 from kinmo.pipeline.scans.train import TrainAncsh
-from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
+from kinmo.pipeline.stage import LaterStage, Observer, Outcome, Plan
 from kinmo.pipeline.train import Train
 from kinmo.splits import Split
-from kinmo.wording import counted
 from kinmo.workspace import Workspace
 
 NO_CATEGORY = f"no labelled shapes of {', '.join(PAPER_CATEGORIES)}: networks for scans are trained for --category NAME"
@@ -28,8 +28,8 @@ class TrainAll:
     """Train the motion networks on all categories; then for one, label what has no joints and do all that scans need.
 
     Without a category all shapes are labelled, and scans are for those of the paper's five that there are labelled shapes of.
-    Networks for scans learn from pseudo labels, of the workspace's method, where there are any, else from the labelled shapes
-    alone.
+    Networks for scans learn from pseudo labels, of the workspace's method, where there are any, of shapes in PartNet's layouts
+    before those in DSG-Net's, else from the labelled shapes alone.
     """
 
     workspace: Workspace
@@ -41,19 +41,14 @@ class TrainAll:
     start: Workspace | None = None
 
     def plan(self) -> Plan:
-        """What is still to do. Of a stage whose input is not made yet this is what it will be at most."""
-        steps: list[str] = []
-        seconds = 0.0
-        for stage, otherwise in self._stages(open_dataset(self.workspace)):
+        """What is still to do; of a stage whose input is not made yet, or will change, a guess."""
+        plans = [self._motion.plan()]
+        for stage in self._later(open_dataset(self.workspace)):
             try:
-                plan = stage.plan()
+                plans.append(stage.guess() if any(plan.steps for plan in plans) else stage.plan())
             except InputError:
-                plan = otherwise()
-            if steps and not plan.steps:
-                plan = otherwise()  # it is done for what there is, which the stages before it change
-            steps += plan.steps
-            seconds += plan.seconds
-        return Plan(tuple(steps), seconds)
+                plans.append(stage.guess())
+        return Plan(tuple(step for plan in plans for step in plan.steps), sum(plan.seconds for plan in plans))
 
     def run(self, observer: Observer) -> Outcome:
         plan = self.plan()
@@ -64,7 +59,7 @@ class TrainAll:
         texts: list[str] = []
         results: dict[str, Any] = {}
         sees_scans, failed = False, 0
-        for stage, _ in self._stages(open_dataset(self.workspace)):
+        for stage in chain([self._motion], self._later(open_dataset(self.workspace))):
             outcome = stage.run(observer)
             texts.append(outcome.text)
             failed += outcome.failed
@@ -75,33 +70,29 @@ class TrainAll:
             observer.note(NO_CATEGORY)
         return Outcome(self.workspace.models, results, "\n".join(filter(None, texts)), failed)
 
-    def _stages(self, dataset: Dataset) -> Iterator[tuple[Stage, Callable[[], Plan]]]:
-        """Each with a guess at its plan for when what comes before it is not done; what comes next may depend on what is."""
-        nothing = Plan((), 0.0)
+    @property
+    def _motion(self) -> Train:
         how = (self.seed, self.device, self.workers)
-        yield Train("motion", self.workspace.motion, self.config, None, *how, self.start), lambda: nothing
-        count = sum(self.category is None or same_category(entry.category, self.category) for entry in dataset.unlabelled)
-        if count:
-            labelling = Plan(
-                (f"label {counted(count, 'shape')} by {self.workspace.method}",), count * SECONDS_PER_SHAPE / self.workers
-            )
-            yield PseudoLabel(self.workspace, self.category, None, self.device, self.workers), lambda: labelling
+        return Train("motion", self.workspace.motion, self.config, None, *how, self.start)
+
+    def _later(self, dataset: Dataset) -> Iterator[LaterStage]:
+        """What follows the motion networks; which stages come next may depend on what was done before."""
+        if any(self.category is None or same_category(entry.category, self.category) for entry in dataset.unlabelled):
+            yield PseudoLabel(self.workspace, self.category, None, self.device, self.workers)
         for category in self._categories(dataset):
-            yield Render(self.workspace, self.config, category, self.seed, self.workers), lambda: nothing
+            yield Render(self.workspace, self.config, category, self.seed, self.workers)
         for category in self._categories(dataset):
             setting = self._setting(category)
             place = self.workspace if setting in PSEUDO_LABELLED else self.workspace.motion
-            stage = TrainAncsh(place, self.config, category, setting, *how)
-            training = Plan((f"train ancsh and npcs ({category})",), stage.guessed_seconds())
-            yield stage, lambda training=training: training  # type: ignore[misc]
+            yield TrainAncsh(place, self.config, category, setting, self.seed, self.device, self.workers)
 
     def _setting(self, category: str) -> Setting:
-        """Semi-weakly, unless it is clear by now that there are no pseudo labels of shapes that networks could learn from."""
+        """By pseudo labels of shapes in PartNet's layouts, else in DSG-Net's, unless it is clear by now that there are none."""
         try:
             dataset = open_scan_dataset(self.workspace, category)
         except InputError:
             return "semi-weakly"
-        return "semi-weakly" if dataset.beside("semi-weakly") else "supervised"
+        return next((setting for setting in PSEUDO_LABELLED if dataset.beside(setting)), "supervised")
 
     def _categories(self, dataset: Dataset) -> list[str]:
         known = sorted({entry.category for entry in dataset.labelled[Split.TRAIN]})

@@ -13,7 +13,6 @@ import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
 from whole_road import Listener
 
-from kinmo.errors import InputError
 from kinmo.evaluation.scan_tables import NOT_RUN
 from kinmo.evaluation.scan_tables import OUTDATED as OUTDATED_ROW
 from kinmo.pipeline.evaluate import Evaluate
@@ -353,7 +352,7 @@ def test_what_is_done_for_scans_that_are_to_be_made_anew_is_to_be_done_again(
     plans = [MakeTable("4", judged, name, ("kinmo",), FAMILY, 1, **HOW).plan() for name in (scanned.config, str(config))]
     assert plans[0].steps == ()
     assert plans[1].steps == (f"{CATEGORY}, supervised, seed 0: render, train, judge",)
-    training = TrainAncsh(judged, str(config), FAMILY, "supervised", **HOW).guessed_seconds()
+    training = TrainAncsh(judged, str(config), FAMILY, "supervised", **HOW).guess().seconds
     assert plans[1].seconds > training > 0.0
 
 
@@ -364,7 +363,7 @@ def test_training_takes_as_long_before_there_are_scans_as_with_them(scanned: Sca
     config.write_text(f"{others}[ancsh]\n{own.replace('threads = 1', f'threads = {threads}')}", encoding="utf-8")
     stages = [TrainAncsh(scanned.workspace, str(config), FAMILY, "supervised", 1, "cpu", workers) for workers in (1, 2)]
     alone, together = (stage.plan().seconds for stage in stages)
-    assert [stage.guessed_seconds() for stage in stages] == [alone, together]
+    assert [stage.guess().seconds for stage in stages] == [alone, together]
     assert (together < alone) is (threads == 1), "on all threads one network is trained at a time"
 
 
@@ -372,11 +371,32 @@ def test_a_table_whose_motion_networks_have_none_to_go_on_from_says_so(scanned: 
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     workspace, told = Workspace(tmp_path / "workspace"), Listener()
     stage = MakeTable("3", workspace, scanned.config, ("kinmo",), FAMILY, 1, start=Workspace(tmp_path / "none"), **HOW)
-    with pytest.raises(InputError, match="expected the weights to go on from"):
-        stage.plan()
+    told_before = [step for step in stage.plan().steps if "cannot be run" in step]
+    assert len(told_before) == len(SHARES)
+    assert all("expected the weights to go on from" in step for step in told_before)
     assert stage.run(told).failed == len(SHARES)
     problems = [note for note in told.notes if note.startswith("not run")]
     assert len(problems) == len(SHARES)
     for problem in problems:
         assert str(tmp_path / "none") in problem
         assert "expected the weights to go on from" in problem
+
+
+def test_a_training_that_dies_leaves_the_other_cells_and_says_so_in_the_table(
+    scanned: Scanned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    stage = MakeTable("4", Workspace(tmp_path / "workspace"), scanned.config, ("kinmo",), FAMILY, 2, **HOW)
+    problem = "the process that trained npcs died: too little memory?"
+
+    def die(training: TrainAncsh, observer: object) -> None:
+        if training.seed == 1:
+            raise ChildProcessError(problem)
+
+    monkeypatch.setattr(TrainAncsh, "run", die)
+    told = Listener()
+    found = stage.run(told)
+    assert [note for note in told.notes if note == f"not run: {CATEGORY}, supervised, seed 1: {problem}"]
+    rows = {row[0]: row for row in found.data[CATEGORY]["means"]["rows"]}
+    assert rows["supervised"][2] == "0"
+    assert f"Not run: supervised: seeds 1: {problem}." in " ".join(found.text.split())

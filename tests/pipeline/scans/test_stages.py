@@ -18,7 +18,6 @@ from whole_road import Listener, contents
 
 from kinmo.cli.app import app
 from kinmo.errors import InputError
-from kinmo.learning.ancsh.predict import POINTS_TO_ASK_ABOUT
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.label_decisions import folder_name
 from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of
@@ -28,16 +27,17 @@ from kinmo.pipeline.scans.judge_trained import JudgeTrained
 from kinmo.pipeline.scans.networks import Cell, scores_path, trained_cells
 from kinmo.pipeline.scans.predict import PredictScan
 from kinmo.pipeline.scans.refusal import REFUSED
-from kinmo.pipeline.scans.render import Render
+from kinmo.pipeline.scans.render import USED, Render
 from kinmo.pipeline.scans.report import picture_sections
 from kinmo.pipeline.scans.self_label import SelfLabel
 from kinmo.pipeline.scans.train import TrainAncsh
+from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.scans.articulation import opening
 from kinmo.scans.renderers import NOTHING
 from kinmo.scans.scan_file import ROLES, ScanFile, count_objects, open_scans
 from kinmo.scans.scan_input import read_scan
-from kinmo.store import read_header
+from kinmo.store import INDEX, read_header
 from kinmo.workspace import Workspace
 
 
@@ -124,6 +124,26 @@ def test_an_object_that_cannot_be_scanned_says_why_and_is_not_tried_again(scanne
     assert not list((tmp_path / "workspace" / "scans").rglob("*/train/*.safetensors"))
     assert list((tmp_path / "workspace" / "scans").rglob(f"*{REFUSED}"))
     assert stage.plan().steps == ()
+
+
+def test_an_object_that_cannot_be_read_now_is_scanned_once_it_can(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    shutil.rmtree(workspace.scans)
+    (entry, *_) = open_dataset(workspace, FAMILY).hidden
+    source, away = Path(entry.source), tmp_path / "away"
+    stage = Render(workspace, scanned.config, FAMILY)
+    source.rename(away)
+    try:
+        found = stage.run(Listener())
+    finally:
+        away.rename(source)
+    assert found.failed == 1
+    assert list(found.data["refused"]) == [entry.id] and "result.json: missing" in found.text
+    assert not list(workspace.scans.rglob(f"*{REFUSED}"))
+    assert len(stage.plan().steps) == 1
+    assert stage.run(Listener()).failed == 0
+    assert entry.id in {file.id for file in open_scan_dataset(workspace, CATEGORY).files["hidden"]}
 
 
 def test_scans_of_objects_that_have_gone_go_too(scanned: Scanned, tmp_path: Path) -> None:
@@ -237,9 +257,14 @@ def test_objects_that_stand_in_for_validation_ones_are_the_same_for_all_shares_o
     assert same
 
 
-def pseudo_labelled(scanned: Scanned, folder: Path) -> tuple[Workspace, list[Path]]:
-    """The workspace copied to `folder`, its unlabelled shapes given the labels that were held back, and these labels."""
+def pseudo_labelled(scanned: Scanned, folder: Path, layout: str = "partnet") -> tuple[Workspace, list[Path]]:
+    """The workspace copied to `folder`, its unlabelled shapes given the labels that were held back, and these labels.
+
+    The unlabelled shapes are said to have come in a `layout`.
+    """
     shutil.copytree(scanned.workspace.path, folder)
+    index = folder / "prepared" / INDEX
+    index.write_text(index.read_text(encoding="utf-8").replace('"partnet",', f'"{layout}",'), encoding="utf-8")
     workspace = Workspace(folder)
     dataset = open_dataset(workspace, FAMILY)
     sources = {shape.id: shape.source for shape in dataset.hidden}
@@ -296,6 +321,23 @@ def test_networks_learn_from_pseudo_labels_too(scanned: Scanned, tmp_path: Path)
     assert count_objects(dataset.files["pseudo"]) > 0
 
 
+def test_networks_learn_from_pseudo_labels_of_generated_shapes_where_there_are_no_others(
+    scanned: Scanned, tmp_path: Path
+) -> None:
+    workspace, labels = pseudo_labelled(scanned, tmp_path / "workspace", layout="dsg_net")
+    Render(workspace, scanned.config, FAMILY).run(Listener())
+    later = TrainAll(workspace, scanned.config, FAMILY, **HOW)._later(open_dataset(workspace))
+    (training,) = (stage for stage in later if isinstance(stage, TrainAncsh))
+    assert training.setting == "dsg-net"
+    training.run(Listener())
+    EvaluateScans(workspace, Cell(CATEGORY, "dsg-net", 0), "cpu").run(Listener())
+    found = WrittenTables(workspace, "4").write({CATEGORY: [0]})
+    (row,) = (row for row in found.data[CATEGORY]["means"]["rows"] if row[0] == "generated shapes")
+    labelled = count_objects(open_scan_dataset(workspace, CATEGORY).files["train"])
+    assert row[1] == f"{labelled} + {len(labels)}"
+    assert "not DSG-Net's own" in " ".join(found.text.split())
+
+
 def test_each_method_has_pseudo_labels_scans_and_networks_of_its_own(scanned: Scanned, tmp_path: Path) -> None:
     workspace, (label, *_) = pseudo_labelled(scanned, tmp_path / "workspace")
     other = Workspace(workspace.root, method="paper")
@@ -315,7 +357,7 @@ def test_each_method_has_pseudo_labels_scans_and_networks_of_its_own(scanned: Sc
     }
     shown = [picture.title for section in picture_sections(workspace) for picture in section.pictures]
     assert {title.split(":")[0] for title in shown} >= {"supervised", "semi-weakly", "semi-weakly, paper"}
-    example = ExampleScan(workspace, FAMILY, tmp_path / "scan.npz")
+    example = ExampleScan(workspace, FAMILY, tmp_path / "scan.npz", Render(workspace, scanned.config, FAMILY))
     example.run(Listener())
 
     def trained_for(method: str | None) -> str:
@@ -342,7 +384,7 @@ def test_networks_that_know_a_floor_leave_its_points_out(scanned: Scanned, tmp_p
     header = json.loads(weights[0].with_suffix(".json").read_text(encoding="utf-8"))
     known = json.loads(Cell(CATEGORY, "supervised", 0).folder(scanned.workspace, "ancsh").joinpath("weights.json").read_text())
     assert header["facts"]["classes"] == known["facts"]["classes"] + 1
-    example = ExampleScan(floored.workspace, FAMILY, tmp_path / "scan.npz")
+    example = ExampleScan(floored.workspace, FAMILY, tmp_path / "scan.npz", floored.render())
     example.run(Listener())
     PredictScan(example.path, tmp_path / "out", floored.workspace, FAMILY, **HOW).run(Listener())
     with np.load(tmp_path / "out" / "scan.parts.npz") as labelled:
@@ -355,6 +397,9 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
     steps = " ".join(stage.plan().steps)
     for step in ("gnn_fine", "gnn_coarse", "axis", "ranking", "label", "scan", "ancsh"):
         assert step in steps, "said before anything is done"
+    dataset = open_dataset(stage.workspace, FAMILY)
+    known = sum(map(len, dataset.labelled.values())) + len(dataset.hidden)
+    assert f"scan {known + round(USED * len(dataset.unlabelled))} objects" in steps, "those to be labelled too"
     told = Listener()
     found = stage.run(told)
     assert [note for note in told.notes if note.startswith("to do")]
@@ -392,13 +437,13 @@ def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_pat
     document = json.loads((tmp_path / "out" / "seen.json").read_text())
     assert document == found.data
     assert [joint["kind"] for joint in document["joints"]] == ["R"]
-    assert sum(part["points"] for part in document["parts"]) == POINTS_TO_ASK_ABOUT
+    assert sum(part["points"] for part in document["parts"]) == len(points), "of the scan's own points"
     assert (tmp_path / "out" / "seen.svg").read_text().startswith("<svg")
     with np.load(tmp_path / "out" / "seen.parts.npz") as labelled:
         np.testing.assert_array_equal(labelled["points"], points[labelled["places"]])
         said = [int((labelled["parts"] == part["id"]).sum()) for part in document["parts"]]
         assert sum(said) == len(points)
-        assert [count > 0 for count in said] == [part["points"] > 0 for part in document["parts"]]
+        assert said == [part["points"] for part in document["parts"]]
 
 
 def test_a_depth_image_in_millimetres_goes_through_the_command(scanned: Scanned, tmp_path: Path) -> None:
@@ -420,7 +465,7 @@ def test_a_depth_image_in_millimetres_goes_through_the_command(scanned: Scanned,
 
 
 def test_an_example_is_the_test_scan_that_shows_all_parts_best(scanned: Scanned, tmp_path: Path) -> None:
-    example = ExampleScan(scanned.workspace, FAMILY, tmp_path / "new" / "scan.npz")
+    example = ExampleScan(scanned.workspace, FAMILY, tmp_path / "new" / "scan.npz", scanned.render())
     assert [step for step in example.plan().steps if "scan.npz" in step]
     name = example.run(Listener()).data["object"]
     test = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob(f"{name}-*.safetensors")))
@@ -435,8 +480,24 @@ def test_an_example_is_the_test_scan_that_shows_all_parts_best(scanned: Scanned,
         (tmp_path / taken).write_bytes(b"mine")
         np.savez(tmp_path / "points.npz", points=np.zeros((3, 3)))
         with pytest.raises(InputError, match=r"in the way|ends in \.npz"):
-            ExampleScan(scanned.workspace, FAMILY, tmp_path / taken).plan()
+            ExampleScan(scanned.workspace, FAMILY, tmp_path / taken, scanned.render()).plan()
     assert (tmp_path / "scan.npz").read_bytes() == b"mine"
+
+
+def test_an_example_is_scanned_only_where_there_are_no_scans(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    before = contents(workspace.path)
+    command = ["render", "--category", FAMILY, "--workspace", str(workspace.path), "--workers", "1", "--example"]
+    for other in (["--config", "small"], ["--seed", "1"]):  # by which all would be scanned anew
+        result = CliRunner().invoke(app, [*command, str(tmp_path / "scan.npz"), *other])
+        assert result.exit_code == 0, result.output
+        assert contents(workspace.path) == before
+    shutil.rmtree(workspace.scans)
+    example = ExampleScan(workspace, FAMILY, tmp_path / "scan.npz", Render(workspace, scanned.config, FAMILY, beside=()))
+    assert [step.split()[0] for step in example.plan().steps] == ["scan", "write"]
+    assert example.run(Listener()).failed == 0
+    assert [step.split()[0] for step in example.plan().steps] == ["write"]
 
 
 def test_nothing_is_replaced_but_what_was_found_in_the_same_scan(scanned: Scanned, tmp_path: Path) -> None:

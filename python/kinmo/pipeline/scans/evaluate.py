@@ -32,8 +32,10 @@ class EvaluateScans:
     on_rough: bool = False
 
     def plan(self) -> Plan:
-        if self._scans.held():
-            return Plan((), 0.0)
+        return Plan((), 0.0) if self._scans.held() else self.guess()
+
+    def guess(self) -> Plan:
+        """Judging all scans that there are."""
         files = self._scans.files()
         frames = sum(file.frames for file in files)
         each = seconds_per_unit(self.workspace, self._scans.stage, SECONDS_PER_FRAME, kind=self._scans.kind)

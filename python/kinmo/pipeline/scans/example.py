@@ -9,6 +9,7 @@ import numpy as np
 
 from kinmo.errors import InputError
 from kinmo.pipeline.scans.dataset import open_scan_dataset
+from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_input import READING, write_points
 from kinmo.workspace import Workspace
@@ -21,21 +22,25 @@ MARK = "example_of"
 class ExampleScan:
     """Write one of the scans that networks of `category` are tested on to `path`, an .npz: its points, in the camera's frame.
 
-    The object is drawn by `seed`; of its scans it is the one that shows all parts best. Raises InputError if there is no such
-    scan, or `path` holds anything but such an example.
+    It is of the scans that there are, however they were made; only where there are none `rendering` makes them. The object is
+    drawn by `seed`; of its scans it is the one that shows all parts best. Raises InputError if there is no such scan, or `path`
+    holds anything but such an example.
     """
 
     workspace: Workspace
     category: str
     path: Path
+    rendering: Render
     seed: int = 0
 
     def plan(self) -> Plan:
         self._check_replaceable()
-        return Plan((f"write a test scan of a {self.category} to {self.path}",), 0.0)
+        before = Plan((), 0.0) if self._is_scanned() else self.rendering.plan()
+        return Plan((*before.steps, f"write a test scan of a {self.category} to {self.path}"), before.seconds)
 
     def run(self, observer: Observer) -> Outcome:
         self._check_replaceable()
+        failed = 0 if self._is_scanned() else self.rendering.run(observer).failed
         dataset = open_scan_dataset(self.workspace, self.category)
         files = dataset.files["test"]
         if not files:
@@ -46,7 +51,13 @@ class ExampleScan:
         row = int(seen.min(axis=0).argmax())
         self.path.parent.mkdir(parents=True, exist_ok=True)
         write_points(self.path, file.read("points", row), **{MARK: np.array(file.id)})
-        return Outcome(self.path, {"scan": str(self.path), "object": file.id}, f"a scan of {file.id}")
+        return Outcome(self.path, {"scan": str(self.path), "object": file.id}, f"a scan of {file.id}", failed)
+
+    def _is_scanned(self) -> bool:
+        try:
+            return bool(open_scan_dataset(self.workspace, self.category).files["test"])
+        except InputError:
+            return False
 
     def _check_replaceable(self) -> None:
         if self.path.suffix != ".npz":

@@ -88,15 +88,16 @@ class Rendering:
     config: ScansConfig
     seed: int
 
-    def __call__(self, jobs: Sequence[Job]) -> None:
-        """`jobs` are of one object, which is read once; the object itself comes first, if it is among them."""
+    def __call__(self, jobs: Sequence[Job]) -> str | None:
+        """`jobs` are of one object, which is read once; the object itself comes first, if it is among them.
+
+        Returns why it could not be read, which is no refusal: it could be when it was prepared, and may be again.
+        """
         jobs[0].path.parent.mkdir(parents=True, exist_ok=True)
         try:
             shape = replace(read_found(jobs[0].found), id=jobs[0].found.id)
         except ValueError as error:
-            for job in jobs:
-                job.refuse(str(error))
-            return
+            return str(error)
         for job in jobs:
             seed = zlib.crc32(f"{job.found.id} {job.role} {self.seed}".encode()) + job.variant
             try:
@@ -112,7 +113,8 @@ class Rendering:
             for each in unwanted:
                 each.refuse(f"{job.found.path}: has {target.structure.in_words}", target.structure)
             if not job.variant:
-                return
+                break
+        return None
 
     def _moving(self, shape: Shape, job: Job, seed: int) -> ArticulatedObject:
         changing = np.random.default_rng([seed, CHANGING])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from kinmo.categories import same_category
@@ -12,13 +11,13 @@ from kinmo.errors import InputError, did_you_mean
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.scans.evaluate import EvaluateScans
-from kinmo.pipeline.scans.networks import Cell, Protocol, trained_cells
+from kinmo.pipeline.scans.networks import Protocol, trained_cells
 from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.scans.settings import PSEUDO_LABELLED, SUPPLEMENTS
 from kinmo.pipeline.scans.table_rows import TABLES, RowOf
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.scans.written_tables import WrittenTables
-from kinmo.pipeline.stage import Observer, Outcome, Plan, Stage
+from kinmo.pipeline.stage import LaterStage, Observer, Outcome, Plan, Stage
 from kinmo.pipeline.train import Train
 from kinmo.workspace import Workspace
 
@@ -66,16 +65,21 @@ class MakeTable:
     start: Workspace | None = None
 
     def plan(self) -> Plan:
-        """Cells that cannot be run are not among the steps: the table says why."""
+        """Cells that lack what they learn from are not among the steps: the table says why."""
         steps, seconds = [], 0.0
         known: dict[Stage, Plan] = {}
         for category in self._categories():
             for row, seed in self._cells(category):
-                with suppress(CannotBeRun):
+                name = _name(row, category, seed)
+                try:
                     plan = self._pending(row, category, seed, known)
                     if plan.steps:
-                        steps.append(f"{_name(row, category, seed)}: {', '.join(plan.steps)}")
+                        steps.append(f"{name}: {', '.join(plan.steps)}")
                         seconds += plan.seconds
+                except CannotBeRun:
+                    continue
+                except InputError as error:
+                    steps.append(f"{name}: cannot be run: {error}")
         return Plan(tuple(steps), seconds)
 
     def run(self, observer: Observer) -> Outcome:
@@ -95,10 +99,11 @@ class MakeTable:
                     observer.note(name)
                     for stage in self._stages(row, category, seed):
                         failed += stage.run(observer).failed
-                except InputError as error:
+                except (InputError, ChildProcessError) as error:
                     observer.note(f"not run: {name}: {error}")
-                    is_known = self._is_known_to_be_impossible(row, category, seed)
-                    failed += not (is_known and row.setting == "ceiling")  # few workspaces have labels that are held back
+                    row.judged(self.workspace, category, seed).leave_out(getattr(error, "problem", str(error)))
+                    # few workspaces have labels that are held back
+                    failed += not (row.setting == "ceiling" and self._cannot_be_run(row, category, seed))
         seeds = {category: self._shown_seeds(category) for category in self._categories()}
         written = WrittenTables(self.workspace, self.name).write(seeds, self.protocol)
         return replace(written, failed=failed)
@@ -114,31 +119,17 @@ class MakeTable:
         for stage in self._stages(row, category, seed):
             if stage not in known:
                 try:
-                    known[stage] = stage.plan()
+                    known[stage] = stage.guess() if words and not isinstance(stage, Train) else stage.plan()
                 except InputError as error:
                     if not words and isinstance(stage, TrainAncsh | EvaluateScans):
                         raise CannotBeRun(error.where, error.problem, error.field) from None
                     if not words:
                         raise
-                    known[stage] = self._guess(stage)
+                    known[stage] = Plan((WORDS[type(stage)],), 0.0)
                 seconds += known[stage].seconds
-            plan = known[stage]
-            if words and not plan.steps and isinstance(stage, TrainAncsh | EvaluateScans):
-                plan = self._guess(stage)  # it is done for what there is, which the stages before it change
-                seconds += plan.seconds
-            if plan.steps and WORDS[type(stage)] not in words:
+            if known[stage].steps and WORDS[type(stage)] not in words:
                 words.append(WORDS[type(stage)])
         return Plan(tuple(words), seconds)
-
-    def _guess(self, stage: Stage) -> Plan:
-        """The plan of a stage whose input is not there yet: what it will be at most."""
-        seconds = 0.0
-        if isinstance(stage, TrainAncsh):
-            seconds = stage.guessed_seconds()
-            if stage.setting == "semi" and stage.category:
-                is_taught = Cell(stage.category, "supervised", stage.seed).weights(stage.workspace) is not None
-                seconds *= 1 if is_taught else 2
-        return Plan((WORDS[type(stage)],), seconds)
 
     def _check(self, row: RowOf, category: str) -> None:
         """Raises CannotBeRun if there are no shapes of the kind that networks are to learn from beside the labelled ones."""
@@ -146,12 +137,11 @@ class MakeTable:
         if needed is not None and not needed.count(open_dataset(row.workspace(self.workspace), category)):
             raise CannotBeRun(self.workspace.prepared, f"no shapes of {category} {needed.shapes}")
 
-    def _is_known_to_be_impossible(self, row: RowOf, category: str, seed: int) -> bool:
-        """Whether a cell cannot be run with what there is. If so, the reason is kept for the tables."""
+    def _cannot_be_run(self, row: RowOf, category: str, seed: int) -> bool:
+        """Whether a cell lacks what it learns from, with all done that could be."""
         try:
             self._pending(row, category, seed, {})
-        except CannotBeRun as error:
-            row.judged(self.workspace, category, seed).leave_out(error.problem)
+        except CannotBeRun:
             return True
         except InputError:
             pass
@@ -184,7 +174,7 @@ class MakeTable:
         rows = [row for row in TABLES[self.name].rows if row.setting not in PSEUDO_LABELLED or row.method in self.methods]
         return ((row, seed) for seed in self._seeds_of(category) for row in rows)
 
-    def _stages(self, row: RowOf, category: str, seed: int) -> Iterator[Stage]:
+    def _stages(self, row: RowOf, category: str, seed: int) -> Iterator[Train | LaterStage]:
         place, cell = row.workspace(self.workspace), row.cell(category, seed)
         if row.setting in PSEUDO_LABELLED:
             yield Train(row.method, place.motion, self.config, None, SHARED_SEED, self.device, self.workers, self.start)

@@ -23,7 +23,6 @@ from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods
 from kinmo.pipeline.scans.pictures import view_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.report.scan_picture import scan_picture
-from kinmo.scans.answers import PointAnswers
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.scan_input import Intrinsics, check_is_scan, read_scan, write_points
@@ -74,13 +73,13 @@ class PredictScan:
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
         (answer,), (found,) = network.find([seen], [diagonal], seed=self.seed)
         made_by = {"weights": networks_digest(weights), "trained": cell.title(place), "category": cell.category}
-        document = scan_document(found, answer, network.structure, self.source, made_by)
+        parts = _of_nearest(points, seen, answer.parts)
+        document = scan_document(found, parts, network.structure, self.source, made_by)
         picture = scan_picture([view_of(seen, answer.parts, found, network.structure)], self.source.stem)
         self.out.mkdir(parents=True, exist_ok=True)
         target, drawing, labelled = self._files()
         write_text_atomically(target, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
         write_text_atomically(drawing, picture)
-        parts = _of_nearest(points, seen, answer.parts)
         write_points(labelled, points, parts=parts, places=scan.places)
         return Outcome(target, document, _text(document))
 
@@ -125,16 +124,16 @@ class PredictScan:
 
 
 def scan_document(
-    found: ScanEstimate, answer: PointAnswers, structure: Structure, source: Path, made_by: Mapping[str, str]
+    found: ScanEstimate, of_points: NDArray[np.integer], structure: Structure, source: Path, made_by: Mapping[str, str]
 ) -> dict[str, Any]:
     """What was found, in the frame and the lengths of the scan (x to the right, y down, z forward); null where unknown.
 
-    `made_by` are facts about the networks.
+    `of_points` [n] are the parts of the scan's points; `made_by` are facts about the networks.
     """
     parts = [
         {
             "id": part,
-            "points": int((answer.parts == part).sum()),
+            "points": int((of_points == part).sum()),
             "inliers": _number(found.inliers[part]),
             "box": {
                 "center": _list(found.centers[part]),

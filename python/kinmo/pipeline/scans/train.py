@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -99,9 +99,8 @@ class TrainAncsh:
             steps += plan.steps
             seconds += plan.seconds
         if steps:  # what they leave decides what is trained on
-            cells = [Cell(category, self.setting, self.seed) for category in self._categories()]
-            steps += [f"train {network} ({cell.title(self.workspace)})" for cell in cells for network in NETWORKS]
-            return Plan(tuple(steps), seconds + self.guessed_seconds(len(cells)))
+            training = self._training(self._categories())
+            return Plan((*steps, *training.steps), seconds + training.seconds)
         fittings = list(self._fittings(config))
         pending = self._fitter.pending(fittings)
         steps += [
@@ -112,10 +111,21 @@ class TrainAncsh:
         ]
         return Plan(tuple(steps), seconds + self._fitter.seconds([each.work for each in pending]))
 
-    def guessed_seconds(self, categories: int = 1) -> float:
-        """About how long it takes to train the networks of so many categories, whatever scans there will be."""
+    def guess(self) -> Plan:
+        """Training them whatever scans there will be; `semi` after those that label, if there are none yet."""
+        categories = self._categories()
+        training = self._training(categories)
+        teachers = [Cell(category, "supervised", self.seed) for category in categories if self.setting == "semi"]
+        untaught = sum(cell.weights(self.workspace) is None for cell in teachers)
+        return replace(training, seconds=training.seconds * (1.0 + untaught / len(categories)))
+
+    def _training(self, categories: Sequence[str]) -> Plan:
+        """Training all networks of some categories."""
         section = self._config.ancsh
-        return self._fitter.seconds([_work(self.workspace, section, network) for network in NETWORKS] * categories)
+        cells = [Cell(category, self.setting, self.seed) for category in categories]
+        steps = tuple(f"train {network} ({cell.title(self.workspace)})" for cell in cells for network in NETWORKS)
+        works = [_work(self.workspace, section, network) for network in NETWORKS] * len(cells)
+        return Plan(steps, self._fitter.seconds(works))
 
     def run(self, observer: Observer) -> Outcome:
         config = self._config
