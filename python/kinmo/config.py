@@ -30,6 +30,8 @@ Positive = Annotated[float, Within(sys.float_info.min, sys.float_info.max)]
 Amount = Annotated[float, Within(0.0, sys.float_info.max)]
 Share = Annotated[float, Within(0.0, 1.0)]
 Counts = Annotated[tuple[Count, ...], Within(1)]
+Precision = Literal["32-true", "bf16-mixed", "16-mixed"]
+"""Of the numbers that layers are worked out in, as Lightning calls it."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class TrainingConfig:
     gradient_clip: Amount = 1.0
     average: Share = 0.0
     keep: Literal["best", "last"] = "best"
-    precision: Literal["32-true", "bf16-mixed", "16-mixed"] = "32-true"
+    precision: Precision = "32-true"
     threads: Number = 0
     devices: Count = 1
 

@@ -13,11 +13,12 @@ from whole_road import METHODS, Listener, Road, contents, tiny_config
 from browser import assert_shown_without_complaint, needs_browser
 from kinmo.errors import InputError
 from kinmo.formats import Found, Layout, discover, read_found, read_partnet_mobility
+from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluation_folder import SETTINGS
 from kinmo.pipeline.examples import read_examples
 from kinmo.pipeline.journal import runs
-from kinmo.pipeline.label_decisions import LABELS
+from kinmo.pipeline.label_decisions import LABELS, decision_path, folder_name
 from kinmo.pipeline.predict import Predict
 from kinmo.pipeline.predictors import leaf_meshes, load_predictor
 from kinmo.pipeline.prepare import Prepare
@@ -98,6 +99,27 @@ def test_no_labelled_shape_is_pseudo_labelled(road: Road) -> None:
     decided = {path.stem for path in (road.workspace.pseudo / "decisions").glob("*.json")}
     labelled = {found.id for found in discover(road.shapes / "partnet_mobility")}
     assert decided and not decided & labelled
+
+
+def test_a_shape_that_cannot_be_read_now_keeps_its_label_and_is_labelled_once_it_can(road: Road, tmp_path: Path) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    entry = next(each for each in open_dataset(workspace).unlabelled if (workspace.pseudo / folder_name(each)).is_dir())
+    label, decision = workspace.pseudo / folder_name(entry) / LABELS, decision_path(workspace, entry)
+    before = contents(workspace.pseudo)
+    decision.unlink()
+    source, away, told = Path(entry.source), tmp_path / "away", Listener()
+    stage = replace(road.stages["pseudo-label"], workspace=workspace)  # type: ignore[type-var]
+    source.rename(away)
+    try:
+        assert stage.run(told).failed == 1
+    finally:
+        away.rename(source)
+    assert [note for note in told.notes if note.startswith("failed: ") and "missing" in note]
+    assert label.exists() and not decision.exists()
+    assert stage.plan().steps
+    assert stage.run(Listener()).failed == 0
+    assert contents(workspace.pseudo) == before
 
 
 def test_a_higher_threshold_leaves_fewer_folders(road: Road, tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import torch
 
-from kinmo.config import AncshConfig, ScansConfig, TrainingConfig, load_config
+from kinmo.config import AncshConfig, AncshNetworkName, Precision, ScansConfig, TrainingConfig, load_config
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.data import ScanData, odds
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
@@ -186,6 +186,23 @@ def test_training_makes_the_loss_smaller_and_what_is_written_answers_scans(file:
     assert all(len(said.parts) == 256 and said.npcs.shape == (256, 3) for said in answers)
     again = networks.answer(list(file.read("points", slice(0, 3))))
     np.testing.assert_array_equal(answers[0].npcs, again[0].npcs)
+
+
+@pytest.mark.parametrize("which", ["ancsh", "npcs"])
+def test_training_in_mixed_precision_comes_to_the_same(file: ScanFile, tmp_path: Path, which: AncshNetworkName) -> None:
+    precisions: tuple[Precision, ...] = ("32-true", "bf16-mixed")
+    errors = [
+        train_ancsh(
+            [file],
+            [file],
+            replace(TINY, training=replace(TINY.training, precision=precision)),
+            tmp_path / precision,
+            which=which,
+            device="cpu",
+        ).best_error
+        for precision in precisions
+    ]
+    assert errors[0] != errors[1] == pytest.approx(errors[0], rel=0.05)
 
 
 def test_how_large_a_scan_is_does_not_matter(file: ScanFile) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-from kinmo.config import ContinuedConfig, RankingConfig, TrainingConfig
+from kinmo.config import ContinuedConfig, Precision, RankingConfig, TrainingConfig
 from kinmo.errors import InputError
 from kinmo.evidence import Evidence
 from kinmo.learning.joint_ranking.predict import JointRanking
@@ -41,6 +41,16 @@ def continued(shapes: list[PreparedShape], start: Path, folder: Path, share: flo
     config = replace(CONFIG, continued=replace(CONFIG.continued, initial_share=share))
     train_joint_ranking(shapes[:2], shapes[2:], config, folder, device="cpu", initial=start)
     return parameters(folder / "weights.safetensors")
+
+
+def test_training_in_mixed_precision_comes_to_the_same(shapes, tmp_path: Path) -> None:
+    precisions: tuple[Precision, ...] = ("32-true", "bf16-mixed")
+    configs = [replace(CONFIG, training=replace(SCHEDULE, precision=precision)) for precision in precisions]
+    exact, mixed = (
+        train_joint_ranking(shapes[:3], shapes[3:], config, tmp_path / config.training.precision, device="cpu").best_error
+        for config in configs
+    )
+    assert exact != mixed == pytest.approx(exact, rel=0.05)
 
 
 def test_training_that_goes_on_ends_on_the_way_from_where_it_started(shapes, started: Path, tmp_path: Path) -> None:

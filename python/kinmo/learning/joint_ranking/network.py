@@ -117,7 +117,8 @@ class JointRanker(nn.Module):
         token = self.context(padded, src_key_padding_mask=empty)[batch.view_of, batch.slot_of]
 
         scores = self.score(torch.cat([joint, token[batch.unit_of]], dim=1))[:, 0]
-        return segment_log_softmax(scores, self.rest(token)[:, 0], batch.unit_of)
+        whole = batch.units.dtype  # probabilities are as precise as what comes in, even where layers are less so
+        return segment_log_softmax(scores.to(whole), self.rest(token)[:, 0].to(whole), batch.unit_of)
 
 
 def rankers(config: RankingConfig, hypothesis_features: int, unit_features: int) -> nn.ModuleList:
