@@ -22,6 +22,8 @@ from kinmo.workspace import Workspace
 
 NO_CATEGORY = f"no labelled shapes of {', '.join(PAPER_CATEGORIES)}: networks for scans are trained for --category NAME"
 
+NO_LABELS = "no pseudo label has the joints that most labelled objects have: networks are trained on these alone"
+
 
 @dataclass(frozen=True)
 class TrainAll:
@@ -60,6 +62,8 @@ class TrainAll:
         results: dict[str, Any] = {}
         sees_scans, failed = False, 0
         for stage in chain([self._motion], self._later(open_dataset(self.workspace))):
+            if isinstance(stage, TrainAncsh) and stage.setting == "supervised":
+                self._tell_of_missing_labels(stage.category, observer)
             outcome = stage.run(observer)
             texts.append(outcome.text)
             failed += outcome.failed
@@ -69,6 +73,10 @@ class TrainAll:
         if not sees_scans:
             observer.note(NO_CATEGORY)
         return Outcome(self.workspace.models, results, "\n".join(filter(None, texts)), failed)
+
+    def _tell_of_missing_labels(self, category: str | None, observer: Observer) -> None:
+        if open_dataset(self.workspace, category).unlabelled:
+            observer.note(f"{category}: {NO_LABELS}")
 
     @property
     def _motion(self) -> Train:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections import Counter
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -23,7 +23,7 @@ from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of, training_d
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.judge_trained import JudgeTrained
 from kinmo.pipeline.scans.judged import JudgedScans
-from kinmo.pipeline.scans.make_table import MakeTable
+from kinmo.pipeline.scans.make_table import TOO_LONG, MakeTable
 from kinmo.pipeline.scans.networks import NETWORKS, PROTOCOLS, Cell
 from kinmo.pipeline.scans.pictures import COMMON
 from kinmo.pipeline.scans.refusal import REFUSED
@@ -380,6 +380,28 @@ def test_a_table_whose_motion_networks_have_none_to_go_on_from_says_so(scanned: 
     for problem in problems:
         assert str(tmp_path / "none") in problem
         assert "expected the weights to go on from" in problem
+
+
+def test_categories_that_the_paper_varies_have_three_seeds_unless_it_is_said(scanned: Scanned) -> None:
+    stage = MakeTable("2", scanned.workspace, scanned.config, ("kinmo",), **HOW)
+    counts = {name: len(stage._seeds_of(name)) for name in ("Refrigerator", "Scissors", "Door", "Table", "Dishwasher")}
+    assert counts == {"Refrigerator": 3, "Scissors": 3, "Door": 1, "Table": 1, "Dishwasher": 1}
+    assert replace(stage, seeds=2)._seeds_of("Scissors") == replace(stage, seeds=2)._seeds_of("Door") == (0, 1)
+
+
+def test_within_some_hours_what_fits_is_run(scanned: Scanned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
+    stage = MakeTable("4", Workspace(tmp_path / "workspace"), scanned.config, ("kinmo",), FAMILY, 2, **HOW)
+    row = TABLES["4"].rows[0]
+    trained, untrained = (stage._pending(row, CATEGORY, seed, {}).seconds for seed in (0, 1))
+    assert 0.0 < trained < untrained, "the second is to be trained first"
+    monkeypatch.setattr("kinmo.pipeline.scans.make_table.time.monotonic", lambda: 0.0)
+    told = Listener()
+    found = replace(stage, hours=(trained + untrained) / 2 / 3600).run(told)
+    assert f"not run: {CATEGORY}, supervised, seed 1: {TOO_LONG}" in told.notes
+    rows = {row[0]: row for row in found.data[CATEGORY]["means"]["rows"]}
+    assert rows["supervised"][2] == "0"
 
 
 def test_a_training_that_dies_leaves_the_other_cells_and_says_so_in_the_table(

@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 from whole_road import Listener, contents
 
 from kinmo.cli.app import app
+from kinmo.config import load_config
 from kinmo.errors import InputError
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.label_decisions import folder_name
@@ -315,6 +316,10 @@ def test_networks_learn_from_pseudo_labels_too(scanned: Scanned, tmp_path: Path)
     stage.run(Listener())
     assert stage.plan().steps == ()
     dataset = open_scan_dataset(workspace, CATEGORY)
+    config = load_config(scanned.config)
+    others = TrainAncsh(workspace, scanned.config, FAMILY, "supervised", **HOW)
+    budgets = [[(each.work.schedule, each.work.units) for each in one._fittings(config)] for one in (stage, others)]
+    assert budgets[0] == budgets[1], "as many steps on as many frames, whatever there is to learn from"
     facts = json.loads((Cell(CATEGORY, "semi-weakly", 0).folder(workspace, "npcs") / "weights.json").read_text())["facts"]
     assert facts["labelled"] == count_objects(dataset.files["train"])
     assert facts["objects"] == facts["labelled"] + count_objects(dataset.files["pseudo"])
@@ -404,6 +409,7 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
     found = stage.run(told)
     assert [note for note in told.notes if note.startswith("to do")]
     # such networks find nothing that moves, so that there are no pseudo labels to learn from
+    assert [note for note in told.notes if note.startswith(f"{CATEGORY}: no pseudo label")]
     assert {"gnn_fine", f"ancsh ({CATEGORY}, supervised, seed 0)"} <= found.data.keys()
     assert (stage.plan().steps, stage.plan().seconds) == ((), 0.0)
     before = contents(tmp_path / "workspace")
