@@ -27,7 +27,7 @@ def moved(file: ScanFile, part: int, direction: tuple[float, float, float], shif
     return replace(file, joints=tuple(joints))
 
 
-def test_labels_count_as_right_if_all_joints_are_in_their_places(tmp_path) -> None:
+def test_labels_count_as_right_if_all_axes_are_along_the_true_ones_and_in_their_places(tmp_path) -> None:
     scans = scan(TARGET, ScansConfig(states=1, views=1, size=64, points=16), 0)
     write_scans(tmp_path / "a.safetensors", TARGET, scans, Provenance())
     file = open_scans(tmp_path / "a.safetensors")
@@ -45,11 +45,11 @@ def test_labels_count_as_right_if_all_joints_are_in_their_places(tmp_path) -> No
     true = [named(file, name) for name in said if name != "truly another"] + [named(file, "not labelled")]
     labels = [named(other, name) for name, other in said.items()]
     originals = {label.object: label.id for label in labels}
-    assert count_labels(labels, true, originals) == LabelCounts(labelled=6, are=5, right=3, true=6)
+    assert count_labels(labels, true, originals) == LabelCounts(labelled=6, are=5, along=4, right=3, true=6)
     variants = [named(moved(file, door, aside, 0.0), "right", variant=2)]
     assert count_labels([*labels, *variants], true, originals) == count_labels(labels, true, originals)
     more = count_labels([*labels, named(file, "new")], true, originals)
-    assert more == LabelCounts(labelled=6, are=5, right=3, true=6, unknown=1), "nobody knows of that one"
+    assert more == LabelCounts(labelled=6, are=5, along=4, right=3, true=6, unknown=1), "nobody knows of that one"
     assert str(more).endswith("Of 1 more that they give them the truth is not known.")
     other = {label.object: f"original of {label.id}" for label in labels}
     renamed = [replace(one, id=f"original of {one.id}") for one in true]
