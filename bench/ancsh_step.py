@@ -1,15 +1,18 @@
 """A training step of both networks of ANCSH, on one thread: forward, losses, backward and Adam, without reading scans.
 
-    python bench/ancsh_step.py [--config small] [--repeats 20]
+    python bench/ancsh_step.py [--config small] [--repeats 20] [--memory kept|returned]
 
-Prints the least processor time of a step and the frames a second that it makes. To compare two states of the code, run it in
-both, one after the other.
+Prints the least processor time of a step and the frames a second that it makes. Memory that a step frees is kept for the next
+one, as `kinmo train` has it where networks are trained side by side; `returned` is what malloc does by itself. To compare two
+states of the code, run it in both, one after the other.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
+import sys
 import time
 
 import torch
@@ -17,6 +20,7 @@ import torch
 from kinmo.config import AncshConfig, AncshNetworkName, load_config
 from kinmo.learning.ancsh.loss import ScanBatch
 from kinmo.learning.ancsh.train import AncshLearner
+from kinmo.pipeline.fitting import KEPT, TUNABLES
 
 PARTS = 3
 NETWORKS: tuple[AncshNetworkName, ...] = ("ancsh", "npcs")
@@ -63,12 +67,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--config", default="small")
     parser.add_argument("--repeats", type=int, default=20)
+    parser.add_argument("--memory", choices=("kept", "returned"), default="kept")
     arguments = parser.parse_args()
+    wanted = KEPT if arguments.memory == "kept" else ""
+    if os.environ.get(TUNABLES) != wanted:  # it is read when a process starts
+        os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | {TUNABLES: wanted})
     torch.set_num_threads(1)
     config = load_config(arguments.config).ancsh
     for which in NETWORKS:
         seconds = step_seconds(config, which, arguments.repeats)
-        claim = f"a step of {which} ({arguments.config}, {config.batch_frames} frames of {config.points} points), ms"
+        how = f"{arguments.config}, {config.batch_frames} frames of {config.points} points, memory {arguments.memory}"
+        claim = f"a step of {which} ({how}), ms"
         print(f"{claim}: {1e3 * seconds:.0f}, {config.batch_frames / seconds:.0f} frames a second")
         print(json.dumps({"claim": claim, "ours": 1e3 * seconds, "peer": None, "ratio": None, "goal": None, "met": None}))
 
