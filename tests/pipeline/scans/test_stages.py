@@ -7,6 +7,7 @@ import math
 import re
 import shutil
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from whole_road import Listener, contents
 from kinmo.cli.app import app
 from kinmo.config import load_config
 from kinmo.errors import InputError
+from kinmo.pipeline import each_shape
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.label_decisions import folder_name
 from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of
@@ -201,7 +203,9 @@ def test_networks_are_trained_once_and_judged_frame_by_frame(scanned: Scanned) -
     assert len(lines) == sum(file.frames for file in dataset.files["test"])
 
 
-def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(scanned: Scanned, tmp_path: Path) -> None:
+def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(
+    scanned: Scanned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     workspace = Workspace(tmp_path / "workspace")
     config = tmp_path / "longer.toml"
@@ -232,6 +236,13 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(s
     own.run(Listener())
     assert {path: path.stat().st_mtime_ns for path in labelled[1:]} == kept, "what was labelled stays as it is"
     assert labelled[0].read_bytes() == gone
+    monkeypatch.setattr(each_shape, "JOBS_A_PROCESS", 1)
+    by_one = contents(labelled[0].parent)
+    workspace.forget(f"self-label-{CATEGORY}-0")
+    for path in labelled:
+        path.unlink()
+    replace(own, workers=2).run(Listener())
+    assert contents(labelled[0].parent) == by_one, "by two processes too"
 
 
 def test_a_setting_without_anything_of_its_own_is_none(scanned: Scanned) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -10,6 +11,7 @@ from urllib.parse import quote
 from kinmo import __version__
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.predict import Ancsh
+from kinmo.pipeline.each_shape import each_shape
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scans.dataset import ScanDataset, fingerprint, open_scan_dataset
@@ -18,9 +20,11 @@ from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import Provenance, ScanFile, is_made_from, open_scans, write_scans
 from kinmo.scans.self_label import self_labelled
 from kinmo.wording import counted
+from kinmo.workers import Crashed
 from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers
 
-SECONDS_PER_FRAME = 0.1
+SECONDS_PER_FRAME = 0.03
+"""On one core, until the journal knows better."""
 
 
 @dataclass(frozen=True)
@@ -32,13 +36,15 @@ class SelfLabel:
     confidence: float
     seed: int = 0
     device: str = "auto"
+    workers: int = 1
 
     def plan(self) -> Plan:
         dataset = open_scan_dataset(self.workspace, self.category)
         frames = sum(file.frames for file in dataset.files["unlabelled"])
         if self._cell(dataset).weights(self.workspace) and self._is_current(dataset):
             return Plan((), 0.0)
-        each = seconds_per_unit(self.workspace, self._stage(dataset), SECONDS_PER_FRAME, kind="self-label-")
+        alone = SECONDS_PER_FRAME / self.workers
+        each = seconds_per_unit(self.workspace, self._stage(dataset), alone, kind="self-label-")
         return Plan((f"label {counted(frames, 'scan')} of {self.category} by what networks say",), frames * each)
 
     def run(self, observer: Observer) -> Outcome:
@@ -58,30 +64,25 @@ class SelfLabel:
             inputs, stage = self._inputs(dataset), self._stage(dataset)
             self.workspace.forget(stage)
             remove_leftovers(folder)
-            made_from = {_own_path(folder, file): digest([inputs, file.id]) for file in files}
+            folder.mkdir(parents=True, exist_ok=True)
+            jobs = {_own_path(folder, file): Job(file.path, digest([inputs, file.id])) for file in files}
             for path in folder.glob("*.safetensors"):
-                if path not in made_from or not is_made_from(path, made_from[path]):
+                if path not in jobs or not is_made_from(path, jobs[path].made_from):
                     path.unlink()
-            pending = [file for file in files if not _own_path(folder, file).exists()]
-            network = Ancsh.load(*weights, device=self.device)
+            frames = {file.path: file.frames for file in files}
+            pending = [job for path, job in jobs.items() if not path.exists()]
+            labelling = Labelling(folder, weights, inputs["weights"], self.device, self.confidence, self.seed)
             with timed(self.workspace, stage) as watch:
-                for done, file in enumerate(pending, start=1 + len(files) - len(pending)):
-                    path = _own_path(folder, file)
-                    self._label(file, network, path, made_from[path])
-                    observer.progress("labelling scans", done, len(files), file.id)
-                watch.amount = sum(file.frames for file in pending)
+                labelled = each_shape(labelling, pending, self.workers, self.device)
+                for done, (job, answer) in enumerate(labelled, start=1 + len(files) - len(pending)):
+                    if isinstance(answer, Crashed):
+                        raise ChildProcessError(f"the process that labelled {job.scans} died: too little memory?")
+                    observer.progress("labelling scans", done, len(files), job.scans.stem)
+                watch.amount = sum(frames[job.scans] for job in pending)
                 watch.what = f"{counted(watch.amount, 'scan')} of {dataset.category}"
             outputs = tuple(str(path.relative_to(self.workspace.path)) for path in sorted(folder.glob("*.safetensors")))
             self.workspace.write_record(stage, StageRecord(inputs, outputs))
         return Outcome(folder, {"objects": len(outputs), "of": len(files)})
-
-    def _label(self, file: ScanFile, network: Ancsh, path: Path, made_from: str) -> None:
-        points = file.read("points")
-        answers, estimates = network.find(list(points), [1.0] * len(points), seed=self.seed)
-        made = self_labelled((file.id, file.category), points, answers, estimates, network.structure, self.confidence)
-        if made is not None:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            write_scans(path, *made, Provenance(made_from, "unlabelled", file.provenance.layout))
 
     def _stage(self, dataset: ScanDataset) -> str:
         return f"self-label-{dataset.category}-{self.seed}"
@@ -100,6 +101,41 @@ class SelfLabel:
 
     def _is_current(self, dataset: ScanDataset) -> bool:
         return self.workspace.is_current(self._stage(dataset), self._inputs(dataset))
+
+
+@dataclass(frozen=True)
+class Job:
+    """The `scans` of one object to label; `made_from` is a hash of all that their labels depend on."""
+
+    scans: Path
+    made_from: str
+
+
+@dataclass(frozen=True)
+class Labelling:
+    """Labels scans of objects by networks with these `weights`, of that `digest`, into `folder`, in whatever process."""
+
+    folder: Path
+    weights: tuple[Path, Path]
+    digest: str
+    device: str
+    confidence: float
+    seed: int
+
+    def __call__(self, job: Job) -> None:
+        network, file = _networks(self.weights, self.digest, self.device), open_scans(job.scans)
+        points = file.read("points")
+        answers, estimates = network.find(list(points), [1.0] * len(points), seed=self.seed)
+        made = self_labelled((file.id, file.category), points, answers, estimates, network.structure, self.confidence)
+        if made is not None:
+            provenance = Provenance(job.made_from, "unlabelled", file.provenance.layout)
+            write_scans(_own_path(self.folder, file), *made, provenance)
+
+
+@lru_cache(maxsize=1)
+def _networks(weights: tuple[Path, Path], digest: str, device: str) -> Ancsh:
+    """Read once a process, as long as they are the same."""
+    return Ancsh.load(*weights, device=device)
 
 
 def _own_path(folder: Path, file: ScanFile) -> Path:

@@ -159,7 +159,7 @@ class TrainAncsh:
             )
             yield teachers
             for category in self._categories():
-                yield SelfLabel(self.workspace, category, config.ancsh.confidence, self.seed, self.device)
+                yield SelfLabel(self.workspace, category, config.ancsh.confidence, self.seed, self.device, self.workers)
 
     def _fittings(self, config: Config) -> Iterator[ScanFitting]:
         for category in self._categories():
