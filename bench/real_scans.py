@@ -25,7 +25,7 @@ from kinmo.pipeline.model_files import METHOD_MODELS
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.scans.make_table import MakeTable
 from kinmo.splits import Split, split_of, within_share
-from kinmo.workspace import Workspace
+from kinmo.workspace import DEFAULT_METHOD, Workspace
 
 CATEGORIES = ("laptop", "bucket", "table", "safe", "box")
 METHODS = tuple(METHOD_MODELS)
@@ -78,7 +78,7 @@ def main() -> None:
     parser.add_argument("--cache", type=Path, required=True)
     parser.add_argument("--from", dest="start", type=Path)
     parser.add_argument("--category", nargs="+", choices=CATEGORIES, default=list(CATEGORIES))
-    parser.add_argument("--method", nargs="+", choices=METHODS, default=list(METHODS))
+    parser.add_argument("--method", nargs="+", choices=METHODS, help="all; with --from, kinmo, as others cannot start from it")
     parser.add_argument("--share", type=float, default=0.3)
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--hours", type=float)
@@ -91,9 +91,10 @@ def main() -> None:
     workers = os.cpu_count() or 1
     Prepare(folder, workspace, workers=workers, hold_back=(folder / "unlabelled" / "held_back",)).run(observer)
     start = None if options.start is None else Workspace(options.start)
+    methods = tuple(options.method or (METHODS if start is None else (DEFAULT_METHOD,)))
     for category in () if options.quick else options.category:
         table = MakeTable(
-            "2", workspace, "small", tuple(options.method), category, options.seeds, options.hours, workers=workers, start=start
+            "2", workspace, "small", methods, category, options.seeds, options.hours, workers=workers, start=start
         )
         print(table.run(observer).text)
 

@@ -98,6 +98,10 @@ def test_an_absent_file_is_answered_with_the_known_names() -> None:
         ("head_dropout", "1.5", "axis.head_dropout"),
         ("weights", "[]", "refinement.weights"),
         ("members", "0", "ranking.members"),
+        ("epochs", "99999999999999999999", "gnn.training.epochs"),
+        ("threads", "1000000", "gnn.training.threads"),
+        ("states", "16\npoints = 1000000000", "scans.points"),
+        ("states", "16\nsize = 1000000", "scans.size"),
     ],
 )
 def test_values_out_of_bounds_are_refused_by_name(key: str, value: str, field: str, tmp_path: Path) -> None:

@@ -24,8 +24,10 @@ else:
 EXTENDS = "extends"
 """The key of a file that goes on from a configuration that comes with kinmo."""
 
-Count = Annotated[int, Within(1)]
-Number = Annotated[int, Within(0)]
+MANY = 10**9
+"""More than there is ever a use for, and few enough for whatever counts with them."""
+Count = Annotated[int, Within(1, MANY)]
+Number = Annotated[int, Within(0, MANY)]
 Positive = Annotated[float, Within(sys.float_info.min, sys.float_info.max)]
 Amount = Annotated[float, Within(0.0, sys.float_info.max)]
 Share = Annotated[float, Within(0.0, 1.0)]
@@ -53,7 +55,7 @@ class TrainingConfig:
     average: Share = 0.0
     keep: Literal["best", "last"] = "best"
     precision: Precision = "32-true"
-    threads: Number = 0
+    threads: Annotated[int, Within(0, 1024)] = 0
     devices: Count = 1
 
 
@@ -85,11 +87,11 @@ class GnnConfig:
     """The motion GNN (paper, section 3.2).
 
     `inputs`: `paper` has points, boxes, names and the relation of two boxes; `kinmo` adds their relative pose, distance and
-    contact to every edge. `edges`: all sibling pairs, or those in contact
-    (closer than `contact` diagonals). `direction_loss`: the mean over motion edges of the un-squared L2 norm, one Frobenius
-    norm over all of them, or the mean with the sign of the axis left open. `class_weights`: one a class, empty for ones;
-    `class_balance` multiplies them with (share of the class) ** -class_balance. `variants`: how many more forms of a
-    training shape are shown, mirrored and stretched along its axes by up to e ** +-`stretch`.
+    contact to every edge. `edges`: all sibling pairs, or those in contact (closer than `contact` diagonals). `direction_loss`:
+    the mean over motion edges of the un-squared L2 norm, one Frobenius norm over all of them, or the mean with the sign of the
+    axis left open. `class_weights`: one for each of the ten types, or none for ones; `class_balance` multiplies them with
+    (share of the class) ** -class_balance. `variants`: how many more forms of a training shape are shown, mirrored and
+    stretched along its axes by up to e ** +-`stretch`.
     """
 
     leaf: PointEncoderConfig
@@ -229,8 +231,8 @@ class ScansConfig:
     test_states: Count = 31
     test_views: Count = 6
     sampling: Literal["independent", "lockstep", "release"] = "independent"
-    size: Count = 512
-    points: Count = 1024
+    size: Annotated[int, Within(1, 16384)] = 512
+    points: Annotated[int, Within(1, 1_000_000)] = 1024
     least_pixels: Number = 10
     smallest_part: Share = 0.15
     canonical: Literal["closed", "file"] = "closed"

@@ -14,7 +14,7 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from kinmo import __version__
-from kinmo.cli.app import app
+from kinmo.cli.app import app, main
 
 COMMANDS = sorted(get_command(app).commands)  # type: ignore[attr-defined]
 WITHOUT_WORKERS = ("report",)
@@ -77,6 +77,19 @@ def test_wrong_usage_is_exit_code_2(arguments: list[str]) -> None:
     assert CliRunner().invoke(app, arguments).exit_code == 2
 
 
+@pytest.mark.parametrize("arguments", [["synth", ""], ["prepare", ""], ["eval", "--workspace", ""]])
+def test_an_empty_argument_is_not_the_current_folder(
+    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["kinmo", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    assert capsys.readouterr().err == "kinmo: an argument is empty: is a variable not set?\n"
+    assert not list(tmp_path.iterdir())
+
+
 OF_THE_WORKSPACE = "applies only to the workspace's own shapes and scans, not to FILES"
 
 
@@ -90,6 +103,7 @@ OF_THE_WORKSPACE = "applies only to the workspace's own shapes and scans, not to
             "--method: applies only to settings with pseudo labels, not to semi",
         ),
         ("train ancsh --from elsewhere", "--from: ancsh cannot start from trained weights; use it with all, motion or axis"),
+        ("predict . --category laptop", "--category: applies only to scans; . is a folder"),
         ("predict shapes --depth-scale 1000", "--depth-scale: applies only to scans; give --category too"),
         ("synth shapes --layout dsg_net --held-back", "--held-back: applies only to --layout partnet"),
         ("table sensors --method paper", "--method: applies only to tables with pseudo labels, not to sensors"),

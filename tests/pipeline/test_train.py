@@ -42,6 +42,16 @@ def test_categories_with_too_few_shapes_for_networks_of_their_own_are_said(road:
     assert stage.plan().steps == ()
 
 
+def test_of_few_shapes_some_are_kept_to_choose_by(road: Road, tmp_path: Path) -> None:
+    stage = without_shapes_to_choose_by(road, ["Laptop", "Stapler"], tmp_path)
+    shared = Train("gnn", stage.workspace, str(tiny_config(tmp_path)), device="cpu")
+    count = len(open_dataset(stage.workspace).labelled[Split.TRAIN])
+    assert shared.plan().steps[0].startswith(f"train gnn_fine on {count - 1} shapes")
+    assert shared.plan().steps[0].endswith("choose by 1")
+    assert set(shared.run(Listener()).data) == {"gnn_fine", "gnn_coarse"}
+    assert shared.plan().steps == ()
+
+
 def test_where_no_category_has_enough_shapes_nothing_is_trained(road: Road, tmp_path: Path) -> None:
     stage = without_shapes_to_choose_by(road, ["Laptop", "Stapler"], tmp_path)
     with pytest.raises(InputError, match=r"of Laptop .* and 0 to choose by; .* of Stapler .*: both are needed"):

@@ -131,6 +131,26 @@ def test_a_workspace_among_the_shapes_is_not_searched(dataset, tmp_path):
     assert "900" not in {entry.id for entry in report.taken}
 
 
+def test_shapes_in_the_workspace_itself_are_no_shapes_to_prepare(dataset):
+    with pytest.raises(InputError, match=r"lies in the workspace .* name another --workspace"):
+        prepare(dataset, dataset)
+
+
+def test_a_shape_whose_files_cannot_be_looked_at_is_left_out_in_one_line(dataset, tmp_path, monkeypatch):
+    real = os.scandir
+
+    def denied(path):
+        if Path(path).name == "objs" and Path(path).parent == first:
+            raise PermissionError(13, "Permission denied", str(path))
+        return real(path)
+
+    first = sorted(path.parent for path in dataset.rglob("objs"))[0]
+    monkeypatch.setattr("kinmo.formats.sources.os.scandir", denied)
+    report = prepare(dataset, tmp_path / "w")
+    (left_out,) = (entry for entry in report.left_out if entry.path == str(first))
+    assert left_out.reasons == (f"{first / 'objs'}: cannot be read (Permission denied)",)
+
+
 def test_odd_names_are_prepared(tmp_path):
     names = [os.fsdecode(b"bad\xff"), "a b%2F", "é" * 60, "line\nbreak", "con", "x.y"]
     for name in names:

@@ -65,7 +65,7 @@ def test_intrinsics_that_are_given_take_the_place_of_those_in_the_file(tmp_path)
 
 def test_intrinsics_are_four_numbers():
     assert Intrinsics.parse("100,110,15.5,11.5") == CAMERA
-    for text in ("", "1,2,3", "a,b,c,d", "0,1,2,3", "1,1,nan,0"):
+    for text in ("", "1,2,3", "a,b,c,d", "0,1,2,3", "-1,1,2,3", "1,1,nan,0"):
         with pytest.raises(InputError, match="--intrinsics: expected fx,fy,cx,cy"):
             Intrinsics.parse(text)
 
@@ -106,6 +106,10 @@ def written(folder: Path, what: str) -> Path:
     elif what == "chunk.png":
         Image.fromarray(np.arange(64 * 64, dtype=np.uint16).reshape(64, 64)).save(path)
         path.write_bytes(path.read_bytes().replace(b"IDAT", b"I\0AT"))
+    elif what == "half.ply":
+        points = "".join(f"{x} {y} {z}\n" for x, y, z in POINTS[:60])
+        axes = "".join(f"property float {axis}\n" for axis in "xyz")
+        path.write_text(f"ply\nformat ascii 1.0\nelement vertex {len(POINTS)}\n{axes}end_header\n{points}")
     elif what == "empty.npy":
         np.save(path, np.full((64, 3), np.nan))
     else:
@@ -132,8 +136,9 @@ def written(folder: Path, what: str) -> Path:
         ("tiny.npy", "expected points that are 1e-06 to 1e[+]09 apart"),
         ("huge.npy", "expected points that are 1e-06 to 1e[+]09 apart"),
         ("palette.png", "expected depths, got an image with a palette"),
-        ("cut.npz", "expected arrays of NumPy"),
+        ("cut.npz", r"expected arrays of NumPy \(it is none, or holds objects\)"),
         ("cut.ply", "expected a PLY file"),
+        ("half.ply", "expected 100 points, as its header says, got 60"),
         ("cut.png", "expected a depth image"),
         ("chunk.png", "expected a depth image"),
         ("scan.xyz", "expected a scan: one of"),
@@ -144,6 +149,15 @@ def test_what_is_no_scan_is_named_in_one_line(tmp_path, what, problem):
         read_scan(written(tmp_path, what))
     assert what in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_points_behind_the_camera_are_left_out_and_counted_and_those_at_none_are_not(tmp_path):
+    behind, unknown = POINTS[:7] * [1.0, 1.0, -1.0], [[0.0, 0.0, 0.0], [np.nan, 0.0, -1.0]]
+    np.save(tmp_path / "all.npy", np.vstack([behind, unknown, POINTS]))
+    found = read_scan(tmp_path / "all.npy")
+    np.testing.assert_array_equal(found.points, POINTS)
+    assert found.places.tolist() == list(range(9, 109))
+    assert found.behind == 7
 
 
 def test_pixels_without_a_place_are_left_out_and_other_arrays_are_not_looked_at(tmp_path):

@@ -94,4 +94,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
+    if "" in sys.argv[1:]:  # as a path it would be the current folder, which nobody means by nothing
+        print("kinmo: an argument is empty: is a variable not set?", file=sys.stderr)
+        sys.exit(2)
     app()

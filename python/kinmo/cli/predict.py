@@ -65,6 +65,8 @@ def predict(
         from kinmo.pipeline.scans.predict import PredictScan
         from kinmo.scans.scan_input import Intrinsics
 
+        if shape.is_dir():
+            raise InputError("--category", f"applies only to scans; {shape} is a folder")
         camera = None if intrinsics is None else Intrinsics.parse(intrinsics)
         answering = None if method is None else method.value
         scan = PredictScan(shape, out, workspace, category, camera, depth_scale, answering, options.seed, options.device)

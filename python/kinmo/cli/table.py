@@ -33,7 +33,9 @@ def table(
         int | None, Option(min=1, max=100, help="How often every cell is trained.", show_default="3 or 1, by category")
     ] = None,
     hours: Annotated[float | None, Option(min=0.0, help="Begin nothing that would end later.", show_default=False)] = None,
-    method: Annotated[Method | None, Option(help="Only rows with pseudo labels of this method.", show_default="all")] = None,
+    method: Annotated[
+        Method | None, Option(help="Only rows with pseudo labels of this method.", show_default="all; with --from, kinmo")
+    ] = None,
     protocol: Annotated[
         ProtocolName, Option(help="How scans are measured: rightly, or as ANCSH's public code does, faults included.")
     ] = ProtocolName.KINMO,
@@ -58,6 +60,8 @@ def table(
     if name is Name.SENSORS and (start is not None or method is not None):
         option = "--method" if start is None else "--from"
         raise InputError(option, "applies only to tables with pseudo labels, not to sensors")
+    if method is None and start is not None:
+        method = Method.KINMO  # networks of the paper's method cannot start from trained ones
     methods = tuple(each.value for each in Method) if method is None else (method.value,)
     stage = MakeTable(
         name.value,

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from hashlib import blake2b
 from pathlib import Path
 
+from kinmo.errors import InputError
 from kinmo.formats.annotation import MESH_FOLDERS
 from kinmo.formats.discover import Found, Layout
 from kinmo.formats.dsg_net import geometry_places
@@ -15,11 +16,17 @@ _FILES = ("mobility_v2.json", "result.json", "result_after_merging.json", "meta.
 
 
 def fingerprint(found: Found) -> list[list[str | int]]:
-    """Names, sizes in bytes and times of change (ns) of the files that a shape is read from, as plain data."""
+    """Names, sizes in bytes and times of change (ns) of the files that a shape is read from, as plain data.
+
+    Raises InputError for files that cannot be looked at.
+    """
     rows: list[list[str | int]] = []
-    for name, path in _files(found):
-        status = path.lstat()
-        rows.append([name, status.st_size, status.st_mtime_ns])
+    try:
+        for name, path in _files(found):
+            status = path.lstat()
+            rows.append([name, status.st_size, status.st_mtime_ns])
+    except OSError as error:
+        raise InputError(shown(error.filename or found.path), f"cannot be read ({error.strerror})") from None
     return rows
 
 

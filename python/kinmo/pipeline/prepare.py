@@ -15,6 +15,7 @@ from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.prepare import PrepareReport, prepare_folder
 from kinmo.store import PreparedStore
+from kinmo.synth.generate import HELD_BACK
 from kinmo.wording import counted
 from kinmo.workspace import Workspace, write_text_atomically
 
@@ -44,6 +45,7 @@ class Prepare:
         return Plan((step,), count * each)
 
     def run(self, observer: Observer) -> Outcome:
+        self._warn_of_held_back(observer)
         before = _sources(self.workspace)
         with timed(self.workspace, STAGE) as watch:
             report = prepare_folder(
@@ -61,6 +63,12 @@ class Prepare:
         write_text_atomically(self.workspace.prepared / REPORT, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
         usable = len(report.taken) + len(report.repaired)
         return Outcome(self.workspace.prepared, data, summary(report), failed=0 if usable else 1)
+
+    def _warn_of_held_back(self, observer: Observer) -> None:
+        """Of labels that kinmo synth has written to be held back, where nothing holds them back."""
+        for folder in filter(Path.is_dir, [*self.root.glob(HELD_BACK), *self.root.glob(f"*/{HELD_BACK}")]):
+            if not any(given.resolve() in (folder.resolve(), *folder.resolve().parents) for given in self.hold_back):
+                observer.note(f"{folder}: taken as labelled shapes; --hold-back {folder} keeps their labels from all networks")
 
 
 def _sources(workspace: Workspace) -> set[str]:

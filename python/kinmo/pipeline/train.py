@@ -18,7 +18,7 @@ from kinmo.pipeline.journal import seconds_per_unit
 from kinmo.pipeline.model_files import CONFIG, METHOD_MODELS, WEIGHTS, model_folder
 from kinmo.pipeline.models import CONTINUED, GROUPS, TRAINERS
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.splits import Split
+from kinmo.splits import Split, kept_to_choose_by
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
 from kinmo.wording import counted
@@ -180,22 +180,35 @@ class Train:
                     yield f"no {model} ({part.category}): {part}, both are needed"
 
     def _start_of(self, model: str) -> Weights | None:
-        """The weights that a model is to go on from. Raises InputError if they were never trained, or cannot be read."""
-        if self.start is None or model not in CONTINUED:
-            return None
-        weights = model_folder(self.start, model) / WEIGHTS
-        if not weights.exists():
-            raise InputError(
-                weights, "expected the weights to go on from: run kinmo train motion in that workspace first", "--from"
-            )
-        return load_weights(weights, CONTINUED[model][0])
+        """The weights that a model is to go on from."""
+        return None if self.start is None or model not in CONTINUED else weights_to_start_from(self.start, model)
+
+
+def weights_to_start_from(start: Workspace, model: str) -> Weights:
+    """Those of a model, one of `CONTINUED`. Raises InputError if they were never trained, or cannot be read."""
+    weights = model_folder(start, model) / WEIGHTS
+    if not weights.exists():
+        problem = "expected the weights to go on from: run kinmo train motion in that workspace first"
+        raise InputError(weights, problem, "--from")
+    return load_weights(weights, CONTINUED[model][0])
 
 
 def _parts(dataset: Dataset, section: Any) -> list[Part]:
     """A part for each category, where each has networks of its own, or one for all."""
     labelled = dataset.labelled
-    categories = dataset.categories() if getattr(section, "per_category", False) else ()
-    return [
-        Part(category, *(tuple(e for e in labelled[split] if category in (None, e.category)) for split in TRAINED_ON))
-        for category in categories or (None,)
-    ]
+    if getattr(section, "per_category", False):
+        return [
+            Part(category, *(tuple(e for e in labelled[split] if e.category == category) for split in TRAINED_ON))
+            for category in dataset.categories()
+        ]
+    return [Part(None, *_with_some_to_choose_by(*(tuple(labelled[split]) for split in TRAINED_ON)))]
+
+
+def _with_some_to_choose_by(
+    training: tuple[IndexEntry, ...], validation: tuple[IndexEntry, ...]
+) -> tuple[tuple[IndexEntry, ...], tuple[IndexEntry, ...]]:
+    """The same; of few shapes, none of which is a validation shape, some to train on are kept for that."""
+    if validation or len(training) < 2:
+        return training, validation
+    kept = kept_to_choose_by({entry.id for entry in training})
+    return tuple(e for e in training if e.id not in kept), tuple(e for e in training if e.id in kept)

@@ -8,7 +8,7 @@ from itertools import chain
 from typing import Any
 
 from kinmo.categories import same_category
-from kinmo.errors import InputError
+from kinmo.errors import InputError, did_you_mean
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, open_scan_dataset
@@ -107,5 +107,6 @@ class TrainAll:
         wanted = PAPER_CATEGORIES if self.category is None else (self.category,)
         found = [name for want in wanted for name in known if same_category(name, want)]
         if self.category is not None and not found:
-            raise InputError(self.workspace.prepared, f"expected a labelled shape of {self.category} to train on")
+            near = did_you_mean(self.category, known)
+            raise InputError(self.workspace.prepared, f"expected a labelled shape of {self.category} to train on{near}")
         return found

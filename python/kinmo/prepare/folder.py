@@ -93,6 +93,10 @@ def prepare_folder(
         problems: list[InputError] = []
         total = sum(1 for _ in discover(root, skip=(workspace.path,), report=problems.append))
         if not total:
+            if workspace.path.resolve() in (root.resolve(), *root.resolve().parents):
+                raise InputError(
+                    root, f"lies in the workspace {workspace.path}, which is passed over: name another --workspace"
+                )
             seen = f"; {problems[0]}" if problems else ""
             raise InputError(root, f"expected at least one shape at or below it (docs/formats.md says what is one){seen}")
         run = _Run(store, _folders(hold_back))

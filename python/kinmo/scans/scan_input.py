@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from tokenize import TokenError
@@ -23,6 +24,8 @@ IMAGES = (".png", ".tif", ".tiff")
 LEAST_POINTS = 32
 SMALLEST, LARGEST = 1e-6, 1e9
 """Longest side of the box of all points; beyond these something else than a scan is in the file."""
+LONGEST_HEADER = 1 << 16
+"""Bytes of a PLY file that its header is looked for in."""
 NARROWEST = 16
 """Pixels across a depth image: an array of fewer columns is one of points."""
 
@@ -47,7 +50,8 @@ class Intrinsics:
             values = [float(value) for value in text.split(",")]
             return cls._checked(values, "--intrinsics")
         except ValueError:
-            raise InputError("--intrinsics", f"expected fx,fy,cx,cy in pixels, got {text!r}") from None
+            problem = f"expected fx,fy,cx,cy in pixels, fx and fy above 0, got {text!r}"
+            raise InputError("--intrinsics", problem) from None
 
     @classmethod
     def of_matrix(cls, matrix: NDArray[np.generic], source: Path) -> Intrinsics:
@@ -82,11 +86,13 @@ class DepthImage:
 class ScanInput:
     """`points` [n, 3] in the frame of the camera: x to the right, y down, z forward.
 
-    `places` [n] are those of the points in the file: of what it lists, or of the pixels of its image, row by row.
+    `places` [n] are those of the points in the file: of what it lists, or of the pixels of its image, row by row. So many more
+    lie `behind` the camera.
     """
 
     points: F64
     places: NDArray[np.int64]
+    behind: int = 0
 
 
 def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: float | None = None) -> ScanInput:
@@ -106,7 +112,8 @@ def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: flo
         for option, value in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
             if value is not None:
                 raise InputError(option, f"applies only to depth images; {path} holds points")
-    places = np.flatnonzero(np.isfinite(points).all(axis=1) & (points[:, 2] > 0.0))
+    is_known = np.isfinite(points).all(axis=1) & points.any(axis=1)
+    places, behind = np.flatnonzero(is_known & (points[:, 2] > 0.0)), int(np.sum(is_known & (points[:, 2] <= 0.0)))
     points = points[places]
     count = len(np.unique(points, axis=0))
     if count < LEAST_POINTS:
@@ -115,7 +122,7 @@ def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: flo
     if not SMALLEST <= across <= LARGEST:
         problem = f"expected points that are {SMALLEST:g} to {LARGEST:g} apart along an axis, got {across:g}"
         raise InputError(path, problem)
-    return ScanInput(points, places)
+    return ScanInput(points, places, behind)
 
 
 def write_points(path: Path, points: NDArray[np.floating], **beside: NDArray[Any]) -> None:
@@ -148,7 +155,8 @@ def _arrays(path: Path) -> F64 | DepthImage:
     except READING as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(path, f"expected arrays of NumPy ({error})") from None
+        reason = "it is none, or holds objects" if "pickle" in str(error) else error
+        raise InputError(path, f"expected arrays of NumPy ({reason})") from None
     for name, array in arrays.items():
         if getattr(array, "dtype", np.dtype(object)).kind not in "fiu":
             raise InputError(path, "expected numbers", name)
@@ -197,4 +205,8 @@ def _ply(path: Path) -> F64:
         raise InputError(path, f"expected a PLY file with points ({error})") from None
     if points.ndim != 2 or points.shape[1:] != (3,):
         raise InputError(path, "expected a PLY file with points")
+    with path.open("rb") as file:
+        said = re.search(rb"^element\s+vertex\s+(\d+)", file.read(LONGEST_HEADER), re.MULTILINE)
+    if said and int(said[1]) != len(points):
+        raise InputError(path, f"expected {int(said[1])} points, as its header says, got {len(points)}")
     return points

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import torch
 
+from kinmo.errors import InputError
 from kinmo.joint import CoarseType, MotionType
 from kinmo.learning.motion_gnn.loss import class_weights, edge_losses
 from kinmo.learning.motion_gnn.network import EdgeOutput
@@ -74,3 +75,16 @@ def test_balance_weighs_rare_classes_more_and_keeps_the_mean_at_one() -> None:
     assert weights[MotionType.P_H] == pytest.approx(3 * weights[MotionType.FIXED].item())
     assert weights[types].mean().item() == pytest.approx(1.0)
     assert class_weights(types, 10, (), 0.0) is None
+
+
+def test_weights_of_the_ten_types_are_those_of_the_five_on_average() -> None:
+    given = tuple(float(n + 1) for n in range(len(MotionType)))
+    fine, coarse = (class_weights(torch.zeros(0, dtype=torch.long), classes, given, 0.0) for classes in (10, 5))
+    assert fine is not None and coarse is not None
+    assert fine.tolist() == list(given)
+    for kind in CoarseType:
+        own = [weight for weight, motion in zip(given, MotionType, strict=True) if motion.coarse is kind]
+        assert coarse[kind].item() == pytest.approx(sum(own) / len(own))
+    for number in (2, 5, 11):
+        with pytest.raises(InputError, match=f"gnn.class_weights: expected 10 numbers, one a motion type, got {number}"):
+            class_weights(torch.zeros(3, dtype=torch.long), 10, (1.0,) * number, 0.0)

@@ -129,6 +129,18 @@ def test_an_object_that_cannot_be_scanned_says_why_and_is_not_tried_again(scanne
     assert stage.plan().steps == ()
 
 
+def test_frames_that_show_too_little_are_counted_with_the_reason(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    config = tmp_path / "strict.toml"
+    text = Path(scanned.config).read_text(encoding="utf-8")
+    config.write_text(text.replace("least_pixels = 1\n", "least_pixels = 100000\n"), encoding="utf-8")
+    found = Render(Workspace(tmp_path / "workspace"), str(config), FAMILY, beside=()).run(Listener())
+    refused = found.data["categories"][CATEGORY]["refused"]
+    assert sum(refused.values()) > 0
+    for reason, count in refused.items():
+        assert f"{count} {reason}" in found.text and "fewer than 100000 pixels" in reason
+
+
 def test_an_object_that_cannot_be_read_now_is_scanned_once_it_can(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     workspace = Workspace(tmp_path / "workspace")
@@ -449,8 +461,14 @@ def test_without_a_category_of_the_papers_train_all_says_that_scans_are_left_out
 
 def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_path: Path) -> None:
     points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
-    np.savez(tmp_path / "seen.npz", points=points)
-    found = PredictScan(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Listener())
+    np.savez(tmp_path / "seen.npz", points=np.vstack([points, [[0.0, 0.0, -1.0]]]))
+    told = Listener()
+    found = PredictScan(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(told)
+    assert told.notes == [f"1 of {len(points) + 1} points are left out: they are behind the camera (z < 0)"]
+    for part in found.data["parts"]:
+        share = part["inliers"]
+        agree = "not found" if share is None else f"{share:.0%} of them agree on where it is"
+        assert f"part {part['id']}: {part['points']} points, {agree}\n" in found.text
     document = json.loads((tmp_path / "out" / "seen.json").read_text())
     assert document == found.data
     assert [joint["kind"] for joint in document["joints"]] == ["R"]

@@ -8,7 +8,9 @@ import torch
 from torch import Tensor
 from torch.nn.functional import cross_entropy
 
+from kinmo.errors import InputError
 from kinmo.joint import CoarseType, JointKind, MotionType
+from kinmo.learning.layers import scatter_mean
 from kinmo.learning.motion_gnn.network import EdgeOutput
 
 COARSE_OF_FINE = torch.tensor([t.coarse.value for t in MotionType])
@@ -66,10 +68,18 @@ def edge_losses(
 
 
 def class_weights(types: Tensor, classes: int, given: tuple[float, ...], balance: float) -> Tensor | None:
-    """Weights [classes]: `given` (ones if empty) times the class's share of `types` ** -balance; None if all are one."""
+    """Weights [classes]: `given` (ones if empty) times the class's share of `types` ** -balance; None if all are one.
+
+    Those `given` are of the ten fine types; of five classes each has the mean of its own. Raises InputError for another number.
+    """
     if not given and not balance:
         return None
-    weights = torch.tensor(given or (1.0,) * classes)
+    if len(given) not in (0, len(MotionType)):
+        raise InputError("gnn.class_weights", f"expected {len(MotionType)} numbers, one a motion type, got {len(given)}")
+    weights = torch.tensor(given or (1.0,) * len(MotionType))
+    if classes != len(MotionType):
+        weights, _ = scatter_mean(weights.unsqueeze(1), COARSE_OF_FINE, classes)
+        weights = weights.squeeze(1)
     if balance:
         targets = types if classes == len(MotionType) else COARSE_OF_FINE[types]
         share = torch.bincount(targets, minlength=classes) / max(len(targets), 1)

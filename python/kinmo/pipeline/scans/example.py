@@ -40,7 +40,12 @@ class ExampleScan:
 
     def run(self, observer: Observer) -> Outcome:
         self._check_replaceable()
-        failed = 0 if self._is_scanned() else self.rendering.run(observer).failed
+        failed = 0
+        if not self._is_scanned():
+            scanned = self.rendering.run(observer)
+            failed = scanned.failed
+            for line in scanned.text.splitlines():
+                observer.note(line)
         dataset = open_scan_dataset(self.workspace, self.category)
         files = dataset.files["test"]
         if not files:

@@ -7,8 +7,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from kinmo.categories import same_category
+from kinmo.config import load_config
 from kinmo.errors import InputError, did_you_mean
+from kinmo.learning.weights import pick_device
 from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.models import CONTINUED
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.networks import Protocol, trained_cells
@@ -18,7 +21,7 @@ from kinmo.pipeline.scans.table_rows import TABLES, RowOf
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.pipeline.stage import LaterStage, Observer, Outcome, Plan, Stage
-from kinmo.pipeline.train import Train
+from kinmo.pipeline.train import Train, weights_to_start_from
 from kinmo.workspace import Workspace
 
 WORDS: Mapping[type, str] = {
@@ -66,6 +69,7 @@ class MakeTable:
 
     def plan(self) -> Plan:
         """Cells that lack what they learn from are not among the steps: the table says why."""
+        self._check_options()
         steps, seconds = [], 0.0
         known: dict[Stage, Plan] = {}
         for category in self._categories():
@@ -83,6 +87,7 @@ class MakeTable:
         return Plan(tuple(steps), seconds)
 
     def run(self, observer: Observer) -> Outcome:
+        self._check_options()
         limit = float("inf") if self.hours is None else time.monotonic() + 3600.0 * self.hours
         failed = 0
         for category in self._categories():
@@ -107,6 +112,14 @@ class MakeTable:
         seeds = {category: self._shown_seeds(category) for category in self._categories()}
         written = WrittenTables(self.workspace, self.name).write(seeds, self.protocol)
         return replace(written, failed=failed)
+
+    def _check_options(self) -> None:
+        """Raises InputError for what no cell could be run with."""
+        load_config(self.config)
+        pick_device(self.device)
+        if self.start is not None:
+            for model in CONTINUED:
+                weights_to_start_from(self.start, model)
 
     def _pending(self, row: RowOf, category: str, seed: int, known: dict[Stage, Plan]) -> Plan:
         """What a cell still takes, in words, and about how many seconds but for stages in `known`, to which its own are added.

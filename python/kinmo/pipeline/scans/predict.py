@@ -26,6 +26,7 @@ from kinmo.report.scan_picture import scan_picture
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.scan_input import Intrinsics, check_is_scan, read_scan, write_points
+from kinmo.wording import counted
 from kinmo.workspace import DEFAULT_METHOD, Workspace, write_text_atomically
 
 SCHEMA_VERSION = 1
@@ -62,6 +63,10 @@ class PredictScan:
         self._check_replaceable()
         scan = read_scan(self.source, self.intrinsics, self.depth_scale)
         points = scan.points
+        if scan.behind:
+            observer.note(
+                f"{scan.behind} of {scan.behind + len(points)} points are left out: they are behind the camera (z < 0)"
+            )
         weights = cell.weights(place)
         assert weights is not None, "trained_cells has those with weights"
         network = Ancsh.load(*weights, device=self.device)
@@ -183,6 +188,9 @@ def _of_nearest(points: NDArray[np.float64], seen: NDArray[np.float64], parts: N
 
 def _text(document: dict[str, Any]) -> str:
     lines = [f"{document['category']}: {len(document['parts'])} parts"]
+    for part in document["parts"]:
+        agree = "not found" if part["inliers"] is None else f"{part['inliers']:.0%} of them agree on where it is"
+        lines.append(f"  part {part['id']}: {counted(part['points'], 'point')}, {agree}")
     for joint in document["joints"]:
         state = joint["state"]
         shown = "not found"

@@ -41,8 +41,9 @@ def in_words(data: dict[str, Any]) -> str:
     lines = []
     for category, found in data["categories"].items():
         objects = ", ".join(f"{count} {role}" for role, count in found["objects"].items())
-        refused = sum(found["refused"].values())
-        lines.append(f"{category}: {counted(found['frames'], 'frame')} of objects ({objects}); {refused} refused")
+        reasons = ", ".join(f"{count} {reason}" for reason, count in found["refused"].items())
+        refused = f"{sum(found['refused'].values())} refused" + (f" ({reasons})" if reasons else "")
+        lines.append(f"{category}: {counted(found['frames'], 'frame')} of objects ({objects}); {refused}")
         lines += [*_structure_lines(found["structures"]), *_structure_lines(found["not scanned"], ", not scanned")]
     lines += [f"left out  {reason}" for reason in data["refused"].values()]
     return "\n".join(lines)

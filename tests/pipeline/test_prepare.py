@@ -1,0 +1,24 @@
+"""Preparing as a stage: what it tells beside what it makes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from whole_road import Listener
+
+from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.synth import Synth
+from kinmo.synth.generate import HELD_BACK
+from kinmo.workspace import Workspace
+
+
+def test_labels_that_nothing_holds_back_are_told(tmp_path: Path) -> None:
+    Synth(tmp_path / "partnet", 2, ("laptop",), ("partnet",), held_back=True).run(Listener())
+    held_back, workspace = tmp_path / "partnet" / HELD_BACK, Workspace(tmp_path / "workspace")
+    warning = f"{held_back}: taken as labelled shapes; --hold-back {held_back} keeps their labels from all networks"
+    for hold_back in ((), (held_back,), (tmp_path / "partnet",)):
+        told = Listener()
+        Prepare(tmp_path / "partnet", workspace, hold_back=hold_back).run(told)
+        assert (warning in told.notes) is not bool(hold_back)
+        assert bool(open_dataset(workspace).hidden) is bool(hold_back)
