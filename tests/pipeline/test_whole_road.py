@@ -187,6 +187,19 @@ def test_predict_goes_on_past_a_bad_shape(road: Road, tmp_path: Path) -> None:
     assert contents(tmp_path / "out") == before
 
 
+def test_predict_tells_what_it_had_to_leave_out_of_a_shape(road: Road, tmp_path: Path) -> None:
+    source = next((road.shapes / "partnet").iterdir())
+    shutil.copytree(source, tmp_path / "shapes" / source.name)
+    mesh = sorted((tmp_path / "shapes" / source.name / "objs").glob("*.obj"))[-1]
+    mesh.write_text("", encoding="utf-8")
+    told = Listener()
+    found = Predict(tmp_path / "shapes", tmp_path / "out", road.workspace, METHODS[0], device="cpu").run(told)
+    (shape,) = found.data["shapes"]
+    assert any("no surface" in repair for repair in shape["repairs"])
+    assert told.notes == [f"repaired: {shape['id']}: {'; '.join(shape['repairs'])}"]
+    assert "1 repaired, 0 left out" in found.text
+
+
 def test_predict_never_takes_the_place_of_what_it_did_not_write(road: Road, tmp_path: Path) -> None:
     shape = next((road.shapes / "partnet").iterdir())
     shutil.copytree(shape, tmp_path / shape.name)

@@ -29,7 +29,10 @@ class ProtocolName(str, Enum):
     ANCSH = "ancsh"
 
 
-Start = Annotated[Path | None, Option("--from", help="A workspace with trained motion networks to go on from (kinmo's own method).", show_default=False)]
+Start = Annotated[
+    Path | None,
+    Option("--from", help="A workspace with trained motion networks to go on from (kinmo's own method).", show_default=False),
+]
 
 
 @dataclass(frozen=True)

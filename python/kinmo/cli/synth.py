@@ -30,7 +30,9 @@ def synth(
     count: Annotated[
         int, Option("--count", "-n", min=1, max=MOST_SHAPES, help="Shapes a family and layout; of DSG-Net's a third.")
     ] = 12,
-    family: Annotated[list[str] | None, Option(help="Only this family, such as laptop; may be repeated.", show_default=False)] = None,
+    family: Annotated[
+        list[str] | None, Option(help="Only this family, such as laptop; may be repeated.", show_default=False)
+    ] = None,
     layout: Annotated[
         list[LayoutName] | None,
         Option(help="Only this layout; may be repeated.", show_default=False),

@@ -55,6 +55,7 @@ def joints_document(shape: Shape, prediction: Prediction, provenance: Provenance
             "up": [float(value) for value in shape.up],
             "center": shape.center.tolist(),
             "diagonal": shape.diagonal,
+            "repairs": list(shape.repairs),
         },
         "bodies": [_body(shape, prediction, index) for index in range(len(prediction.mobility.bodies))],
     }

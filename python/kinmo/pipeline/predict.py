@@ -26,6 +26,8 @@ from kinmo.workers import Crashed
 from kinmo.workspace import Workspace, digest, locked
 
 SECONDS_PER_SHAPE = 3.0
+REPAIRED_LINES = 40
+"""Of shapes that had to be repaired to be read; what was done to all is in their joints.json, and in what --json prints."""
 JOINTS = "joints.json"
 MADE_FROM = ".made_from"
 """In a shape's folder: a digest of its files and of what predicted it, to know what is done already."""
@@ -66,7 +68,11 @@ class Predict:
                 left_out.append(str(error))
         data = {"shapes": documents, "left_out": left_out}
         joints = sum(document["joints"] for document in documents)
-        text = f"{counted(len(documents), 'shape')}, {counted(joints, 'joint')}, {len(left_out)} left out"
+        repaired = [document for document in documents if document["repairs"]]
+        for document in repaired[:REPAIRED_LINES]:
+            observer.note(f"repaired: {document['id']}: {'; '.join(document['repairs'])}")
+        mended = f", {len(repaired)} repaired" if repaired else ""
+        text = f"{counted(len(documents), 'shape')}, {counted(joints, 'joint')}{mended}, {len(left_out)} left out"
         return Outcome(self.out, data, text, failed=len(left_out))
 
     def _predict(self, targets: Sequence[tuple[Found, Path]], predicting: Predicting, observer: Observer) -> dict[Path, str]:
@@ -144,7 +150,9 @@ def _document(found: Found, folder: Path) -> dict[str, Any]:
     with expecting("what kinmo predict writes", folder / JOINTS):
         document = json.loads((folder / JOINTS).read_text(encoding="utf-8"))
         joints = sum(body["joint"] is not None for body in document["bodies"])
-    return {"id": found.id, "folder": str(folder), "joints": joints, "urdf": str(folder / f"{folder.name}.urdf")}
+        repairs = [str(repair) for repair in document["shape"].get("repairs", ())]
+    urdf = str(folder / f"{folder.name}.urdf")
+    return {"id": found.id, "folder": str(folder), "joints": joints, "urdf": urdf, "repairs": repairs}
 
 
 def _check_replaceable(folder: Path) -> None:
