@@ -106,6 +106,7 @@ OF_THE_WORKSPACE = "applies only to the workspace's own shapes and scans, not to
         ("predict . --category laptop", "--category: applies only to scans; . is a folder"),
         ("predict shapes --depth-scale 1000", "--depth-scale: applies only to scans; give --category too"),
         ("synth shapes --layout dsg_net --held-back", "--held-back: applies only to --layout partnet"),
+        ("table 2 --method paper --from elsewhere", "--from: paper cannot start from trained weights; use it with kinmo"),
         ("table sensors --method paper", "--method: applies only to tables with pseudo labels, not to sensors"),
         ("table sensors --from elsewhere", "--from: applies only to tables with pseudo labels, not to sensors"),
         ("eval urdfs --truth shapes --protocol ancsh", f"--protocol: {OF_THE_WORKSPACE}"),

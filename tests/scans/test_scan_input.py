@@ -151,6 +151,15 @@ def test_what_is_no_scan_is_named_in_one_line(tmp_path, what, problem):
     assert "\n" not in str(caught.value)
 
 
+def test_a_textured_ply_has_the_points_that_it_lists(tmp_path):
+    axes = "".join(f"property float {axis}\n" for axis in "xyzst")
+    rows = "".join(f"{x} {y} {z} 0.5 0.5\n" for x, y, z in POINTS)
+    header = f"ply\nformat ascii 1.0\nelement vertex {len(POINTS)}\n{axes}element face 1\n"
+    text = f"{header}property list uchar int vertex_indices\nend_header\n{rows}3 0 1 2\n"
+    (tmp_path / "textured.ply").write_text(text)
+    np.testing.assert_allclose(read_scan(tmp_path / "textured.ply").points, POINTS, rtol=1e-6)
+
+
 def test_points_behind_the_camera_are_left_out_and_counted_and_those_at_none_are_not(tmp_path):
     behind, unknown = POINTS[:7] * [1.0, 1.0, -1.0], [[0.0, 0.0, 0.0], [np.nan, 0.0, -1.0]]
     np.save(tmp_path / "all.npy", np.vstack([behind, unknown, POINTS]))

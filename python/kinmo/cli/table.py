@@ -60,8 +60,10 @@ def table(
     if name is Name.SENSORS and (start is not None or method is not None):
         option = "--method" if start is None else "--from"
         raise InputError(option, "applies only to tables with pseudo labels, not to sensors")
-    if method is None and start is not None:
-        method = Method.KINMO  # networks of the paper's method cannot start from trained ones
+    if start is not None:  # which networks of the paper's method cannot
+        if method is Method.PAPER:
+            raise InputError("--from", "paper cannot start from trained weights; use it with kinmo")
+        method = Method.KINMO
     methods = tuple(each.value for each in Method) if method is None else (method.value,)
     stage = MakeTable(
         name.value,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -55,7 +56,8 @@ class PseudoLabel:
     def plan(self) -> Plan:
         dataset = open_dataset(self.workspace, self.category)
         way = self._way(load_predictor(self.workspace, self.workspace.method, self.device))
-        jobs = self._jobs(dataset, way)
+        # what has gone is tried, and told, each time, but nothing can come of it that others wait for
+        jobs = [job for job in self._jobs(dataset, way) if os.path.lexists(job.entry.source)]
         if not jobs and self._is_reported(way):
             return Plan((), 0.0)
         if not jobs:
@@ -76,7 +78,7 @@ class PseudoLabel:
         dataset = open_dataset(self.workspace, self.category)
         predictor = load_predictor(self.workspace, self.workspace.method, self.device)
         way = self._way(predictor)
-        failed = 0
+        failures: list[str] = []
         with self.workspace.locked():
             jobs = self._jobs(dataset, way)
             if not jobs and self._is_reported(way):
@@ -86,7 +88,7 @@ class PseudoLabel:
                 remove_leftovers(self.workspace.pseudo)
                 whole = open_dataset(self.workspace)
                 self._remove_stale(whole)
-                failed = self._label(jobs, len(dataset.unlabelled), predictor, way, observer)
+                failures = self._label(jobs, len(dataset.unlabelled), predictor, way, observer)
                 decisions = [decision for decision in self._decisions(whole.unlabelled) if decision is not None]
                 report = acceptance(decisions, self.workspace.method, len(whole.copies))
                 write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
@@ -94,7 +96,7 @@ class PseudoLabel:
                 self.workspace.write_record(LABELLING, StageRecord(self._reported(way), tuple(outputs)))
         with expecting("the report of kinmo pseudo-label", self._report):
             data = json.loads(self._report.read_text(encoding="utf-8"))
-            return Outcome(self.workspace.pseudo, data, data["text"], failed)
+            return Outcome(self.workspace.pseudo, {**data, "failed": failures}, data["text"], len(failures))
 
     @property
     def _report(self) -> Path:
@@ -138,8 +140,10 @@ class PseudoLabel:
             if decision.name.removesuffix(".json") not in names:
                 decision.unlink()
 
-    def _label(self, jobs: Sequence[Job], total: int, predictor: Predictor, way: dict[str, Any], observer: Observer) -> int:
-        """Decide on all shapes but those that it fails on, whose number it returns: of these everything stays as it was."""
+    def _label(
+        self, jobs: Sequence[Job], total: int, predictor: Predictor, way: dict[str, Any], observer: Observer
+    ) -> list[str]:
+        """Decide on all shapes but those that it fails on, of which it returns why: of these everything stays as it was."""
         labelling = Labelling(self.workspace.prepared, predictor, way["threshold"], way["doubt"])
         done = total - len(jobs)
         failures: list[str] = []
@@ -158,7 +162,7 @@ class PseudoLabel:
         if failures:
             others = f", and so {len(failures) - 1} more" if len(failures) > 1 else ""
             observer.note(f"failed: {failures[0]}{others}")
-        return len(failures)
+        return failures
 
 
 @dataclass(frozen=True)

@@ -45,11 +45,15 @@ class TrainAll:
     def plan(self) -> Plan:
         """What is still to do; of a stage whose input is not made yet, or will change, a guess."""
         plans = [self._motion.plan()]
+        labels_change = is_changed = plans[0].seconds > 0.0
         for stage in self._later(open_dataset(self.workspace)):
             try:
-                plans.append(stage.guess() if any(plan.steps for plan in plans) else stage.plan())
+                is_guess = labels_change if isinstance(stage, Render) else is_changed
+                plans.append(stage.guess() if is_guess else stage.plan())
             except InputError:
                 plans.append(stage.guess())
+            is_changed |= plans[-1].seconds > 0.0
+            labels_change |= isinstance(stage, PseudoLabel) and is_changed
         return Plan(tuple(step for plan in plans for step in plan.steps), sum(plan.seconds for plan in plans))
 
     def run(self, observer: Observer) -> Outcome:

@@ -87,7 +87,7 @@ class ScanInput:
     """`points` [n, 3] in the frame of the camera: x to the right, y down, z forward.
 
     `places` [n] are those of the points in the file: of what it lists, or of the pixels of its image, row by row. So many more
-    lie `behind` the camera.
+    are `behind` it, or beside.
     """
 
     points: F64
@@ -155,7 +155,8 @@ def _arrays(path: Path) -> F64 | DepthImage:
     except READING as error:
         if isinstance(error, InputError):
             raise
-        reason = "it is none, or holds objects" if "pickle" in str(error) else error
+        is_none = isinstance(error, ValueError) and "pickle" in str(error)
+        reason = "it is none, or holds objects" if is_none else error
         raise InputError(path, f"expected arrays of NumPy ({reason})") from None
     for name, array in arrays.items():
         if getattr(array, "dtype", np.dtype(object)).kind not in "fiu":
@@ -200,7 +201,7 @@ def _ply(path: Path) -> F64:
     import trimesh
 
     try:
-        points = np.asarray(getattr(trimesh.load(path, process=False), "vertices", ()), np.float64)
+        points = np.asarray(getattr(trimesh.load(path, process=False, fix_texture=False), "vertices", ()), np.float64)
     except Exception as error:  # trimesh raises whatever its parsers do
         raise InputError(path, f"expected a PLY file with points ({error})") from None
     if points.ndim != 2 or points.shape[1:] != (3,):

@@ -403,10 +403,9 @@ def test_within_some_hours_what_fits_is_run(scanned: Scanned, tmp_path: Path, mo
 
 
 def test_a_training_that_dies_leaves_the_other_cells_and_says_so_in_the_table(
-    scanned: Scanned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    scanned: Scanned, judged: Workspace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    stage = MakeTable("4", Workspace(tmp_path / "workspace"), scanned.config, ("kinmo",), FAMILY, 2, **HOW)
+    stage = MakeTable("4", judged, scanned.config, ("kinmo",), FAMILY, 2, **HOW)
     problem = "the process that trained npcs died: too little memory?"
 
     def die(training: TrainAncsh, observer: object) -> None:

@@ -40,6 +40,7 @@ from kinmo.scans.articulation import opening
 from kinmo.scans.renderers import NOTHING
 from kinmo.scans.scan_file import ROLES, ScanFile, count_objects, open_scans
 from kinmo.scans.scan_input import read_scan
+from kinmo.splits import Split
 from kinmo.store import INDEX, read_header
 from kinmo.workspace import Workspace
 
@@ -151,6 +152,7 @@ def test_an_object_that_cannot_be_read_now_is_scanned_once_it_can(scanned: Scann
     source.rename(away)
     try:
         found = stage.run(Listener())
+        assert stage.plan().steps == (), "nothing waits for what has gone"
     finally:
         away.rename(source)
     assert found.failed == 1
@@ -316,6 +318,24 @@ def test_scans_by_a_pseudo_label_are_made_anew_when_the_label_or_the_shape_chang
     assert len(stage.plan().steps) == 1
 
 
+def test_scans_by_pseudo_labels_wait_for_those_that_show_how_far_hinges_open(scanned: Scanned, tmp_path: Path) -> None:
+    workspace, _ = pseudo_labelled(scanned, tmp_path / "workspace")
+    stage = Render(workspace, scanned.config, FAMILY)
+    entry = open_dataset(workspace, FAMILY).labelled[Split.TRAIN][0]
+    for path in scans_of(workspace, CATEGORY, "train").glob(f"{entry.id}-*"):
+        path.unlink()
+    source, away = Path(entry.source), tmp_path / "away"
+    source.rename(away)
+    try:
+        assert stage.run(Listener()).failed == 1
+    finally:
+        away.rename(source)
+    assert not open_scan_dataset(workspace, CATEGORY).files["pseudo"]
+    assert stage.run(Listener()).failed == 0
+    assert open_scan_dataset(workspace, CATEGORY).files["pseudo"]
+    assert stage.plan().steps == ()
+
+
 def test_hinges_whose_end_a_pseudo_label_does_not_know_open_as_far_as_labelled_ones(scanned: Scanned, tmp_path: Path) -> None:
     workspace, labels = pseudo_labelled(scanned, tmp_path / "workspace")
     for label in labels:
@@ -464,7 +484,7 @@ def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_pat
     np.savez(tmp_path / "seen.npz", points=np.vstack([points, [[0.0, 0.0, -1.0]]]))
     told = Listener()
     found = PredictScan(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(told)
-    assert told.notes == [f"1 of {len(points) + 1} points are left out: they are behind the camera (z < 0)"]
+    assert told.notes == [f"1 of {len(points) + 1} points are left out: they are not before the camera (z > 0)"]
     for part in found.data["parts"]:
         share = part["inliers"]
         agree = "not found" if share is None else f"{share:.0%} of them agree on where it is"
@@ -528,8 +548,13 @@ def test_an_example_is_scanned_only_where_there_are_no_scans(scanned: Scanned, t
         result = CliRunner().invoke(app, [*command, str(tmp_path / "scan.npz"), *other])
         assert result.exit_code == 0, result.output
         assert contents(workspace.path) == before
-    shutil.rmtree(workspace.scans)
     example = ExampleScan(workspace, FAMILY, tmp_path / "scan.npz", Render(workspace, scanned.config, FAMILY, beside=()))
+    shutil.rmtree(workspace.scans / CATEGORY / "test")
+    before = contents(workspace.path)
+    with pytest.raises(InputError, match="expected scans of a test object"):
+        example.run(Listener())
+    assert contents(workspace.path) == before, "what was scanned stays"
+    shutil.rmtree(workspace.scans)
     assert [step.split()[0] for step in example.plan().steps] == ["scan", "write"]
     assert example.run(Listener()).failed == 0
     assert [step.split()[0] for step in example.plan().steps] == ["write"]

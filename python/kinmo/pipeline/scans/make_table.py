@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from kinmo.categories import same_category
-from kinmo.config import load_config
 from kinmo.errors import InputError, did_you_mean
 from kinmo.learning.weights import pick_device
 from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.fitting import config_to_train_by
 from kinmo.pipeline.models import CONTINUED
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.scans.evaluate import EvaluateScans
@@ -21,7 +21,7 @@ from kinmo.pipeline.scans.table_rows import TABLES, RowOf
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.scans.written_tables import WrittenTables
 from kinmo.pipeline.stage import LaterStage, Observer, Outcome, Plan, Stage
-from kinmo.pipeline.train import Train, weights_to_start_from
+from kinmo.pipeline.train import SECTIONS, Train, weights_to_start_from
 from kinmo.workspace import Workspace
 
 WORDS: Mapping[type, str] = {
@@ -115,7 +115,7 @@ class MakeTable:
 
     def _check_options(self) -> None:
         """Raises InputError for what no cell could be run with."""
-        load_config(self.config)
+        config_to_train_by(self.config, (*SECTIONS, "ancsh"))
         pick_device(self.device)
         if self.start is not None:
             for model in CONTINUED:
@@ -129,10 +129,11 @@ class MakeTable:
         self._check(row, category)
         words: list[str] = []
         seconds = 0.0
+        is_changed = False  # what a stage works on, by those before it
         for stage in self._stages(row, category, seed):
             if stage not in known:
                 try:
-                    known[stage] = stage.guess() if words and not isinstance(stage, Train) else stage.plan()
+                    known[stage] = stage.guess() if is_changed and not isinstance(stage, Train) else stage.plan()
                 except InputError as error:
                     if not words and isinstance(stage, TrainAncsh | EvaluateScans):
                         raise CannotBeRun(error.where, error.problem, error.field) from None
@@ -140,6 +141,7 @@ class MakeTable:
                         raise
                     known[stage] = Plan((WORDS[type(stage)],), 0.0)
                 seconds += known[stage].seconds
+            is_changed |= known[stage].seconds > 0.0
             if known[stage].steps and WORDS[type(stage)] not in words:
                 words.append(WORDS[type(stage)])
         return Plan(tuple(words), seconds)

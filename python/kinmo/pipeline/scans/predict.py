@@ -64,9 +64,8 @@ class PredictScan:
         scan = read_scan(self.source, self.intrinsics, self.depth_scale)
         points = scan.points
         if scan.behind:
-            observer.note(
-                f"{scan.behind} of {scan.behind + len(points)} points are left out: they are behind the camera (z < 0)"
-            )
+            count = scan.behind + len(points)
+            observer.note(f"{scan.behind} of {count} points are left out: they are not before the camera (z > 0)")
         weights = cell.weights(place)
         assert weights is not None, "trained_cells has those with weights"
         network = Ancsh.load(*weights, device=self.device)

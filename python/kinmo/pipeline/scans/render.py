@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,6 +20,7 @@ from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.label_decisions import LABELS, folder_name
 from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, scans_of, usual_structure
 from kinmo.pipeline.scans.jobs import VARIED, Job, Rendering, by_object, count_objects_of, frames_of, variants_of
+from kinmo.pipeline.scans.refusal import refusal_path
 from kinmo.pipeline.scans.rendered import in_words, summary
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.articulation import opening
@@ -39,7 +41,7 @@ SECONDS_PER_FRAME = 0.012
 """On one core, until the journal knows better."""
 USED = 0.4
 """Of shapes to be labelled, so many get labels that are accepted and have the joints that most have (bench/BENCHMARK.md, Pseudo
-labels: .37, .37, .48, .29 and .55 in five families).
+labels: .38, .37, .48, .29 and .55 in five families).
 """
 DIED = "{}: the process that scanned it died (too little memory?)"
 
@@ -75,7 +77,9 @@ class Render:
         return self._scanning(config, pending)
 
     def _undone(self, config: ScansConfig) -> list[Job]:
-        return [job for job in _wanting(list(self._jobs(config))) if self._is_asked(job) and not job.is_done]
+        """Without what has gone: it is tried, and told, each time, but nothing can come of it that others wait for."""
+        jobs = (job for job in _wanting(list(self._jobs(config))) if self._is_asked(job) and not job.is_done)
+        return [job for job in jobs if os.path.lexists(job.found.path)]
 
     def _scanning(self, config: ScansConfig, jobs: Sequence[Job]) -> Plan:
         frames = sum(frames_of(config, job) for job in jobs)
@@ -125,7 +129,8 @@ class Render:
         yield from map_unordered(scan_all, _pending(job for job in jobs if job.role == "train"), self.workers)
         jobs = _wanting(jobs)
         yield from map_unordered(scan_all, _pending(job for job in jobs if job.role not in ("train", "pseudo")), self.workers)
-        guessed = [job for job in jobs if job.role == "pseudo"]
+        # without the scans of one of these they would have other openings, and keep them
+        guessed = [job for job in jobs if job.role == "pseudo" and all(path.exists() or _is_refused(path) for path in job.like)]
         openings = {like: _openings(like) for like in {job.like for job in guessed}}
         guessed = [replace(job, openings=openings[job.like]) for job in guessed]
         yield from map_unordered(scan_all, _pending(guessed), self.workers)
@@ -193,6 +198,10 @@ class Render:
                 for path in scans_of(self.workspace, category, role).glob("*.*"):
                     if path not in current:
                         path.unlink()
+
+
+def _is_refused(scans: Path) -> bool:
+    return refusal_path(scans).exists()
 
 
 def _pending(jobs: Iterable[Job]) -> Iterator[tuple[Job, ...]]:
