@@ -88,7 +88,9 @@ def test_merging_keeps_one_of_equal_lines_whatever_their_sense_and_pivot() -> No
 def test_lines_are_filtered_by_source_and_orientation() -> None:
     box = Box(np.zeros(3), np.eye(3), np.array([0.3, 0.2, 0.1]))
     contact = np.array([[x, 0.2, 0.0] for x in np.linspace(-0.3, 0.3, 7)])
-    lines = candidate_lines(box, box, contact, np.full(7, 1 / 7), np.array([[[0.0, 0, 0], [0.0, 1, 0]]]))
+    lines = candidate_lines(
+        box, box, contact, np.full(7, 1 / 7), {Source.SYMMETRY_AXIS: np.array([[[0.0, 0, 0], [0.0, 1, 0]]])}
+    )
     symmetric = line_candidates(MotionType.R_V_C, lines, UP, [Source.SYMMETRY_AXIS])
     assert len(symmetric) == 1
     np.testing.assert_allclose(np.abs(symmetric.directions @ UP), 1)

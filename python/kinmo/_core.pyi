@@ -76,6 +76,16 @@ def find_symmetries(
     the part's diagonal, which is below `tolerance`.
     """
 
+def find_round_pieces(
+    meshes: Meshes, *, seed: int = 0, samples: int = 100, tolerance: float = 0.02
+) -> tuple[U32, F64, F64, F64, F64]:
+    """Connected pieces of the meshes that may be turned about a line by any angle: pins, barrels, axles, knobs. Balls are none.
+
+    Returns, of K pieces in the order of the meshes, the mesh [K], the middle [K, 3] of the piece on its line, the line's unit
+    direction [K, 3], and how far the piece reaches from the line and, along it, from the middle [K], in the lengths of the
+    meshes. `samples` and `tolerance` are those of `find_symmetries`, of a piece by itself.
+    """
+
 def part_distances(
     meshes: Meshes, groups: Groups = None, pairs: U32 | None = None, *, max_distance: float = float("inf")
 ) -> tuple[U32, F64, F64, F64]:

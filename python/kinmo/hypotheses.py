@@ -1,4 +1,4 @@
-"""Every motion that one part might have: axes from its boxes, and its contact with the rest.
+"""Every motion that one part might have: axes from its boxes, its contact with the rest, and what is round about a line.
 
 The `kinmo` method decides kind and axis of a joint together, as one choice among these. Nothing here depends on how the object
 is turned: the only outside directions are `up` and the object's own horizontal axes (`object_frame`).
@@ -6,6 +6,7 @@ is turned: the only outside directions are `up` and the object's own horizontal 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -30,7 +31,9 @@ class Source(IntEnum):
     ALIGNED_BOX_CENTER = 3
     CONTACT_LINE = 4
     CONTACT_CENTER = 5
-    SYMMETRY_AXIS = 6
+    OWN_ROUND_PIECE = 6
+    NEXT_ROUND_PIECE = 7
+    SYMMETRY_AXIS = 8
 
 
 CENTRAL = (Source.MINIMUM_BOX_CENTER, Source.ALIGNED_BOX_CENTER, Source.CONTACT_CENTER, Source.SYMMETRY_AXIS)
@@ -39,7 +42,7 @@ CENTRAL = (Source.MINIMUM_BOX_CENTER, Source.ALIGNED_BOX_CENTER, Source.CONTACT_
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """Undirected lines: unit `directions` [K, 3], `pivots` [K, 3] (nearest to the part's centre), `sources` [K, 7] bool."""
+    """Undirected lines: unit `directions` [K, 3], `pivots` [K, 3] (nearest to the part's centre), `sources` [K, 9] bool."""
 
     directions: F64
     pivots: F64
@@ -105,12 +108,12 @@ def merge_lines(directions: F64, pivots: F64, sources: NDArray[np.int64], center
 
 
 def candidate_lines(
-    minimum: Box, aligned: Box, contact_points: F64, contact_weights: F64, symmetry_axes: F64 | None = None
+    minimum: Box, aligned: Box, contact_points: F64, contact_weights: F64, others: Mapping[Source, F64] | None = None
 ) -> Lines:
     """All candidate axes of a part.
 
     `minimum` is its minimum-volume box and `aligned` its box along the object's own frame; `contact_points` [M, 3] with weights
-    [M] lie on the part where it comes closest to the rest; `symmetry_axes` [S, 2, 3] are (point, direction).
+    [M] lie on the part where it comes closest to the rest; `others` [S, 2, 3] are (point, direction), by where they come from.
     """
     directions, pivots, sources = [], [], []
     for box, edge, middle in (
@@ -127,10 +130,10 @@ def candidate_lines(
     directions += [principal[None], aligned.axes, minimum.axes]
     pivots += [centroid[None], np.repeat(centroid[None], 6, axis=0)]
     sources += [Source.CONTACT_LINE] + [Source.CONTACT_CENTER] * 6
-    if symmetry_axes is not None:
-        directions.append(symmetry_axes[:, 1])
-        pivots.append(symmetry_axes[:, 0])
-        sources += [Source.SYMMETRY_AXIS] * len(symmetry_axes)
+    for source, axes in (others or {}).items():
+        directions.append(axes[:, 1])
+        pivots.append(axes[:, 0])
+        sources += [source] * len(axes)
     return merge_lines(np.concatenate(directions), np.concatenate(pivots), np.array(sources), aligned.center)
 
 

@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from kinmo import _core
 from kinmo.box import Box
-from kinmo.hypotheses import Lines, candidate_lines
+from kinmo.hypotheses import Lines, Source, candidate_lines
 from kinmo.mobility import descendants
 from kinmo.mobility_tree import MobilityTree
 from kinmo.prepared import PreparedShape
@@ -105,4 +105,4 @@ def lines_of(shape: PreparedShape, part: PartGeometry, meshes: _core.Meshes) -> 
         distances = np.ones(len(own))
     nearest = np.argsort(distances, kind="stable")[:CONTACT_POINTS]
     weights = np.exp(-(distances[nearest] - distances[nearest[0]]) / CONTACT_SCALE)
-    return candidate_lines(minimum, aligned, own[nearest], weights / weights.sum(), axes)
+    return candidate_lines(minimum, aligned, own[nearest], weights / weights.sum(), {Source.SYMMETRY_AXIS: axes})

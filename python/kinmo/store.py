@@ -26,7 +26,7 @@ from kinmo.mobility import Body, Mobility
 from kinmo.prepared import Boxes, PreparedShape
 from kinmo.workspace import digest, kept_while_unchanged
 
-FORMAT = 6
+FORMAT = 7
 """Of the files; files of another format are made again."""
 INDEX = "index.jsonl"
 _HEADER_KEY = "kinmo"

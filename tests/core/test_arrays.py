@@ -117,7 +117,7 @@ def test_counts_out_of_range_are_refused_by_name(count: int) -> None:
     joint = np.zeros(1, np.uint8), np.eye(3)[:1], np.zeros((1, 3)), np.zeros(1), np.ones(1)
     with pytest.raises(ValueError, match=r"^count: .*expected an integer from 1 to"):
         _core.sample_surface(parts, count)
-    for find in (_core.fit_symmetric_boxes, _core.find_symmetries):
+    for find in (_core.fit_symmetric_boxes, _core.find_symmetries, _core.find_round_pieces):
         with pytest.raises(ValueError, match=r"^samples: .*expected an integer from 1 to"):
             find(parts, samples=count)
     for name in ("probes", "steps"):
@@ -133,7 +133,11 @@ def test_many_meshes_get_fewer_points_each_at_the_most() -> None:
 
 @pytest.mark.parametrize("seed", [-1, HUGE, -HUGE])
 def test_seeds_out_of_range_are_refused_by_name(seed: int) -> None:
-    for draw in (lambda: _core.sample_surface(meshes(BOX), 5, seed), lambda: _core.find_symmetries(meshes(BOX), seed=seed)):
+    for draw in (
+        lambda: _core.sample_surface(meshes(BOX), 5, seed),
+        lambda: _core.find_symmetries(meshes(BOX), seed=seed),
+        lambda: _core.find_round_pieces(meshes(BOX), seed=seed),
+    ):
         with pytest.raises(ValueError, match=r"^seed: "):
             draw()
 
@@ -155,6 +159,7 @@ def test_no_parts_give_results_without_rows() -> None:
         assert _core.fit_symmetric_boxes(parts, groups)[3].shape == (0,)
         assert [len(a) for a in _core.find_symmetries(parts, groups)] == [0] * 6
         assert [len(a) for a in _core.part_distances(parts, groups)] == [0] * 4
+    assert [len(a) for a in _core.find_round_pieces(nothing)] == [0] * 5
     regions = _core.interaction_regions(np.zeros((0, 5, 3)), np.zeros((0, 2), np.uint32))
     assert (regions.centroids.shape, regions.offsets.tolist(), regions.samples.shape) == ((0, 3), [0], (0, 2))
     none = np.zeros(0, np.uint8), np.zeros((0, 3)), np.zeros((0, 3))

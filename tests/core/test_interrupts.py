@@ -19,6 +19,7 @@ from kinmo import _core
 signal.signal(signal.SIGINT, signal.default_int_handler)  # whoever started the tests may have had it ignored
 rng = np.random.default_rng(0)
 faces = np.arange(3000, dtype=np.uint32).reshape(-1, 3)
+strip = np.arange(98, dtype=np.uint32)[:, None] + np.arange(3, dtype=np.uint32)
 tangle = _core.Meshes([rng.uniform(size=(300, 3)) for _ in range(2)], [faces[:100]] * 2)
 often = [[0, 1]] * 300_000
 many = np.broadcast_to(np.array([0, 1], np.uint32), (300_000, 2))
@@ -53,6 +54,7 @@ calls = {
     "fit_boxes": lambda: _core.fit_boxes(tangle, often),
     "fit_symmetric_boxes": lambda: _core.fit_symmetric_boxes(tangle, often),
     "find_symmetries": lambda: _core.find_symmetries(tangle, often),
+    "find_round_pieces": lambda: _core.find_round_pieces(_core.Meshes([rng.uniform(size=(100, 3))] * 5_000, [strip] * 5_000)),
     "part_distances": lambda: _core.part_distances(_core.Meshes([np.eye(3)] * 20_000, [faces[:1]] * 20_000), max_distance=0.0),
     "interaction_regions": lambda: _core.interaction_regions(rng.normal(size=(2, 500, 3)), many),
     "sweep": lambda: _core.sweep(tangle, [0], [1], *joints, np.full(100_000, -1.0), np.ones(100_000)),
@@ -100,6 +102,7 @@ def outcomes() -> dict[str, str]:
         "fit_boxes",
         "fit_symmetric_boxes",
         "find_symmetries",
+        "find_round_pieces",
         "part_distances",
         "interaction_regions",
         "sweep",

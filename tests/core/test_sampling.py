@@ -142,7 +142,7 @@ def test_the_number_of_threads_changes_nothing() -> None:
         "found = [*_core.sample_surface(meshes, 200, 4), *_core.sample_surface(meshes, 50, 4, blue_noise=True)]\n"
         "found += [*_core.fit_boxes(meshes, groups), *_core.fit_symmetric_boxes(meshes)]\n"
         "found += [*_core.fit_aligned_boxes(meshes, np.eye(3))]\n"
-        "found += _core.find_symmetries(meshes, groups)\n"
+        "found += [*_core.find_symmetries(meshes, groups), *_core.find_round_pieces(meshes)]\n"
         "print(hashlib.sha256(b''.join(a.tobytes() for a in found)).hexdigest())\n"
     )
     outputs = {

@@ -199,6 +199,6 @@ def test_symmetries_of_a_group_are_those_of_its_union() -> None:
 
 @pytest.mark.parametrize("options", [{"samples": 0}, {"tolerance": 0.0}, {"tolerance": float("nan")}])
 def test_options_that_make_no_sense_are_refused_by_name(options: dict[str, float]) -> None:
-    for find in (_core.find_symmetries, _core.fit_symmetric_boxes):
+    for find in (_core.find_symmetries, _core.fit_symmetric_boxes, _core.find_round_pieces):
         with pytest.raises(ValueError, match=next(iter(options))):
             find(meshes(BOX), **options)  # type: ignore[operator]

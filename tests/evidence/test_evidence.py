@@ -1,12 +1,15 @@
 """Hypotheses and what speaks for them."""
 
 import numpy as np
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from evidence_cabinet import DOOR, DRAWER, FRAME, KNOB, UP, scene
-from kinmo.evidence import PRISMATIC, REVOLUTE, Evidence, gather
+from kinmo import _core
+from kinmo.evidence import PRISMATIC, REVOLUTE, Evidence, Scene, gather, see_units
+from kinmo.evidence.round_pieces import MOST, RoundPieces
 
 UNITS = [(FRAME,), (DOOR,), (KNOB,), (DRAWER,), (DOOR, KNOB)]
 STILL = gather(scene(), UNITS)
@@ -101,3 +104,43 @@ def test_a_door_hung_left_differs_from_one_hung_right() -> None:
     differing = np.flatnonzero(np.abs(same_door - here) > 0.05)
     np.testing.assert_allclose(same_door[differing], -here[differing], atol=0.05)
     assert len(differing) == 2
+
+
+def test_a_pin_that_a_part_touches_gives_it_a_line_to_turn_about() -> None:
+    """Closed blades touch all along, and the screw is at no edge of either: boxes and contact have other lines than its."""
+    upper, lower, screw, post = range(4)
+    blades = scissors(screw_at=(0.1, 0.03))
+    found = gather(blades, [(upper,), (lower,), (screw,), (post,)])
+    for unit in (upper, lower):
+        rows = found.rows(unit)
+        about = (found.kinds[rows] == REVOLUTE) & (np.abs(found.directions[rows] @ UP) > 0.999)
+        away = np.linalg.norm((found.pivots[rows] - [0.1, 0.0, 0.03])[:, [0, 2]], axis=1)
+        assert (about & (away < 1e-3)).sum() == 1
+        assert np.sort(away[about])[1] > 0.02
+    assert len(blades.round_pieces) == 2
+    units = see_units(blades, [[upper], [screw], [lower, screw]])
+    assert [(len(unit.own_round), len(unit.next_round)) for unit in units] == [(0, 1), (1, 0), (1, 0)]
+
+
+def test_of_many_round_pieces_those_next_to_the_contact_are_taken() -> None:
+    leaves = np.zeros(20, int)
+    middles = np.column_stack([np.arange(20.0), np.zeros(20), np.zeros(20)])
+    many = RoundPieces(leaves, middles, np.tile(UP, (20, 1)), np.full(20, 0.1), np.full(20, 0.2))
+    kept = many.nearest_to(np.array([12.0, 5.0, 0.0]))
+    assert len(kept) == MOST
+    assert kept.middles[:, 0].tolist() == list(range(12 - MOST // 2, 12 + MOST // 2))
+
+
+def scissors(screw_at: tuple[float, float]) -> Scene:
+    """Two flat blades on each other, a screw through both, and a post beside them."""
+    x, z = screw_at
+    upright = trimesh.transformations.rotation_matrix(np.pi / 2, [1.0, 0.0, 0.0])
+    made = [
+        trimesh.creation.box((0.8, 0.02, 0.08)).apply_translation([0.0, 0.01, 0.0]),
+        trimesh.creation.box((0.8, 0.02, 0.08)).apply_translation([0.02, -0.01, 0.01]),
+        trimesh.creation.cylinder(0.012, 0.06, sections=24, transform=upright).apply_translation([x, 0.0, z]),
+        trimesh.creation.cylinder(0.02, 0.3, sections=24, transform=upright).apply_translation([0.0, 0.0, 0.3]),
+    ]
+    meshes = _core.Meshes([np.array(m.vertices) for m in made], [np.array(m.faces, np.uint32) for m in made])
+    points, normals, _ = _core.sample_surface(meshes, 512, 3)
+    return Scene.of(meshes, points, normals, meshes.areas(), UP)

@@ -17,7 +17,7 @@ from kinmo.evidence.lines import line_features
 from kinmo.evidence.motions import PRISMATIC, REVOLUTE, SCREW, hypotheses_of, motion_features
 from kinmo.evidence.scene import Scene, see_units
 from kinmo.evidence.units import unit_features
-from kinmo.hypotheses import candidate_lines
+from kinmo.hypotheses import Source, candidate_lines
 
 __all__ = ["PRISMATIC", "REVOLUTE", "SCREW", "Evidence", "Scene", "gather", "see_units"]
 
@@ -70,7 +70,8 @@ def gather(scene: Scene, units: Sequence[Sequence[int]], parts: int | None = Non
     seen = see_units(scene, units)
     kinds, directions, pivots, features, counts = [], [], [], [], []
     for unit in seen:
-        lines = candidate_lines(unit.minimum, unit.aligned, unit.contact, unit.contact_weights)
+        rounds = {Source.OWN_ROUND_PIECE: unit.own_round.lines, Source.NEXT_ROUND_PIECE: unit.next_round.lines}
+        lines = candidate_lines(unit.minimum, unit.aligned, unit.contact, unit.contact_weights, rounds)
         kind, line = hypotheses_of(lines)
         kinds.append(kind)
         directions.append(lines.directions[line])

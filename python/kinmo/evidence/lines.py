@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from kinmo import _core
+from kinmo.evidence.round_pieces import RoundPieces
 from kinmo.evidence.scene import Scene, Unit
-from kinmo.hypotheses import Lines, Source
+from kinmo.hypotheses import SAME_LINE, Lines, Source
 
 F64 = NDArray[np.float64]
 
@@ -20,6 +21,8 @@ ECCENTRIC = 0.15
 """An axis farther from the part's centre than this share of its reach is no axis of symmetry."""
 UNCLEAR = 0.02
 """A part that lies less than this far to either side of the object's middle faces neither way for sure."""
+ALONG_THE_AXIS = np.cos(np.radians(3.0))
+LONGEST = 2.0
 SMALL_LEAF = 0.1
 """A leaf with less than this share of the part's surface is a detail of it, or of what stands around it."""
 
@@ -108,6 +111,8 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
         "height": (p @ up - scene.extents[0, 2]) / (2.0 * half_object[2]),
         "from the middle": np.stack([np.linalg.norm(horizontal, axis=1), horizontal @ outward], axis=1),
         "mismatch when turned": turned_mismatch(unit, lines, eccentricity / reach),
+        "own round pieces": round_about(unit.own_round, lines, reach, length),
+        "neighbours' round pieces": round_about(unit.next_round, lines, reach, length),
         "sources": lines.sources[:, : Source.SYMMETRY_AXIS].astype(float),
         "agreeing sources": lines.sources.sum(axis=1),
     }
@@ -120,6 +125,25 @@ def facing(scene: Scene, unit: Unit) -> F64:
     outside = float(np.clip(normal @ (unit.aligned.center - scene.middle) / UNCLEAR, -1.0, 1.0))
     horizontal: F64 = outside * (normal - (normal @ scene.up) * scene.up)
     return horizontal
+
+
+def round_about(pieces: RoundPieces, lines: Lines, reach: F64, length: F64) -> F64:
+    """How long and how thick the longest of some round pieces about each axis is [K, 2]; 0 where there is none.
+
+    Measured by the part's `length` [K] along the axis and its `reach` [K] from it.
+    """
+    found = np.zeros((len(lines), 2))
+    if len(pieces) == 0:
+        return found
+    apart = pieces.middles[None] - lines.pivots[:, None]
+    apart -= np.einsum("kni,ki->kn", apart, lines.directions)[..., None] * lines.directions[:, None]
+    about = np.abs(lines.directions @ pieces.directions.T) > ALONG_THE_AXIS
+    about &= np.linalg.norm(apart, axis=-1) < SAME_LINE
+    longest = np.where(about, pieces.half_lengths, -1.0).argmax(axis=1)
+    found[:, 0] = np.minimum(2.0 * pieces.half_lengths[longest] / length, LONGEST)
+    found[:, 1] = np.minimum(pieces.radii[longest] / reach, 1.0)
+    found[~about.any(axis=1)] = 0.0
+    return found
 
 
 def turned_mismatch(unit: Unit, lines: Lines, eccentricity: F64) -> F64:

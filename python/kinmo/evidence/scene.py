@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from kinmo import _core
 from kinmo.box import Box
+from kinmo.evidence.round_pieces import RoundPieces, round_pieces_of
 from kinmo.hypotheses import object_frame
 
 F64 = NDArray[np.float64]
@@ -74,6 +75,10 @@ class Scene:
         centroids: F64 = self.points.mean(axis=1)
         return centroids
 
+    @cached_property
+    def round_pieces(self) -> RoundPieces:
+        return RoundPieces.of(self.meshes)
+
     def surface(self, leaves: Sequence[int], count: int) -> tuple[F64, F64]:
         """About `count` points of some leaves and their normals, in proportion to area."""
         area = self.areas[list(leaves)]
@@ -104,6 +109,7 @@ class Unit:
     `points`, `normals` [n, 3] sample its surface and `distances` [n] are theirs to the rest (1 where there is no rest).
     `contact` [m, 3] are the points nearest to the rest, with `contact_weights` [m] that sum to one and `toward` [m, 3], the
     unit vectors from the rest to them. `minimum` is the part's minimum-volume box, `aligned` that along the object's own axes.
+    `own_round` are its round pieces and `next_round` those of what it touches.
     """
 
     leaves: tuple[int, ...]
@@ -117,6 +123,8 @@ class Unit:
     contact: F64
     contact_weights: F64
     toward: F64
+    own_round: RoundPieces
+    next_round: RoundPieces
 
     @cached_property
     def sorted_axes(self) -> F64:
@@ -166,7 +174,10 @@ def _see(scene: Scene, leaves: list[int], minimum: Box, aligned: Box) -> Unit:
     faces_part = np.sum(normal * (aligned.center - near), axis=1, keepdims=True) >= 0
     facing = np.where(faces_part, normal, -normal)
     toward = np.where(gap < MEETING, facing, (points[order] - near) / np.maximum(gap, MEETING))
+    weights /= weights.sum()
+    touched = np.asarray(scene.touching[leaves].any(axis=0))
+    rounds = round_pieces_of(scene.round_pieces, scene.meshes, leaves, touched, TOUCHING, weights @ points[order])
     return Unit(
         tuple(leaves), rest, riders, minimum, aligned, points, normals, distances,
-        points[order], weights / weights.sum(), toward if rest else np.zeros_like(toward),
+        points[order], weights, toward if rest else np.zeros_like(toward), *rounds,
     )  # fmt: skip

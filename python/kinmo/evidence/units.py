@@ -53,6 +53,7 @@ def unit_numbers(scene: Scene, unit: Unit, others: Sequence[Unit]) -> dict[str, 
         "contact against axes": np.abs(axes @ unit.mean_toward),
         "protrusion": [np.linalg.norm(protrusion - contact) / unit.half_diagonal, protrusion @ up / unit.half_diagonal],
         "counts": np.log1p([alike, len(others), len(scene.areas), len(unit.leaves), len(unit.riders)]),
+        "round pieces": np.log1p([len(unit.own_round), len(unit.next_round)]),
         "stands alone": float(not unit.rest),
         "object": np.log([*np.sort(size[:2]), size[2]]),
     }

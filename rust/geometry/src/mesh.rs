@@ -87,6 +87,13 @@ impl Mesh {
         (high - low).norm()
     }
 
+    /// The mesh of some of the faces. Panics if there are none.
+    pub fn part_of(&self, faces: &[[u32; 3]]) -> Mesh {
+        assert!(!faces.is_empty(), "a part of no faces");
+        let (vertices, faces) = without_unused_vertices(&self.vertices, faces.to_vec());
+        Self::bounded(vertices, faces)
+    }
+
     /// One mesh with the faces of all of `meshes`. Panics if there are none.
     pub fn union<'a>(meshes: impl IntoIterator<Item = &'a Mesh>) -> Mesh {
         let (mut vertices, mut faces) = (Vec::new(), Vec::new());

@@ -1,5 +1,7 @@
 //! Random meshes for tests.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{IsometryMatrix3, Point3, Rotation3, Vector3};
 use proptest::prelude::*;
 
@@ -30,4 +32,20 @@ pub fn block(low: [f64; 3], high: [f64; 3]) -> Mesh {
     let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let faces = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     Mesh::new((0..8).map(corner).collect(), faces).expect("finite")
+}
+
+/// A regular prism about the z axis, of radius 1, from z = 0 to 3.
+pub fn prism(sides: u32) -> Mesh {
+    let corner = |i: u32, z: f64| {
+        let angle = TAU * i as f64 / sides as f64;
+        Point3::new(angle.cos(), angle.sin(), z)
+    };
+    let vertices = (0..sides).flat_map(|i| [corner(i, 0.0), corner(i, 3.0)]).collect();
+    let side = |i: u32| {
+        let (a, b) = (2 * i, 2 * ((i + 1) % sides));
+        [[a, b, a + 1], [b, b + 1, a + 1]]
+    };
+    let caps = |i: u32| [[0, 2 * i + 2, 2 * i], [1, 2 * i + 1, 2 * i + 3]];
+    let faces = (0..sides).flat_map(side).chain((1..sides - 1).flat_map(caps)).collect();
+    Mesh::new(vertices, faces).expect("a valid mesh")
 }

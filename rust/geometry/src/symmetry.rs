@@ -146,19 +146,24 @@ fn mirror_at(test: &SymmetryTest<'_>, point: Point3<f64>, direction: Vector3<f64
 }
 
 fn turn_about(test: &SymmetryTest<'_>, point: Point3<f64>, direction: Vector3<f64>) -> Option<Symmetry> {
-    let error_at = |angle: f64| test.turn_error(point, direction, angle);
-    let any_angle = REVOLUTION_ANGLES.iter().try_fold(0.0, |worst: f64, &angle| Some(worst.max(error_at(angle)?)));
-    if let Some(error) = any_angle {
+    if let Some(error) = revolution_error(test, point, direction) {
         return Some(Symmetry { kind: SymmetryKind::Revolution, point, direction, error });
     }
     ORDERS.into_iter().find_map(|order| {
-        let error = error_at(TAU / order as f64)?;
+        let error = test.turn_error(point, direction, TAU / order as f64)?;
         Some(Symmetry { kind: SymmetryKind::Rotation(order), point, direction, error })
     })
 }
 
+/// The worst error of turns by any angle, if all map the part onto itself.
+pub(crate) fn revolution_error(test: &SymmetryTest<'_>, point: Point3<f64>, direction: Vector3<f64>) -> Option<f64> {
+    REVOLUTION_ANGLES
+        .iter()
+        .try_fold(0.0, |worst: f64, &angle| Some(worst.max(test.turn_error(point, direction, angle)?)))
+}
+
 /// Centroid and principal axes of the surface; of a part without area, of its samples.
-fn principal_axes(mesh: &Mesh, samples: &[SurfaceSample]) -> (Point3<f64>, [Vector3<f64>; 3]) {
+pub(crate) fn principal_axes(mesh: &Mesh, samples: &[SurfaceSample]) -> (Point3<f64>, [Vector3<f64>; 3]) {
     // Integrals of quadratic functions over a triangle are sums over the middles of its sides.
     let middles = (0..mesh.faces().len()).flat_map(|face| {
         let [a, b, c] = mesh.triangle(face);
@@ -187,7 +192,7 @@ fn principal_axes(mesh: &Mesh, samples: &[SurfaceSample]) -> (Point3<f64>, [Vect
 mod tests {
     use super::*;
     use crate::bvh::Bvh;
-    use crate::soup::{block, isometry, mapped};
+    use crate::soup::{block, isometry, mapped, prism};
     use crate::symmetric_box::symmetric_box;
     use proptest::prelude::*;
 
@@ -231,22 +236,6 @@ mod tests {
             }
             prop_assert!((found.center - place * Point3::origin()).norm() < 1e-9);
         }
-    }
-
-    /// A regular prism about the z axis.
-    fn prism(sides: u32) -> Mesh {
-        let corner = |i: u32, z: f64| {
-            let angle = TAU * i as f64 / sides as f64;
-            Point3::new(angle.cos(), angle.sin(), z)
-        };
-        let vertices = (0..sides).flat_map(|i| [corner(i, 0.0), corner(i, 3.0)]).collect();
-        let side = |i: u32| {
-            let (a, b) = (2 * i, 2 * ((i + 1) % sides));
-            [[a, b, a + 1], [b, b + 1, a + 1]]
-        };
-        let caps = |i: u32| [[0, 2 * i + 2, 2 * i], [1, 2 * i + 1, 2 * i + 3]];
-        let faces = (0..sides).flat_map(side).chain((1..sides - 1).flat_map(caps)).collect();
-        Mesh::new(vertices, faces).expect("a valid mesh")
     }
 
     fn finest_turn_about_z(sides: u32) -> Option<SymmetryKind> {
