@@ -58,13 +58,8 @@ class RoundPieces:
 
     def nearest_to(self, point: F64) -> RoundPieces:
         """The `MOST` whose lines pass nearest to a point [3]."""
-        if len(self) <= MOST:
-            return self
-        return self.where(np.sort(np.argsort(self._distances(point), kind="stable")[:MOST]))
-
-    def _distances(self, point: F64) -> F64:
-        distances: F64 = np.linalg.norm(np.cross(point - self.middles, self.directions), axis=1)
-        return distances
+        distances = np.linalg.norm(np.cross(point - self.middles, self.directions), axis=1)
+        return self.where(np.sort(np.argsort(distances, kind="stable")[:MOST]))
 
 
 def round_pieces_of(
