@@ -22,7 +22,9 @@ ECCENTRIC = 0.15
 UNCLEAR = 0.02
 """A part that lies less than this far to either side of the object's middle faces neither way for sure."""
 ALONG_THE_AXIS = np.cos(np.radians(3.0))
+"""Round pieces along a line to within this (cosine), and as near to it as SAME_LINE, lie about it."""
 LONGEST = 2.0
+"""Of a round piece, in lengths of the part: longer ones count as this."""
 SMALL_LEAF = 0.1
 """A leaf with less than this share of the part's surface is a detail of it, or of what stands around it."""
 
@@ -75,6 +77,17 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
         """How far [K] the mean of points [n, 3] lies towards the axis from the part's centre; 0 without points."""
         return aside @ (points.mean(axis=0) - center) / half if len(points) else np.zeros(len(lines))
 
+    def round_about(pieces: RoundPieces) -> F64:
+        """Length and radius [K, 2] of the longest of some pieces about each axis, to the part's own; 0 where there is none."""
+        if len(pieces) == 0:
+            return np.zeros((len(lines), 2))
+        about = np.abs(d @ pieces.directions.T) > ALONG_THE_AXIS
+        about &= np.linalg.norm(perpendicular(pieces.middles), axis=-1) < SAME_LINE
+        longest = np.where(about, pieces.half_lengths, -1.0).argmax(axis=1)
+        long = np.minimum(2.0 * pieces.half_lengths[longest] / length, LONGEST)
+        thick = np.minimum(pieces.radii[longest] / reach, 1.0)
+        return np.where(about.any(axis=1, keepdims=True), np.stack([long, thick], axis=1), 0.0)
+
     area = scene.areas[list(unit.leaves)]
     details = [leaf for leaf, a in zip(unit.leaves, area, strict=True) if a < SMALL_LEAF * area.sum()]
     nearby = [leaf for leaf in unit.rest if scene.areas[leaf] < SMALL_LEAF * area.sum()]
@@ -111,8 +124,8 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
         "height": (p @ up - scene.extents[0, 2]) / (2.0 * half_object[2]),
         "from the middle": np.stack([np.linalg.norm(horizontal, axis=1), horizontal @ outward], axis=1),
         "mismatch when turned": turned_mismatch(unit, lines, eccentricity / reach),
-        "own round pieces": round_about(unit.own_round, lines, reach, length),
-        "neighbours' round pieces": round_about(unit.next_round, lines, reach, length),
+        "own round pieces": round_about(unit.own_round),
+        "neighbours' round pieces": round_about(unit.next_round),
         "sources": lines.sources[:, : Source.SYMMETRY_AXIS].astype(float),
         "agreeing sources": lines.sources.sum(axis=1),
     }
@@ -125,25 +138,6 @@ def facing(scene: Scene, unit: Unit) -> F64:
     outside = float(np.clip(normal @ (unit.aligned.center - scene.middle) / UNCLEAR, -1.0, 1.0))
     horizontal: F64 = outside * (normal - (normal @ scene.up) * scene.up)
     return horizontal
-
-
-def round_about(pieces: RoundPieces, lines: Lines, reach: F64, length: F64) -> F64:
-    """How long and how thick the longest of some round pieces about each axis is [K, 2]; 0 where there is none.
-
-    Measured by the part's `length` [K] along the axis and its `reach` [K] from it.
-    """
-    found = np.zeros((len(lines), 2))
-    if len(pieces) == 0:
-        return found
-    apart = pieces.middles[None] - lines.pivots[:, None]
-    apart -= np.einsum("kni,ki->kn", apart, lines.directions)[..., None] * lines.directions[:, None]
-    about = np.abs(lines.directions @ pieces.directions.T) > ALONG_THE_AXIS
-    about &= np.linalg.norm(apart, axis=-1) < SAME_LINE
-    longest = np.where(about, pieces.half_lengths, -1.0).argmax(axis=1)
-    found[:, 0] = np.minimum(2.0 * pieces.half_lengths[longest] / length, LONGEST)
-    found[:, 1] = np.minimum(pieces.radii[longest] / reach, 1.0)
-    found[~about.any(axis=1)] = 0.0
-    return found
 
 
 def turned_mismatch(unit: Unit, lines: Lines, eccentricity: F64) -> F64:
