@@ -115,15 +115,3 @@ def test_guessed_limits_of_an_object_do_not_decide_where_its_door_is_closed() ->
     true = articulated_object(shape)
     for mesh, other in zip(found.meshes, true.meshes, strict=True):
         np.testing.assert_allclose(mesh.vertices, other.vertices, atol=1e-6)
-
-
-def test_sheets_that_fold_flat_are_closed_where_they_are_flat() -> None:
-    hinge = Joint(JointKind.REVOLUTE, np.array([0.0, 0.0, 1.0]), np.zeros(3), lower=-1.0, upper=1.0, rest=0.0)
-    corners = np.array([[0.0, 0.0, 0.0], [0.4, 0.0, 0.0], [0.4, 0.0, 0.5], [0.0, 0.0, 0.5]])
-    sheets = tuple(Mesh(corners * [side, 1.0, 1.0], np.array([[0, 1, 2], [0, 2, 3]])) for side in (1.0, -0.9))
-    mobility = Mobility((Body(0, "one", (0,)), Body(1, "other", (1,), 0, hinge)))
-    joint = likely_closed(mobility, sheets, np.pi / 2, folds=True).bodies[1].joint
-    assert joint is not None
-    assert joint.lower is not None
-    assert joint.upper is not None
-    assert abs(np.sin([joint.lower, joint.upper])).min() < 1e-3

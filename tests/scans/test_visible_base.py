@@ -9,15 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from articulated import box_mesh, directions, shape_of_boxes, vectors
+from articulated import directions, shape_of_boxes, vectors
 from kinmo.errors import InputError
 from kinmo.joint import Joint, JointKind
-from kinmo.kinematics import forward, rotation_about
+from kinmo.kinematics import forward
 from kinmo.mobility import Body, Mobility
 from kinmo.scans.articulated_object import articulated_object
-from kinmo.scans.canonical import likely_canonical
-from kinmo.scans.visible_base import against, laid_straight, with_visible_base
-from kinmo.shape import Mesh, Shape
+from kinmo.scans.visible_base import against, with_visible_base
+from kinmo.shape import Shape
 from scanned import FRONT, hinge, slider
 
 SAME = np.eye(3)
@@ -167,42 +166,3 @@ def test_parts_below_keep_what_they_hang_by() -> None:
     knob = mobility.bodies[2]
     assert mobility.bodies[knob.parent or 0].leaves in ((3,), (1, 3))
     assert len(meshes[0].vertices) == 16, "the pin goes with the base"
-
-
-def guessed_scissors(opening: float, tilt: float, way: float) -> tuple[Mobility, tuple[Mesh, ...]]:
-    """Two bars over each other, one turned by `tilt`, the other opened from it; their hinge has limits that mean little."""
-    bars = box_mesh((-0.1, -1.0, 0.0), (0.1, 1.2, 0.05)), box_mesh((-0.1, -1.0, -0.05), (0.1, 1.2, 0.0))
-    axis = Joint(JointKind.REVOLUTE, FRONT, np.zeros(3))
-    poses = (rotation_about(axis, angle)[:3, :3] for angle in (tilt, tilt + way * opening))
-    meshes = [Mesh(bar.vertices @ pose.T, bar.faces) for bar, pose in zip(bars, poses, strict=True)]
-    joint = replace(axis, direction=way * FRONT, lower=-0.1, upper=0.7)
-    bodies = Body(0, "pin", (), None), Body(1, "left", (1,), 0, axis), Body(2, "right", (2,), 1, joint)
-    return Mobility(bodies), (Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.uint32)), *meshes)
-
-
-@settings(max_examples=30)
-@given(st.floats(0.0, 0.7), st.floats(-0.6, 0.6), st.sampled_from([1.0, -1.0]))
-def test_scissors_of_unknown_limits_are_closed_where_they_fold_and_lie_straight(
-    opening: float, tilt: float, way: float
-) -> None:
-    mobility, meshes = likely_canonical(*guessed_scissors(opening, tilt, way), 0.15, SAME, 1.2)
-    for mesh in meshes:
-        np.testing.assert_allclose(np.ptp(mesh.vertices, axis=0), (0.2, 2.2, 0.05), atol=0.01)
-    joint = mobility.bodies[1].joint
-    assert joint is not None
-    assert joint.lower is not None
-    assert joint.rest == pytest.approx(joint.lower)
-    assert joint.upper is not None
-    assert 0.5 < joint.upper - joint.lower < 1.2 + 1e-9
-
-
-@given(st.floats(-0.7, 0.7))
-def test_what_nothing_holds_lies_along_an_axis(angle: float) -> None:
-    axis = Joint(JointKind.REVOLUTE, FRONT, np.array([0.3, 0.2, 0.1]))
-    pose = rotation_about(axis, angle)
-    bar = box_mesh((-0.1, -1.0, 0.0), (0.1, 1.2, 0.05))
-    turned = Mesh(bar.vertices @ pose[:3, :3].T + pose[:3, 3], bar.faces)
-    _, (found,) = laid_straight(Mobility((Body(0, "bar", (1,)),)), (turned,), axis)
-    np.testing.assert_allclose(np.ptp(found.vertices, axis=0), np.ptp(bar.vertices, axis=0), atol=1e-9)
-    slide = replace(axis, kind=JointKind.PRISMATIC)
-    assert laid_straight(Mobility(()), (turned,), slide)[1][0] is turned

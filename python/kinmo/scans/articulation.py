@@ -50,8 +50,7 @@ def opening(joint: Joint) -> float | None:
 def opened_as_usual(mobility: Mobility, endless: float, openings: Sequence[float], rng: np.random.Generator) -> Mobility:
     """The same, its hinges that are `endless` radians wide, which says that no end is known, opening as others do.
 
-    Each opens as far as one of `openings` (radians, of hinges of known objects), drawn at random, and never less far than it
-    did: what is known to be free is good to learn from, even if others do not go there.
+    Each opens as far as one of `openings` (radians, of hinges of known objects), drawn at random.
     """
     if not openings:
         return mobility
@@ -61,7 +60,7 @@ def opened_as_usual(mobility: Mobility, endless: float, openings: Sequence[float
         if joint is not None and joint.kind is JointKind.REVOLUTE and joint.lower is not None and joint.upper is not None:
             wanted = openings[int(rng.integers(len(openings)))]
             if joint.upper - joint.lower >= endless - ROUNDING:
-                joint = replace(joint, upper=max(joint.upper, joint.lower + wanted))
+                joint = replace(joint, upper=joint.lower + wanted)
         bodies.append(replace(body, joint=joint))
     return replace(mobility, bodies=tuple(bodies))
 

@@ -11,8 +11,9 @@ from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import joint_motion, rotation_about
 from kinmo.mobility import Mobility
 from kinmo.scans.closing import closed, moved_by
+from kinmo.scans.folding import folds_of, laid_straight
 from kinmo.scans.likely_closed import likely_closed
-from kinmo.scans.visible_base import laid_straight, moved_as_a_whole, with_first_base, with_visible_base
+from kinmo.scans.visible_base import moved_as_a_whole, with_first_base, with_visible_base
 from kinmo.shape import Mesh
 
 F64 = NDArray[np.float64]
@@ -36,12 +37,16 @@ def canonical(mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_
 def likely_canonical(mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: F64, widest: float) -> Parts:
     """The same of an object whose limits are guesses: closed as is likely (`likely_closed`), hinges opening to `widest`.
 
-    What hangs by something that cannot be seen is thought to fold, and to lie straight then.
+    What hangs by something that cannot be seen is closed where it folds together, and lies straight then (`folding`).
     """
     mobility, meshes, hung_by = with_visible_base(mobility, meshes, smallest, to_z_up)
-    parts = closed(likely_closed(mobility, meshes, widest, folds=hung_by is not None), meshes)
+    folds = {} if hung_by is None else folds_of(mobility, meshes, hung_by)
+    if hung_by is not None and folds:
+        # before it is closed: along an axis it takes up less room closed than open
+        mobility, meshes = laid_straight(mobility, meshes, hung_by, folds)
+    parts = closed(likely_closed(mobility, meshes, widest, folds), meshes)
     if hung_by is not None:
-        parts = with_first_base(*laid_straight(*parts, hung_by), smallest, to_z_up)
+        parts = with_first_base(*parts, smallest, to_z_up)
     return open_to_the_front(*parts, to_z_up)
 
 

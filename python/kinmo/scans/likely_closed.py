@@ -12,27 +12,20 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
-from scipy.spatial import ConvexHull, QhullError
 
 from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import joint_motion
 from kinmo.mobility import Mobility
 from kinmo.scans.articulation import ROUNDING
 from kinmo.scans.closing import ALIKE, moved_by, room_of
-from kinmo.scans.straight import STEP, straight_values
+from kinmo.scans.folding import Fold, fold_of, folded
+from kinmo.scans.straight import straight_values
 from kinmo.shape import Mesh
 
 F64 = NDArray[np.float64]
 
 FARTHEST = math.radians(135.0)
 """From the pose of the file, to either side, within which a hinge is thought to be closed."""
-PER_QUARTER_FOLDED = 1.3
-"""The same for what is folded, such as scissors: some of them take up still less room with their handles across each other."""
-SHADOWS_ALIKE = 1.5
-"""A part that folds over its parent takes up so many times more room when it is unfolded, seen along the axis."""
-LEAST_SHADOW = 1e-12
-"""Of what is flat and lies along the axis, in units of the object's diagonal squared."""
 QUARTER = 0.5 * math.pi
 PER_QUARTER, OUT_OF_REACH = 0.25, 0.4
 """What it costs to be closed a quarter of a turn from the pose of the file, or farther beyond the limits than half of that. To
@@ -46,21 +39,26 @@ NEAR = math.radians(2.0)
 """A part that is as near to closed is closed."""
 
 
-def likely_closed(mobility: Mobility, meshes: Sequence[Mesh], widest: float, folds: bool = False) -> Mobility:
+def likely_closed(
+    mobility: Mobility, meshes: Sequence[Mesh], widest: float, folds: Mapping[int, Fold] | None = None
+) -> Mobility:
     """The same, its joints with one end where they are thought to be closed, hinges with the other within `widest` radians.
 
     A hinge whose limit is `widest` away from the pose of the file, where guesses end, is as wide from where it is closed.
-    `meshes` are those of the bodies. Hinges of what cannot lie straight keep their limits, as do sliders that are not pulled
-    out. If it `folds`, the parts of hinges are closed not where they lie straight but where they cover what they hang by best,
-    as one half of scissors does the other.
+    `meshes` are those of the bodies. What cannot lie straight folds if it crosses what it hangs by, as one half of scissors
+    does the other; if not, its hinge keeps its limits, as do sliders that are not pulled out. The bodies of `folds` fold so in
+    any case.
     """
+    folds = folds or {}
     bodies = list(mobility.bodies)
     for index, body in mobility.movable():
         joint, parent = body.joint, body.parent
         if joint is None or parent is None or joint.lower is None or not len(meshes[parent].vertices):
             continue
-        if joint.kind is JointKind.REVOLUTE:
-            joint = _likely_hinge(joint, meshes[index], meshes[parent], widest, folds)
+        if index in folds:
+            joint = folded(joint, folds[index], widest)
+        elif joint.kind is JointKind.REVOLUTE:
+            joint = _likely_hinge(joint, meshes[index], meshes[parent], widest)
         elif joint.kind is JointKind.PRISMATIC:
             joint = _likely_slider(joint, _cloud(meshes[index]), _cloud(meshes[parent]))
         bodies[index] = replace(body, joint=joint)
@@ -78,18 +76,17 @@ def _likely_slider(joint: Joint, cloud: F64, base: F64) -> Joint:
     return replace(joint, lower=ends[0], upper=ends[1])
 
 
-def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float, folds: bool) -> Joint:
+def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float) -> Joint:
     cloud, base = _cloud(mesh), _cloud(parent)
-    if folds:
-        angles, size, per_quarter = _folded(joint, cloud, base), _shadow, PER_QUARTER_FOLDED
-    else:
-        angles = straight_values(joint, mesh, joint.rest - FARTHEST, joint.rest + FARTHEST) - joint.rest
-        size, per_quarter = _room, PER_QUARTER
-    if joint.lower is None or joint.upper is None or not len(angles):
+    angles = straight_values(joint, mesh, joint.rest - FARTHEST, joint.rest + FARTHEST) - joint.rest
+    if joint.lower is None or joint.upper is None:
         return joint
-    sizes = np.array([size(joint, cloud, base, angle) for angle in angles])
+    if not len(angles):
+        fold = fold_of(joint, mesh, parent)
+        return folded(joint, fold, widest) if fold is not None and fold.crosses else joint
+    rooms = np.array([_room(joint, cloud, base, angle) for angle in angles])
     beyond = np.maximum(angles - (joint.upper - joint.rest), (joint.lower - joint.rest) - angles)
-    costs = sizes / sizes.min() + per_quarter * np.abs(angles) / QUARTER + OUT_OF_REACH * (beyond > 0.5 * QUARTER)
+    costs = rooms / rooms.min() + PER_QUARTER * np.abs(angles) / QUARTER + OUT_OF_REACH * (beyond > 0.5 * QUARTER)
     closed = float(angles[np.argmin(costs)])
     ways = {1.0: joint.upper - joint.rest - closed, -1.0: closed + joint.rest - joint.lower}
     opens = _opens(joint, cloud, base, closed, ways)
@@ -98,34 +95,6 @@ def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float, folds: 
     width = min(ways[opens], widest) if is_known else widest
     ends = sorted((joint.rest + closed, joint.rest + closed + opens * width))
     return replace(joint, lower=ends[0], upper=ends[1])
-
-
-def _folded(joint: Joint, cloud: F64, base: F64) -> F64:
-    """The angles from the pose of the file at which a part covers its parent best, both seen along the axis, and that pose.
-
-    Nothing of what covers it alike at any angle.
-    """
-
-    def shadow(angle: float) -> float:
-        return _shadow(joint, cloud, base, angle)
-
-    angles = np.arange(-FARTHEST, FARTHEST + STEP, STEP)
-    tried = np.array([shadow(angle) for angle in angles])
-    if tried.max() <= SHADOWS_ALIKE * tried.min():
-        return np.zeros(0)
-    least = 1 + np.flatnonzero((tried[1:-1] <= tried[:-2]) & (tried[1:-1] <= tried[2:]))
-    ends = (minimize_scalar(shadow, bounds=(angle - STEP, angle + STEP), method="bounded") for angle in angles[least])
-    return np.array([0.0, *(float(end.x) for end in ends)])
-
-
-def _shadow(joint: Joint, cloud: F64, base: F64, angle: float) -> float:
-    """The area of the convex hull of a part, turned by an angle from the pose of the file, and its parent, along the axis."""
-    across = np.linalg.svd(joint.direction[None])[2][1:]
-    turned = moved_by(joint_motion(joint, joint.rest + angle), cloud)
-    try:
-        return max(float(ConvexHull(np.concatenate([turned, base]) @ across.T).volume), LEAST_SHADOW)
-    except QhullError:
-        return LEAST_SHADOW  # all of it on a line
 
 
 def _opens(joint: Joint, cloud: F64, base: F64, closed: float, ways: Mapping[float, float]) -> float:

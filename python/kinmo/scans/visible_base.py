@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.joint import Joint, JointKind
-from kinmo.kinematics import Pose, rotation_about
+from kinmo.kinematics import Pose
 from kinmo.mobility import Body, Mobility
 from kinmo.scans.closing import moved_by
 from kinmo.scans.part_order import in_a_row
@@ -52,38 +52,10 @@ def with_visible_base(
     return replace(mobility, bodies=(whole, *mobility.bodies[1:])), (join(meshes[0], others[0]), *others[1:]), hung_by
 
 
-def laid_straight(mobility: Mobility, meshes: Sequence[Mesh], axis: Joint) -> tuple[Mobility, tuple[Mesh, ...]]:
-    """The object, which nothing holds but a hinge, turned as a whole about that until its long side lies along an axis.
-
-    The long side is that of all surfaces as the hinge has them seen, and the axis of the frame the one that is nearest to it.
-    What slides on `axis` stays as it lies.
-    """
-    if axis.kind is not JointKind.REVOLUTE:
-        return mobility, tuple(meshes)
-    across = np.eye(3) - np.outer(axis.direction, axis.direction)
-    spread = across @ _spread_of_surface(meshes) @ across
-    long = np.linalg.eigh(spread)[1][:, 2]
-    near = across[np.argmax(np.abs(long))] * np.sign(long[np.argmax(np.abs(long))])
-    angle = math.atan2(float(axis.direction @ np.cross(long, near)), float(long @ near))
-    return moved_as_a_whole(mobility, meshes, rotation_about(axis, angle))
-
-
 def moved_as_a_whole(mobility: Mobility, meshes: Sequence[Mesh], pose: Pose) -> tuple[Mobility, tuple[Mesh, ...]]:
     """Parts and joints where a pose takes them."""
     moved = tuple(Mesh(moved_by(pose, mesh.vertices), mesh.faces) for mesh in meshes)
     return replace(mobility, bodies=tuple(_moved(body, pose) for body in mobility.bodies)), moved
-
-
-def _spread_of_surface(meshes: Sequence[Mesh]) -> F64:
-    """The covariance [3, 3] of points all over the triangles."""
-    corners = np.concatenate([mesh.vertices[mesh.faces] for mesh in meshes])
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    shares = areas / areas.sum()
-    middle = shares @ corners.mean(axis=1)
-    own = corners - middle
-    sums = own.sum(axis=1)
-    squares = np.einsum("nci,ncj->nij", own, own) + np.einsum("ni,nj->nij", sums, sums)
-    return np.asarray(np.einsum("n,nij->ij", shares, squares) / 12.0)
 
 
 def _moved(body: Body, pose: Pose) -> Body:
