@@ -103,7 +103,6 @@ OF_THE_WORKSPACE = "applies only to the workspace's own shapes and scans, not to
             "--method: applies only to settings with pseudo labels, not to semi",
         ),
         ("train ancsh --from elsewhere", "--from: ancsh cannot start from trained weights; use it with all, motion or axis"),
-        ("predict . --category laptop", "--category: applies only to scans; . is a folder"),
         ("predict shapes --depth-scale 1000", "--depth-scale: applies only to scans; give --category too"),
         ("synth shapes --layout dsg_net --held-back", "--held-back: applies only to --layout partnet"),
         ("table 2 --method paper --from elsewhere", "--from: paper cannot start from trained weights; use it with kinmo"),

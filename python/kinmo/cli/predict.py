@@ -18,14 +18,14 @@ def predict(
     options: CommonOptions,
     shape: Annotated[
         Path,
-        Argument(help="A shape's folder, a folder with shapes anywhere below it, or the file of a scan.", show_default=False),
+        Argument(help="A shape's folder, a scan's file, or a folder with such anywhere below it.", show_default=False),
     ],
     out: Annotated[Path, Option("--out", "-o", help="Folder for the results, one folder a shape.")] = Path("predicted"),
     method: Annotated[
         Method | None, Option(help="Which method answers; for a scan, whose pseudo labels networks saw.", show_default="kinmo")
     ] = None,
     category: Annotated[
-        str | None, Option(help="What is seen in the scan, however it is spelled.", show_default=False, rich_help_panel=SCANS)
+        str | None, Option(help="What is seen in the scans, however it is spelled.", show_default=False, rich_help_panel=SCANS)
     ] = None,
     intrinsics: Annotated[
         str | None,
@@ -49,28 +49,27 @@ def predict(
 
     A scan is an .npz or .npy file with points or depths, a .ply, or a depth image (.png, .tif), of one object of a --category
     that kinmo train ancsh knows (docs/scans.md). It gives a JSON file with parts, boxes, poses, joints and their states in the
-    camera's frame, the part of every point, and a picture.
+    camera's frame, the part of every point, and a picture. With a --category, a folder is one of scans.
 
     For example:
 
         kinmo predict my_shapes/cabinet -o out/
         kinmo predict my_shapes/ -o out/ --json > out.json
         kinmo predict scan.npz --category refrigerator
+        kinmo predict scans/ --category refrigerator -o out/
         kinmo predict depth.png --category refrigerator --intrinsics 525,525,319.5,239.5 --depth-scale 1000 -o out/
     """
     from kinmo.workspace import Workspace
 
     workspace = Workspace(options.workspace)
     if category is not None:
-        from kinmo.pipeline.scans.predict import PredictScan
+        from kinmo.pipeline.scans.predict import PredictScans
         from kinmo.scans.scan_input import Intrinsics
 
-        if shape.is_dir():
-            raise InputError("--category", f"applies only to scans; {shape} is a folder")
         camera = None if intrinsics is None else Intrinsics.parse(intrinsics)
         answering = None if method is None else method.value
-        scan = PredictScan(shape, out, workspace, category, camera, depth_scale, answering, options.seed, options.device)
-        execute(options, scan)
+        scans = PredictScans(shape, out, workspace, category, camera, depth_scale, answering, options.seed, options.device)
+        execute(options, scans)
         return
     if shape.is_file():
         raise BadParameter("a scan needs --category: what is to be seen in it", param_hint="--category")

@@ -21,6 +21,7 @@ F64 = NDArray[np.float64]
 
 CLOUDS = (".npz", ".npy", ".ply")
 IMAGES = (".png", ".tif", ".tiff")
+ENDINGS = CLOUDS + IMAGES
 LEAST_POINTS = 32
 SMALLEST, LARGEST = 1e-6, 1e9
 """Longest side of the box of all points; beyond these something else than a scan is in the file."""
@@ -137,8 +138,8 @@ def check_is_scan(path: Path) -> str:
     if not path.is_file():
         raise InputError(path, f"expected a scan: {'this is a folder' if path.is_dir() else 'there is no such file'}")
     ending = path.suffix.lower()
-    if ending not in CLOUDS + IMAGES:
-        raise InputError(path, f"expected a scan: one of {', '.join(CLOUDS + IMAGES)}")
+    if ending not in ENDINGS:
+        raise InputError(path, f"expected a scan: one of {', '.join(ENDINGS)}")
     return ending
 
 

@@ -26,9 +26,10 @@ from kinmo.pipeline.label_decisions import folder_name
 from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.example import ExampleScan
+from kinmo.pipeline.scans.finder import ScanFinder
 from kinmo.pipeline.scans.judge_trained import JudgeTrained
 from kinmo.pipeline.scans.networks import Cell, scores_path, trained_cells
-from kinmo.pipeline.scans.predict import PredictScan
+from kinmo.pipeline.scans.predict import PredictScans
 from kinmo.pipeline.scans.refusal import REFUSED
 from kinmo.pipeline.scans.render import USED, Render
 from kinmo.pipeline.scans.report import picture_sections
@@ -409,7 +410,7 @@ def test_each_method_has_pseudo_labels_scans_and_networks_of_its_own(scanned: Sc
     example.run(Listener())
 
     def trained_for(method: str | None) -> str:
-        stage = PredictScan(example.path, tmp_path / "out", workspace, FAMILY, method=method, **HOW)
+        stage = PredictScans(example.path, tmp_path / "out", workspace, FAMILY, method=method, **HOW)
         return str(stage.run(Listener()).data["trained"])
 
     assert trained_for(None) == trained_for("kinmo") == f"{CATEGORY}, semi-weakly, seed 0"
@@ -434,7 +435,7 @@ def test_networks_that_know_a_floor_leave_its_points_out(scanned: Scanned, tmp_p
     assert header["facts"]["classes"] == known["facts"]["classes"] + 1
     example = ExampleScan(floored.workspace, FAMILY, tmp_path / "scan.npz", floored.render())
     example.run(Listener())
-    PredictScan(example.path, tmp_path / "out", floored.workspace, FAMILY, **HOW).run(Listener())
+    PredictScans(example.path, tmp_path / "out", floored.workspace, FAMILY, **HOW).run(Listener())
     with np.load(tmp_path / "out" / "scan.parts.npz") as labelled:
         assert set(np.unique(labelled["parts"])) <= {NOTHING, 0, 1}
 
@@ -483,7 +484,7 @@ def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_pat
     points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
     np.savez(tmp_path / "seen.npz", points=np.vstack([points, [[0.0, 0.0, -1.0]]]))
     told = Listener()
-    found = PredictScan(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(told)
+    found = PredictScans(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(told)
     assert told.notes == [f"1 of {len(points) + 1} points are left out: they are not before the camera (z > 0)"]
     for part in found.data["parts"]:
         share = part["inliers"]
@@ -499,6 +500,62 @@ def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_pat
         said = [int((labelled["parts"] == part["id"]).sum()) for part in document["parts"]]
         assert sum(said) == len(points)
         assert said == [part["points"] for part in document["parts"]]
+
+
+def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanned, tmp_path: Path) -> None:
+    seen = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points")
+    scans = tmp_path / "scans"
+    for name, points in (("first.npz", seen[0]), ("near/second.npz", seen[1]), ("near/second.npy", seen[0])):
+        (scans / name).parent.mkdir(parents=True, exist_ok=True)
+        np.save(scans / name, points) if name.endswith("npy") else np.savez(scans / name, points=points)
+    (scans / "broken.ply").write_text("ply")
+    (scans / "notes.txt").write_text("of the camera")
+    told = Listener()
+    stage = PredictScans(scans, scans / "found", scanned.workspace, FAMILY, **HOW)
+    assert "4 scans below" in stage.plan().steps[0]
+    outcome = stage.run(told)
+    names = [Path(document["scan"]).name for document in outcome.data["scans"]]
+    assert names == ["first.npz", "second.npy"]
+    assert outcome.failed == len(outcome.data["left_out"]) == 2
+    assert [line for line in outcome.data["left_out"] if "broken.ply: expected a PLY file" in line]
+    assert [line for line in outcome.data["left_out"] if "second.json: is in the way" in line], "of another file of that name"
+    assert [f"left out: {line}" for line in outcome.data["left_out"]] == told.notes
+    assert outcome.text.splitlines()[0].startswith("first.npz: part 1 R, state ")
+    assert outcome.text.splitlines()[-1] == "2 scans, 2 left out"
+    alone = PredictScans(scans / "near" / "second.npy", tmp_path / "alone", scanned.workspace, FAMILY, **HOW).run(Listener())
+    assert alone.data == outcome.data["scans"][1]
+    again = stage.run(Listener())
+    assert again.data == outcome.data, "what was found in scans is none"
+    arguments = [
+        "--category",
+        FAMILY,
+        "--workspace",
+        str(scanned.workspace.path),
+        "--device",
+        "cpu",
+        "--out",
+        str(tmp_path / "o"),
+    ]
+    result = CliRunner().invoke(app, ["predict", str(scans), *arguments, "--json"])
+    assert result.exit_code == 1, result.output
+    empty = PredictScans(tmp_path / "alone", tmp_path / "none", scanned.workspace, FAMILY, **HOW)
+    with pytest.raises(InputError, match=r"expected a scan, one of \.npz"):
+        empty.plan()
+
+
+def test_a_finder_says_of_points_what_the_command_does(scanned: Scanned, tmp_path: Path) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    np.savez(tmp_path / "seen.npz", points=points)
+    said = PredictScans(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Listener()).data
+    finder = ScanFinder.load(scanned.workspace.root, FAMILY, device="cpu")
+    found = finder.find(points)
+    assert (finder.weights, finder.trained, finder.category) == (said["weights"], said["trained"], said["category"])
+    assert [int((found.parts == part["id"]).sum()) for part in said["parts"]] == [part["points"] for part in said["parts"]]
+    states = [np.nan if joint["state"] is None else joint["state"] for joint in said["joints"]]
+    np.testing.assert_array_equal(found.estimate.states, states)
+    for wrong in (points[:, :2], points[:0], np.full((40, 3), np.nan)):
+        with pytest.raises(ValueError, match=r"expected points \[n, 3\]"):
+            finder.find(wrong)
 
 
 def test_a_depth_image_in_millimetres_goes_through_the_command(scanned: Scanned, tmp_path: Path) -> None:
@@ -529,7 +586,7 @@ def test_an_example_is_the_test_scan_that_shows_all_parts_best(scanned: Scanned,
     before = contents(tmp_path / "new")
     example.run(Listener())
     assert contents(tmp_path / "new") == before
-    found = PredictScan(example.path, tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Listener())
+    found = PredictScans(example.path, tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Listener())
     assert len(found.data["parts"]) == 2
     for taken in ("scan.npz", "points.npz", "scan.txt"):
         (tmp_path / taken).write_bytes(b"mine")
@@ -566,12 +623,12 @@ def test_nothing_is_replaced_but_what_was_found_in_the_same_scan(scanned: Scanne
         (tmp_path / folder).mkdir()
         np.savez(tmp_path / folder / "seen.npz", points=points)
     stages = [
-        PredictScan(tmp_path / folder / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW) for folder in "ab"
+        PredictScans(tmp_path / folder / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW) for folder in "ab"
     ]
     stages[0].run(Listener())
     stages[0].run(Listener())
     (tmp_path / "elsewhere").symlink_to(tmp_path / "a")
-    PredictScan(tmp_path / "elsewhere" / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).plan()
+    PredictScans(tmp_path / "elsewhere" / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).plan()
     before = contents(tmp_path / "out")
     for attempt in (stages[1].plan, lambda: stages[1].run(Listener())):
         with pytest.raises(InputError, match=r"seen\.json: is in the way"):
@@ -583,13 +640,13 @@ def test_nothing_is_replaced_but_what_was_found_in_the_same_scan(scanned: Scanne
 
 
 def test_what_is_no_scan_is_told_before_anything_runs(scanned: Scanned, tmp_path: Path) -> None:
-    for name, problem in (("none.npz", "no such file"), (".", "this is a folder")):
+    for name, problem in (("none.npz", "no such file"), (".", "expected a scan, one of")):
         with pytest.raises(InputError, match=problem):
-            PredictScan(tmp_path / name, tmp_path / "out", scanned.workspace, FAMILY, **HOW).plan()
+            PredictScans(tmp_path / name, tmp_path / "out", scanned.workspace, FAMILY, **HOW).plan()
 
 
 def test_a_category_without_networks_is_named_with_those_that_there_are(scanned: Scanned, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"no networks that find a labtop in scans.*Laptop.*train all --category labtop"):
-        PredictScan(tmp_path / "x.npz", tmp_path, scanned.workspace, "labtop").run(Listener())
+        PredictScans(tmp_path / "x.npz", tmp_path, scanned.workspace, "labtop").run(Listener())
     with pytest.raises(InputError, match="run kinmo render first"):
         TrainAncsh(Workspace(scanned.workspace.root), scanned.config, "safe").run(Listener())

@@ -1,4 +1,4 @@
-"""Parts, joints and their states in a user's own depth scan."""
+"""Parts, joints and their states in a user's own depth scans."""
 
 from __future__ import annotations
 
@@ -6,40 +6,40 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from shlex import quote
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from kinmo import __version__
-from kinmo.categories import same_category
-from kinmo.errors import InputError, did_you_mean
+from kinmo.errors import InputError
 from kinmo.joint import JointKind
-from kinmo.learning.ancsh.predict import Ancsh
-from kinmo.pipeline.model_files import networks_digest
-from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods
+from kinmo.pipeline.scans.finder import ScanFinder, networks_for
 from kinmo.pipeline.scans.pictures import view_of
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.report.scan_picture import scan_picture
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
-from kinmo.scans.scan_input import Intrinsics, check_is_scan, read_scan, write_points
+from kinmo.scans.scan_input import ENDINGS, Intrinsics, check_is_scan, read_scan, write_points
 from kinmo.wording import counted
-from kinmo.workspace import DEFAULT_METHOD, Workspace, write_text_atomically
+from kinmo.workspace import Workspace, write_text_atomically
 
 SCHEMA_VERSION = 1
-PREFERRED = ("semi-weakly", "dsg-net", "semi", "supervised", "ceiling")
-"""Settings whose networks answer, the first that there is."""
 SECONDS = 5.0
+SECONDS_PER_SCAN = 0.1
+LABELLED = ".parts.npz"
+"""How the file ends that has the part of every point of a scan."""
+LINES = 40
+"""Scans of a folder whose joints are told one by one; those of all are in their files, and in what --json prints."""
 
 
 @dataclass(frozen=True)
-class PredictScan:
-    """Find the parts of an object of `category` in a scan, by networks that saw pseudo labels of `method`, if it is given.
+class PredictScans:
+    """Find the parts of an object of `category` in a scan, or in every scan at or below a folder.
 
-    Into `out` go all that was found (NAME.json), the part of every point (NAME.parts.npz), and a picture (NAME.svg).
+    By networks that saw pseudo labels of `method`, if it is given. Into `out` go for each all that was found (NAME.json), the
+    part of every point (NAME.parts.npz), and a picture (NAME.svg), in folders as those that the scans are in. What is wrong
+    with one scan of a folder is noted, and the others go on.
     """
 
     source: Path
@@ -53,78 +53,103 @@ class PredictScan:
     device: str = "auto"
 
     def plan(self) -> Plan:
-        place, cell = self._networks()
-        check_is_scan(self.source)
-        self._check_replaceable()
-        return Plan((f"find the parts of a {cell.category} in {self.source} by the networks of {cell.title(place)}",), SECONDS)
+        place, cell = networks_for(self.workspace, self.category, self.method, self.seed)
+        targets = self._targets()
+        if not self.source.is_dir():
+            targets[0].check()
+        what = str(self.source) if len(targets) == 1 else f"{len(targets)} scans below {self.source}"
+        step = f"find the parts of a {cell.category} in {what} by the networks of {cell.title(place)}"
+        return Plan((step,), SECONDS + len(targets) * SECONDS_PER_SCAN)
 
     def run(self, observer: Observer) -> Outcome:
-        place, cell = self._networks()
-        self._check_replaceable()
-        scan = read_scan(self.source, self.intrinsics, self.depth_scale)
-        points = scan.points
-        if scan.behind:
-            count = scan.behind + len(points)
-            observer.note(f"{scan.behind} of {count} points are left out: they are not before the camera (z > 0)")
-        weights = cell.weights(place)
-        assert weights is not None, "trained_cells has those with weights"
-        network = Ancsh.load(*weights, device=self.device)
-        rng = np.random.default_rng(self.seed)
-        again = rng.integers(len(points), size=max(0, network.points - len(points)))
-        seen = points[np.concatenate([rng.permutation(len(points))[: network.points], again])]
-        if network.config.normalised == "object":
+        finder = ScanFinder.load(self.workspace, self.category, method=self.method, seed=self.seed, device=self.device)
+        targets = self._targets()
+        if finder.network.config.normalised == "object":
             observer.note("these networks want to know how large the whole object is; what is seen of it is taken for that")
-        diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
-        (answer,), (found,) = network.find([seen], [diagonal], seed=self.seed)
-        made_by = {"weights": networks_digest(weights), "trained": cell.title(place), "category": cell.category}
-        parts = _of_nearest(points, seen, answer.parts)
-        document = scan_document(found, parts, network.structure, self.source, made_by)
-        picture = scan_picture([view_of(seen, answer.parts, found, network.structure)], self.source.stem)
-        self.out.mkdir(parents=True, exist_ok=True)
-        target, drawing, labelled = self._files()
-        write_text_atomically(target, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-        write_text_atomically(drawing, picture)
-        write_points(labelled, points, parts=parts, places=scan.places)
-        return Outcome(target, document, _text(document))
+        if not self.source.is_dir():
+            document = self._find(finder, targets[0], observer)
+            return Outcome(targets[0].document, document, _text(document))
+        documents, left_out = [], []
+        for done, target in enumerate(targets, start=1):
+            try:
+                documents.append(self._find(finder, target, observer))
+            except InputError as error:
+                left_out.append(str(error))
+                observer.note(f"left out: {error}")
+            observer.progress("looking at scans", done, len(targets), target.scan.name)
+        lines = [f"{Path(document['scan']).name}: {_joints_text(document)}" for document in documents[:LINES]]
+        lines.append(f"{counted(len(documents), 'scan')}, {len(left_out)} left out")
+        data = {"scans": documents, "left_out": left_out}
+        return Outcome(self.out, data, "\n".join(lines), failed=len(left_out))
 
-    def _files(self) -> tuple[Path, Path, Path]:
-        """What is written."""
-        name = self.source.stem
-        return self.out / f"{name}.json", self.out / f"{name}.svg", self.out / f"{name}.parts.npz"
+    def _find(self, finder: ScanFinder, target: _Target, observer: Observer) -> dict[str, Any]:
+        """Look at one scan and write what was found. Raises InputError if it cannot be read, or something is in the way."""
+        target.check()
+        scan = read_scan(target.scan, self.intrinsics, self.depth_scale)
+        if scan.behind:
+            count = scan.behind + len(scan.points)
+            where = f"{target.scan.name}: " if self.source.is_dir() else ""
+            observer.note(f"{where}{scan.behind} of {count} points are left out: they are not before the camera (z > 0)")
+        found = finder.find(scan.points, seed=self.seed)
+        made_by = {"weights": finder.weights, "trained": finder.trained, "category": finder.category}
+        document = scan_document(found.estimate, found.parts, finder.structure, target.scan, made_by)
+        view = view_of(found.seen, found.seen_parts, found.estimate, finder.structure)
+        target.document.parent.mkdir(parents=True, exist_ok=True)
+        text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        write_text_atomically(target.document, text)
+        write_text_atomically(target.picture, scan_picture([view], target.scan.stem))
+        write_points(target.labelled, scan.points, parts=found.parts, places=scan.places)
+        return document
 
-    def _check_replaceable(self) -> None:
+    def _targets(self) -> list[_Target]:
+        """Raises InputError where there is no scan; of what was found in scans before none is looked at."""
+        if not self.source.is_dir():
+            check_is_scan(self.source)
+            return [_Target(self.source, self.out / self.source.stem)]
+        own = self.out.resolve()
+        scans = [
+            path
+            for path in sorted(self.source.rglob("*"))
+            if path.is_file()
+            and path.suffix.lower() in ENDINGS
+            and not path.name.endswith(LABELLED)
+            and (own == self.source.resolve() or own not in path.resolve().parents)
+        ]
+        if not scans:
+            raise InputError(self.source, f"expected a scan, one of {', '.join(ENDINGS)}, at or below it")
+        return [_Target(path, self.out / path.relative_to(self.source).with_suffix("")) for path in scans]
+
+
+@dataclass(frozen=True)
+class _Target:
+    """A scan, and the path of what is found in it, without endings."""
+
+    scan: Path
+    path: Path
+
+    @property
+    def document(self) -> Path:
+        return self.path.with_name(f"{self.path.name}.json")
+
+    @property
+    def picture(self) -> Path:
+        return self.path.with_name(f"{self.path.name}.svg")
+
+    @property
+    def labelled(self) -> Path:
+        return self.path.with_name(f"{self.path.name}{LABELLED}")
+
+    def check(self) -> None:
         """Raises InputError if what is to be written would replace what kinmo has not found in the same scan."""
-        document, *others = self._files()
         try:
-            written = json.loads(document.read_text(encoding="utf-8"))
-            is_own = "schema_version" in written and written["scan"] == _name_of(self.source)
+            written = json.loads(self.document.read_text(encoding="utf-8"))
+            is_own = "schema_version" in written and written["scan"] == _name_of(self.scan)
         except (OSError, ValueError, KeyError, TypeError):
             is_own = False
-        for path in (document, *others):
+        for path in (self.document, self.picture, self.labelled):
             if path.exists() and not is_own:
-                raise InputError(
-                    path, "is in the way, and not what kinmo predict found in this scan: name another folder by --out"
-                )
-
-    def _networks(self) -> tuple[Workspace, Cell]:
-        """Raises InputError if nothing was trained for the category."""
-        trained = trained_by_all_methods(self.workspace)
-        if self.method is not None:
-            trained = [(place, cell) for place, cell in trained if place.method == self.method]
-        fitting = [(place, cell) for place, cell in trained if same_category(cell.category, self.category)]
-        if not fitting:
-            known = sorted({cell.category for _, cell in trained})
-            near = did_you_mean(self.category, known)
-            there = f"; there are those of {', '.join(known)}" if known else ""
-            command = f"kinmo train all --category {quote(self.category)}" + (f" --method {self.method}" if self.method else "")
-            problem = f"no networks that find a {self.category} in scans{near}{there}: run {command} first"
-            raise InputError(self.workspace.models, problem)
-        return min(fitting, key=self._rank)
-
-    def _rank(self, trained: tuple[Workspace, Cell]) -> tuple[bool, int, int, bool]:
-        """The least comes first."""
-        place, cell = trained
-        return cell.seed != self.seed, PREFERRED.index(cell.setting), cell.seed, place.method != DEFAULT_METHOD
+                problem = "is in the way, and not what kinmo predict found in this scan: name another folder by --out"
+                raise InputError(path, problem)
 
 
 def scan_document(
@@ -180,23 +205,24 @@ def _name_of(scan: Path) -> str:
     return str(scan.resolve())
 
 
-def _of_nearest(points: NDArray[np.float64], seen: NDArray[np.float64], parts: NDArray[np.integer]) -> NDArray[np.int16]:
-    """The part [n] of each of `points` [n, 3]: that of the nearest one that the networks have seen."""
-    return np.asarray(parts[cKDTree(seen).query(points)[1]], np.int16)
-
-
 def _text(document: dict[str, Any]) -> str:
     lines = [f"{document['category']}: {len(document['parts'])} parts"]
     for part in document["parts"]:
         agree = "not found" if part["inliers"] is None else f"{part['inliers']:.0%} of them agree on where it is"
         lines.append(f"  part {part['id']}: {counted(part['points'], 'point')}, {agree}")
-    for joint in document["joints"]:
-        state = joint["state"]
-        shown = "not found"
-        if state is not None:
-            shown = f"{np.degrees(state):.1f}°" if joint["unit"] == "radians" else f"{state:.3f}"
-        lines.append(f"  part {joint['part']} on part {joint['parent']}: {joint['kind']}, state {shown}")
+    lines += [f"  part {joint['part']} on part {joint['parent']}: {_joint_text(joint)}" for joint in document["joints"]]
     return "\n".join(lines)
+
+
+def _joints_text(document: dict[str, Any]) -> str:
+    return ", ".join(f"part {joint['part']} {_joint_text(joint)}" for joint in document["joints"])
+
+
+def _joint_text(joint: dict[str, Any]) -> str:
+    state = joint["state"]
+    if state is None:
+        return f"{joint['kind']}, state not found"
+    return f"{joint['kind']}, state " + (f"{np.degrees(state):.1f}°" if joint["unit"] == "radians" else f"{state:.3f}")
 
 
 def _number(value: float) -> float | None:

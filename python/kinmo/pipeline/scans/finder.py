@@ -1,0 +1,115 @@
+"""Trained networks as one object that finds parts, joints and their states in depth scans, one after another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from shlex import quote
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from kinmo.categories import same_category
+from kinmo.errors import InputError, did_you_mean
+from kinmo.learning.ancsh.predict import Ancsh
+from kinmo.pipeline.model_files import networks_digest
+from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods
+from kinmo.scans.articulated_object import Structure
+from kinmo.scans.estimate import ScanEstimate
+from kinmo.workspace import DEFAULT_METHOD, Workspace
+
+F64 = NDArray[np.float64]
+
+PREFERRED = ("semi-weakly", "dsg-net", "semi", "supervised", "ceiling")
+"""Settings whose networks answer, the first that there is."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoundInScan:
+    """What there is to see in a scan of n points.
+
+    `parts` [n] is the part of every point, 0 the base, -1 what is of none (the floor); `estimate` says where the parts, their
+    boxes and joints are, in the frame and the lengths of the scan. Networks saw the points `seen` [m, 3] and said that they are
+    of `seen_parts` [m]; every other point has the part of the nearest of these.
+    """
+
+    parts: NDArray[np.int16]
+    estimate: ScanEstimate
+    seen: F64
+    seen_parts: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class ScanFinder:
+    """Finds objects of one `category` in depth scans, one at a time and as fast as they come.
+
+    `trained` says what its networks learnt from, and `weights` is a hash of theirs. docs/scans.md has an example.
+    """
+
+    network: Ancsh
+    category: str
+    trained: str
+    weights: str
+
+    @classmethod
+    def load(
+        cls, workspace: Workspace | Path | str, category: str, *, method: str | None = None, seed: int = 0, device: str = "auto"
+    ) -> ScanFinder:
+        """The networks that `kinmo train` has made for a category, by pseudo labels of `method` if it is given.
+
+        Raises InputError if there are none, or they cannot be read.
+        """
+        place = workspace if isinstance(workspace, Workspace) else Workspace(Path(workspace))
+        place, cell = networks_for(place, category, method, seed)
+        weights = cell.weights(place)
+        assert weights is not None, "trained_by_all_methods has those with weights"
+        return cls(Ancsh.load(*weights, device=device), cell.category, cell.title(place), networks_digest(weights))
+
+    @property
+    def structure(self) -> Structure:
+        """Of the objects that it finds: which part hangs by which, by what kind of joint."""
+        return self.network.structure
+
+    def find(self, points: NDArray[np.floating], *, seed: int = 0) -> FoundInScan:
+        """Parts and joints of the object of which `points` [n, 3] were seen, in the frame of the camera.
+
+        The camera looks along z, with x to the right and y down. What comes out depends on the points and on `seed` alone.
+        """
+        points = np.asarray(points, np.float64)
+        if points.ndim != 2 or points.shape[1] != 3 or not len(points) or not np.isfinite(points).all():
+            raise ValueError(f"expected points [n, 3], all of them numbers, got {list(points.shape)}")
+        rng = np.random.default_rng(seed)
+        again = rng.integers(len(points), size=max(0, self.network.points - len(points)))
+        seen = points[np.concatenate([rng.permutation(len(points))[: self.network.points], again])]
+        diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
+        (answer,), (estimate,) = self.network.find([seen], [diagonal], seed=seed)
+        parts = np.asarray(answer.parts, np.int64)
+        return FoundInScan(np.asarray(parts[cKDTree(seen).query(points)[1]], np.int16), estimate, seen, parts)
+
+
+def networks_for(workspace: Workspace, category: str, method: str | None, seed: int) -> tuple[Workspace, Cell]:
+    """Those that answer for a category, and the workspace that they are in. Raises InputError if nothing was trained for it."""
+    trained = trained_by_all_methods(workspace)
+    if method is not None:
+        trained = [(place, cell) for place, cell in trained if place.method == method]
+    fitting = [(place, cell) for place, cell in trained if same_category(cell.category, category)]
+    if not fitting:
+        known = sorted({cell.category for _, cell in trained})
+        near = did_you_mean(category, known)
+        there = f"; there are those of {', '.join(known)}" if known else ""
+        command = f"kinmo train all --category {quote(category)}" + (f" --method {method}" if method else "")
+        problem = f"no networks that find a {category} in scans{near}{there}: run {command} first"
+        raise InputError(workspace.models, problem)
+    return min(fitting, key=_rank(seed))
+
+
+def _rank(seed: int) -> Callable[[tuple[Workspace, Cell]], tuple[bool, int, int, bool]]:
+    """The least comes first."""
+
+    def rank(trained: tuple[Workspace, Cell]) -> tuple[bool, int, int, bool]:
+        place, cell = trained
+        return cell.seed != seed, PREFERRED.index(cell.setting), cell.seed, place.method != DEFAULT_METHOD
+
+    return rank
