@@ -18,7 +18,7 @@ def predict(
     options: CommonOptions,
     shape: Annotated[
         Path,
-        Argument(help="A shape's folder, a scan's file, or a folder with such anywhere below it.", show_default=False),
+        Argument(help="A shape's folder or .glb, a scan's file, or a folder with such anywhere below it.", show_default=False),
     ],
     out: Annotated[Path, Option("--out", "-o", help="Folder for the results, one folder a shape.")] = Path("predicted"),
     method: Annotated[
@@ -43,9 +43,9 @@ def predict(
 ) -> None:
     """Predict the joints of your own shapes, or of what a depth scan shows.
 
-    A shape is a hierarchy of named parts with meshes (docs/own-shapes.md). Each gets a folder with joints.json (every joint
-    with its score and the alternatives that lost) and a URDF with its meshes. A shape that cannot be read is reported, the
-    others go on, and the exit code is 1.
+    A shape is a hierarchy of named parts with meshes, or a .glb whose nodes are parts (docs/own-shapes.md). Each gets a folder
+    with joints.json (every joint with its score and the alternatives that lost) and a URDF with its meshes. A shape that cannot
+    be read is reported, the others go on, and the exit code is 1.
 
     A scan is an .npz or .npy file with points or depths, a .ply, or a depth image (.png, .tif), of one object of a --category
     that kinmo train ancsh knows (docs/scans.md). It gives a JSON file with parts, boxes, poses, joints and their states in the
@@ -55,10 +55,12 @@ def predict(
 
         kinmo predict my_shapes/cabinet -o out/
         kinmo predict my_shapes/ -o out/ --json > out.json
+        kinmo predict cabinet.glb -o out/
         kinmo predict scan.npz --category refrigerator
         kinmo predict scans/ --category refrigerator -o out/
         kinmo predict depth.png --category refrigerator --intrinsics 525,525,319.5,239.5 --depth-scale 1000 -o out/
     """
+    from kinmo.scans.scan_input import ENDINGS as SCAN_ENDINGS
     from kinmo.workspace import Workspace
 
     workspace = Workspace(options.workspace)
@@ -71,7 +73,7 @@ def predict(
         scans = PredictScans(shape, out, workspace, category, camera, depth_scale, answering, options.seed, options.device)
         execute(options, scans)
         return
-    if shape.is_file():
+    if shape.is_file() and shape.suffix.lower() in SCAN_ENDINGS:
         raise BadParameter("a scan needs --category: what is to be seen in it", param_hint="--category")
     for option, value in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
         if value is not None:

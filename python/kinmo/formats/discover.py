@@ -14,6 +14,7 @@ from kinmo.formats.annotation import MESH_FOLDERS
 from kinmo.formats.dsg_net import shape_id
 from kinmo.formats.field import clean_text
 from kinmo.formats.files import read_beginning
+from kinmo.formats.glb import ENDING as GLB_ENDING
 from kinmo.formats.partnet import HIERARCHY_FILES
 
 _PEEK = 1 << 16
@@ -26,11 +27,12 @@ class Layout(str, Enum):
     PARTNET_MOBILITY = "partnet_mobility"
     PARTNET = "partnet"
     DSG_NET = "dsg_net"
+    GLB = "glb"
 
 
 @dataclass(frozen=True)
 class Found:
-    """A shape that a reader may be tried on: a folder, or the tree JSON of DSG_NET."""
+    """A shape that a reader may be tried on: a folder, the tree JSON of DSG_NET, or the file of GLB."""
 
     path: Path
     layout: Layout
@@ -44,11 +46,11 @@ def discover(
 
     Hidden files and folders are passed over. Links to folders are not followed; those that lead out of `root`, and folders
     that cannot be listed, are told to `report`. `skip` are folders to keep out of, such as a workspace. `root` may also be
-    the tree JSON of one DSG-Net shape. Raises InputError if it is neither that nor a folder.
+    the file of one shape, a DSG-Net tree or a GLB. Raises InputError if it is neither that nor a folder.
     """
     root = Path(root)
-    if root.is_file() and root.suffix == ".json" and _is_tree(root, root.parent):
-        yield Found(root, Layout.DSG_NET, shape_id(root))
+    if root.is_file() and (found := _file_of_shape(root)) is not None:
+        yield found
         return
     if not root.is_dir():
         what = (
@@ -81,12 +83,21 @@ def discover(
                 _judge_link(Path(entry.path), home, report)
             elif entry.is_dir(follow_symlinks=False):
                 subfolders.append(Path(entry.path))
-            elif entry.name.endswith(".json") and _is_tree(Path(entry.path), folder):
-                yield Found(Path(entry.path), Layout.DSG_NET, shape_id(Path(entry.path)))
+            elif (found := _file_of_shape(Path(entry.path))) is not None:
+                yield found
         if depth >= _DEEPEST_FOLDER and subfolders:
             report(InputError(folder, f"folders nested deeper than {_DEEPEST_FOLDER} levels"))
             continue
         pending += [(path, depth + 1) for path in reversed(subfolders)]
+
+
+def _file_of_shape(path: Path) -> Found | None:
+    """The shape that is in one file, None if it is none."""
+    if path.suffix == ".json" and _is_tree(path, path.parent):
+        return Found(path, Layout.DSG_NET, shape_id(path))
+    if path.suffix.lower() == GLB_ENDING:
+        return Found(path, Layout.GLB, clean_text(path.stem))
+    return None
 
 
 def _layout(folder: Path, names: set[str]) -> Layout | None:

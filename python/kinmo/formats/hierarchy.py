@@ -47,10 +47,7 @@ def walk(root: Field, name: str) -> list[Node]:
     pending: list[tuple[Field, int | None, int]] = [(root, None, 0)]
     while pending:
         field, parent, depth = pending.pop()
-        if depth > DEEPEST:
-            raise field.fail(f"nested deeper than {DEEPEST} levels")
-        if len(nodes) >= MOST_PARTS:
-            raise InputError(root.where, f"more than {MOST_PARTS} parts")
+        check_size(field, len(nodes), depth)
         identity = field["id"].integer()
         if identity in seen:
             raise field["id"].fail(f"part {identity} occurs twice, first at {seen[identity]}")
@@ -59,6 +56,14 @@ def walk(root: Field, name: str) -> list[Node]:
         pending += [(child, len(nodes), depth + 1) for child in reversed(children)]
         nodes.append(Node(field, identity, field[name].text(""), parent, not children))
     return nodes
+
+
+def check_size(node: Field, before: int, depth: int) -> None:
+    """Raises InputError for a node that is nested too deeply, or of which there are too many `before` it."""
+    if depth > DEEPEST:
+        raise node.fail(f"nested deeper than {DEEPEST} levels")
+    if before >= MOST_PARTS:
+        raise InputError(node.where, f"more than {MOST_PARTS} parts")
 
 
 def build(nodes: Sequence[Node], meshes: Mapping[int, Mesh]) -> Hierarchy:

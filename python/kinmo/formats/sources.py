@@ -53,6 +53,9 @@ def _files(found: Found) -> Iterator[tuple[str, Path]]:
     if found.layout is Layout.DSG_NET:
         places = [found.path, *geometry_places(found.path)]
         base = found.path.absolute().parent.parent
+    elif found.layout is Layout.GLB:
+        places = [found.path]
+        base = found.path.absolute().parent
     else:
         places = [found.path / name for name in (*_FILES, *MESH_FOLDERS)]
         base = found.path.absolute()
