@@ -112,20 +112,55 @@ class Bench:
             train_joint_ranking(training, validation, config, folder, seed=seed, device="cpu", initial=initial)
         return folder / "weights.safetensors"
 
-    def gnn(self) -> MotionGnnPredictor:
-        """A motion GNN trained on some procedural shapes: it says which moving siblings are one body."""
-        folder = self.shapes.cache / "models" / "gnn-procedural"
+    def pretrained_gnn(self) -> Path:
+        """Motion GNN weights trained on some procedural shapes of all categories."""
+        return self._gnn("procedural", *(shapes[::GNN_STRIDE] for shapes in parted_by_split(self.shapes.procedural)))
+
+    def fine_tuned_gnn(self, fold: Fold) -> Path:
+        """Motion GNN weights that went on with the real objects of a fold."""
+        name, training, validation, _ = fold
+        return self._gnn(name, training, validation, self.pretrained_gnn())
+
+    def seen_gnn(self, training: list[PreparedShape], validation: list[PreparedShape]) -> Path:
+        """Motion GNN weights trained on some procedural shapes that leave the test shapes out."""
+        return self._gnn("seen", training[::GNN_STRIDE], validation[::GNN_STRIDE])
+
+    def gnn_that_never_saw(self, fold: Fold) -> Path:
+        """The same, but neither training has a shape of the categories that the fold tests; mechanisms join."""
+        name, training, validation, tested = fold
+        unseen = {shape.category for shape in tested}
+        procedural = [shape for shape in self.shapes.procedural if shape.category not in unseen] + self.shapes.mechanisms
+        initial = self._gnn(f"general-{name}", *(shapes[::GNN_STRIDE] for shapes in parted_by_split(procedural)))
+        return self._gnn(f"general-{name}-real", training, validation, initial) if training else initial
+
+    def _gnn(
+        self, name: str, training: list[PreparedShape], validation: list[PreparedShape], initial: Path | None = None
+    ) -> Path:
+        """One for all seeds: it has less to say than the ranking."""
+        folder = self.shapes.cache / "models" / f"gnn-{name}"
         if not (folder / "weights.safetensors").exists():
-            rest, kept = (shapes[::GNN_STRIDE] for shapes in parted_by_split(self.shapes.procedural))
             config = replace(self.config.gnn, training=replace(self.config.gnn.training, **GNN_TRAINING))
-            print(f"training {folder.name} on {len(rest)} shapes", flush=True)
-            train_motion_gnn(rest, kept, config, folder, types="fine", seed=0, device="cpu")
-        return MotionGnnPredictor.load(folder / "weights.safetensors", "cpu")
+            print(f"training {folder.name} on {len(training)} shapes", flush=True)
+            train_motion_gnn(training, validation, config, folder, types="fine", seed=0, device="cpu", initial=initial)
+        return folder / "weights.safetensors"
 
 
-def given(shape: PreparedShape, ranking: JointRanking) -> ShapeScore:
+@dataclass(frozen=True)
+class Networks:
+    """What the `kinmo` method asks: the ranking, and the motion GNN, which has a word in it."""
+
+    ranking: JointRanking
+    gnn: MotionGnnPredictor
+
+    @classmethod
+    def load(cls, ranking: Path, gnn: Path, hide_names: bool = False) -> Networks:
+        return cls(JointRanking.load(ranking, "cpu", hide_names), MotionGnnPredictor.load(gnn, "cpu", hide_names))
+
+
+def given(shape: PreparedShape, networks: Networks) -> ShapeScore:
     """Score the joints of the annotation's bodies."""
-    answers = ranked_bodies(shape, None, shape.body_leaves, ranking, rests="one")
+    edges = networks.gnn.predict_edges(shape)
+    answers = ranked_bodies(shape, None, shape.body_leaves, networks.ranking, edges, rests="one")
     return parts_given(shape, {body: found[0] for body, found in enumerate(answers)})
 
 
@@ -144,12 +179,13 @@ def best_there_is(shape: PreparedShape) -> ShapeScore:
     return parts_given(shape, answers)
 
 
-def segmented(shape: PreparedShape, ranking: JointRanking, gnn: MotionGnnPredictor) -> ShapeScore:
+def segmented(shape: PreparedShape, networks: Networks) -> ShapeScore:
     """Score the bodies and joints read off the hierarchy alone."""
     bare = replace(shape, mobility=None, body_boxes=None, edge_labels=None, body_types={})
     meshes = leaf_meshes(read_found(Found(Path(shape.source), Files(shape.layout), shape.id)), shape)
-    bodies = predicted_bodies(bare, moving_nodes(bare, ranking).moving, gnn.predict_edges(bare))
-    answers = ranked_bodies(bare, meshes, bodies, ranking, rests="first")
+    edges = networks.gnn.predict_edges(bare)
+    bodies = predicted_bodies(bare, moving_nodes(bare, networks.ranking, edges).moving, edges)
+    answers = ranked_bodies(bare, meshes, bodies, networks.ranking, edges, rests="first")
     tree, limited = tree_of(bare, meshes, bodies, [str(index) for index in range(len(bodies))], answers)
     frame = Normalisation(shape.center, shape.diagonal)
     estimates = tuple(tuple(in_file_frame(answer, frame) for answer in found) for found in limited)
@@ -161,30 +197,33 @@ def scores(bench: Bench, row: str, seeds: int) -> dict[str, list[ShapeScore]]:
     """Scores of all objects and seeds, by the name of the printed row."""
     found: dict[str, list[ShapeScore]] = {}
 
-    def add(name: str, weights: Path, shapes: Sequence[PreparedShape], *, hidden: bool = False) -> None:
-        ranking = JointRanking.load(weights, "cpu", hidden)
-        found.setdefault(name, []).extend(given(shape, ranking) for shape in shapes)
+    def add(name: str, weights: tuple[Path, Path], shapes: Sequence[PreparedShape], *, hidden: bool = False) -> None:
+        networks = Networks.load(*weights, hidden)
+        found.setdefault(name, []).extend(given(shape, networks) for shape in shapes)
 
     for seed in range(seeds):
         if row == "ceiling":
             found.setdefault("best hypothesis", []).extend(best_there_is(shape) for shape in bench.shapes.real)
         elif row == "transfer":
-            add("procedural shapes alone", bench.pretrained(seed), bench.shapes.real)
-            add("procedural shapes alone, names hidden", bench.pretrained(seed), bench.shapes.real, hidden=True)
+            both = bench.pretrained(seed), bench.pretrained_gnn()
+            add("procedural shapes alone", both, bench.shapes.real)
+            add("procedural shapes alone, names hidden", both, bench.shapes.real, hidden=True)
         elif row == "categories":
             for fold in bench.shapes.by_category():
-                add("category left out", bench.never_saw(fold, seed, members=1), fold[3])
+                both = bench.never_saw(fold, seed, members=1), bench.gnn_that_never_saw(fold)
+                add("category left out", both, fold[3])
         elif row == "families":
             for fold in bench.shapes.by_half():
-                ranking = JointRanking.load(bench.never_saw(fold, seed), "cpu")
-                answers = [given(shape, ranking) for shape in fold[3]]
+                networks = Networks.load(bench.never_saw(fold, seed), bench.gnn_that_never_saw(fold))
+                answers = [given(shape, networks) for shape in fold[3]]
                 for name in ("families never seen", f"the same, {fold[0]}"):
                     found.setdefault(name, []).extend(answers)
                 unseen = {shape.category for shape in fold[3]}
-                others = [given(shape, ranking) for shape in bench.shapes.fresh if shape.category in unseen]
+                others = [given(shape, networks) for shape in bench.shapes.fresh if shape.category in unseen]
                 found.setdefault("the same, fresh shapes", []).extend(others)
             training, validation, tested = bench.shapes.of_seen_families()
-            add("families seen", bench.seen(training, validation, seed), tested)
+            both = bench.seen(training, validation, seed), bench.seen_gnn(training, validation)
+            add("families seen", both, tested)
         elif row == "trees":
             for _, training, validation, tested in bench.shapes.by_fold():
                 trees = fit_trees([*training, *validation], seed=seed)
@@ -193,7 +232,7 @@ def scores(bench: Bench, row: str, seeds: int) -> dict[str, list[ShapeScore]]:
                         found.setdefault(name, []).append(parts_given(shape, trees.answers(shape, kinds_given=told)))
         else:
             for fold in bench.shapes.by_fold():
-                weights, tested = bench.fine_tuned(fold, seed), fold[3]
+                weights, tested = (bench.fine_tuned(fold, seed), bench.fine_tuned_gnn(fold)), fold[3]
                 if row == "given":
                     add("bodies given", weights, tested)
                 elif row == "hidden":
@@ -202,8 +241,8 @@ def scores(bench: Bench, row: str, seeds: int) -> dict[str, list[ShapeScore]]:
                     add("turned about up", weights, turned_shapes(tested, bench.shapes.cache / "turned-about-up", freely=False))
                     add("turned freely", weights, turned_shapes(tested, bench.shapes.cache / "turned-freely", freely=True))
                 elif row == "hierarchy":
-                    ranking, gnn = JointRanking.load(weights, "cpu"), bench.gnn()
-                    found.setdefault("hierarchy given", []).extend(segmented(shape, ranking, gnn) for shape in tested)
+                    networks = Networks.load(*weights)
+                    found.setdefault("hierarchy given", []).extend(segmented(shape, networks) for shape in tested)
                     ruled = (hierarchy_given(shape, segmented_without_learning(shape)) for shape in tested)
                     found.setdefault("hierarchy given, no learning", []).extend(ruled)
     return found

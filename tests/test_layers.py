@@ -41,7 +41,7 @@ LAYERS = (
     ("scans",),
     ("candidates", "limits"),
     ("learning",),
-    ("mobility_tree", "part_geometry", "scoring", "refinement", "ranked_mobility"),
+    ("mobility_tree", "part_geometry", "scoring", "refinement", "type_odds", "ranked_mobility"),
     ("pseudo_label",),
     ("evaluation",),
     ("export",),

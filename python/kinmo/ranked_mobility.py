@@ -2,7 +2,7 @@
 
 *Parts given*, every body's hypotheses are ranked and the best is its joint. *Hierarchy given*, the nodes are ranked first:
 those that rather move than rest become bodies, siblings that the motion GNN holds to be fixed to each other become one, and the
-bodies are then ranked like given ones.
+bodies are then ranked like given ones. What type of motion the GNN holds a body to have is taken into account (`type_odds`).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.learning.joint_ranking.data import KIND_CODE, View
 from kinmo.learning.joint_ranking.decide import MOVES, rank_answers, same_joint
 from kinmo.learning.joint_ranking.predict import JointRanking
-from kinmo.learning.joint_ranking.views import category_words, maximal_nodes, node_view, words_of
+from kinmo.learning.joint_ranking.views import category_words, node_view, words_of
 from kinmo.limits import free_travel
 from kinmo.mobility import Body, descendants
 from kinmo.mobility_tree import mean_estimate
@@ -32,6 +32,7 @@ from kinmo.part_geometry import symmetric_box
 from kinmo.prediction import JointEstimate
 from kinmo.prepared import PreparedShape, units_of
 from kinmo.refinement import said_alone
+from kinmo.type_odds import motion_types_of, outward_edges, with_types
 
 F64 = NDArray[np.float64]
 
@@ -49,6 +50,7 @@ def ranked_bodies(
     meshes: _core.Meshes | None,
     bodies: Sequence[tuple[int, ...]],
     ranking: JointRanking,
+    edges: EdgePredictions | None,
     *,
     rests: Literal["any", "first", "one"] = "any",
     kinds: Sequence[JointKind | None] | None = None,
@@ -59,7 +61,8 @@ def ranked_bodies(
     empty, that does which most likely rests); or one, that which most likely does (bodies of one shape are fastened to each
     other, so that but one need rest). `kinds` says how bodies move
     (None: that is asked). `meshes` (of the leaves, in the normalised frame) are needed for bodies that `shape` was not
-    prepared with; without them those raise ValueError.
+    prepared with; without them those raise ValueError. `edges` are what the motion GNN says; without them the ranking decides
+    alone.
     """
     wanted = [body for body in bodies if body]
     units = units_of(shape.leaves_below, shape.body_leaves)
@@ -85,6 +88,9 @@ def ranked_bodies(
             answers.append((JointEstimate(None, MotionType.FIXED, 1.0, source="ranking"),))
             continue
         odds, still = said[body]
+        box = symmetric_box(shape, body, meshes)
+        types = None if edges is None else motion_types_of(shape, body, edges)
+        odds = with_types(odds, types, evidence, place[body], box, shape.up)
         if still >= MOVES and body not in resting:
             odds, still = odds / odds.sum() * (1.0 - MOVES / 2), MOVES / 2
         if still < MOVES and rests == "first" and body == base:
@@ -93,7 +99,7 @@ def ranked_bodies(
         if kind is not None:
             odds = np.where(evidence.kinds[evidence.rows(place[body])] == KIND_CODE[kind], odds, 0.0)
             odds, still = (odds / odds.sum(), 0.0) if odds.any() else (odds, 1.0)
-        answers.append(rank_answers(evidence, place[body], odds, still, symmetric_box(shape, body, meshes), shape.up))
+        answers.append(rank_answers(evidence, place[body], odds, still, box, shape.up))
     return answers
 
 
@@ -113,8 +119,8 @@ class SaidNodes:
     doubt: float
 
 
-def moving_nodes(shape: PreparedShape, ranking: JointRanking) -> SaidNodes:
-    """The nodes that rather move against their surroundings than rest.
+def moving_nodes(shape: PreparedShape, ranking: JointRanking, edges: EdgePredictions | None) -> SaidNodes:
+    """The nodes that rather move against their surroundings than rest, which the ranking decides alone.
 
     A node with the same joint as the moving node that it is in moves with that, not against it.
     """
@@ -126,7 +132,10 @@ def moving_nodes(shape: PreparedShape, ranking: JointRanking) -> SaidNodes:
     moving: dict[int, Joint] = {}
     for node, (unit, odds, still) in enumerate(zip(view.units, probabilities, rest, strict=True), start=1):
         if still < MOVES:
-            best = rank_answers(evidence, unit, odds, float(still), shape.symmetric_boxes[node], shape.up)[0].joint
+            box = shape.symmetric_boxes[node]
+            types = None if edges is None else motion_types_of(shape, shape.leaves_below[node], edges)
+            odds = with_types(odds, types, evidence, unit, box, shape.up)
+            best = rank_answers(evidence, unit, odds, float(still), box, shape.up)[0].joint
             assert best is not None, "what rather moves is answered with a joint"
             above = shape.parents[node]
             while above > 0 and above not in moving:
@@ -202,8 +211,7 @@ def network_estimates(shape: PreparedShape, bodies: Sequence[tuple[int, ...]], e
     """What the motion GNN alone says of every body, by the edges from its parts to siblings outside it (normalised frame)."""
     estimates = []
     for leaves in bodies:
-        own = set(maximal_nodes(shape, leaves))
-        outwards = np.flatnonzero([i in own and j not in own for i, j in shape.edges.tolist()])
+        outwards = outward_edges(shape, leaves)
         estimates.append(said_alone(mean_estimate(edges, outwards) if len(outwards) else None))
     return estimates
 

@@ -140,7 +140,8 @@ class PaperPredictor:
 class KinmoPredictor:
     """kinmo's own method: every motion that a part's geometry allows is ranked, and kind and axis are chosen together.
 
-    The motion GNN says which moving siblings are one body. Networks are read as in `PaperPredictor`.
+    The motion GNN says which moving siblings are one body, and has a word in how bodies move. Networks are read as in
+    `PaperPredictor`.
     """
 
     workspace: Workspace
@@ -173,23 +174,24 @@ class KinmoPredictor:
 
     def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         edges, ranking = self._edges(shape), self._ranking(shape)
-        said = moving_nodes(shape, ranking)
+        said = moving_nodes(shape, ranking, edges)
         bodies = predicted_bodies(shape, said.moving, edges)
         names = ["base", *(shape.part_names[maximal_nodes(shape, leaves)[0]] for leaves in bodies[1:])]
-        answers = ranked_bodies(shape, meshes, bodies, ranking, rests="first")
+        answers = ranked_bodies(shape, meshes, bodies, ranking, edges, rests="first")
         return replace(self._assembled(shape, meshes, edges, bodies, names, answers), doubt=said.doubt)
 
     def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         if shape.mobility is None:
             raise ValueError(f"shape {shape.id} is not annotated")
         names = [body.name for body in shape.mobility.bodies]
-        answers = ranked_bodies(shape, meshes, shape.body_leaves, self._ranking(shape), rests="one")
-        return self._assembled(shape, meshes, self._edges(shape), shape.body_leaves, names, answers)
+        edges = self._edges(shape)
+        answers = ranked_bodies(shape, meshes, shape.body_leaves, self._ranking(shape), edges, rests="one")
+        return self._assembled(shape, meshes, edges, shape.body_leaves, names, answers)
 
     def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         mobility, _ = annotation(shape)
         kinds = [None if body.joint is None else body.joint.kind for body in mobility.bodies]
-        answers = ranked_bodies(shape, meshes, shape.body_leaves, self._ranking(shape), kinds=kinds)
+        answers = ranked_bodies(shape, meshes, shape.body_leaves, self._ranking(shape), self._edges(shape), kinds=kinds)
         bodies = tuple(replace(body, joint=found[0].joint) for body, found in zip(mobility.bodies, answers, strict=True))
         frame = Normalisation(shape.center, shape.diagonal)
         estimates = tuple(tuple(in_file_frame(answer, frame) for answer in found) for found in answers)
