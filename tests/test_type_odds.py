@@ -40,16 +40,18 @@ def types_of(unit: int) -> list[MotionType]:
 
 
 @given(st.integers(0, len(UNITS) - 1), st.integers(0, 2**32 - 1), st.floats(0.1, 1.0))
-def test_hypotheses_gain_by_their_types_and_their_sum_stays(body: int, seed: int, moves: float) -> None:
+def test_hypotheses_of_a_kind_gain_by_their_types_and_kinds_stay_as_likely(body: int, seed: int, moves: float) -> None:
     rng = np.random.default_rng(seed)
-    own = types_of(UNITS[body])
+    own, kinds = types_of(UNITS[body]), EVIDENCE.kinds[EVIDENCE.rows(UNITS[body])]
     odds = rng.dirichlet(np.ones(len(own))) * moves
     types = rng.dirichlet(np.ones(MOTIONS)) + 1e-9
     found = with_types(odds, types, EVIDENCE, UNITS[body], BOX, SHAPE.up)
-    assert found.sum() == pytest.approx(moves)
-    gains = found / odds
     expected = np.array([types[each] ** SAY for each in own])
-    np.testing.assert_allclose(gains / gains[0], expected / expected[0], rtol=1e-9)
+    for kind in np.unique(kinds):
+        of_kind = kinds == kind
+        assert found[of_kind].sum() == pytest.approx(odds[of_kind].sum())
+        gains = found[of_kind] / odds[of_kind] / expected[of_kind]
+        np.testing.assert_allclose(gains, gains[0], rtol=1e-9)
 
 
 def test_where_the_gnn_tells_no_types_apart_the_ranking_decides_alone() -> None:
@@ -59,14 +61,15 @@ def test_where_the_gnn_tells_no_types_apart_the_ranking_decides_alone() -> None:
     np.testing.assert_allclose(with_types(odds, alike, EVIDENCE, UNITS[1], BOX, SHAPE.up), odds)
     assert with_types(odds, None, EVIDENCE, UNITS[1], BOX, SHAPE.up) is odds
     nothing = np.zeros_like(odds)
-    assert with_types(nothing, alike, EVIDENCE, UNITS[1], BOX, SHAPE.up) is nothing
+    np.testing.assert_array_equal(with_types(nothing, alike, EVIDENCE, UNITS[1], BOX, SHAPE.up), nothing)
 
 
-def test_an_undecided_ranking_follows_the_gnn() -> None:
-    count = len(types_of(UNITS[1]))
-    for wanted in (MotionType.R_V_S, MotionType.R_H_S, MotionType.P_H):
+def test_a_ranking_that_knows_the_kind_alone_follows_the_gnn() -> None:
+    kinds = EVIDENCE.kinds[EVIDENCE.rows(UNITS[1])]
+    for wanted in (MotionType.R_V_S, MotionType.R_H_S, MotionType.P_H, MotionType.P_V):
         types = motion_types_of(SHAPE, SHAPE.body_leaves[1], told(SHAPE, **{wanted.name: 0.6, "FIXED": 0.4}))
-        odds = with_types(np.full(count, 1.0 / count), types, EVIDENCE, UNITS[1], BOX, SHAPE.up)
+        known = np.array([KINDS[int(kind)] is wanted.kind for kind in kinds])
+        odds = with_types(known / known.sum(), types, EVIDENCE, UNITS[1], BOX, SHAPE.up)
         assert rank_answers(EVIDENCE, UNITS[1], odds, 0.0, BOX, SHAPE.up)[0].type is wanted
 
 

@@ -48,14 +48,20 @@ def motion_types_of(shape: PreparedShape, leaves: Sequence[int], edges: EdgePred
 
 
 def with_types(odds: F64, types: F64 | None, evidence: Evidence, unit: int, box: Box, up: Vector) -> F64:
-    """Probabilities [h] of the hypotheses of a unit, with the same sum, those of its types of motion [8] taken into account.
+    """Probabilities [h] of the hypotheses of a unit, those of its types of motion [8] taken into account.
 
-    The types depend on `box`, the unit's, and `up`.
+    How likely it is to turn, to slide, or to do both stays as it is: of that the ranking knows more. The types depend on `box`,
+    the unit's, and `up`.
     """
-    if types is None or not odds.any():
+    if types is None:
         return odds
     rows = evidence.rows(unit)
-    motions = zip(evidence.kinds[rows].tolist(), evidence.directions[rows], evidence.pivots[rows], strict=True)
+    kinds = evidence.kinds[rows]
+    motions = zip(kinds.tolist(), evidence.directions[rows], evidence.pivots[rows], strict=True)
     said = [types[motion_type(Joint(KINDS[kind], direction, pivot), box, up)] for kind, direction, pivot in motions]
     both = odds * np.power(said, SAY)
-    return np.asarray(both * (odds.sum() / both.sum()))
+    for kind in np.unique(kinds):
+        own = kinds == kind
+        if both[own].any():
+            both[own] *= odds[own].sum() / both[own].sum()
+    return np.asarray(both)

@@ -30,6 +30,7 @@ from kinmo.prepared import PreparedShape
 from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of
 from kinmo.refinement import Refiner, in_file_frame
 from kinmo.shape import Shape
+from kinmo.type_odds import SAY
 from kinmo.typed_tables import to_table
 from kinmo.workspace import Workspace
 
@@ -170,7 +171,7 @@ class KinmoPredictor:
 
     @property
     def config(self) -> Mapping[str, Any]:
-        return {"hide_names": self.hide_names}
+        return {"hide_names": self.hide_names, "say_of_types": SAY}
 
     def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
         edges, ranking = self._edges(shape), self._ranking(shape)
