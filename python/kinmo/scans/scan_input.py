@@ -31,8 +31,19 @@ NARROWEST = 16
 """Pixels across a depth image: an array of fewer columns is one of points."""
 
 
-READING = (OSError, ValueError, EOFError, SyntaxError, AttributeError, RuntimeError, TokenError, BadZipFile, ZlibError)
-"""What NumPy raises for files that are no arrays, cut off, damaged, or locked."""
+READING = (
+    OSError,
+    ValueError,
+    MemoryError,
+    EOFError,
+    SyntaxError,
+    AttributeError,
+    RuntimeError,
+    TokenError,
+    BadZipFile,
+    ZlibError,
+)
+"""What NumPy raises for files that are no arrays, cut off, damaged, or locked, or that claim to hold more than there is."""
 
 
 @dataclass(frozen=True)

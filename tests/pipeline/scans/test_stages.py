@@ -510,18 +510,23 @@ def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanne
         np.save(scans / name, points) if name.endswith("npy") else np.savez(scans / name, points=points)
     (scans / "broken.ply").write_text("ply")
     (scans / "notes.txt").write_text("of the camera")
+    np.save(scans / ".hidden.npy", seen[0])
+    header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({10**12}, 3), }}".ljust(117) + "\n"
+    (scans / "vast.npy").write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode())
     told = Listener()
     stage = PredictScans(scans, scans / "found", scanned.workspace, FAMILY, **HOW)
-    assert "4 scans below" in stage.plan().steps[0]
+    assert "5 scans below" in stage.plan().steps[0]
     outcome = stage.run(told)
     names = [Path(document["scan"]).name for document in outcome.data["scans"]]
     assert names == ["first.npz", "second.npy"]
-    assert outcome.failed == len(outcome.data["left_out"]) == 2
+    assert outcome.failed == len(outcome.data["left_out"]) == 3
+    assert [line for line in outcome.data["left_out"] if "vast.npy: expected arrays of NumPy" in line]
     assert [line for line in outcome.data["left_out"] if "broken.ply: expected a PLY file" in line]
     assert [line for line in outcome.data["left_out"] if "second.json: is in the way" in line], "of another file of that name"
     assert [f"left out: {line}" for line in outcome.data["left_out"]] == told.notes
     assert outcome.text.splitlines()[0].startswith("first.npz: part 1 R, state ")
-    assert outcome.text.splitlines()[-1] == "2 scans, 2 left out"
+    assert outcome.text.splitlines()[1].startswith("near/second.npy: part 1 R")
+    assert outcome.text.splitlines()[-1] == "2 scans, 3 left out"
     alone = PredictScans(scans / "near" / "second.npy", tmp_path / "alone", scanned.workspace, FAMILY, **HOW).run(Listener())
     assert alone.data == outcome.data["scans"][1]
     again = stage.run(Listener())
@@ -538,6 +543,15 @@ def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanne
     ]
     result = CliRunner().invoke(app, ["predict", str(scans), *arguments, "--json"])
     assert result.exit_code == 1, result.output
+    said = json.loads(result.stdout)
+    assert (said["scans"], len(said["left_out"])) == (outcome.data["scans"], 3)
+    around = PredictScans(scans, tmp_path, scanned.workspace, FAMILY, **HOW).run(Listener())
+    assert around.data["scans"] == outcome.data["scans"], "into a folder that the scans are in"
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken" / "near").write_text("a file")
+    blocked = PredictScans(scans, tmp_path / "taken", scanned.workspace, FAMILY, **HOW).run(Listener())
+    assert [Path(document["scan"]).name for document in blocked.data["scans"]] == ["first.npz"]
+    assert [line for line in blocked.data["left_out"] if line.startswith("near/second.npy: ")]
     empty = PredictScans(tmp_path / "alone", tmp_path / "none", scanned.workspace, FAMILY, **HOW)
     with pytest.raises(InputError, match=r"expected a scan, one of \.npz"):
         empty.plan()
@@ -553,7 +567,7 @@ def test_a_finder_says_of_points_what_the_command_does(scanned: Scanned, tmp_pat
     assert [int((found.parts == part["id"]).sum()) for part in said["parts"]] == [part["points"] for part in said["parts"]]
     states = [np.nan if joint["state"] is None else joint["state"] for joint in said["joints"]]
     np.testing.assert_array_equal(found.estimate.states, states)
-    for wrong in (points[:, :2], points[:0], np.full((40, 3), np.nan)):
+    for wrong in (points[:, :2], points[:0], np.full((40, 3), np.nan), -points):
         with pytest.raises(ValueError, match=r"expected points \[n, 3\]"):
             finder.find(wrong)
 

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from kinmo import __version__
 from kinmo.errors import InputError
+from kinmo.formats.field import clean_text
+from kinmo.formats.sources import shown
 from kinmo.joint import JointKind
 from kinmo.pipeline.scans.finder import ScanFinder, networks_for
 from kinmo.pipeline.scans.pictures import view_of
@@ -69,15 +71,21 @@ class PredictScans:
         if not self.source.is_dir():
             document = self._find(finder, targets[0], observer)
             return Outcome(targets[0].document, document, _text(document))
-        documents, left_out = [], []
+        documents: list[dict[str, Any]] = []
+        left_out: list[str] = []
+        lines: list[str] = []
         for done, target in enumerate(targets, start=1):
             try:
                 documents.append(self._find(finder, target, observer))
-            except InputError as error:
-                left_out.append(str(error))
-                observer.note(f"left out: {error}")
-            observer.progress("looking at scans", done, len(targets), target.scan.name)
-        lines = [f"{Path(document['scan']).name}: {_joints_text(document)}" for document in documents[:LINES]]
+                if len(documents) <= LINES:
+                    lines.append(f"{target.name}: {_joints_text(documents[-1])}")
+            except (InputError, OSError) as error:
+                problem = str(error) if isinstance(error, InputError) else f"{target.name}: {error.strerror or error}"
+                left_out.append(problem)
+                observer.note(f"left out: {problem}")
+            observer.progress("looking at scans", done, len(targets), target.name)
+        if len(documents) > LINES:
+            lines.append(f"and {len(documents) - LINES} more")
         lines.append(f"{counted(len(documents), 'scan')}, {len(left_out)} left out")
         data = {"scans": documents, "left_out": left_out}
         return Outcome(self.out, data, "\n".join(lines), failed=len(left_out))
@@ -88,7 +96,7 @@ class PredictScans:
         scan = read_scan(target.scan, self.intrinsics, self.depth_scale)
         if scan.behind:
             count = scan.behind + len(scan.points)
-            where = f"{target.scan.name}: " if self.source.is_dir() else ""
+            where = f"{target.name}: " if self.source.is_dir() else ""
             observer.note(f"{where}{scan.behind} of {count} points are left out: they are not before the camera (z > 0)")
         found = finder.find(scan.points, seed=self.seed)
         made_by = {"weights": finder.weights, "trained": finder.trained, "category": finder.category}
@@ -102,30 +110,30 @@ class PredictScans:
         return document
 
     def _targets(self) -> list[_Target]:
-        """Raises InputError where there is no scan; of what was found in scans before none is looked at."""
+        """Raises InputError where there is no scan. Hidden files, and what was found in scans before, are none."""
         if not self.source.is_dir():
             check_is_scan(self.source)
-            return [_Target(self.source, self.out / self.source.stem)]
-        own = self.out.resolve()
+            return [_Target(self.source, self.out / self.source.stem, shown(self.source.name))]
+        places = (path.relative_to(self.source) for path in sorted(self.source.rglob("*")) if path.is_file())
         scans = [
-            path
-            for path in sorted(self.source.rglob("*"))
-            if path.is_file()
-            and path.suffix.lower() in ENDINGS
-            and not path.name.endswith(LABELLED)
-            and (own == self.source.resolve() or own not in path.resolve().parents)
+            place
+            for place in places
+            if place.suffix.lower() in ENDINGS
+            and not place.name.endswith(LABELLED)
+            and not any(name.startswith(".") for name in place.parts)
         ]
         if not scans:
             raise InputError(self.source, f"expected a scan, one of {', '.join(ENDINGS)}, at or below it")
-        return [_Target(path, self.out / path.relative_to(self.source).with_suffix("")) for path in scans]
+        return [_Target(self.source / place, self.out / place.parent / place.stem, clean_text(shown(place))) for place in scans]
 
 
 @dataclass(frozen=True)
 class _Target:
-    """A scan, and the path of what is found in it, without endings."""
+    """A scan, the path of what is found in it, without endings, and how it is called, on one line."""
 
     scan: Path
     path: Path
+    name: str
 
     @property
     def document(self) -> Path:
@@ -202,7 +210,7 @@ def scan_document(
 
 def _name_of(scan: Path) -> str:
     """The same for a file wherever one stands, and however it is spelled."""
-    return str(scan.resolve())
+    return shown(scan.resolve())
 
 
 def _text(document: dict[str, Any]) -> str:
