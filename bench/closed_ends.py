@@ -36,6 +36,8 @@ Error = tuple[str, JointKind, float]
 
 FAR = {JointKind.REVOLUTE: 5.0, JointKind.PRISMATIC: 0.05}
 """Degrees, and diagonals, from which on a closed end is wrong."""
+LEAST_POINTS = 8
+"""Fewer may fit a rigid motion by chance."""
 
 
 def main() -> None:
@@ -149,7 +151,7 @@ def moved(before: F64, after: F64) -> F64:
     Told by as many of the last ones as move as one: a pin's come first, and may go another way, or with another part.
     """
     common = min(len(before), len(after))
-    for count in range(common, common // 16, -max(common // 16, 1)):
+    for count in range(common, max(common // 16, LEAST_POINTS - 1), -max(common // 16, 1)):
         pose, residual = fitted(before[-count:], after[-count:])
         if residual < 1e-6:
             return pose

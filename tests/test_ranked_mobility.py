@@ -71,8 +71,8 @@ def test_a_body_whose_kind_is_told_moves_so(kind: JointKind) -> None:
     box, lid = ((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1))
     bodies = (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE))
     shape = prepare_shape(shape_of_boxes([box, lid], bodies), points=64)
-    asked = ranked_bodies(shape, None, shape.body_leaves, Undecided(), None)
-    told = ranked_bodies(shape, None, shape.body_leaves, Undecided(), None, kinds=[None, kind])
+    asked = ranked_bodies(shape, None, shape.body_leaves, Undecided(), all_fixed(shape))
+    told = ranked_bodies(shape, None, shape.body_leaves, Undecided(), all_fixed(shape), kinds=[None, kind])
     assert asked[1][0].joint is None and told[1][0].joint.kind is kind
     assert told[0][0].joint is None and told[0][0].score == asked[0][0].score
 
@@ -90,7 +90,7 @@ def test_a_body_whose_kind_is_told_moves_so(kind: JointKind) -> None:
 def test_as_many_bodies_rest_as_may(rests: str, rest: tuple[float, float], moving: tuple[int, ...]) -> None:
     box, lid = ((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1))
     shape = prepare_shape(shape_of_boxes([box, lid], (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE))), points=64)
-    answers = ranked_bodies(shape, None, shape.body_leaves, Undecided(rest), None, rests=rests)
+    answers = ranked_bodies(shape, None, shape.body_leaves, Undecided(rest), all_fixed(shape), rests=rests)
     assert tuple(index for index, found in enumerate(answers) if found[0].joint is not None) == moving
 
 
@@ -101,7 +101,7 @@ def test_the_surest_is_told_of_what_may_move_after_all_if_it_is_large_and_does_n
     def told(**rest: float) -> SaidNodes:
         """Every node rests, but for those that are named, by these chances."""
         chances = [rest.get(name, 1.0) for name in shape.part_names[1:]]
-        return moving_nodes(shape, Undecided(chances), None)
+        return moving_nodes(shape, Undecided(chances), all_fixed(shape))
 
     assert shape.parents[board] == shape.parents[handle] == door
     assert shape.parents[top] == frame
@@ -120,7 +120,7 @@ def test_what_everything_rests_on_does_not_move(rest: tuple[float, float], movin
     shape = prepare_shape(shape_of_boxes([box, lid], (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE))), points=64)
 
     def moves(bodies: list[tuple[int, ...]], rest: tuple[float, float]) -> tuple[int, ...]:
-        answers = ranked_bodies(shape, None, bodies, Undecided(rest), None, rests="first")
+        answers = ranked_bodies(shape, None, bodies, Undecided(rest), all_fixed(shape), rests="first")
         return tuple(index for index, found in enumerate(answers) if found[0].joint is not None)
 
     assert moves([(0,), (1,)], rest) == (1,)

@@ -50,7 +50,7 @@ def ranked_bodies(
     meshes: _core.Meshes | None,
     bodies: Sequence[tuple[int, ...]],
     ranking: JointRanking,
-    edges: EdgePredictions | None,
+    edges: EdgePredictions,
     *,
     rests: Literal["any", "first", "one"] = "any",
     kinds: Sequence[JointKind | None] | None = None,
@@ -61,8 +61,7 @@ def ranked_bodies(
     empty, that does which most likely rests); or one, that which most likely does (bodies of one shape are fastened to each
     other, so that but one need rest). `kinds` says how bodies move
     (None: that is asked). `meshes` (of the leaves, in the normalised frame) are needed for bodies that `shape` was not
-    prepared with; without them those raise ValueError. `edges` are what the motion GNN says; without them the ranking decides
-    alone.
+    prepared with; without them those raise ValueError. `edges` are what the motion GNN says.
     """
     wanted = [body for body in bodies if body]
     units = units_of(shape.leaves_below, shape.body_leaves)
@@ -89,8 +88,7 @@ def ranked_bodies(
             continue
         odds, still = said[body]
         box = symmetric_box(shape, body, meshes)
-        types = None if edges is None else motion_types_of(shape, body, edges)
-        odds = with_types(odds, types, evidence, place[body], box, shape.up)
+        odds = with_types(odds, motion_types_of(shape, body, edges), evidence, place[body], box, shape.up)
         if still >= MOVES and body not in resting:
             odds, still = odds / odds.sum() * (1.0 - MOVES / 2), MOVES / 2
         if still < MOVES and rests == "first" and body == base:
@@ -119,10 +117,11 @@ class SaidNodes:
     doubt: float
 
 
-def moving_nodes(shape: PreparedShape, ranking: JointRanking, edges: EdgePredictions | None) -> SaidNodes:
+def moving_nodes(shape: PreparedShape, ranking: JointRanking, edges: EdgePredictions) -> SaidNodes:
     """The nodes that rather move against their surroundings than rest, which the ranking decides alone.
 
-    A node with the same joint as the moving node that it is in moves with that, not against it.
+    In how they move the motion GNN has a word: `edges` are its answers. A node with the same joint as the moving node that it is
+    in moves with that, not against it.
     """
     if len(shape.parents) < 2:
         return SaidNodes({}, 0.0)
@@ -133,7 +132,7 @@ def moving_nodes(shape: PreparedShape, ranking: JointRanking, edges: EdgePredict
     for node, (unit, odds, still) in enumerate(zip(view.units, probabilities, rest, strict=True), start=1):
         if still < MOVES:
             box = shape.symmetric_boxes[node]
-            types = None if edges is None else motion_types_of(shape, shape.leaves_below[node], edges)
+            types = motion_types_of(shape, shape.leaves_below[node], edges)
             odds = with_types(odds, types, evidence, unit, box, shape.up)
             best = rank_answers(evidence, unit, odds, float(still), box, shape.up)[0].joint
             assert best is not None, "what rather moves is answered with a joint"

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
+import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +18,7 @@ from typer.testing import CliRunner
 from articulated import rotations
 from kinmo.cli.app import app
 from kinmo.errors import InputError
-from kinmo.formats import Found, Layout, discover, read_found
+from kinmo.formats import Found, Layout, discover, glb, read_found
 from kinmo.formats.sources import content_digest, fingerprint
 from kinmo.shape import Shape
 
@@ -124,28 +127,155 @@ def test_surfaces_lie_where_transforms_have_them_and_face_outwards(
 
 
 def test_files_are_found_beside_other_shapes_and_known_by_their_contents(tmp_path: Path) -> None:
-    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep" / "c").mkdir(parents=True)
     first, copy = write(tmp_path / "deep" / "a.GLB", CABINET), write(tmp_path / "b.glb", CABINET)
     found = list(discover(tmp_path))
     assert [(each.path, each.id) for each in found] == [(copy, "b"), (first, "a")]
     assert [row[0] for row in fingerprint(found[0])] == ["b.glb"]
     renamed = Found(write(tmp_path / "deep" / "b.glb", CABINET), Layout.GLB, "b")
     assert content_digest(renamed) == content_digest(found[0])
+    other = Found(write(tmp_path / "deep" / "c" / "b.glb", node("lid", box=(1.0, 1.0, 1.0))), Layout.GLB, "b")
+    assert content_digest(other) != content_digest(found[0])
+
+
+@pytest.mark.parametrize("data", [b"", b"solid", b"glTF\x02\0\0\0"])
+def test_what_is_no_binary_gltf_is_told_in_one_line(tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / "broken.glb"
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=f"^{path}: expected a binary glTF file$"):
+        read(path)
+
+
+QUAD = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], "<f4")
+DROPPED = object()
+
+
+def raw(path: Path, *, order: np.ndarray | None = None, mode: int | None = None, **changes: object) -> Path:
+    """A file of one square, two of its fields' paths changed or dropped: `nodes__0__name="a"` changes nodes[0].name."""
+    order = np.array([0, 1, 2, 0, 2, 3], "<u2") if order is None else order
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1} | ({} if mode is None else {"mode": mode})
+    codes = {"uint8": 5121, "uint16": 5123, "uint32": 5125}
+    value: dict[str, Any] = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"name": "sheet", "mesh": 0}],
+        "meshes": [{"primitives": [primitive]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 1, "componentType": codes[order.dtype.name], "count": len(order), "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": order.nbytes},
+        ],
+        "buffers": [{"byteLength": 48 + order.nbytes}],
+    }
+    for field, changed in changes.items():
+        *above, last = (int(key) if key.isdecimal() else key for key in field.split("__"))
+        place: Any = value
+        for key in above:
+            place = place[key]
+        if changed is DROPPED:
+            del place[last]
+        else:
+            place[last] = changed
+    text = json.dumps(value).encode()
+    text += b" " * (-len(text) % 4)
+    binary = QUAD.tobytes() + order.tobytes()
+    binary += b"\0" * (-len(binary) % 4)
+    chunks = [(b"JSON", text), (b"BIN\0", binary)]
+    body = b"".join(struct.pack("<I4s", len(data), kind) + data for kind, data in chunks)
+    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body)
+    return path
 
 
 @pytest.mark.parametrize(
-    ("data", "problem"),
+    ("changes", "field"),
     [
-        (b"", "expected a binary glTF file"),
-        (b"solid", "expected a binary glTF file"),
-        (b"glTF\x02\0\0\0", "expected a binary glTF file with meshes"),
+        ({"accessors__1__count": 7}, "accessors[1].count: expected as many as there are bytes of"),
+        ({"accessors__0__count": 10**9}, "accessors[0].count: expected as many as there are bytes of"),
+        ({"accessors__0__count": 3}, "meshes[0].primitives[0].indices: expected indices below 3, got 3"),
+        ({"accessors__0__componentType": 5122}, "accessors[0].componentType: expected float32"),
+        ({"accessors__0__bufferView": DROPPED}, "accessors[0]: expected all numbers in a bufferView"),
+        ({"accessors__0__sparse": {}}, "accessors[0]: expected all numbers in a bufferView"),
+        ({"accessors__0__bufferView": 2}, "accessors[0].bufferView: expected one of the 2 bufferViews, got 2"),
+        ({"buffers__0__uri": "other.bin"}, "bufferViews[0].buffer: expected what is in the file itself"),
+        ({"bufferViews__0__byteOffset": -4}, "bufferViews[0].byteOffset: expected a number that is not below 0"),
+        ({"nodes__0__mesh": 1}, "nodes[0].mesh: expected one of the 1 meshes, got 1"),
+        ({"nodes__0__children": [0]}, "nodes[0].children[0]: node 0 is in two places"),
+        ({"nodes__0__matrix": [1.0] * 15}, "nodes[0].matrix: expected 16 numbers"),
+        ({"nodes__0__scale": [1.0, float("nan"), 1.0]}, "nodes[0].scale[1]: expected a finite number"),
+        ({"nodes__0__rotation": [0.0] * 4}, "nodes[0].rotation: expected a quaternion"),
+        ({"meshes__0__primitives__0__mode": 7}, "meshes[0].primitives[0].mode: expected 0 to 6"),
+        ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "without KHR_draco_mesh_compression"),
+        ({"scene": 3}, "scene: expected one of the 1 scenes"),
+        ({"nodes__0__mesh": DROPPED}, "no part has geometry"),
     ],
+    ids=str,
 )
-def test_what_is_no_scene_is_told_in_one_line(tmp_path: Path, data: bytes, problem: str) -> None:
-    path = tmp_path / "broken.glb"
-    path.write_bytes(data)
-    with pytest.raises(InputError, match=f"^{path}: {problem}"):
-        read(path)
+def test_what_cannot_be_read_is_named_by_its_field(tmp_path: Path, changes: dict[str, object], field: str) -> None:
+    with pytest.raises(InputError, match=re.escape(field)):
+        read(raw(tmp_path / "a.glb", **changes))
+
+
+@pytest.mark.parametrize("number", ["<u1", "<u2", "<u4"])
+@pytest.mark.parametrize(("mode", "order"), [(4, [0, 1, 2, 0, 2, 3]), (5, [0, 1, 3, 2]), (6, [0, 1, 2, 3])])
+def test_triangles_strips_and_fans_are_the_same_surface(tmp_path: Path, mode: int, order: list[int], number: str) -> None:
+    shape = read(raw(tmp_path / "a.glb", order=np.array(order, number), mode=mode))
+    (mesh,) = shape.meshes()
+    normals = np.cross(*(mesh.vertices[mesh.faces[:, i]] - mesh.vertices[mesh.faces[:, 0]] for i in (1, 2)))
+    np.testing.assert_allclose(normals, [[0.0, 0.0, 1.0]] * 2)
+
+
+def test_extensions_that_only_change_looks_are_no_matter(tmp_path: Path) -> None:
+    shape = read(raw(tmp_path / "a.glb", extensionsRequired=["KHR_materials_unlit", "KHR_texture_transform"]))
+    assert [part.name for part in shape.parts] == ["sheet"]
+
+
+def test_a_mesh_of_several_materials_is_one_part(tmp_path: Path) -> None:
+    piece = {"attributes": {"POSITION": 0}, "indices": 1}
+    path = raw(tmp_path / "a.glb", meshes=[{"primitives": [{**piece, "material": 0}, {**piece, "material": 1}]}])
+    (part,) = read(path).parts
+    assert part.name == "sheet"
+    assert part.mesh is not None
+    assert len(part.mesh.faces) == 4
+
+
+def test_cameras_lights_and_empty_nodes_are_no_parts(tmp_path: Path) -> None:
+    nodes = [{"name": "Cabinet", "children": [1, 2]}, {"name": "door", "mesh": 0}, {"name": "body", "mesh": 0}]
+    nodes += [{"name": "Camera", "camera": 0}, {"name": "Light"}]
+    shape = read(raw(tmp_path / "a.glb", nodes=nodes, scenes=[{"nodes": [3, 0, 4]}]))
+    assert shape.category == "Cabinet"
+    assert [part.name for part in shape.parts] == ["Cabinet", "door", "body"], "in the order of the file"
+    assert shape.repairs == ()
+    assert shape.partnet_id is None
+
+
+def test_what_has_no_name_has_none_made_up(tmp_path: Path) -> None:
+    nodes = [{"children": [1, 2]}, {"mesh": 0, "name": "a"}, {"mesh": 0, "name": "a"}]
+    shape = read(raw(tmp_path / "a.glb", nodes=nodes))
+    assert (shape.category, [part.name for part in shape.parts]) == ("unknown", ["", "a", "a"])
+    bare = read(raw(tmp_path / "b.glb", nodes=nodes, scenes=DROPPED, scene=DROPPED))
+    assert [part.name for part in bare.parts] == ["", "a", "a"], "without a scene all nodes are shown"
+
+
+def test_a_small_file_cannot_stand_for_a_vast_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(glb, "_MOST_CORNERS", 100)
+    nodes = [{"children": list(range(1, 41))}, *({"mesh": 0} for _ in range(40))]
+    with pytest.raises(InputError, match="more than 100 corners"):
+        read(raw(tmp_path / "a.glb", nodes=nodes))
+    piece = {"attributes": {"POSITION": 0}, "indices": 1}
+    with pytest.raises(InputError, match="more than 100 corners"):
+        read(raw(tmp_path / "b.glb", meshes=[{"primitives": [piece] * 20}]))
+
+
+@pytest.mark.parametrize("name", ["   .glb", "...glb"])
+def test_a_file_without_a_name_is_no_shape(tmp_path: Path, name: str) -> None:
+    raw(tmp_path / name)
+    assert list(discover(tmp_path)) == []
+    with pytest.raises(InputError, match=r"expected a folder of shapes, or a shape as \.glb"):
+        list(discover(tmp_path / name))
 
 
 def test_a_file_that_is_cut_is_refused_wherever_it_ends(tmp_path: Path) -> None:

@@ -21,7 +21,8 @@ def prepare(
 ) -> None:
     """Find, check and convert every shape below a folder.
 
-    PartNet-Mobility, PartNet and DSG-Net are told apart by what the folders contain, so unpack them anywhere below one folder.
+    PartNet-Mobility, PartNet and DSG-Net are told apart by what the folders contain, so unpack them anywhere below one folder;
+    files of binary glTF (.glb) are shapes without labels.
     What can be mended is mended, what cannot be used is left out: the table at the end counts repairs and lists what was left
     out, and prepared/report.json, and --json, have every shape. Shapes that have not changed since the last time are not
     prepared again.

@@ -54,7 +54,7 @@ def discover(
         return
     if not root.is_dir():
         what = (
-            "is a file, expected a folder of shapes: unpack archives first"
+            f"is a file, expected a folder of shapes, or a shape as {GLB_ENDING}: unpack archives first"
             if root.exists()
             else "missing, expected a folder of shapes"
         )
@@ -95,9 +95,8 @@ def _file_of_shape(path: Path) -> Found | None:
     """The shape that is in one file, None if it is none."""
     if path.suffix == ".json" and _is_tree(path, path.parent):
         return Found(path, Layout.DSG_NET, shape_id(path))
-    if path.suffix.lower() == GLB_ENDING:
-        return Found(path, Layout.GLB, clean_text(path.stem))
-    return None
+    name = clean_text(path.stem)
+    return Found(path, Layout.GLB, name) if path.suffix.lower() == GLB_ENDING and name.strip(".") else None
 
 
 def _layout(folder: Path, names: set[str]) -> Layout | None:
