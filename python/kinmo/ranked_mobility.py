@@ -120,8 +120,8 @@ class SaidNodes:
 def moving_nodes(shape: PreparedShape, ranking: JointRanking, edges: EdgePredictions) -> SaidNodes:
     """The nodes that rather move against their surroundings than rest, which the ranking decides alone.
 
-    In how they move the motion GNN has a word: `edges` are its answers. A node with the same joint as the moving node that it is
-    in moves with that, not against it.
+    In how they move the motion GNN has a word: `edges` are its answers. A node with the same joint as the moving node that it
+    is in moves with that, not against it.
     """
     if len(shape.parents) < 2:
         return SaidNodes({}, 0.0)

@@ -13,7 +13,8 @@ from kinmo.workspace import DEFAULT_METHOD
 
 Setting = Literal["supervised", "semi", "semi-weakly", "dsg-net", "ceiling"]
 """Nothing; scans of unlabelled shapes with what networks that were trained so far say of them; shapes with pseudo labels, in
-PartNet's layouts (or binary glTF) or in DSG-Net's; shapes whose true labels were held back, which is the best that pseudo labels could do."""
+PartNet's layouts (or binary glTF) or in DSG-Net's; shapes whose true labels were held back, which is the best that pseudo
+labels could do."""
 SETTINGS: tuple[Setting, ...] = get_args(Setting)
 PSEUDO_LABELLED: tuple[Setting, ...] = ("semi-weakly", "dsg-net")
 """Networks of these lie in the workspace of the method whose labels they saw, all others in that of the motion networks."""
