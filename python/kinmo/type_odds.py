@@ -34,8 +34,8 @@ MOTIONS = len([kind for kind in MotionType if kind.kind is not None])
 
 def outward_edges(shape: PreparedShape, leaves: Sequence[int]) -> NDArray[np.int64]:
     """Indices of the edges from the parts of a body (positions of its leaves) to siblings outside it."""
-    own = set(maximal_nodes(shape, leaves))
-    return np.flatnonzero([part in own and other not in own for part, other in shape.edges.tolist()])
+    is_own = np.isin(shape.edges, maximal_nodes(shape, leaves))
+    return np.flatnonzero(is_own[:, 0] & ~is_own[:, 1])
 
 
 def motion_types_of(shape: PreparedShape, leaves: Sequence[int], edges: EdgePredictions) -> F64 | None:

@@ -68,7 +68,6 @@ class _Item:
     name: str
     pose: F64
     parent: int | None
-    depth: int
 
 
 class _Scene:
@@ -119,7 +118,7 @@ class _Scene:
 
     def _items(self) -> Iterator[_Item]:
         """All nodes of the scene below one that holds them together, in preorder."""
-        yield _Item(self.root, "", np.eye(4), None, 0)
+        yield _Item(self.root, "", np.eye(4), None)
         seen: set[int] = set()
         poses = [np.eye(4)]
         pending = [(field, 0, 1) for field in reversed(self._roots)]
@@ -132,7 +131,7 @@ class _Scene:
             seen.add(index.integer())
             place = len(poses)
             poses.append(poses[parent] @ _local(node))
-            yield _Item(node, node["name"].text(""), poses[place], parent, depth)
+            yield _Item(node, node["name"].text(""), poses[place], parent)
             pending += [(child, place, depth + 1) for child in reversed(node["children"].items())]
 
     @property

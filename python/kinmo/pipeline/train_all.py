@@ -30,8 +30,8 @@ class TrainAll:
     """Train the motion networks on all categories; then for one, label what has no joints and do all that scans need.
 
     Without a category all shapes are labelled, and scans are for those of the paper's five that there are labelled shapes of.
-    Networks for scans learn from pseudo labels, of the workspace's method, where there are any, of shapes in PartNet's layouts
-    before those in DSG-Net's, else from the labelled shapes alone.
+    Networks for scans learn from pseudo labels, of the workspace's method, where there are any, of shapes of other layouts
+    before those of DSG-Net's, else from the labelled shapes alone.
     """
 
     workspace: Workspace
@@ -99,7 +99,7 @@ class TrainAll:
             yield TrainAncsh(place, self.config, category, setting, self.seed, self.device, self.workers)
 
     def _setting(self, category: str) -> Setting:
-        """By pseudo labels of shapes in PartNet's layouts, else in DSG-Net's, unless it is clear by now that there are none."""
+        """By pseudo labels of shapes of other layouts, else of DSG-Net's, unless it is clear by now that there are none."""
         try:
             dataset = open_scan_dataset(self.workspace, category)
         except InputError:
