@@ -8,10 +8,13 @@ from typing import Literal
 import numpy as np
 import pytest
 
+from articulated import shape_of_boxes
 from kinmo.config import ScansConfig, SensorConfig
+from kinmo.mobility import Body
+from kinmo.scans.articulated_object import articulated_object
 from kinmo.scans.renderers import NOTHING
 from kinmo.scans.scan import scan
-from scanned import cupboard_object
+from scanned import UP, cupboard_object, slider
 
 OPTIONS = ScansConfig(states=4, views=3, size=96, points=300)
 
@@ -79,3 +82,15 @@ def test_the_floor_is_seen_below_the_object_and_belongs_to_none_of_its_parts() -
         back = np.linalg.inv(scans.poses[row, 0])
         heights = (scans.points[row][floor[row]] @ back[:3, :3].T + back[:3, 3])[:, 1]
         np.testing.assert_allclose(heights, lowest, atol=2e-5)
+
+
+def test_an_object_may_have_hundreds_of_parts() -> None:
+    corners = [(0.1 * row, 0.1 * column) for row in range(20) for column in range(10)]
+    keys = [((x, 0.0, z), (x + 0.06, 0.1, z + 0.06)) for x, z in corners]
+    board = ((-0.5, -0.1, -0.5), (2.5, 0.0, 1.5))
+    pressed = [Body(1 + index, "key", (2 + index,), 0, slider(-UP, upper=0.02)) for index in range(len(keys))]
+    shape = shape_of_boxes([board, *keys], [Body(0, "board", (1,)), *pressed])
+    target = articulated_object(shape, smallest=0.0)
+    scans = scan(target, replace(OPTIONS, least_pixels=0, size=256, points=2000), seed=0)
+    assert scans.parts.min() == 0
+    assert scans.parts.max() > 190

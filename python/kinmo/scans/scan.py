@@ -37,7 +37,7 @@ class Scans:
     """
 
     points: F32
-    parts: NDArray[np.int8]
+    parts: NDArray[np.int16]
     places: F32
     poses: F64
     values: F64
@@ -151,7 +151,7 @@ def _stacked(frames: list[_Frame], count: int, parts: int, refused: Counter[str]
     turns = [[frame.state.turns.get(joint, 0.0) for joint in joints] for frame in frames]
     return Scans(
         np.array([frame.points for frame in frames], np.float32).reshape(rows, count, 3),
-        np.array([frame.parts for frame in frames], np.int8).reshape(rows, count),
+        np.array([frame.parts for frame in frames], np.int16).reshape(rows, count),
         np.array([frame.places for frame in frames], np.float32).reshape(rows, count, 3),
         np.array([frame.poses for frame in frames], np.float64).reshape(rows, parts, 4, 4),
         np.array(values, np.float64).reshape(rows, parts - 1),

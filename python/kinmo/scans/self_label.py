@@ -68,7 +68,7 @@ def self_labelled(
             own = parts == part
             npcs = (points[row][own] - poses.translations[part]) @ poses.rotations[part] / poses.scales[part]
             places[frame, own] = (npcs - MIDDLE) * extents.diagonals[part] + extents.centers[part]
-    count, parts_of = structure.part_count, np.stack([answers[row].parts for row in sure]).astype(np.int8)
+    count, parts_of = structure.part_count, np.stack([answers[row].parts for row in sure]).astype(np.int16)
     unknown = np.full((len(sure), count - 1), np.nan)
     refused = Counter({UNSURE: len(estimates) - len(sure)})
     poses_of = np.full((len(sure), count, 4, 4), np.nan)
