@@ -219,9 +219,10 @@ class ScansConfig:
     `closed` have such. `sampling`: every joint has a value of its own out of its range, or all go through theirs in
     `lockstep`, or as in the `release` all through the same angles. Pictures have `size` pixels a side, frames `points` points;
     a frame in which a part has fewer than `least_pixels` is refused. A part smaller than `smallest_part` diagonals goes with
-    what it moves against. Networks learn the `canonical` state of objects: `closed` (`scans.closing`), or whatever their
-    `file` shows. `rough` is the sensor that takes `sensor`'s place to tell what a bad one costs. `pybullet` is the paper's
-    renderer.
+    what it moves against. Networks learn objects with the `joints` that are named, part by part as tables do (`R on 0`), or if
+    none are, with those that most labelled ones have. They learn the `canonical` state of objects: `closed` (`scans.closing`),
+    or whatever their `file` shows. `rough` is the sensor that takes `sensor`'s place to tell what a bad one costs. `pybullet`
+    is the paper's renderer.
     """
 
     states: Count = 31
@@ -235,6 +236,7 @@ class ScansConfig:
     points: Annotated[int, Within(1, 1_000_000)] = 1024
     least_pixels: Number = 10
     smallest_part: Share = 0.15
+    joints: tuple[str, ...] = ()
     canonical: Literal["closed", "file"] = "closed"
     renderer: Literal["raster", "pybullet"] = "raster"
     sensor: SensorConfig = field(default_factory=SensorConfig)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -26,6 +27,9 @@ F64 = NDArray[np.float64]
 FACING = np.cos(np.radians(6.0))
 """From this cosine on a surface faces an axis."""
 
+JOINT = rf"(?P<kind>{'|'.join(JointKind)}) on (?P<parent>\d+)"
+"""What a joint of a structure looks like in tables."""
+
 SMALLEST_PART = 0.15
 """Diagonal of a part's box, in the object's, below which the part goes with what it moves against (knobs, buttons)."""
 
@@ -39,6 +43,18 @@ class Structure:
 
     kinds: tuple[JointKind, ...]
     parents: tuple[int, ...]
+
+    @classmethod
+    def of(cls, joints: Sequence[str]) -> Structure:
+        """Of joints as tables have them, such as `R on 0`, part by part. Raises ValueError for any other text."""
+        kinds, parents = [], []
+        for part, text in enumerate(joints, start=1):
+            found = re.fullmatch(JOINT, text)
+            if found is None or int(found["parent"]) >= part:
+                raise ValueError(f"expected {', '.join(JointKind)} on a part before part {part}, such as R on 0, got {text!r}")
+            kinds.append(JointKind(found["kind"]))
+            parents.append(int(found["parent"]))
+        return cls(tuple(kinds), tuple(parents))
 
     @property
     def part_count(self) -> int:

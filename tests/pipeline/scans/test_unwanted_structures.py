@@ -10,6 +10,7 @@ import pytest
 from scan_road import prepared_in
 from whole_road import Listener, contents
 
+from kinmo.errors import InputError
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.scans import jobs
 from kinmo.pipeline.scans.dataset import ScanDataset, open_scan_dataset, scans_of
@@ -120,3 +121,45 @@ def test_rendering_that_is_cut_off_while_it_refuses_ends_as_undisturbed(
     monkeypatch.undo()
     stage.run(Listener())
     assert contents(stage.workspace.scans) == contents(mixed.workspace.scans)
+
+
+def with_joints(stage: Render, folder: Path, joints: str) -> Render:
+    """The same in a copy of the workspace, of objects with some joints."""
+    config = folder / "joints.toml"
+    config.write_text(Path(stage.config).read_text(encoding="utf-8").replace("[scans]", f"[scans]\njoints = {joints}"), "utf-8")
+    shutil.copytree(stage.workspace.path, folder / "workspace")
+    return Render(Workspace(folder / "workspace"), str(config), FAMILY)
+
+
+def test_objects_with_the_joints_that_the_configuration_names_are_scanned_and_no_others(mixed: Render, tmp_path: Path) -> None:
+    train = [open_scans(path) for path in scans_of(mixed.workspace, CATEGORY, "train").glob("*.safetensors")]
+    usual = dataset_of(mixed).structure
+    rare = next(file.structure for file in train if file.structure != usual)
+    named = [f"{kind.value} on {parent}" for kind, parent in zip(rare.kinds, rare.parents, strict=True)]
+    stage = with_joints(mixed, tmp_path, str(named))
+    told = stage.run(Listener())
+    assert stage.plan().steps == ()
+    dataset = dataset_of(stage)
+    assert dataset.structure == rare
+    assert set(told.data["categories"][CATEGORY]["structures"]) == {str(rare)}
+    assert told.data["categories"][CATEGORY]["not scanned"][str(usual)] > 1
+    assert dataset.others[str(usual), "train", "partnet_mobility"] >= 1
+
+
+def test_joints_that_no_labelled_object_has_leave_nothing_to_train_on_and_those_there_are_are_told(
+    mixed: Render, tmp_path: Path
+) -> None:
+    stage = with_joints(mixed, tmp_path, '["PR on 0", "PR on 1"]')
+    told = stage.run(Listener())
+    assert not told.data["categories"][CATEGORY]["objects"]
+    with pytest.raises(
+        InputError, match=r"labelled shape to train on; those there are have .* not the joints of scans\.joints"
+    ) as error:
+        dataset_of(stage)
+    assert str(dataset_of(mixed).structure) in str(error.value)
+
+
+@pytest.mark.parametrize("joints", ['["R"]', '["R on 1"]', '["revolute on 0"]', '["R on 0", "P on 2"]'])
+def test_what_is_no_joint_is_told(mixed: Render, tmp_path: Path, joints: str) -> None:
+    with pytest.raises(InputError, match=r"scans\.joints: expected R, P, PR on a part before part \d, such as R on 0"):
+        with_joints(mixed, tmp_path, joints).run(Listener())

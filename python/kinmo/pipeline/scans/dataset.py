@@ -92,7 +92,7 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     found = {role: _open_all(scans_of(workspace, spelling, role)) for role in ROLES}
     structure = usual_structure(found["train"])
     if structure is None:
-        raise InputError(workspace.scans / spelling, "expected scans of a labelled shape to train on")
+        raise InputError(workspace.scans / spelling, _without_any(scans_of(workspace, spelling, "train")))
     dataset = open_dataset(workspace, spelling)
     counted = {entry.id for entry in dataset.labelled[Split.TRAIN]}
     fitting = {role: [file for file in found[role] if file.frames and file.structure == structure] for role in ROLES}
@@ -132,6 +132,18 @@ def usual_structure(training: Sequence[ScanFile]) -> Structure | None:
         return None
     most = max(structures.values())
     return min((s for s, count in structures.items() if count == most), key=lambda s: (s.part_count, str(s)))
+
+
+def _without_any(folder: Path) -> str:
+    """What is wrong with a folder of no scans to train on: maybe objects there have all other joints than those asked for."""
+    refusals = (read_refusal(path) for path in sorted(folder.glob(f"*{REFUSED}")))
+    structures = Counter(refusal.structure for refusal in refusals if refusal is not None and refusal.structure)
+    told = "expected scans of a labelled shape to train on"
+    if structures:
+        told += (
+            f"; those there are have {', '.join(name for name, _ in structures.most_common())}, not the joints of scans.joints"
+        )
+    return told
 
 
 def _open_all(folder: Path) -> list[ScanFile]:

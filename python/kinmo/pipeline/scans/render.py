@@ -23,6 +23,7 @@ from kinmo.pipeline.scans.jobs import VARIED, Job, Rendering, by_object, count_o
 from kinmo.pipeline.scans.refusal import refusal_path
 from kinmo.pipeline.scans.rendered import in_words, summary
 from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.scans.articulated_object import Structure
 from kinmo.scans.articulation import opening
 from kinmo.scans.scan_file import ROLES, Role, ScanFile, open_scans
 from kinmo.splits import Split
@@ -52,8 +53,9 @@ class Render:
 
     Every labelled shape to train on is scanned as its joints move it. With them come the other labelled ones, and those of the
     roles in `beside`: shapes with held back or pseudo labels as these say, if they have the structure that most of the first
-    have, as networks know no other; unlabelled ones as they stand. Frames that were made from the same files in the same way
-    stay as they are, whether asked for or not.
+    have, as networks know no other; unlabelled ones as they stand. Where the configuration names joints, those to train on are
+    scanned only if they have these, too. Frames that were made from the same files in the same way stay as they are, whether
+    asked for or not.
     """
 
     workspace: Workspace
@@ -78,7 +80,11 @@ class Render:
 
     def _undone(self, config: ScansConfig) -> list[Job]:
         """Without what has gone: it is tried, and told, each time, but nothing can come of it that others wait for."""
-        jobs = (job for job in _wanting(list(self._jobs(config))) if self._is_asked(job) and not job.is_done)
+        jobs = (
+            job
+            for job in _wanting(list(self._jobs(config)), self._structure(config))
+            if self._is_asked(job) and not job.is_done
+        )
         return [job for job in jobs if os.path.lexists(job.found.path)]
 
     def _scanning(self, config: ScansConfig, jobs: Sequence[Job]) -> Plan:
@@ -93,7 +99,8 @@ class Render:
         with self.workspace.locked():
             for folder in (self.workspace.scans, self.workspace.own_scans):
                 remove_leftovers(folder)
-            every = _wanting(list(self._jobs(config)))
+            structure = self._structure(config)
+            every = _wanting(list(self._jobs(config)), structure)
             done_before = {job for job in every if job.is_done}
             self._remove_stale(every, done_before)
             jobs = [job for job in every if self._is_asked(job)]
@@ -103,7 +110,7 @@ class Render:
             failed: dict[str, str] = {}
             total = count_objects_of(pending)
             with timed(self.workspace, STAGE) as watch:
-                for done, (own, problem) in enumerate(self._scanned(config, jobs), start=1):
+                for done, (own, problem) in enumerate(self._scanned(config, jobs, structure), start=1):
                     if problem is not None:
                         failed[own[0].found.id] = DIED.format(own[0].found.path) if isinstance(problem, Crashed) else problem
                     observer.progress("scanning objects", done, max(done, total), own[0].found.id)
@@ -119,7 +126,9 @@ class Render:
     def _is_asked(self, job: Job) -> bool:
         return job.role in (*LABELLED, *self.beside)
 
-    def _scanned(self, config: ScansConfig, jobs: Sequence[Job]) -> Iterator[tuple[tuple[Job, ...], Crashed | str | None]]:
+    def _scanned(
+        self, config: ScansConfig, jobs: Sequence[Job], structure: Structure | None
+    ) -> Iterator[tuple[tuple[Job, ...], Crashed | str | None]]:
         """The jobs of one object after another, of those that are not done, and what kept it from being scanned.
 
         Objects to train on come first, as they decide which structure others must have; pseudo-labelled ones last, as those
@@ -127,7 +136,7 @@ class Render:
         """
         scan_all = Rendering(config, self.seed)
         yield from map_unordered(scan_all, _pending(job for job in jobs if job.role == "train"), self.workers)
-        jobs = _wanting(jobs)
+        jobs = _wanting(jobs, structure)
         yield from map_unordered(scan_all, _pending(job for job in jobs if job.role not in ("train", "pseudo")), self.workers)
         # without the scans of one of these they would have other openings, and keep them
         guessed = [job for job in jobs if job.role == "pseudo" and all(path.exists() or _is_refused(path) for path in job.like)]
@@ -139,6 +148,13 @@ class Render:
         """The configuration, of which only the sensor counts that there is."""
         config = load_config(self.config).scans
         return replace(config, sensor=config.rough if self.workspace.is_rough else config.sensor, rough=SensorConfig())
+
+    def _structure(self, config: ScansConfig) -> Structure | None:
+        """The one that the configuration names; None if it leaves that to the labelled shapes."""
+        try:
+            return Structure.of(config.joints) if config.joints else None
+        except ValueError as error:
+            raise InputError(self.config, str(error), "scans.joints") from None
 
     def _jobs(self, config: ScansConfig, labelled: bool = True) -> Iterator[Job]:
         """Raises InputError where there is no labelled shape of the categories.
@@ -209,11 +225,14 @@ def _pending(jobs: Iterable[Job]) -> Iterator[tuple[Job, ...]]:
     return by_object(job for job in jobs if not job.is_done)
 
 
-def _wanting(jobs: Sequence[Job]) -> list[Job]:
-    """The same, wanted only if they have the structure that the scans to train on show, as far as there are any.
+def _wanting(jobs: Sequence[Job], structure: Structure | None) -> list[Job]:
+    """The same, wanted only if they have the `structure`, or if there is none, that which the scans to train on show, as far as
+    there are any.
 
-    Those scans themselves, which tell it, and those of unlabelled objects, which have none, are wanted in any case.
+    Those scans themselves, where they tell it, and those of unlabelled objects, which have none, are wanted in any case.
     """
+    if structure is not None:
+        return [job if job.role == "unlabelled" else replace(job, wanted=structure) for job in jobs]
     scanned: dict[str, list[ScanFile]] = {}
     for job in jobs:
         if job.role == "train" and job.is_done and job.path.exists():

@@ -18,7 +18,7 @@ def summary(files: Sequence[ScanFile], unwanted: Sequence[tuple[str, str]]) -> d
     by structure, of `unwanted` categories and structures.
     """
     found: dict[str, Any] = {}
-    for category in sorted({file.category for file in files}):
+    for category in sorted({*(file.category for file in files), *(name for name, _ in unwanted)}):
         own = [file for file in files if file.category == category]
         moving = [file for file in own if file.provenance.role != "unlabelled"]
         found[category] = {
