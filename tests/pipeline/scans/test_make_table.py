@@ -17,6 +17,7 @@ from whole_road import Listener
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_tables import NOT_RUN
 from kinmo.evaluation.scan_tables import OUTDATED as OUTDATED_ROW
+from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.prepare import Prepare
@@ -38,6 +39,7 @@ from kinmo.pipeline.synth import Synth
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan import Scans
 from kinmo.scans.scan_file import count_objects, open_scans, write_scans
+from kinmo.splits import Split
 from kinmo.workspace import InUse, StageRecord, Workspace
 
 
@@ -229,6 +231,26 @@ def test_what_was_judged_before_a_change_is_outdated_and_not_shown(judged: Works
     found = written.write({CATEGORY: [0]}).data[CATEGORY]["means"]["rows"]
     assert found[0][1:] == (None, OUTDATED_ROW, *[None] * (len(found[0]) - 3))
     assert written.is_current(CATEGORY), "it says that it is outdated"
+
+
+def test_a_table_says_what_each_training_has_gained_where_there_are_several(judged: Workspace) -> None:
+    def shown() -> str:
+        return " ".join(WrittenTables(judged, "2").write({CATEGORY: [0, 1]}).text.split())
+
+    taken_for(judged, "semi-weakly", 0)
+    assert "seed by seed" not in shown()
+    for setting in ("supervised", "semi-weakly"):
+        taken_for(judged, setting, 1)
+    told = "semi-weakly against supervised, seed by seed: rotation (deg) +0.00, +0.00; translation +0.000, +0.000;"
+    assert told in shown(), "the networks are the same"
+
+
+def test_a_table_counts_what_it_tests_on_and_how_much_of_that_is_held_back(judged: Workspace) -> None:
+    tests = open_dataset(judged, CATEGORY).labelled[Split.TEST]
+    held_back = sum(entry.is_held_back for entry in tests)
+    assert 0 < held_back < len(tests)
+    text = " ".join(WrittenTables(judged, "2").write({CATEGORY: [0]}).text.split())
+    assert f"labelled objects to train on, {len(tests)} to test on ({held_back} of them held back)" in text
 
 
 def test_a_table_counts_objects_of_other_structures_that_no_frame_shows_or_that_have_no_scans(judged: Workspace) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from kinmo.categories import same_category
 from kinmo.errors import InputError
 from kinmo.evaluation.scan_labels import count_labels
 from kinmo.evaluation.scan_records import ACCURACIES, Measure, read_scores
-from kinmo.evaluation.scan_summary import gap_closed, measure_titles
+from kinmo.evaluation.scan_summary import change, gap_closed, measure_titles, measures_of
 from kinmo.evaluation.scan_tables import (
     NOT_RUN,
     OUTDATED,
@@ -40,6 +40,7 @@ from kinmo.pipeline.scans.table_rows import TABLES, RowOf, printed_row
 from kinmo.pipeline.stage import Outcome
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import Role, count_objects
+from kinmo.splits import Split
 from kinmo.wording import counted
 from kinmo.workspace import StageRecord, Workspace
 
@@ -133,11 +134,15 @@ class WrittenTables:
                 return {"means": of_nothing(rows, caption)}
             structure = printed_structure(printed)
             return {"means": over_parts(rows, structure, caption), "parts": by_part(rows, structure, caption, MORE[protocol])}
-        caption = self._caption(str(dataset.structure), _objects_of(dataset), run, protocol)
+        tests = open_dataset(self.workspace, category).labelled[Split.TEST]
+        held_back = {entry.id for entry in tests if entry.is_held_back}
+        caption = self._caption(str(dataset.structure), _objects_of(dataset, held_back), run, protocol)
         gaps = list(self._gaps(category, by_seed, dataset.structure, protocol))
         pairs = [self._alike(titles, category, by_seed, protocol) for titles in TABLES[self.name].compared]
         compared = [(pair[0], pair[1]) for pair in pairs if pair]
-        summed = caption.noting(*gaps, *self._labels(rows, category), *reasons, AGAINST if compared else "")
+        seed_by_seed = self._seed_by_seed(category, by_seed, dataset.structure, protocol)
+        labels = self._labels(rows, category)
+        summed = caption.noting(*gaps, *seed_by_seed, *labels, *reasons, AGAINST if compared else "")
         return {
             "means": over_parts(rows, dataset.structure, summed, compared),
             "parts": by_part(rows, dataset.structure, caption, MORE[protocol]),
@@ -205,6 +210,18 @@ class WrittenTables:
                     texts = (f"{title} {text}" for title, text in zip(measure_titles(structure), told, strict=True))
                     yield f"Share of the gap to true labels that pseudo labels close ({row.title}): {', '.join(texts)}."
 
+    def _seed_by_seed(self, category: str, by_seed: HeldBySeed, structure: Structure, protocol: Protocol) -> Iterator[str]:
+        """What one training has gained after another: intervals are over objects, and tell nothing of trainings."""
+        for titles in TABLES[self.name].compared:
+            pairs = (self._alike(titles, category, {seed: judged}, protocol) for seed, judged in by_seed.items())
+            changes = [change(pair[0].objects, pair[1].objects, structure) for pair in pairs if pair]
+            if len(changes) > 1:
+                told = (
+                    f"{measure.title} {', '.join(f'{each.value:+.{measure.decimals}f}' for each in seeds if each)}"
+                    for measure, seeds in zip(measures_of(structure), zip(*changes, strict=True), strict=True)
+                )
+                yield f"{titles[1]} against {titles[0]}, seed by seed: {'; '.join(told)}."
+
     def _caption(self, what: str, of: str, seeds: tuple[int, ...], protocol: Protocol) -> Caption:
         table = TABLES[self.name]
         is_printed = any(row.printed for row in table.rows)
@@ -253,10 +270,14 @@ def _seeds(rows: Sequence[ScanRow]) -> tuple[int, ...]:
     return tuple(sorted({seed for row in rows for seed in row.seeds}))
 
 
-def _objects_of(dataset: ScanDataset) -> str:
-    """The category, how many objects train its networks, and how many are left out, by role and why."""
-    training = count_objects(dataset.files["train"])
-    text = f"{dataset.category}, {training} labelled objects to train on"
+def _objects_of(dataset: ScanDataset, held_back: Collection[str]) -> str:
+    """The category, how many objects train its networks, how many test them, those `held_back` (ids) among them, and how many
+    are left out, by role and why.
+    """
+    training, tests = (count_objects(dataset.files[role]) for role in ("train", "test"))
+    others = count_objects(file for file in dataset.files["test"] if file.id in held_back)
+    text = f"{dataset.category}, {training} labelled objects to train on, {tests} to test on"
+    text += f" ({others} of them held back)" if others else ""
     for what in (OTHER, *UNSEEN.values()):
         counts = Counter[str]()
         for (reason, role, _), count in dataset.others.items():
