@@ -28,7 +28,7 @@ from kinmo.learning.ancsh.predict import Ancsh, to_naocs
 from kinmo.learning.ancsh.targets import layout
 from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.learning.weights import save_weights
-from kinmo.scans.input_frame import base_axes, scan_rotations
+from kinmo.scans.input_frame import InputFrame, base_axes, scan_rotations
 from kinmo.scans.scan import scan
 from kinmo.scans.scan_file import Provenance, ScanFile, open_scans, write_scans
 from kinmo.scans.typical import Typical
@@ -253,6 +253,40 @@ def test_the_paper_networks_take_a_step(file: ScanFile) -> None:
     assert all(not torch.equal(old, new) for old, new in zip(before, network.parameters(), strict=True))
 
 
+def losses_on(device: str, file: ScanFile, config: AncshConfig, batch: ScanBatch) -> dict[str, float | None]:
+    """Of new networks, forward and backward; None where tensors have no values."""
+    torch.manual_seed(0)
+    parts = file.structure.part_count
+    found: dict[str, torch.Tensor] = {}
+    for kind in (PartNetwork, AncshNetwork):
+        network, seen = kind(config, parts, parts).to(device), batch.to(device)
+        if isinstance(network, AncshNetwork):
+            said, joints = network.forward_all(seen.points)
+            found |= part_losses(said, seen) | joint_losses(said, joints, seen)
+            total(found, config).backward()
+        else:
+            found |= part_losses(network(seen.points), seen)
+            total(found, config).backward()
+        gradients = [parameter.grad for parameter in network.parameters()]
+        assert all(each is not None and each.device.type == device for each in gradients)
+    assert all(loss.device.type == device for loss in found.values())
+    return {name: None if device == "meta" else loss.item() for name, loss in found.items()}
+
+
+@pytest.mark.parametrize("name", ["small", "paper"])
+def test_networks_and_losses_are_worked_out_where_their_tensors_are(file: ScanFile, name: str) -> None:
+    """On the device `meta`, which has no values, so that whatever were made on the CPU would not fit."""
+    losses_on("meta", file, load_config(name).ancsh, two_scans(file))
+
+
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="there is no CUDA device here")
+@pytest.mark.parametrize("name", ["small", "paper"])
+def test_a_gpu_comes_to_the_same_losses(file: ScanFile, name: str) -> None:
+    config = replace(load_config(name).ancsh, dropout=0.0)
+    here, there = (losses_on(device, file, config, two_scans(file)) for device in ("cpu", "cuda"))
+    assert there == pytest.approx(here, rel=1e-3)
+
+
 def test_objects_of_two_structures_are_not_trained_together(file: ScanFile) -> None:
     other = replace(file, structure=replace(file.structure, parents=(0, 1, 0)))
     with pytest.raises(InputError, match="expected 4 parts"):
@@ -291,6 +325,17 @@ def turned_apart(file: ScanFile) -> int:
     first = scan_rotations(points, "base")
     second = np.stack([base_axes(*each) for each in zip(points, parts == 0, first, strict=True)])
     return int(np.abs(second - first).max(axis=(1, 2)).argmax())
+
+
+@pytest.mark.parametrize("points", [32, 128, 256])
+def test_few_points_of_a_scan_are_seen_where_and_as_large_as_all_of_them_are(file: ScanFile, points: int) -> None:
+    config = replace(SCAN_ALONE, points=points)
+    batch = ScanData([file], [file], config).batch([(file, row) for row in range(8)], np.random.default_rng(0))
+    for row in range(8):
+        whole = file.read("points", row)
+        seen = InputFrame.of(whole, "scan").apply(whole)
+        each = np.abs(batch.points[row].numpy()[:, None] - seen[None]).max(axis=-1).min(axis=1)
+        np.testing.assert_allclose(each, 0.0, atol=1e-6)
 
 
 def test_half_of_the_scans_to_train_on_are_seen_along_the_axes_of_the_base(file: ScanFile) -> None:

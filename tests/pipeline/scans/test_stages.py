@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from scan_road import CATEGORY, FAMILY, HOW, SCANS, Scanned, prepared_in
 from typer.testing import CliRunner
 from whole_road import Listener, contents
 
@@ -74,6 +74,22 @@ def test_objects_to_train_on_are_scanned_with_others_like_them_and_count_once(sc
     report = scanned.render(beside=ROLES).run(Listener()).data["categories"][CATEGORY]
     found = {role: count_objects(dataset.files[role]) for role in ("train", "hidden", "validation", "test")}
     assert {role: report["objects"][role] for role in found} == found
+
+
+def test_the_papers_ways_go_the_whole_road(tmp_path: Path) -> None:
+    made = prepared_in(tmp_path, count=4)
+    sizes = SCANS.replace("batches_per_epoch = 2", "batches_per_epoch = 60")
+    Path(made.config).write_text(f'extends = "paper"\n{sizes}', encoding="utf-8")
+    config = load_config(made.config)
+    assert (config.scans.renderer, config.scans.canonical, config.scans.sampling) == ("pybullet", "file", "release")
+    assert (config.ancsh.axes, config.ancsh.normalised, config.ancsh.ties) == ("camera", "object", "pairs")
+    assert not (config.ancsh.maps or config.ancsh.layout)
+    made.render().run(Listener())
+    made.train("supervised").run(Listener())
+    JudgeTrained(made.workspace, FAMILY, device="cpu").run(Listener())
+    (row, *_) = WrittenTables(made.workspace, "2").write({CATEGORY: [0]}, "ancsh").data[CATEGORY]["means"]["rows"]
+    assert row[0] == "supervised"
+    assert 0.0 < row[3] < 180.0, "degrees"
 
 
 def test_objects_that_stand_in_for_validation_ones_are_seen_as_they_are(scanned: Scanned, tmp_path: Path) -> None:

@@ -94,6 +94,7 @@ def _seen_and_said(
 ) -> tuple[NDArray[np.generic], ...]:
     """What a network sees of a frame and what it is to say, in the order of `ScanBatch`."""
     points, parts, places = (file.read(name, row) for name in ("points", "parts", "places"))
+    frame = InputFrame.of(points, config.normalised, rotation=rotation)  # of all, as of a scan that is asked about
     chosen = rng.choice(len(points), config.points, replace=len(points) < config.points)
     points, parts, places = points[chosen], parts[chosen].astype(np.int64), places[chosen].astype(np.float64)
     npcs, naocs = canonical_coordinates(places, parts, file.extents)
@@ -106,6 +107,5 @@ def _seen_and_said(
         lines_only=config.joint_labels == "release",
     )
     classes = np.where(parts < 0, file.structure.part_count, parts)
-    seen = InputFrame.of(points, config.normalised, rotation=rotation).apply(points)
     whole = layout(file.extents, file.joints)
-    return seen, classes, npcs, naocs, near.joints, near.heatmap, near.toward, near.axes, near.has_pivot, *whole
+    return frame.apply(points), classes, npcs, naocs, near.joints, near.heatmap, near.toward, near.axes, near.has_pivot, *whole

@@ -17,7 +17,7 @@ from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scans.dataset import ScanDataset, fingerprint, open_scan_dataset
 from kinmo.pipeline.scans.networks import Cell
 from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.scans.scan_file import Provenance, ScanFile, is_made_from, open_scans, write_scans
+from kinmo.scans.scan_file import FORMAT, Provenance, ScanFile, is_made_from, open_scans, write_scans
 from kinmo.scans.self_label import self_labelled
 from kinmo.wording import counted
 from kinmo.workers import Crashed
@@ -97,6 +97,7 @@ class SelfLabel:
             "weights": networks_digest(weights or ()),
             "confidence": self.confidence,
             "kinmo": __version__,
+            "format": FORMAT,
         }
 
     def _is_current(self, dataset: ScanDataset) -> bool:
