@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from kinmo.joint import Joint, JointKind
 from kinmo.mobility import Mobility
-from kinmo.shape import Mesh, Shape
+from kinmo.shape import Mesh, Shape, bounds_of
 from kinmo.vector import Vector
 
 _HASH_STEPS = 1e5
@@ -29,6 +29,12 @@ class Normalisation:
     def of(cls, shape: Shape) -> Normalisation:
         """Centre and diagonal of the shape's axis-aligned box."""
         return cls(shape.center, shape.diagonal)
+
+    @classmethod
+    def about(cls, meshes: Iterable[Mesh]) -> Normalisation:
+        """Centre and diagonal of the axis-aligned box of some meshes."""
+        low, high = bounds_of(meshes)
+        return cls(0.5 * (low + high), float(np.linalg.norm(high - low)))
 
     def points(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Points [..., 3] of the file's frame in the normalised one."""

@@ -102,6 +102,21 @@ def test_a_part_on_a_moving_part_comes_after_it() -> None:
     assert target.structure.in_words == "3 parts (revolute on part 0, revolute on part 1)"
 
 
+def test_junk_is_no_part_of_the_object() -> None:
+    cupboard_, far = cupboard(), ((40.0, 0.0, 0.0), (41.0, 1.0, 1.0))
+    clean = articulated_object(cupboard_)
+    assert cupboard_.mobility is not None
+    low_high = [(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for mesh in cupboard_.meshes()]
+    bodies = [*cupboard_.mobility.bodies, Body(5, "stray", (6,))]
+    target = articulated_object(shape_of_boxes([*low_high, far], bodies, junk=frozenset({6})))
+    assert target.structure == clean.structure
+    np.testing.assert_allclose(target.part_extents.sizes, clean.part_extents.sizes)
+    np.testing.assert_allclose(target.part_extents.centers, clean.part_extents.centers)
+    everything = shape_of_boxes([far], [Body(0, "stray", (1,))], junk=frozenset({1}))
+    with pytest.raises(InputError, match="all of it is marked as junk"):
+        articulated_object(everything)
+
+
 @pytest.mark.parametrize(
     ("bodies", "message"),
     [

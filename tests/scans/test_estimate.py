@@ -187,15 +187,20 @@ def test_joints_make_a_part_right_of_which_little_is_seen() -> None:
     assert np.median(off["tree"]) < np.median(off["none"])
 
 
-def test_a_part_of_which_nothing_is_said_is_nan_and_the_others_are_found() -> None:
+@pytest.mark.parametrize("left", [0, 2])
+def test_a_part_of_which_nothing_is_said_is_nan_and_the_others_are_found(left: int) -> None:
     target = cupboard_object()
     scans = scan(target, OPTIONS, 0)
     answers = true_answers(target, scans, 0)
     lost = 1
-    answers = replace(answers, parts=np.where(answers.parts == lost, -1, answers.parts))
+    # of two points no pose can be told either
+    answers = replace(
+        answers, parts=np.where((answers.parts == lost) & (np.cumsum(answers.parts == lost) > left), -1, answers.parts)
+    )
     for ties in ("tree", "pairs", "none"):
         (found,) = estimate([answers], target.structure, replace(SEARCH, ties=ties))
         assert list(found.poses.found) == [True, False, True, True]
+        assert list(np.isnan(found.inliers)) == [False, True, False, False]
         score = score_frame(found, true_estimate(target, scans, 0), target.structure)
         assert not score.is_whole
         assert np.nanmax(score.rotation) < 1e-4

@@ -66,6 +66,8 @@ def test_what_hangs_by_nothing_moves_against_its_sibling() -> None:
         Body(body.id, body.name, body.leaves if body.id else (), body.parent, body.joint) for body in shape.mobility.bodies
     ]
     assert str(articulated_object(shape, Mobility(tuple(bodies))).structure) == "2 parts (R on 0)"
+    keeps_small = articulated_object(shape, Mobility(tuple(bodies)), smallest=0.0)
+    assert str(keeps_small.structure) == "3 parts (R on 0, R on 1)", "the knob is a part, nothing is none"
 
 
 def test_a_single_part_has_nothing_else_to_move_against() -> None:

@@ -19,7 +19,7 @@ from kinmo.normalisation import Normalisation
 from kinmo.scans.canonical import canonical, likely_canonical
 from kinmo.scans.part_order import canonical_order
 from kinmo.scans.variants import changed
-from kinmo.shape import Mesh, Shape, bounds_of, join
+from kinmo.shape import Mesh, Shape, join
 from kinmo.vector import Vector
 
 F64 = NDArray[np.float64]
@@ -134,18 +134,21 @@ def articulated_object(
     are guesses, in the one that is likely to be it, hinges opening `guessed_within` radians from there at most. If there is a
     `change` [3, 3], it is then what `variants.changed` makes of that.
 
-    What is fastened together is one part, and a part smaller than `smallest` is fastened to what it moves against. The order is
-    that of `part_order`.
+    What is fastened together is one part, and a part smaller than `smallest` is fastened to what it moves against. Junk, which
+    does not belong to the object, is left out. The order is that of `part_order`.
 
     Raises InputError where nothing moves, or nothing that the rest could move against is there.
     """
     mobility = shape.mobility if mobility is None else mobility
     if mobility is None:
         raise InputError(shape.source, "no joints are known of it")
-    frame = Normalisation.of(shape)
-    mobility = frame.mobility(mobility)
+    meshes = {leaf: mesh for leaf, mesh in zip(shape.leaves, shape.meshes(), strict=True) if leaf not in mobility.junk}
+    if not meshes:
+        raise InputError(shape.source, "all of it is marked as junk")
+    frame = Normalisation.about(meshes.values())
+    mobility = frame.mobility(_without_junk(mobility))
     up = np.asarray(shape.up, np.float64)
-    meshes = {leaf: frame.mesh(mesh) for leaf, mesh in zip(shape.leaves, shape.meshes(), strict=True)}
+    meshes = {leaf: frame.mesh(mesh) for leaf, mesh in meshes.items()}
     links = _without_small(links_of(mobility), meshes, smallest)
     if len(links) == 1:
         raise InputError(shape.source, "no part of it moves that is large enough to be seen")
@@ -161,8 +164,7 @@ def articulated_object(
     if change is not None:
         parts, joined = changed(parts, joined, change)
     if closes or change is not None:
-        low, high = bounds_of(joined)
-        frame = Normalisation(0.5 * (low + high), float(np.linalg.norm(high - low)))
+        frame = Normalisation.about(joined)
         parts, joined = frame.mobility(parts), tuple(map(frame.mesh, joined))
     order = canonical_order(parts.bodies, _extents(mesh.vertices for mesh in joined).centers @ to_z_up.T)
     place = {index: position for position, index in enumerate(order)}
@@ -177,6 +179,13 @@ def still_object(shape: Shape) -> ArticulatedObject:
     base = Body(0, "base", tuple(shape.leaves), None, None)
     mesh = join(*(frame.mesh(mesh) for mesh in shape.meshes()))
     return ArticulatedObject(shape.id, shape.category, np.asarray(shape.up, np.float64), Mobility((base,)), (mesh,))
+
+
+def _without_junk(mobility: Mobility) -> Mobility:
+    bodies = (
+        replace(body, leaves=tuple(leaf for leaf in body.leaves if leaf not in mobility.junk)) for body in mobility.bodies
+    )
+    return Mobility(tuple(bodies))
 
 
 def _without_small(links: Sequence[Link], meshes: dict[int, Mesh], smallest: float) -> list[Link]:

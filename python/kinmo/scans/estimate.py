@@ -104,7 +104,10 @@ def estimate(
     free, right = _core.find_similarities(
         source, target, starts, hypotheses=options.hypotheses, threshold=options.threshold, seed=options.seed
     )
-    shares = np.array([right[a:b].mean() if b > a else np.nan for a, b in pairwise(starts)])
+    was_found = np.isfinite(free[1])
+    shares = np.array(
+        [right[a:b].mean() if found else np.nan for found, (a, b) in zip(was_found, pairwise(starts), strict=True)]
+    )
     said = [said_joints(answer, structure) for answer in answers]
     likely = likely_directions(answers, [own for own, _ in said], free, structure, typical, options.threshold)
     joints = [(directions, pivots) for directions, (_, pivots) in zip(likely, said, strict=True)]

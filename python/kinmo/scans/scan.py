@@ -100,7 +100,7 @@ def _frames_in_state(
         if counts.min() < config.least_pixels:
             yield f"part {counts.argmin()} has fewer than {config.least_pixels} pixels"
             continue
-        if not (sensed.parts[row] >= 0).any():
+        if not ((sensed.parts[row] >= 0) & (sensed.depths[row] > 0.0)).any():
             yield "the sensor saw nothing of it"
             continue
         yield _frame(seen, sensed, row, camera, poses[row], state, config.points, sensing)

@@ -40,6 +40,8 @@ def straight_values(joint: Joint, mesh: Mesh, low: float, high: float) -> NDArra
     if np.ptp(tried) <= AS_STRAIGHT:
         return np.zeros(0)
     least = 1 + np.flatnonzero((tried[1:-1] <= tried[:-2]) & (tried[1:-1] <= tried[2:]))
-    found = [minimize_scalar(crooked, bounds=(value - STEP, value + STEP), method="bounded") for value in values[least]]
+    found = [
+        minimize_scalar(crooked, bounds=(value - STEP, min(value + STEP, high)), method="bounded") for value in values[least]
+    ]
     most = min(MOST_CROOKED, min((float(end.fun) for end in found), default=math.inf) + AS_STRAIGHT)
     return np.array([float(end.x) for end in found if end.fun <= most])

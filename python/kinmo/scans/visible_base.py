@@ -39,7 +39,8 @@ def with_visible_base(
     With it comes the joint by which the part that took its place hung by it; None where the base stays.
     """
     below, base = _below(mobility, 0), mobility.bodies[0]
-    if len(mobility.bodies) < 3 or _diagonal(meshes[0]) >= smallest:
+    is_visible = len(meshes[0].faces) > 0 and _diagonal(meshes[0]) >= smallest
+    if len(mobility.bodies) < 3 or is_visible:
         return mobility, tuple(meshes), None
     chosen = _first_of_the_largest(below, meshes, smallest, to_z_up) if len(below) > 1 else below[0]
     if chosen is None:

@@ -534,15 +534,17 @@ def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanne
     assert "5 scans below" in stage.plan().steps[0]
     outcome = stage.run(told)
     names = [Path(document["scan"]).name for document in outcome.data["scans"]]
-    assert names == ["first.npz", "second.npy"]
-    assert outcome.failed == len(outcome.data["left_out"]) == 3
+    assert names == ["first.npz", "second.npy", "second.npz"]
+    assert outcome.failed == len(outcome.data["left_out"]) == 2
+    assert {path.name for path in (scans / "found" / "near").iterdir()} == {
+        f"second.{ending}.{what}" for ending in ("npy", "npz") for what in ("json", "svg", "parts.npz")
+    }
     assert [line for line in outcome.data["left_out"] if "vast.npy: expected arrays of NumPy" in line]
     assert [line for line in outcome.data["left_out"] if "broken.ply: expected a PLY file" in line]
-    assert [line for line in outcome.data["left_out"] if "second.json: is in the way" in line], "of another file of that name"
     assert [f"left out: {line}" for line in outcome.data["left_out"]] == told.notes
     assert outcome.text.splitlines()[0].startswith("first.npz: part 1 R, state ")
     assert outcome.text.splitlines()[1].startswith("near/second.npy: part 1 R")
-    assert outcome.text.splitlines()[-1] == "2 scans, 3 left out"
+    assert outcome.text.splitlines()[-1] == "3 scans, 2 left out"
     alone = PredictScans(scans / "near" / "second.npy", tmp_path / "alone", scanned.workspace, FAMILY, **HOW).run(Listener())
     assert alone.data == outcome.data["scans"][1]
     again = stage.run(Listener())
@@ -560,7 +562,7 @@ def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanne
     result = CliRunner().invoke(app, ["predict", str(scans), *arguments, "--json"])
     assert result.exit_code == 1, result.output
     said = json.loads(result.stdout)
-    assert (said["scans"], len(said["left_out"])) == (outcome.data["scans"], 3)
+    assert (said["scans"], len(said["left_out"])) == (outcome.data["scans"], 2)
     around = PredictScans(scans, tmp_path, scanned.workspace, FAMILY, **HOW).run(Listener())
     assert around.data["scans"] == outcome.data["scans"], "into a folder that the scans are in"
     (tmp_path / "taken").mkdir()
@@ -583,7 +585,7 @@ def test_a_finder_says_of_points_what_the_command_does(scanned: Scanned, tmp_pat
     assert [int((found.parts == part["id"]).sum()) for part in said["parts"]] == [part["points"] for part in said["parts"]]
     states = [np.nan if joint["state"] is None else joint["state"] for joint in said["joints"]]
     np.testing.assert_array_equal(found.estimate.states, states)
-    for wrong in (points[:, :2], points[:0], np.full((40, 3), np.nan), -points):
+    for wrong in (points[:, :2], points[:0], np.full((40, 3), np.nan), -points, np.ones((40, 3))):
         with pytest.raises(ValueError, match=r"expected points \[n, 3\]"):
             finder.find(wrong)
 

@@ -70,9 +70,9 @@ class EvaluateScans:
             write_pictures(pictures_path(self.workspace, self.cell, self.on_rough), book.pictures())
             outputs = [str(pictures_path(self.workspace, self.cell, self.on_rough).relative_to(self.workspace.path))]
             for protocol, some in scores.items():
-                path = scores_path(self.workspace, self.cell, self.on_rough, protocol)
-                write_scores(path, some)
-                outputs.append(str(path.relative_to(self.workspace.path)))
+                written = scores_path(self.workspace, self.cell, self.on_rough, protocol)
+                write_scores(written, some)
+                outputs.append(str(written.relative_to(self.workspace.path)))
             self.workspace.write_record(self._scans.stage, StageRecord(inputs, tuple(outputs)))
         return Outcome(path)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import quote
 
 import numpy as np
 
@@ -49,7 +50,10 @@ class ExampleScan:
         dataset = open_scan_dataset(self.workspace, self.category)
         files = dataset.files["test"]
         if not files:
-            problem = f"expected scans of a test object with {dataset.structure.in_words}"
+            problem = (
+                f"expected scans of a test object with {dataset.structure.in_words}: "
+                f"run kinmo render --category {quote(dataset.category)}, if there are such objects"
+            )
             raise InputError(self.workspace.scans / dataset.category, problem)
         file = files[int(np.random.default_rng(self.seed).integers(len(files)))]
         seen = np.array([(file.read("parts") == part).sum(axis=1) for part in range(file.structure.part_count)])

@@ -77,13 +77,15 @@ class ScanFinder:
 
         The camera looks along z, with x to the right and y down. What stands for nothing seen, such as (0, 0, 0), must not be
         among them; `read_scan` leaves it out. What comes out depends on the points and on `seed` alone. Raises ValueError for
-        an array of another shape, for none, and for points at no number or not before the camera.
+        an array of another shape, for none, for points at no number or not before the camera, and for those all at one place.
         """
         points = np.asarray(points, np.float64)
         if points.ndim != 2 or points.shape[1] != 3 or not len(points):
             raise ValueError(f"expected points [n, 3], got {list(points.shape)}")
         if not np.isfinite(points).all() or not (points[:, 2] > 0.0).all():
             raise ValueError("expected points [n, 3] before the camera (z > 0): leave out what stands for nothing seen")
+        if not np.ptp(points, axis=0).any():
+            raise ValueError("expected points [n, 3] at more than one place")
         rng = np.random.default_rng(seed)
         again = rng.integers(len(points), size=max(0, self.network.points - len(points)))
         seen = points[np.concatenate([rng.permutation(len(points))[: self.network.points], again])]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -110,7 +111,10 @@ class PredictScans:
         return document
 
     def _targets(self) -> list[_Target]:
-        """Raises InputError where there is no scan. Hidden files, and what was found in scans before, are none."""
+        """Raises InputError where there is no scan. Hidden files, and what was found in scans before, are none.
+
+        What is found in a scan has its name without the ending, in a folder with it where that alone tells scans apart.
+        """
         if not self.source.is_dir():
             check_is_scan(self.source)
             return [_Target(self.source, self.out / self.source.stem, shown(self.source.name))]
@@ -124,7 +128,12 @@ class PredictScans:
         ]
         if not scans:
             raise InputError(self.source, f"expected a scan, one of {', '.join(ENDINGS)}, at or below it")
-        return [_Target(self.source / place, self.out / place.parent / place.stem, clean_text(shown(place))) for place in scans]
+        alike = Counter(scan.with_suffix("") for scan in scans)
+        found = [scan if alike[scan.with_suffix("")] > 1 else scan.with_suffix("") for scan in scans]
+        return [
+            _Target(self.source / scan, self.out / path, clean_text(shown(scan)))
+            for scan, path in zip(scans, found, strict=True)
+        ]
 
 
 @dataclass(frozen=True)
