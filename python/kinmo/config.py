@@ -303,7 +303,7 @@ class AncshConfig:
     ties: Literal["tree", "pairs", "none"] = "tree"
     boxes: Literal["seen", "said"] = "seen"
     confidence: Share = 0.8
-    trusted: Share = 0.5
+    trusted: Share = 0.2
 
 
 @dataclass(frozen=True)
