@@ -140,8 +140,10 @@ def test_an_object_that_cannot_be_scanned_says_why_and_is_not_tried_again(scanne
     config.write_text(Path(scanned.config).read_text(encoding="utf-8") + "smallest_part = 1.0\n", encoding="utf-8")
     stage = Render(Workspace(tmp_path / "workspace"), str(config), FAMILY)
     found = stage.run(Listener())
-    assert found.data["refused"]
-    assert all("no part of it moves that is large enough" in reason for reason in found.data["refused"].values())
+    reasons = {role: list(by_id.values()) for role, by_id in found.data["refused"].items()}
+    assert {"train", "hidden"} <= set(reasons), "whatever role an object has"
+    assert all("no part of it moves that is large enough" in reason for own in reasons.values() for reason in own)
+    assert found.text.count("left out") == sum(map(len, reasons.values()))
     assert not list((tmp_path / "workspace" / "scans").rglob("*/train/*.safetensors"))
     assert list((tmp_path / "workspace" / "scans").rglob(f"*{REFUSED}"))
     assert stage.plan().steps == ()
@@ -173,7 +175,7 @@ def test_an_object_that_cannot_be_read_now_is_scanned_once_it_can(scanned: Scann
     finally:
         away.rename(source)
     assert found.failed == 1
-    assert list(found.data["refused"]) == [entry.id] and "result.json: missing" in found.text
+    assert list(found.data["refused"]["hidden"]) == [entry.id] and "result.json: missing" in found.text
     assert not list(workspace.scans.rglob(f"*{REFUSED}"))
     assert len(stage.plan().steps) == 1
     assert stage.run(Listener()).failed == 0

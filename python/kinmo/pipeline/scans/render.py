@@ -107,20 +107,23 @@ class Render:
             pending = [job for job in jobs if job not in done_before]
             if jobs and not pending:
                 observer.note("scanned already")
-            failed: dict[str, str] = {}
+            failed: list[tuple[Job, str]] = []
             total = count_objects_of(pending)
             with timed(self.workspace, STAGE) as watch:
                 for done, (own, problem) in enumerate(self._scanned(config, jobs, structure), start=1):
                     if problem is not None:
-                        failed[own[0].found.id] = DIED.format(own[0].found.path) if isinstance(problem, Crashed) else problem
+                        failed.append((own[0], DIED.format(own[0].found.path) if isinstance(problem, Crashed) else problem))
                     observer.progress("scanning objects", done, max(done, total), own[0].found.id)
                 watch.amount = sum(frames_of(config, job) for job in pending)
                 watch.what = counted(count_objects_of(pending), "object")
             files = [open_scans(job.path) for job in jobs if job.path.exists()]
             refusals = [(job, refusal) for job in jobs if (refusal := job.refusal) is not None]
-            refused = {job.found.id: refusal.reason for job, refusal in refusals if refusal.structure is None}
+            refused = [(job, refusal.reason) for job, refusal in refusals if refusal.structure is None]
         unwanted = [(job.category, refusal.structure) for job, refusal in refusals if refusal.structure and not job.variant]
-        data = {"categories": summary(files, unwanted), "refused": refused | failed}
+        left_out: dict[Role, dict[str, str]] = {}  # ids may be in several roles
+        for job, reason in refused + failed:
+            left_out.setdefault(job.role, {})[job.found.id] = reason
+        data = {"categories": summary(files, unwanted), "refused": left_out}
         return Outcome(self.workspace.scans, data, in_words(data), failed=len(failed))
 
     def _is_asked(self, job: Job) -> bool:

@@ -37,7 +37,7 @@ def _objects_by(files: Iterable[tuple[str, ScanFile]]) -> dict[str, int]:
 
 
 def in_words(data: dict[str, Any]) -> str:
-    """What `kinmo render` prints: of every category what `summary` has, and `refused` reasons."""
+    """What `kinmo render` prints: of every category what `summary` has, and why objects are `refused`, by role and id."""
     lines = []
     for category, found in data["categories"].items():
         objects = ", ".join(f"{count} {role}" for role, count in found["objects"].items())
@@ -45,7 +45,7 @@ def in_words(data: dict[str, Any]) -> str:
         refused = f"{sum(found['refused'].values())} refused" + (f" ({reasons})" if reasons else "")
         lines.append(f"{category}: {counted(found['frames'], 'frame')} of objects ({objects}); {refused}")
         lines += [*_structure_lines(found["structures"]), *_structure_lines(found["not scanned"], ", not scanned")]
-    lines += [f"left out  {reason}" for reason in data["refused"].values()]
+    lines += [f"left out  {reason}" for by_id in data["refused"].values() for reason in by_id.values()]
     return "\n".join(lines)
 
 
