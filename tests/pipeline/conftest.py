@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 import torch
-from scan_road import Scanned, made_in
+from scan_road import FAMILY, Scanned, made_in
 from whole_road import COUNT, FAMILIES, METHODS, Listener, Road, tiny_config
 
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.report import Report
+from kinmo.pipeline.scans.judge_trained import JudgeTrained
 from kinmo.pipeline.stage import Stage
 from kinmo.pipeline.synth import Synth
 from kinmo.pipeline.train import Train
@@ -46,3 +49,11 @@ def scanned(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scanned]:
     torch.set_num_threads(1)
     yield made_in(tmp_path_factory.mktemp("scans"))
     torch.set_num_threads(threads)
+
+
+@pytest.fixture
+def judged(scanned: Scanned, tmp_path: Path) -> Workspace:
+    """A workspace of one's own, whose supervised networks are judged."""
+    JudgeTrained(scanned.workspace, FAMILY, device="cpu").run(Listener())
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    return Workspace(tmp_path / "workspace")

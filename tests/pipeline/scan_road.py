@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
 from whole_road import Listener, tiny_config
 
+from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.label_decisions import folder_name
 from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.scans.evaluate import EvaluateScans
+from kinmo.pipeline.scans.networks import NETWORKS, Cell
 from kinmo.pipeline.scans.render import Render
+from kinmo.pipeline.scans.settings import Setting
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.synth import Synth
 from kinmo.scans.scan_file import ROLES
+from kinmo.store import INDEX
 from kinmo.synth.generate import HELD_BACK
-from kinmo.workspace import Workspace
+from kinmo.workspace import StageRecord, Workspace
 
 FAMILY, CATEGORY = "laptop", "Laptop"
 SCANS = """
@@ -74,3 +81,31 @@ def made_in(folder: Path) -> Scanned:
     made.render(beside=ROLES).run(Listener())
     made.train("supervised").run(Listener())
     return made
+
+
+def pseudo_labelled(scanned: Scanned, folder: Path, layout: str = "partnet") -> tuple[Workspace, list[Path]]:
+    """The workspace copied to `folder`, its unlabelled shapes given the labels that were held back, and these labels.
+
+    The unlabelled shapes are said to have come in a `layout`.
+    """
+    shutil.copytree(scanned.workspace.path, folder)
+    index = folder / "prepared" / INDEX
+    index.write_text(index.read_text(encoding="utf-8").replace('"partnet",', f'"{layout}",'), encoding="utf-8")
+    workspace = Workspace(folder)
+    dataset = open_dataset(workspace, FAMILY)
+    sources = {shape.id: shape.source for shape in dataset.hidden}
+    folders = [workspace.pseudo / folder_name(entry) for entry in dataset.unlabelled]
+    for entry, target in zip(dataset.unlabelled, folders, strict=True):
+        shutil.copytree(sources[dataset.truths[entry.id, entry.layout]], target)
+    return workspace, [target / "mobility_v2.json" for target in folders]
+
+
+def taken_for(workspace: Workspace, setting: Setting, seed: int) -> None:
+    """Take the trained networks for those of another setting and seed, and judge them."""
+    known, wanted = Cell(CATEGORY, "supervised", 0), Cell(CATEGORY, setting, seed)
+    for network in NETWORKS:
+        shutil.copytree(known.folder(workspace, network), wanted.folder(workspace, network))
+        record = workspace.record(known.stage(network))
+        assert record is not None
+        workspace.write_record(wanted.stage(network), StageRecord(record.inputs))
+    EvaluateScans(workspace, wanted, "cpu").run(Listener())

@@ -1,0 +1,75 @@
+"""The rows of Table 2, 3 or 4 of one category, of whatever was judged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from kinmo.evaluation.scan_records import read_scores
+from kinmo.evaluation.scan_tables import NOT_RUN, OUTDATED, ScanRow
+from kinmo.pipeline.model_files import trained_on
+from kinmo.pipeline.scans.networks import Protocol
+from kinmo.pipeline.scans.table_rows import TABLES, RowOf, printed_row
+from kinmo.workspace import Workspace
+
+HeldBySeed = Mapping[int, Mapping[str, dict[str, Any] | None]]
+"""By seed and title of a row: what a judgement was made from, None for one that is not there or holds no more."""
+
+
+def judgements(workspace: Workspace, name: str, category: str, seeds: Sequence[int]) -> HeldBySeed:
+    """Those of the table `name` that there are to show."""
+    return {seed: {row.title: row.judged(workspace, category, seed).held() for row in TABLES[name].rows} for seed in seeds}
+
+
+@dataclass(frozen=True)
+class CategoryRows:
+    """The rows of the table `name` of a category, over the seeds of `held`, measured by `protocol`."""
+
+    workspace: Workspace
+    name: str
+    category: str
+    held: HeldBySeed
+    protocol: Protocol
+
+    def all(self) -> list[ScanRow]:
+        """All rows of the table, in its order; those that were not run, or are outdated, say so."""
+        return [self.row(row) for row in TABLES[self.name].rows]
+
+    def row(self, row: RowOf) -> ScanRow:
+        """One of them."""
+        judged = {seed: row.judged(self.workspace, self.category, seed) for seed in self.held}
+        seeds = tuple(seed for seed, held in self.held.items() if held[row.title] is not None)
+        objects = tuple(read_scores([judged[seed].scores(self.protocol) for seed in seeds]))
+        is_outdated = any(each.scores(self.protocol).exists() for each in judged.values())
+        missing = [seed for seed in self.held if seed not in seeds]
+        reason = next((reason for seed in missing if (reason := judged[seed].reason())), None)
+        if reason and objects:
+            reason = f"seeds {', '.join(map(str, missing))}: {reason}"
+        return ScanRow(
+            row.title,
+            objects,
+            printed_row(self.name, self.category, row.printed),
+            seeds,
+            OUTDATED if is_outdated else NOT_RUN,
+            self._trained_on(row, seeds[0]) if objects else None,
+            None if is_outdated and not objects else reason,
+        )
+
+    def alike(self, titles: Sequence[str]) -> list[ScanRow]:
+        """The rows of some titles, in their order, over the seeds that all were run for; none if there is no such seed."""
+        rows = {row.title: row for row in TABLES[self.name].rows}
+        whole = {seed: held for seed, held in self.held.items() if all(held.get(title) for title in titles)}
+        return [replace(self, held=whole).row(rows[title]) for title in titles] if whole else []
+
+    def of_each_seed(self) -> list[CategoryRows]:
+        """The same, one seed at a time."""
+        return [replace(self, held={seed: held}) for seed, held in self.held.items()]
+
+    def _trained_on(self, row: RowOf, seed: int) -> str | None:
+        """How many labelled objects networks were trained on, and how many that a setting has beside them."""
+        weights = row.cell(self.category, seed).weights(row.workspace(self.workspace))
+        if weights is None:
+            return None
+        labelled, others = trained_on(weights[0])
+        return f"{labelled} + {others}" if others else str(labelled)

@@ -1,0 +1,29 @@
+"""Scans that come one after another."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from whole_road import Listener
+
+from kinmo.pipeline.scans.finder import ScanFinder
+from kinmo.pipeline.scans.predict import PredictScans
+from kinmo.scans.scan_file import open_scans
+
+
+def test_a_finder_says_of_points_what_the_command_does(scanned: Scanned, tmp_path: Path) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    np.savez(tmp_path / "seen.npz", points=points)
+    said = PredictScans(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Listener()).data
+    finder = ScanFinder.load(scanned.workspace.root, FAMILY, device="cpu")
+    found = finder.find(points)
+    assert (finder.weights, finder.trained, finder.category) == (said["weights"], said["trained"], said["category"])
+    assert [int((found.parts == part["id"]).sum()) for part in said["parts"]] == [part["points"] for part in said["parts"]]
+    states = [np.nan if joint["state"] is None else joint["state"] for joint in said["joints"]]
+    np.testing.assert_array_equal(found.estimate.states, states)
+    for wrong in (points[:, :2], points[:0], np.full((40, 3), np.nan), -points, np.ones((40, 3))):
+        with pytest.raises(ValueError, match=r"expected points \[n, 3\]"):
+            finder.find(wrong)

@@ -1,0 +1,178 @@
+"""A user's scan gives parts, joints and a picture."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from typer.testing import CliRunner
+from whole_road import Listener, contents
+
+from kinmo.cli.app import app
+from kinmo.errors import InputError
+from kinmo.pipeline.scans.dataset import open_scan_dataset
+from kinmo.pipeline.scans.example import ExampleScan
+from kinmo.pipeline.scans.networks import Cell
+from kinmo.pipeline.scans.predict import PredictScans
+from kinmo.pipeline.scans.train import TrainAncsh
+from kinmo.scans.renderers import NOTHING
+from kinmo.scans.scan_file import open_scans
+from kinmo.workspace import Workspace
+
+
+def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_path: Path) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    np.savez(tmp_path / "seen.npz", points=np.vstack([points, [[0.0, 0.0, -1.0]]]))
+    told = Listener()
+    found = PredictScans(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(told)
+    assert told.notes == [f"1 of {len(points) + 1} points are left out: they are not before the camera (z > 0)"]
+    for part in found.data["parts"]:
+        share = part["inliers"]
+        agree = "not found" if share is None else f"{share:.0%} of them agree on where it is"
+        assert f"part {part['id']}: {part['points']} points, {agree}\n" in found.text
+    document = json.loads((tmp_path / "out" / "seen.json").read_text())
+    assert document == found.data
+    assert [joint["kind"] for joint in document["joints"]] == ["R"]
+    assert sum(part["points"] for part in document["parts"]) == len(points), "of the scan's own points"
+    assert (tmp_path / "out" / "seen.svg").read_text().startswith("<svg")
+    with np.load(tmp_path / "out" / "seen.parts.npz") as labelled:
+        np.testing.assert_array_equal(labelled["points"], points[labelled["places"]])
+        said = [int((labelled["parts"] == part["id"]).sum()) for part in document["parts"]]
+        assert sum(said) == len(points)
+        assert said == [part["points"] for part in document["parts"]]
+
+
+def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanned, tmp_path: Path) -> None:
+    seen = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points")
+    scans = tmp_path / "scans"
+    for name, points in (("first.npz", seen[0]), ("near/second.npz", seen[1]), ("near/second.npy", seen[0])):
+        (scans / name).parent.mkdir(parents=True, exist_ok=True)
+        np.save(scans / name, points) if name.endswith("npy") else np.savez(scans / name, points=points)
+    (scans / "broken.ply").write_text("ply")
+    (scans / "notes.txt").write_text("of the camera")
+    np.save(scans / ".hidden.npy", seen[0])
+    header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({10**12}, 3), }}".ljust(117) + "\n"
+    (scans / "vast.npy").write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode())
+    told = Listener()
+    stage = PredictScans(scans, scans / "found", scanned.workspace, FAMILY, **HOW)
+    assert "5 scans below" in stage.plan().steps[0]
+    outcome = stage.run(told)
+    names = [Path(document["scan"]).name for document in outcome.data["scans"]]
+    assert names == ["first.npz", "second.npy", "second.npz"]
+    assert outcome.failed == len(outcome.data["left_out"]) == 2
+    assert {path.name for path in (scans / "found" / "near").iterdir()} == {
+        f"second.{ending}.{what}" for ending in ("npy", "npz") for what in ("json", "svg", "parts.npz")
+    }
+    assert [line for line in outcome.data["left_out"] if "vast.npy: expected arrays of NumPy" in line]
+    assert [line for line in outcome.data["left_out"] if "broken.ply: expected a PLY file" in line]
+    assert [f"left out: {line}" for line in outcome.data["left_out"]] == told.notes
+    assert outcome.text.splitlines()[0].startswith("first.npz: part 1 R, state ")
+    assert outcome.text.splitlines()[1].startswith("near/second.npy: part 1 R")
+    assert outcome.text.splitlines()[-1] == "3 scans, 2 left out"
+    alone = PredictScans(scans / "near" / "second.npy", tmp_path / "alone", scanned.workspace, FAMILY, **HOW).run(Listener())
+    assert alone.data == outcome.data["scans"][1]
+    again = stage.run(Listener())
+    assert again.data == outcome.data, "what was found in scans is none"
+    arguments = [
+        "--category",
+        FAMILY,
+        "--workspace",
+        str(scanned.workspace.path),
+        "--device",
+        "cpu",
+        "--out",
+        str(tmp_path / "o"),
+    ]
+    result = CliRunner().invoke(app, ["predict", str(scans), *arguments, "--json"])
+    assert result.exit_code == 1, result.output
+    said = json.loads(result.stdout)
+    assert (said["scans"], len(said["left_out"])) == (outcome.data["scans"], 2)
+    around = PredictScans(scans, tmp_path, scanned.workspace, FAMILY, **HOW).run(Listener())
+    assert around.data["scans"] == outcome.data["scans"], "into a folder that the scans are in"
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken" / "near").write_text("a file")
+    blocked = PredictScans(scans, tmp_path / "taken", scanned.workspace, FAMILY, **HOW).run(Listener())
+    assert [Path(document["scan"]).name for document in blocked.data["scans"]] == ["first.npz"]
+    assert [line for line in blocked.data["left_out"] if line.startswith("near/second.npy: ")]
+    empty = PredictScans(tmp_path / "alone", tmp_path / "none", scanned.workspace, FAMILY, **HOW)
+    with pytest.raises(InputError, match=r"expected a scan, one of \.npz"):
+        empty.plan()
+
+
+def test_networks_that_know_a_floor_leave_its_points_out(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
+    config = tmp_path / "floor.toml"
+    config.write_text(Path(scanned.config).read_text(encoding="utf-8") + "[scans.sensor]\nfloor = true\n", encoding="utf-8")
+    floored = Scanned(Workspace(tmp_path / "workspace"), str(config))
+    floored.render(beside=()).run(Listener())
+    training = open_scan_dataset(floored.workspace, CATEGORY).files["train"]
+    assert all((file.read("parts") == NOTHING).any() for file in training), "the floor is seen, and no part's"
+    floored.train("supervised").run(Listener())
+    weights = Cell(CATEGORY, "supervised", 0).weights(floored.workspace)
+    assert weights is not None
+    header = json.loads(weights[0].with_suffix(".json").read_text(encoding="utf-8"))
+    known = json.loads(Cell(CATEGORY, "supervised", 0).folder(scanned.workspace, "ancsh").joinpath("weights.json").read_text())
+    assert header["facts"]["classes"] == known["facts"]["classes"] + 1
+    example = ExampleScan(floored.workspace, FAMILY, tmp_path / "scan.npz", floored.render())
+    example.run(Listener())
+    PredictScans(example.path, tmp_path / "out", floored.workspace, FAMILY, **HOW).run(Listener())
+    with np.load(tmp_path / "out" / "scan.parts.npz") as labelled:
+        assert set(np.unique(labelled["parts"])) <= {NOTHING, 0, 1}
+
+
+def test_a_depth_image_in_millimetres_goes_through_the_command(scanned: Scanned, tmp_path: Path) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    depth = np.zeros((480, 640), np.uint16)
+    columns, rows = np.round(points[:, :2] / points[:, 2:] * 500.0 + [320.0, 240.0]).astype(int).T
+    depth[rows, columns] = np.round(1000.0 * points[:, 2])
+    Image.fromarray(depth).save(tmp_path / "depth.png")
+    camera = ["--intrinsics", "500,500,320,240", "--depth-scale", "1000"]
+    where = ["--out", str(tmp_path / "out"), "--workspace", str(scanned.workspace.path), "--device", "cpu"]
+    result = CliRunner().invoke(app, ["predict", str(tmp_path / "depth.png"), "--category", FAMILY, *camera, *where])
+    assert result.exit_code == 0, result.output
+    with np.load(tmp_path / "out" / "depth.parts.npz") as labelled:
+        np.testing.assert_array_equal(labelled["places"], np.flatnonzero(depth))
+        np.testing.assert_array_equal(np.round(1000.0 * labelled["points"][:, 2]), depth[depth > 0])
+        assert np.abs(labelled["points"][:, None] - points[None]).max(axis=2).min(axis=1).max() < 0.01, "within a pixel"
+    (joint,) = json.loads((tmp_path / "out" / "depth.json").read_text())["joints"]
+    assert joint["kind"] == "R"
+
+
+def test_nothing_is_replaced_but_what_was_found_in_the_same_scan(scanned: Scanned, tmp_path: Path) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        np.savez(tmp_path / folder / "seen.npz", points=points)
+    stages = [
+        PredictScans(tmp_path / folder / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW) for folder in "ab"
+    ]
+    stages[0].run(Listener())
+    stages[0].run(Listener())
+    (tmp_path / "elsewhere").symlink_to(tmp_path / "a")
+    PredictScans(tmp_path / "elsewhere" / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).plan()
+    before = contents(tmp_path / "out")
+    for attempt in (stages[1].plan, lambda: stages[1].run(Listener())):
+        with pytest.raises(InputError, match=r"seen\.json: is in the way"):
+            attempt()
+    assert contents(tmp_path / "out") == before
+    (tmp_path / "out" / "seen.json").unlink()
+    with pytest.raises(InputError, match=r"seen\.svg: is in the way"):
+        stages[0].plan()
+
+
+def test_what_is_no_scan_is_told_before_anything_runs(scanned: Scanned, tmp_path: Path) -> None:
+    for name, problem in (("none.npz", "no such file"), (".", "expected a scan, one of")):
+        with pytest.raises(InputError, match=problem):
+            PredictScans(tmp_path / name, tmp_path / "out", scanned.workspace, FAMILY, **HOW).plan()
+
+
+def test_a_category_without_networks_is_named_with_those_that_there_are(scanned: Scanned, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"no networks that find a labtop in scans.*Laptop.*train all --category labtop"):
+        PredictScans(tmp_path / "x.npz", tmp_path, scanned.workspace, "labtop").run(Listener())
+    with pytest.raises(InputError, match="run kinmo render first"):
+        TrainAncsh(Workspace(scanned.workspace.root), scanned.config, "safe").run(Listener())

@@ -1,0 +1,58 @@
+"""`kinmo train all`, from motion networks to those that see scans."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from typer.testing import CliRunner
+from whole_road import Listener, contents
+
+from kinmo.cli.app import app
+from kinmo.errors import InputError
+from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.scans.render import USED
+from kinmo.pipeline.train_all import TrainAll
+from kinmo.workspace import Workspace
+
+
+def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
+    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, FAMILY, **HOW)
+    steps = " ".join(stage.plan().steps)
+    for step in ("gnn_fine", "gnn_coarse", "axis", "ranking", "label", "scan", "ancsh"):
+        assert step in steps, "said before anything is done"
+    dataset = open_dataset(stage.workspace, FAMILY)
+    known = sum(map(len, dataset.labelled.values())) + len(dataset.hidden)
+    assert f"scan {known + round(USED * len(dataset.unlabelled))} objects" in steps, "those to be labelled too"
+    told = Listener()
+    found = stage.run(told)
+    assert [note for note in told.notes if note.startswith("to do")]
+    # such networks find nothing that moves, so that there are no pseudo labels to learn from
+    assert [note for note in told.notes if note.startswith(f"{CATEGORY}: no pseudo label")]
+    assert {"gnn_fine", f"ancsh ({CATEGORY}, supervised, seed 0)"} <= found.data.keys()
+    assert (stage.plan().steps, stage.plan().seconds) == ((), 0.0)
+    before = contents(tmp_path / "workspace")
+    stage.run(Listener())
+    assert contents(tmp_path / "workspace") == before
+    other = TrainAll(Workspace(tmp_path / "workspace", method="paper"), scanned.config, FAMILY, **HOW)
+    assert [step for step in other.plan().steps if "by paper" in step]
+    trained = other.run(Listener()).data
+    assert other.plan().steps == ()
+    of_its_own = {name for name in trained if "labels by paper" in name}
+    assert trained.keys() - of_its_own <= found.data.keys(), "all that saw no pseudo label is shared"
+    assert len(list((tmp_path / "workspace" / "by-paper").rglob("weights.json"))) == len(of_its_own)
+    evaluation = ["eval", "--category", FAMILY, "--workspace", str(tmp_path / "workspace"), "--device", "cpu", "--workers", "1"]
+    result = CliRunner().invoke(app, evaluation)
+    assert result.exit_code == 0, result.output
+    assert "Table 1" in result.output and "Table 2" in result.output, "those of shapes and those of scans"
+
+
+def test_without_a_category_of_the_papers_train_all_says_that_scans_are_left_out(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
+    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, **HOW)
+    assert "ancsh" not in " ".join(stage.plan().steps)
+    with pytest.raises(InputError, match="expected a labelled shape of safe to train on"):
+        TrainAll(Workspace(tmp_path / "workspace"), scanned.config, "safe", **HOW).plan()
