@@ -250,10 +250,11 @@ def find_similarities(
 
     The pairs `source` [T, 3] and `target` [T, 3] from `starts[i]` up to `starts[i + 1]` are those of part i; `starts` [P + 1]
     rises from 0 to T. Of so many fits to three pairs drawn at random the one with the smallest sum of squared residuals, each
-    counted up to the squared `threshold`, is taken, and fitted anew to its inliers (residual below `threshold`) until they
-    stay the same. What is drawn depends on `seed` and the number of pairs alone. NaN for a part that nothing drawn determines:
-    of fewer than three pairs, or all on a line, or nearly all the same. Compared in single precision: lengths should be within
-    1e-18 and 1e18, and no pair farther off than a million times what the others span.
+    counted up to the squared `threshold`, is taken, and fitted anew to its inliers (residual below `threshold`) as long as that
+    sum falls; and then, where there are 30 inliers or more, to all pairs, each weighed by how likely it is right, which may
+    raise the sum by a tenth. What is drawn depends on `seed` and the number of pairs alone. NaN for a part that nothing drawn
+    determines: of fewer than three pairs, or all on a line, or nearly all the same. Compared in single precision: lengths
+    should be within 1e-18 and 1e18, and no pair farther off than a million times what the others span.
     """
 
 def tie_poses(
@@ -301,8 +302,8 @@ def settle_poses(
     turned, if square, so that what is seen of it does, in that of all ways that fits best. One that slides is turned as what
     it slides in. One that turns is tried at all angles of its range, the best has the least sum of residuals (each counted up
     to `threshold`), and if square it is turned about its joint, so that what is seen of it faces its axes. What pairs clearly
-    tell of an angle out of the range, or of one the other way round, is taken. What turns without a known range goes along;
-    parts without pairs stay.
+    tell of an angle out of the range, of one the other way round, or of no turn at all, is taken. What turns without a known
+    range goes along; parts without pairs stay.
     """
 
 def find_tied_poses(

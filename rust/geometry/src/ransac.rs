@@ -95,6 +95,7 @@ struct Residuals {
     blocks: Vec<[Lane; 6]>,
     middles: [Vector3<f64>; 2],
     most: f32,
+    of_fillers: f32,
 }
 
 impl Residuals {
@@ -110,16 +111,15 @@ impl Residuals {
             })
             .collect();
         rows.shuffle(rng);
-        // What is left over of the last block is far from everything: the same cost for every hypothesis.
+        // What is left over of the last block is far from everything: the same cost for every hypothesis, taken off in the end.
         let filler = [0.0, 0.0, 0.0, 1e18, 1e18, 1e18];
         let block = |rows: &[[f32; 6]]| {
             std::array::from_fn(|axis| std::array::from_fn(|lane| rows.get(lane).unwrap_or(&filler)[axis]))
         };
-        Self {
-            blocks: rows.chunks(LANES).map(block).collect(),
-            middles: [source, target],
-            most: (threshold * threshold) as f32,
-        }
+        let blocks: Vec<_> = rows.chunks(LANES).map(block).collect();
+        let most = (threshold * threshold) as f32;
+        let of_fillers = (blocks.len() * LANES - rows.len()) as f32 * most;
+        Self { blocks, middles: [source, target], most, of_fillers }
     }
 
     /// The sum of the squared residuals, each at most the squared threshold, if it is below `bound`.
@@ -128,7 +128,7 @@ impl Residuals {
         let matrix = similarity.rotation.matrix() * similarity.scale;
         let shift = similarity.translation + matrix * source - target;
         let (m, t) = (matrix.map(|value| value as f32), shift.map(|value| value as f32));
-        let mut cost = 0.0;
+        let mut cost = -self.of_fillers;
         for look in self.blocks.chunks(BLOCKS_A_LOOK) {
             let mut sums: Lane = [0.0; LANES];
             for [ax, ay, az, bx, by, bz] in look {

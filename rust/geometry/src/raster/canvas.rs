@@ -154,8 +154,11 @@ fn area(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> f64 {
 }
 
 /// A side of a triangle of the image: where it goes down the inside is to its left, where it goes up to its right.
+///
+/// Where it is crossed is told from its upper end, whichever way it is gone along, so that no pixel falls between two triangles
+/// that share it.
 struct Side {
-    from: Vector3<f64>,
+    upper: Vector3<f64>,
     rise: f64,
     slope: f64,
 }
@@ -163,12 +166,13 @@ struct Side {
 impl Side {
     fn new(from: Vector3<f64>, to: Vector3<f64>) -> Self {
         let rise = to.y - from.y;
-        Self { from, rise, slope: (to.x - from.x) / rise }
+        let (upper, lower) = if rise > 0.0 { (from, to) } else { (to, from) };
+        Self { upper, rise, slope: (lower.x - upper.x) / (lower.y - upper.y) }
     }
 
     /// Leaves, of the pixels from `first` to `last` in the row with its middle at `y`, those that may be inside.
     fn narrow(&self, y: f64, first: &mut f64, last: &mut f64) {
-        let crossing = self.from.x + self.slope * (y - self.from.y) - 0.5;
+        let crossing = self.upper.x + self.slope * (y - self.upper.y) - 0.5;
         if self.rise > 0.0 {
             *last = last.min(crossing);
         } else if self.rise < 0.0 {
@@ -240,6 +244,31 @@ mod tests {
                 if !is_matter_of_rounding && (rows.0[pixel] - 0.4).abs() > 1e-4 {
                     prop_assert_eq!(narrow.1[pixel], rows.1[pixel]);
                     prop_assert!((narrow.0[pixel] - rows.0[pixel]).abs() < 1e-4, "{} {}", narrow.0[pixel], rows.0[pixel]);
+                }
+            }
+        }
+
+        #[test]
+        fn no_pixel_falls_between_two_triangles_where_their_side_is_on_its_middle(
+            ends in prop::array::uniform2((0..WIDTH as i32, 0..HEIGHT as i32)), tilt in -0.4..0.4f32
+        ) {
+            // a diagonal from a middle to another goes through middles of other pixels, too
+            let [a, b] = ends.map(|(column, row)| [column as f32 + 0.5, row as f32 + 0.5, 0.8]);
+            let (along, across) = ([b[0] - a[0], b[1] - a[1]], [a[1] - b[1], b[0] - a[0]]);
+            let aside = |side: f32| [
+                a[0] + 0.5 * along[0] + side * (across[0] + tilt * along[0]),
+                a[1] + 0.5 * along[1] + side * (across[1] + tilt * along[1]),
+                0.8,
+            ];
+            for draw in [PIXEL_BY_PIXEL, ROW_BY_ROW] {
+                let (one, other) = (drawn([a, b, aside(1.0)], draw), drawn([b, a, aside(-1.0)], draw));
+                for row in ends[0].1.min(ends[1].1) + 1..ends[0].1.max(ends[1].1) {
+                    let (rows, columns) = (ends[1].1 - ends[0].1, ends[1].0 - ends[0].0);
+                    let column = ends[0].0 + (row - ends[0].1) * columns / rows;
+                    let pixel = row as usize * WIDTH + column as usize;
+                    if (row - ends[0].1) * columns % rows == 0 {
+                        prop_assert!(one.1[pixel] == 5 || other.1[pixel] == 5, "{column} {row}");
+                    }
                 }
             }
         }
