@@ -208,6 +208,23 @@ def test_a_part_of_which_nothing_is_said_is_nan_and_the_others_are_found(left: i
         assert np.isnan(score.iou[lost])
 
 
+@pytest.mark.parametrize("ties", ["tree", "pairs", "none"])
+def test_what_is_found_in_a_scan_does_not_depend_on_those_that_are_looked_at_with_it(ties) -> None:
+    target = cupboard_object()
+    scans = scan(target, OPTIONS, 0)
+    whole, seen = (true_answers(target, scans, row) for row in (0, 1))
+    tilted = Rotation.from_rotvec([0.0, 0.09, 0.0]).apply(seen.npcs - 0.5) + 0.5  # its base is square, and so turned back
+    base_alone = replace(seen, parts=np.where(seen.parts == 0, 0, -1), npcs=tilted)
+    options, typical = replace(SEARCH, ties=ties), all_is_typical(target)
+    both = estimate([whole, base_alone], target.structure, options, typical)
+    each = [estimate([answers], target.structure, options, typical)[0] for answers in (whole, base_alone)]
+    for together, alone in zip(both, each, strict=True):
+        for name in ("rotations", "scales", "translations"):
+            assert np.array_equal(getattr(together.poses, name), getattr(alone.poses, name), equal_nan=True)
+        assert np.array_equal(together.half_extents, alone.half_extents, equal_nan=True)
+    assert estimate([], target.structure, options, typical) == []
+
+
 def test_amodal_boxes_are_as_large_as_what_is_seen_reaches_from_their_middle() -> None:
     target = cupboard_object()
     scans = scan(target, OPTIONS, 0)

@@ -96,6 +96,8 @@ def estimate(
 
     What is `typical` of such objects narrows them down, where the `tree` of joints ties all parts.
     """
+    if not answers:
+        return []
     count = structure.part_count
     typical = typical if typical is not None and options.ties == "tree" else Typical.unknown(structure)
     clouds = [answer.on_part(part) for answer in answers for part in range(count)]
@@ -150,9 +152,7 @@ def _tied(
                 kinds.append(KIND_CODES[kind])
                 directions.append(said[part - 1])
                 turns.append(typical.turns[part - 1])
-    if not pairs:
-        return free
-    ties = np.array(pairs, np.uint32), np.array(kinds, np.uint8), np.array(directions)
+    ties = np.array(pairs, np.uint32).reshape(-1, 2), np.array(kinds, np.uint8), np.array(directions).reshape(-1, 3)
     rotations, scales, translations = (values.copy() for values in free)
     if options.ties == "tree":
         # parts that were not found have no say, and stay as they are
@@ -163,7 +163,7 @@ def _tied(
             source, target, starts, *ties, rotations, scales, translations, frames=frames, threshold=options.threshold
         )
         found = _core.settle_poses(
-            source, target, starts, *ties, np.array(turns), np.tile(typical.square, len(joints)) & ~lost, *found,
+            source, target, starts, *ties, np.array(turns).reshape(-1, 2), np.tile(typical.square, len(joints)) & ~lost, *found,
             frames=frames, threshold=options.threshold,
         )  # fmt: skip
         for values in found:
