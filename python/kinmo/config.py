@@ -280,7 +280,7 @@ class AncshConfig:
     down; or as in the release joints tie two parts at a time (`pairs`), or `none`. `boxes` of parts are as `said`, or have
     their sides where these are `seen`. What networks say of a scan is a label for others where of every part at least the
     share `confidence` of its points agrees on where that is. Objects with true labels have the share `trusted` of all
-    scans that are drawn at least (0: all objects have equal odds).
+    scans that are drawn at least (0: all objects have equal odds), or `trusted_in_semi` beside those that networks labelled.
     """
 
     training: TrainingConfig
@@ -304,6 +304,7 @@ class AncshConfig:
     boxes: Literal["seen", "said"] = "seen"
     confidence: Share = 0.8
     trusted: Share = 0.2
+    trusted_in_semi: Share = 0.5
 
 
 @dataclass(frozen=True)

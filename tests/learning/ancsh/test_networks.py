@@ -12,7 +12,7 @@ import torch
 
 from kinmo.config import AncshConfig, AncshNetworkName, Precision, ScansConfig, TrainingConfig, load_config
 from kinmo.errors import InputError
-from kinmo.learning.ancsh.data import ScanData, odds
+from kinmo.learning.ancsh.data import ScanData, least_trusted, odds
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
 from kinmo.learning.ancsh.network import (
     KIND,
@@ -30,7 +30,7 @@ from kinmo.learning.ancsh.train import train_ancsh
 from kinmo.learning.weights import save_weights
 from kinmo.scans.input_frame import InputFrame, base_axes, scan_rotations
 from kinmo.scans.scan import scan
-from kinmo.scans.scan_file import Provenance, ScanFile, open_scans, write_scans
+from kinmo.scans.scan_file import Provenance, Role, ScanFile, open_scans, write_scans
 from kinmo.scans.typical import Typical
 from kinmo.typed_tables import to_table
 from scanned import cupboard_object
@@ -312,6 +312,12 @@ def test_objects_with_true_labels_have_their_share_of_a_batch() -> None:
     for trusted in ([True, True, True, False], [True, True], [False, False]):
         np.testing.assert_allclose(odds(range(len(trusted)), trusted, 0.5), 1 / len(trusted))
     np.testing.assert_allclose(odds("abcd", [True, False, False, False], 0.0), 1 / 4)
+
+
+@pytest.mark.parametrize(("beside", "least"), [("pseudo", 0.2), ("hidden", 0.2), ("unlabelled", 0.5)])
+def test_what_networks_labelled_themselves_is_trusted_less(file: ScanFile, beside: Role, least: float) -> None:
+    other = replace(file, provenance=replace(file.provenance, role=beside))
+    assert least_trusted([file, other], replace(TINY, trusted=0.2, trusted_in_semi=0.5)) == least
 
 
 def test_an_object_is_drawn_as_often_in_few_files_as_in_many() -> None:

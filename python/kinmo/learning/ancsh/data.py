@@ -24,14 +24,13 @@ FIRST_LOOKS = 0.5
 class ScanData:
     """Frames of many objects, mixed anew every epoch; objects have equal odds whatever the number of their frames, or files.
 
-    Of all that are drawn those with true labels have the share `config.trusted` at least, where there are others.
+    Of all that are drawn those with true labels have the share `least_trusted` at least, where there are others.
     """
 
     def __init__(self, training: Sequence[ScanFile], validation: Sequence[ScanFile], config: AncshConfig) -> None:
         self.training, self.validation, self.config = list(training), list(validation), config
-        self._odds = odds(
-            [file.object for file in training], [file.provenance.has_true_labels for file in training], config.trusted
-        )
+        trusted = [file.provenance.has_true_labels for file in training]
+        self._odds = odds([file.object for file in training], trusted, least_trusted(training, config))
         # places for all from the beginning: small arrays that come one by one, and stay, would break up the memory that batches
         # need again and again
         self._looks = {file: np.full((file.frames, 2, 3, 3), np.nan) for file in {*training, *validation}}
@@ -74,6 +73,14 @@ class ScanData:
             else:
                 axes[:] = base_axes(file.read("points", row), file.read("parts", row) == 0, self._look(file, row, True))
         return axes
+
+
+def least_trusted(training: Sequence[ScanFile], config: AncshConfig) -> float:
+    """The least share of scans with true labels, which is another beside those that networks labelled: these repeat the errors
+    of what they are to learn beyond.
+    """
+    is_semi = any(file.provenance.role == "unlabelled" for file in training)
+    return config.trusted_in_semi if is_semi else config.trusted
 
 
 def odds(objects: Sequence[Hashable], trusted: Sequence[bool], least: float) -> F64:
