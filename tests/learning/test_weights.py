@@ -28,6 +28,10 @@ def test_weights_come_back_as_they_were(tmp_path: Path) -> None:
     assert torch.equal(module.bias, other.bias)
 
 
+def test_whoever_may_read_other_files_may_read_weights(saved: Path) -> None:
+    assert saved.stat().st_mode == saved.with_suffix(".json").stat().st_mode
+
+
 def test_another_network_is_refused_with_the_tensor_named(saved: Path) -> None:
     with pytest.raises(InputError, match=r"net\.safetensors: weight: shape \(2, 3\), expected \(2, 4\)"):
         load_weights(saved, "line").fill(nn.Linear(4, 2))

@@ -50,6 +50,7 @@ def test_a_depth_image_gives_the_points_that_its_camera_sees(tmp_path):
 )
 def test_points_have_no_use_for_a_camera(tmp_path, given, option):
     np.savez(tmp_path / "scan.npz", points=POINTS)
+    assert len(read_scan(str(tmp_path / "scan.npz"), **given, are_for_some=True).points)
     with pytest.raises(InputError, match=f"{option}: applies only to depth images; .*scan.npz holds points"):
         read_scan(tmp_path / "scan.npz", **given)
 

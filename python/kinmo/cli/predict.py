@@ -22,7 +22,11 @@ def predict(
     ],
     out: Annotated[Path, Option("--out", "-o", help="Folder for the results, one folder a shape.")] = Path("predicted"),
     method: Annotated[
-        Method | None, Option(help="Which method answers; for a scan, whose pseudo labels networks saw.", show_default="kinmo")
+        Method | None,
+        Option(
+            help="Which method answers; for a scan, whose pseudo labels networks saw.",
+            show_default="kinmo; for a scan, of whatever is trained",
+        ),
     ] = None,
     category: Annotated[
         str | None, Option(help="What is seen in the scans, however it is spelled.", show_default=False, rich_help_panel=SCANS)

@@ -11,12 +11,12 @@ from typing import Any
 
 import torch
 from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file, save
 from torch import Tensor, nn
 
 from kinmo import __version__
 from kinmo.errors import InputError
-from kinmo.workspace import write_atomically, write_text_atomically
+from kinmo.workspace import write_bytes_atomically, write_text_atomically
 
 SCHEMA = 1
 OTHER_VERSION = "; if another version of kinmo trained it, train it again"
@@ -54,9 +54,9 @@ def save_weights(
     `kind` names the network ("motion_gnn", ...); `config` and `facts` must be plain JSON.
     """
     tensors = {name: tensor.detach().cpu().contiguous() for name, tensor in module.state_dict().items()}
-    with write_atomically(path) as scratch:
-        save_file(tensors, scratch)
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    data = save(tensors)
+    write_bytes_atomically(path, data)
+    digest = hashlib.sha256(data).hexdigest()
     header = {"schema": SCHEMA, "kinmo": __version__, "kind": kind, "sha256": digest, "config": config, "facts": facts or {}}
     write_text_atomically(path.with_suffix(".json"), json.dumps(header, indent=1, sort_keys=True) + "\n")
     return digest

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from kinmo.categories import same_category
 from kinmo.errors import InputError
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.scans.judge_trained import JudgeTrained
@@ -36,11 +37,13 @@ class EvaluateAll:
         return Outcome(first.path, {**first.data, **second.data}, text, first.failed + second.failed)
 
     def _problem(self) -> InputError | None:
-        """Why there can be no Table 1. Raised if there are no networks for scans either."""
+        """Why there can be no Table 1. Raised if there are no networks for scans of what is asked for either."""
+        category = self.scans.category
         try:
             self.shapes.plan()
         except InputError as error:
-            if not trained_cells(self.scans.workspace):
+            cells = trained_cells(self.scans.workspace)
+            if not any(category is None or same_category(cell.category, category) for cell in cells):
                 raise
             return error
         return None

@@ -107,14 +107,18 @@ class ScanInput:
     behind: int = 0
 
 
-def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: float | None = None) -> ScanInput:
+def read_scan(
+    path: Path | str, intrinsics: Intrinsics | None = None, depth_scale: float | None = None, *, are_for_some: bool = False
+) -> ScanInput:
     """The points of a scan.
 
     An .npz has `points` [n, 3], or `depth` [height, width] along z, with `intrinsics` beside it if they are not given here;
     an .npy has one of the two, a .ply points, and a .png or .tif depths. Depths are divided by `depth_scale` (1 if it is not
     given); points at no number, and those that are not before the camera (0, 0, 0 often stands for none), are left out. Raises
-    InputError, naming file and field, for what is none of this or has too few points, and for points where either is given.
+    InputError, naming file and field, for what is none of this or has too few points, and for points where either is given,
+    unless both `are_for_some` of several files.
     """
+    path = Path(path)
     ending = check_is_scan(path)
     found = _ply(path) if ending == ".ply" else _image(path) if ending in IMAGES else _arrays(path)
     if isinstance(found, DepthImage):
@@ -122,7 +126,7 @@ def read_scan(path: Path, intrinsics: Intrinsics | None = None, depth_scale: flo
     else:
         points = found
         for option, value in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
-            if value is not None:
+            if value is not None and not are_for_some:
                 raise InputError(option, f"applies only to depth images; {path} holds points")
     is_known = np.isfinite(points).all(axis=1) & points.any(axis=1)
     places, behind = np.flatnonzero(is_known & (points[:, 2] > 0.0)), int(np.sum(is_known & (points[:, 2] <= 0.0)))

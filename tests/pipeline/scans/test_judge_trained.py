@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
+import pytest
 from scan_road import CATEGORY, FAMILY, Scanned
 from whole_road import Listener
 
+from kinmo.errors import InputError
 from kinmo.evaluation.scan_tables import NOT_RUN
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
@@ -58,3 +61,7 @@ def test_without_motion_networks_the_tables_of_scans_are_there_alone(scanned: Sc
     found = stage.run(told)
     assert list(found.data) == ["table-2"]
     assert [note for note in told.notes if note.startswith("no Table 1:")]
+    unknown = EvaluateAll(replace(shapes, category="fridge"), JudgeTrained(scanned.workspace, "fridge", device="cpu"))
+    for ask in (unknown.plan, lambda: unknown.run(told)):
+        with pytest.raises(InputError, match="fridge"):
+            ask()

@@ -22,6 +22,7 @@ from kinmo.pipeline.scans.predict import PredictScans
 from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.scans.renderers import NOTHING
 from kinmo.scans.scan_file import open_scans
+from kinmo.scans.scan_input import Intrinsics
 from kinmo.workspace import Workspace
 
 
@@ -98,10 +99,24 @@ def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanne
     (tmp_path / "taken" / "near").write_text("a file")
     blocked = PredictScans(scans, tmp_path / "taken", scanned.workspace, FAMILY, **HOW).run(Listener())
     assert [Path(document["scan"]).name for document in blocked.data["scans"]] == ["first.npz"]
-    assert [line for line in blocked.data["left_out"] if line.startswith("near/second.npy: ")]
+    (line, *_) = [line for line in blocked.data["left_out"] if line.startswith("near/second.npy: ")]
+    assert f"{tmp_path / 'taken' / 'near'} cannot be written" in line, "it is not the scan that is to blame"
     empty = PredictScans(tmp_path / "alone", tmp_path / "none", scanned.workspace, FAMILY, **HOW)
     with pytest.raises(InputError, match=r"expected a scan, one of \.npz"):
         empty.plan()
+
+
+def test_no_two_scans_of_a_folder_have_one_name_and_a_camera_is_of_depth_images(scanned: Scanned, tmp_path: Path) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    scans = tmp_path / "scans"
+    scans.mkdir()
+    np.savez(scans / "a.npz", points=points)
+    np.save(scans / "a.npy", points)
+    np.savez(scans / "a.npy.npz", points=points)
+    camera = Intrinsics(300.0, 300.0, 159.5, 119.5)
+    found = PredictScans(scans, tmp_path / "out", scanned.workspace, FAMILY, camera, **HOW).run(Listener())
+    assert found.failed == 0, found.data["left_out"]
+    assert sorted(path.stem for path in (tmp_path / "out").glob("*.json")) == ["a.npy", "a.npy.npz", "a.npz"]
 
 
 def test_networks_that_know_a_floor_leave_its_points_out(scanned: Scanned, tmp_path: Path) -> None:

@@ -81,7 +81,7 @@ class PredictScans:
                 if len(documents) <= LINES:
                     lines.append(f"{target.name}: {_joints_text(documents[-1])}")
             except (InputError, OSError) as error:
-                problem = str(error) if isinstance(error, InputError) else f"{target.name}: {error.strerror or error}"
+                problem = str(error) if isinstance(error, InputError) else f"{target.name}: {self._problem_of(error)}"
                 left_out.append(problem)
                 observer.note(f"left out: {problem}")
             observer.progress("looking at scans", done, len(targets), target.name)
@@ -91,10 +91,16 @@ class PredictScans:
         data = {"scans": documents, "left_out": left_out}
         return Outcome(self.out, data, "\n".join(lines), failed=len(left_out))
 
+    def _problem_of(self, error: OSError) -> str:
+        """What is wrong, with the file where that is none of the scans but one of the results."""
+        problem = error.strerror or str(error)
+        is_result = error.filename is not None and Path(error.filename).is_relative_to(self.out)
+        return f"{shown(error.filename)} cannot be written ({problem})" if is_result else problem
+
     def _find(self, finder: ScanFinder, target: _Target, observer: Observer) -> dict[str, Any]:
         """Look at one scan and write what was found. Raises InputError if it cannot be read, or something is in the way."""
         target.check()
-        scan = read_scan(target.scan, self.intrinsics, self.depth_scale)
+        scan = read_scan(target.scan, self.intrinsics, self.depth_scale, are_for_some=self.source.is_dir())
         if scan.behind:
             count = scan.behind + len(scan.points)
             where = f"{target.name}: " if self.source.is_dir() else ""
@@ -113,7 +119,7 @@ class PredictScans:
     def _targets(self) -> list[_Target]:
         """Raises InputError where there is no scan. Hidden files, and what was found in scans before, are none.
 
-        What is found in a scan has its name without the ending, in a folder with it where that alone tells scans apart.
+        What is found in a scan has its name without the ending, in a folder with it where only that tells it from all others.
         """
         if not self.source.is_dir():
             check_is_scan(self.source)
@@ -128,8 +134,9 @@ class PredictScans:
         ]
         if not scans:
             raise InputError(self.source, f"expected a scan, one of {', '.join(ENDINGS)}, at or below it")
-        alike = Counter(scan.with_suffix("") for scan in scans)
-        found = [scan if alike[scan.with_suffix("")] > 1 else scan.with_suffix("") for scan in scans]
+        found = [scan.with_suffix("") for scan in scans]
+        while len(alike := Counter(found)) < len(found):
+            found = [scan if alike[path] > 1 else path for scan, path in zip(scans, found, strict=True)]
         return [
             _Target(self.source / scan, self.out / path, clean_text(shown(scan)))
             for scan, path in zip(scans, found, strict=True)
