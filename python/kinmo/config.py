@@ -47,7 +47,7 @@ class TrainingConfig:
     """
 
     epochs: Count
-    learning_rate: Positive
+    learning_rate: Annotated[float, Within(sys.float_info.min, 1e3)]
     weight_decay: Amount = 1e-4
     decay: Positive = 0.7
     decay_epochs: Number = 20
@@ -202,7 +202,7 @@ class SensorConfig:
     side. With `floor`, a plane below the object is seen too.
     """
 
-    noise: Amount = 0.0
+    noise: Annotated[float, Within(0.0, 10.0)] = 0.0
     holes: Share = 0.0
     steep: bool = False
     crop: Share = 0.0
@@ -289,7 +289,7 @@ class AncshConfig:
     centers: Annotated[tuple[Count, ...], Within(2, 2)] = (512, 128)
     radii: Annotated[tuple[Positive, ...], Within(2, 2)] = (0.2, 0.4)
     neighbours: Count = 64
-    width: Positive = 1.0
+    width: Annotated[float, Within(sys.float_info.min, 64.0)] = 1.0
     distance_power: Annotated[int, Within(1, 2)] = 2
     dropout: Share = 0.5
     normalised: Literal["object", "scan"] = "scan"

@@ -33,12 +33,14 @@ def test_a_depth_image_gives_the_points_that_its_camera_sees(tmp_path):
     camera = Camera(32, 24, np.array([100.0, 110.0]), np.array([16.0, 12.0]), 0.1, 10.0)
     depth = np.random.default_rng(1).uniform(1.0, 2.0, (24, 32))
     depth[3, 4], depth[5, 6] = 0.0, np.nan
+    millimetres = np.round(np.nan_to_num(depth) * 1000.0).astype(np.uint16)
+    millimetres[5, 6] = 65535  # as cameras have it that say so of what is too far for them
     seen = np.flatnonzero(np.nan_to_num(depth.ravel()) > 0.0)
     expected = camera.points(depth.ravel()[seen], seen)
     matrix = [[100.0, 0.0, 15.5], [0.0, 110.0, 11.5], [0.0, 0.0, 1.0]]
     np.savez(tmp_path / "with.npz", depth=depth, intrinsics=matrix)
     np.save(tmp_path / "bare.npy", depth)
-    Image.fromarray(np.round(np.nan_to_num(depth) * 1000.0).astype(np.uint16)).save(tmp_path / "image.png")
+    Image.fromarray(millimetres).save(tmp_path / "image.png")
     np.testing.assert_allclose(read_scan(tmp_path / "with.npz").points, expected)
     np.testing.assert_array_equal(read_scan(tmp_path / "with.npz").places, seen)
     np.testing.assert_allclose(read_scan(tmp_path / "bare.npy", CAMERA).points, expected)
@@ -104,6 +106,10 @@ def written(folder: Path, what: str) -> Path:
         np.save(path, 1e300 * POINTS)
     elif what == "palette.png":
         Image.fromarray(np.full((64, 64), 7, np.uint8)).convert("P").save(path)
+    elif what == "grey.png":
+        Image.fromarray(np.full((64, 64), 7, np.uint8)).save(path)
+    elif what == "fewer_than_none.ply":
+        path.write_text("ply\nformat ascii 1.0\nelement vertex -5\nproperty float x\nproperty float y\nend_header\n")
     elif what == "chunk.png":
         Image.fromarray(np.arange(64 * 64, dtype=np.uint16).reshape(64, 64)).save(path)
         path.write_bytes(path.read_bytes().replace(b"IDAT", b"I\0AT"))
@@ -137,6 +143,8 @@ def written(folder: Path, what: str) -> Path:
         ("tiny.npy", "expected points that are 1e-06 to 1e[+]09 apart"),
         ("huge.npy", "expected points that are 1e-06 to 1e[+]09 apart"),
         ("palette.png", "expected depths, got an image with a palette"),
+        ("grey.png", "expected depths of 16 bits or more, got an image of 8 bits"),
+        ("fewer_than_none.ply", "expected a PLY file whose vertices have x, y and z"),
         ("cut.npz", r"expected arrays of NumPy \(it is none, or holds objects\)"),
         ("cut.ply", "expected a PLY file"),
         ("half.ply", "expected 100 points, as its header says, got 60"),

@@ -187,6 +187,8 @@ def _arrays(path: Path) -> F64 | DepthImage:
 
 def _back_projected(image: DepthImage, intrinsics: Intrinsics | None, scale: float, path: Path) -> F64:
     depths = np.squeeze(np.asarray(image.depths, np.float64)) / scale
+    if image.depths.dtype == np.uint16:
+        depths = np.where(np.squeeze(image.depths) == np.iinfo(np.uint16).max, 0.0, depths)  # farther than it can tell
     if depths.ndim != 2:
         raise InputError(path, f"expected one depth a pixel, [height, width], got {list(np.shape(image.depths))}", "depth")
     if intrinsics is None and image.intrinsics is not None:
@@ -206,6 +208,8 @@ def _image(path: Path) -> DepthImage:
         with Image.open(path) as image:
             if image.mode in ("1", "P"):
                 raise InputError(path, "expected depths, got an image with a palette or of two colours")
+            if image.mode == "L":
+                raise InputError(path, "expected depths of 16 bits or more, got an image of 8 bits, a picture of them?")
             return DepthImage(np.asarray(image))
     except InputError:
         raise
@@ -219,11 +223,12 @@ def _ply(path: Path) -> F64:
     try:
         points = np.asarray(getattr(trimesh.load(path, process=False, fix_texture=False), "vertices", ()), np.float64)
     except Exception as error:  # trimesh raises whatever its parsers do
-        raise InputError(path, f"expected a PLY file with points ({error})") from None
+        problem = f"expected a PLY file whose vertices have x, y and z ({type(error).__name__}: {error})"
+        raise InputError(path, problem) from None
     if points.ndim != 2 or points.shape[1:] != (3,):
         raise InputError(path, "expected a PLY file with points")
     with path.open("rb") as file:
-        said = re.search(rb"^element\s+vertex\s+(\d+)", file.read(LONGEST_HEADER), re.MULTILINE)
+        said = re.search(rb"^element\s+vertex\s+(-?\d+)", file.read(LONGEST_HEADER), re.MULTILINE)
     if said and int(said[1]) != len(points):
         raise InputError(path, f"expected {int(said[1])} points, as its header says, got {len(points)}")
     return points
