@@ -6,6 +6,7 @@ import json
 import math
 import shutil
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,10 @@ import pytest
 from scan_road import CATEGORY, FAMILY, Scanned, pseudo_labelled
 from whole_road import Listener, contents
 
+from kinmo.errors import InputError
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of
+from kinmo.pipeline.scans import render
+from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of, unfinished
 from kinmo.pipeline.scans.refusal import REFUSED
 from kinmo.pipeline.scans.render import Render
 from kinmo.scans.articulation import opening
@@ -142,6 +145,32 @@ def test_an_object_that_cannot_be_read_now_is_scanned_once_it_can(scanned: Scann
     assert len(stage.plan().steps) == 1
     assert stage.run(Listener()).failed == 0
     assert entry.id in {file.id for file in open_scan_dataset(workspace, CATEGORY).files["hidden"]}
+
+
+def test_scans_whose_making_was_stopped_are_not_used_until_it_is_done(
+    scanned: Scanned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    made = Scanned(Workspace(tmp_path / "workspace"), scanned.config)
+    next((made.workspace.scans / CATEGORY / "test").glob("*.safetensors")).unlink()
+
+    def stopped(*_: object) -> Iterator[object]:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(render, "map_unordered", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            made.render().run(Listener())
+    for ask in (made.train("supervised").plan, lambda: open_scan_dataset(made.workspace, CATEGORY)):
+        with pytest.raises(InputError, match="scanning was stopped before all was done: run kinmo render again"):
+            ask()
+    made.render().run(Listener())
+    assert made.train("supervised").plan().steps == ()
+    unfinished(made.workspace, CATEGORY).touch()  # stopped when all was done but to say so
+    assert made.render().plan().steps
+    made.render().run(Listener())
+    assert made.render().plan().steps == ()
+    assert open_scan_dataset(made.workspace, CATEGORY).files["test"]
 
 
 def test_scans_of_objects_that_have_gone_go_too(scanned: Scanned, tmp_path: Path) -> None:

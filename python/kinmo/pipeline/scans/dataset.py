@@ -32,6 +32,11 @@ def scans_of(workspace: Workspace, category: str, role: Role) -> Path:
     return places.get(role, workspace.scans) / category / role
 
 
+def unfinished(workspace: Workspace, category: str) -> Path:
+    """The file that is there while scans of a category are made, and stays where that was stopped."""
+    return workspace.scans / category / "unfinished"
+
+
 @dataclass(frozen=True)
 class ScanDataset:
     """The scans of a category's objects of one structure, by role; those of `unlabelled` objects have no structure.
@@ -81,7 +86,7 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
 
     What is trained on and what is hidden is as the workspace's share of labels has it; the structure does not depend on that,
     nor do validation shapes. If none of these has the structure, some of all labelled ones take their place, and are trained on
-    too only where nothing else is left. Raises InputError if nothing of it was scanned.
+    too only where nothing else is left. Raises InputError if nothing of it was scanned, or not all.
     """
     known = scanned_categories(workspace)
     spelling = next((name for name in known if same_category(name, category)), None)
@@ -89,6 +94,8 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         near = did_you_mean(category, known)
         there = f"; there are {', '.join(known)}" if known else ""
         raise InputError(workspace.scans, f"no scans of {category}{near}{there}: run kinmo render first")
+    if unfinished(workspace, spelling).exists():
+        raise InputError(workspace.scans / spelling, "scanning was stopped before all was done: run kinmo render again")
     found = {role: _open_all(scans_of(workspace, spelling, role)) for role in ROLES}
     structure = usual_structure(found["train"])
     if structure is None:

@@ -18,7 +18,7 @@ from kinmo.formats import Found, Layout
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.label_decisions import LABELS, folder_name
-from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, scans_of, usual_structure
+from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, scanned_categories, scans_of, unfinished, usual_structure
 from kinmo.pipeline.scans.jobs import VARIED, Job, Rendering, by_object, count_objects_of, frames_of, variants_of
 from kinmo.pipeline.scans.refusal import refusal_path
 from kinmo.pipeline.scans.rendered import in_words, summary
@@ -31,7 +31,7 @@ from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
 from kinmo.wording import counted
 from kinmo.workers import Crashed, map_unordered
-from kinmo.workspace import Workspace, digest, remove_leftovers
+from kinmo.workspace import Workspace, digest, remove_leftovers, write_text_atomically
 
 STAGE = "render"
 LABELLED: tuple[Role, ...] = tuple(split.value for split in Split)
@@ -91,8 +91,15 @@ class Render:
         frames = sum(frames_of(config, job) for job in jobs)
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
         what = ", ".join(sorted({job.category for job in jobs}))
-        step = f"scan {counted(count_objects_of(jobs), 'object')} ({what}), {counted(frames, 'frame')}"
-        return Plan((step,) if jobs else (), frames * each)
+        if jobs:
+            return Plan(
+                (f"scan {counted(count_objects_of(jobs), 'object')} ({what}), {counted(frames, 'frame')}",), frames * each
+            )
+        stopped = [category for category in scanned_categories(self.workspace) if self._was_stopped(category)]
+        return Plan(tuple(f"look through the scans of {category}, which was stopped" for category in stopped), 0.0)
+
+    def _was_stopped(self, category: str) -> bool:
+        return _is_wanted(category, self.category) and unfinished(self.workspace, category).exists()
 
     def run(self, observer: Observer) -> Outcome:
         config = self._scans()
@@ -102,11 +109,13 @@ class Render:
             structure = self._structure(config)
             every = _wanting(list(self._jobs(config)), structure)
             done_before = {job for job in every if job.is_done}
-            self._remove_stale(every, done_before)
             jobs = [job for job in every if self._is_asked(job)]
             pending = [job for job in jobs if job not in done_before]
             if jobs and not pending:
                 observer.note("scanned already")
+            for mark in {unfinished(self.workspace, job.category) for job in pending}:
+                write_text_atomically(mark, "kinmo render makes the scans beside this, or was stopped: run it again\n")
+            self._remove_stale(every, done_before)
             failed: list[tuple[Job, str]] = []
             total = count_objects_of(pending)
             with timed(self.workspace, STAGE) as watch:
@@ -116,6 +125,8 @@ class Render:
                     observer.progress("scanning objects", done, max(done, total), own[0].found.id)
                 watch.amount = sum(frames_of(config, job) for job in pending)
                 watch.what = counted(count_objects_of(pending), "object")
+            for mark in {unfinished(self.workspace, job.category) for job in every}:
+                mark.unlink(missing_ok=True)
             files = [open_scans(job.path) for job in jobs if job.path.exists()]
             refusals = [(job, refusal) for job in jobs if (refusal := job.refusal) is not None]
             refused = [(job, refusal.reason) for job, refusal in refusals if refusal.structure is None]
@@ -256,5 +267,9 @@ def _job(workspace: Workspace, found: Found, category: str, role: Role, layout: 
 
 
 def _chosen(entries: Sequence[IndexEntry], category: str | None) -> list[IndexEntry]:
-    wanted = PAPER_CATEGORIES if category is None else (category,)
-    return [entry for entry in entries if any(same_category(entry.category, name) for name in wanted)]
+    return [entry for entry in entries if _is_wanted(entry.category, category)]
+
+
+def _is_wanted(category: str, wanted: str | None) -> bool:
+    """Whether scans of a category are asked for; None stands for those of the paper."""
+    return any(same_category(category, name) for name in (PAPER_CATEGORIES if wanted is None else (wanted,)))
