@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from scan_road import CATEGORY
+import pytest
+from scan_road import CATEGORY, FAMILY
 
+from kinmo.errors import InputError
+from kinmo.pipeline.scans.finder import networks_for
 from kinmo.pipeline.scans.networks import Cell
 from kinmo.workspace import StageRecord, Workspace
 
@@ -17,3 +20,11 @@ def test_networks_of_which_one_is_trained_anew_are_none(judged: Workspace) -> No
     assert cell.weights(judged) is None
     judged.write_record(cell.stage("npcs"), StageRecord({**record.inputs, "data": "others"}))
     assert cell.weights(judged) is None, "what the one says does not go with what the other says"
+
+
+def test_networks_that_are_not_trained_to_the_end_are_said_to_be_so(judged: Workspace) -> None:
+    with pytest.raises(InputError, match=f"no networks that find a {FAMILY} in scans.*--method paper"):
+        networks_for(judged, FAMILY, "paper", 0)
+    judged.forget(Cell(CATEGORY, "supervised", 0).stage("npcs"))
+    with pytest.raises(InputError, match="are not trained to the end: the same kinmo train goes on"):
+        networks_for(judged, FAMILY, None, 0)

@@ -15,7 +15,7 @@ from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.model_files import networks_digest
-from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods
+from kinmo.pipeline.scans.networks import Cell, begun_cells, trained_by_all_methods
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
 from kinmo.workspace import DEFAULT_METHOD, Workspace
@@ -102,6 +102,12 @@ def networks_for(workspace: Workspace, category: str, method: str | None, seed: 
         trained = [(place, cell) for place, cell in trained if place.method == method]
     fitting = [(place, cell) for place, cell in trained if same_category(cell.category, category)]
     if not fitting:
+        begun = (cell for cell in begun_cells(workspace) if same_category(cell.category, category))
+        if any(cell.weights(workspace) is None for cell in begun):
+            problem = (
+                f"networks that find a {category} in scans are not trained to the end: the same kinmo train goes on with it"
+            )
+            raise InputError(workspace.models, problem)
         known = sorted({cell.category for _, cell in trained})
         near = did_you_mean(category, known)
         there = f"; there are those of {', '.join(known)}" if known else ""

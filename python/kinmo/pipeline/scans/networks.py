@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from kinmo.config import AncshNetworkName
 from kinmo.pipeline.model_files import METHOD_MODELS, WEIGHTS
@@ -59,14 +59,17 @@ class Cell:
 
 def trained_cells(workspace: Workspace) -> list[Cell]:
     """Those whose networks are there."""
-    found = []
-    for folder in sorted((workspace.models / "ancsh").glob("*/*/*")):
-        category, setting, seed = folder.parts[-3:]
-        if seed.isdecimal():
-            cell: Any = Cell(category, setting, int(seed))  # type: ignore[arg-type]
-            if cell.weights(workspace):
-                found.append(cell)
-    return found
+    return [cell for cell in begun_cells(workspace) if cell.weights(workspace)]
+
+
+def begun_cells(workspace: Workspace) -> list[Cell]:
+    """Those whose networks are trained, or were begun to be."""
+    folders = (folder.parts[-3:] for folder in sorted((workspace.models / "ancsh").glob("*/*/*")))
+    return [
+        Cell(category, setting, int(seed))  # type: ignore[arg-type]
+        for category, setting, seed in folders
+        if seed.isdecimal()
+    ]
 
 
 def trained_by_all_methods(workspace: Workspace) -> list[tuple[Workspace, Cell]]:
