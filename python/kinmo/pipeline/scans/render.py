@@ -135,7 +135,10 @@ class Render:
         for job, reason in refused + failed:
             left_out.setdefault(job.role, {})[job.found.id] = reason
         data = {"categories": summary(files, unwanted), "refused": left_out}
-        return Outcome(self.workspace.scans, data, in_words(data), failed=len(failed))
+        seen = {file.category for file in files if file.provenance.role == "train" and file.frames}
+        bare = sorted({job.category for job in jobs if job.role == "train"} - seen)
+        text = "\n".join([in_words(data), *(f"{category}: no frame of an object to train on" for category in bare)])
+        return Outcome(self.workspace.scans, data, text, failed=len(failed) + len(bare))
 
     def _is_asked(self, job: Job) -> bool:
         return job.role in (*LABELLED, *self.beside)
