@@ -69,7 +69,7 @@ def judged(workspace: Workspace, category: str, named: str) -> Iterator[tuple[st
 
 
 def has_node(shape: Shape, leaves: tuple[int, ...], named: str) -> bool:
-    """Whether one of some leaves, or a part that holds it but not all the shape, has a name."""
+    """Whether one of some leaves, or a part that holds one of them, has a name."""
     for leaf in leaves:
         node: int | None = leaf
         while node is not None:

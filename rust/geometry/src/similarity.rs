@@ -74,7 +74,7 @@ impl Similarity {
 /// quaternions, 1987). Singular values by way of the squared matrix would lose half of the digits, and with them the turn of a
 /// rod about its length.
 pub(crate) fn nearest_rotation(matrix: Matrix3<f64>) -> Option<(Rotation3<f64>, Vector3<f64>)> {
-    let [xx, yx, zx, xy, yy, zy, xz, yz, zz] = matrix.data.0.concat().try_into().ok()?;
+    let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = matrix.data.0;
     let products = Matrix4::from_columns(&[
         Vector4::new(xx + yy + zz, zy - yz, xz - zx, yx - xy),
         Vector4::new(zy - yz, xx - yy - zz, xy + yx, xz + zx),

@@ -92,9 +92,8 @@ class Render:
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
         what = ", ".join(sorted({job.category for job in jobs}))
         if jobs:
-            return Plan(
-                (f"scan {counted(count_objects_of(jobs), 'object')} ({what}), {counted(frames, 'frame')}",), frames * each
-            )
+            step = f"scan {counted(count_objects_of(jobs), 'object')} ({what}), {counted(frames, 'frame')}"
+            return Plan((step,), frames * each)
         stopped = [category for category in scanned_categories(self.workspace) if self._was_stopped(category)]
         return Plan(tuple(f"look through the scans of {category}, which was stopped" for category in stopped), 0.0)
 
@@ -137,7 +136,7 @@ class Render:
         data = {"categories": summary(files, unwanted), "refused": left_out}
         seen = {file.category for file in files if file.provenance.role == "train" and file.frames}
         bare = sorted({job.category for job in jobs if job.role == "train"} - seen)
-        text = "\n".join([in_words(data), *(f"{category}: no frame of an object to train on" for category in bare)])
+        text = "\n".join(filter(None, [in_words(data), *(f"{each}: no frame of an object to train on" for each in bare)]))
         return Outcome(self.workspace.scans, data, text, failed=len(failed) + len(bare))
 
     def _is_asked(self, job: Job) -> bool:
