@@ -27,3 +27,13 @@ def test_a_finder_says_of_points_what_the_command_does(scanned: Scanned, tmp_pat
     for wrong in (points[:, :2], points[:0], np.full((40, 3), np.nan), -points, np.ones((40, 3))):
         with pytest.raises(ValueError, match=r"expected points \[n, 3\]"):
             finder.find(wrong)
+
+
+def test_points_far_from_all_others_are_of_none_and_change_nothing(scanned: Scanned) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    finder = ScanFinder.load(scanned.workspace.root, FAMILY, device="cpu")
+    alone, with_stray = finder.find(points), finder.find(np.vstack([points, points.mean(axis=0) + [0.0, 0.0, 50.0]]))
+    np.testing.assert_array_equal(with_stray.is_stray, [False] * len(points) + [True])
+    np.testing.assert_array_equal(with_stray.parts, [*alone.parts, -1])
+    np.testing.assert_array_equal(with_stray.estimate.poses.rotations, alone.estimate.poses.rotations)
+    np.testing.assert_array_equal(with_stray.estimate.states, alone.estimate.states)

@@ -28,10 +28,13 @@ from kinmo.workspace import Workspace
 
 def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_path: Path) -> None:
     points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
-    np.savez(tmp_path / "seen.npz", points=np.vstack([points, [[0.0, 0.0, -1.0]]]))
+    np.savez(tmp_path / "seen.npz", points=np.vstack([points, [[0.0, 0.0, -1.0], [0.0, 0.0, 90.0]]]))
     told = Listener()
     found = PredictScans(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(told)
-    assert told.notes == [f"1 of {len(points) + 1} points are left out: they are not before the camera (z > 0)"]
+    assert told.notes == [
+        f"1 of {len(points) + 2} points are left out: they are {why}"
+        for why in ("not before the camera (z > 0)", "far from all others")
+    ]
     for part in found.data["parts"]:
         share = part["inliers"]
         agree = "not found" if share is None else f"{share:.0%} of them agree on where it is"
@@ -42,7 +45,8 @@ def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_pat
     assert sum(part["points"] for part in document["parts"]) == len(points), "of the scan's own points"
     assert (tmp_path / "out" / "seen.svg").read_text().startswith("<svg")
     with np.load(tmp_path / "out" / "seen.parts.npz") as labelled:
-        np.testing.assert_array_equal(labelled["points"], points[labelled["places"]])
+        np.testing.assert_array_equal(labelled["points"][:-1], points[labelled["places"][:-1]])
+        assert labelled["parts"][-1] == -1, "far from all others"
         said = [int((labelled["parts"] == part["id"]).sum()) for part in document["parts"]]
         assert sum(said) == len(points)
         assert said == [part["points"] for part in document["parts"]]

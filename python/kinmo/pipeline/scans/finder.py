@@ -18,6 +18,7 @@ from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scans.networks import Cell, begun_cells, trained_by_all_methods
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
+from kinmo.scans.strays import box_without_strays
 from kinmo.workspace import DEFAULT_METHOD, Workspace
 
 F64 = NDArray[np.float64]
@@ -30,12 +31,14 @@ PREFERRED = ("semi-weakly", "dsg-net", "semi", "supervised", "ceiling")
 class FoundInScan:
     """What there is to see in a scan of n points.
 
-    `parts` [n] is the part of every point, 0 the base, -1 what is of none (the floor); `estimate` says where the parts, their
-    boxes and joints are, in the frame and the lengths of the scan. Networks saw the points `seen` [m, 3] and said that they are
-    of `seen_parts` [m]; every other point has the part of the nearest of these.
+    `parts` [n] is the part of every point, 0 the base, -1 what is of none: the floor, and what `is_stray` [n], far from all
+    other points. `estimate` says where the parts, their boxes and joints are, in the frame and the lengths of the scan.
+    Networks saw the points `seen` [m, 3] and said that they are of `seen_parts` [m]; every other point has the part of the
+    nearest of these.
     """
 
     parts: NDArray[np.int16]
+    is_stray: NDArray[np.bool_]
     estimate: ScanEstimate
     seen: F64
     seen_parts: NDArray[np.int64]
@@ -86,13 +89,21 @@ class ScanFinder:
             raise ValueError("expected points [n, 3] before the camera (z > 0): leave out what stands for nothing seen")
         if not np.ptp(points, axis=0).any():
             raise ValueError("expected points [n, 3] at more than one place")
-        rng = np.random.default_rng(seed)
-        again = rng.integers(len(points), size=max(0, self.network.points - len(points)))
-        seen = points[np.concatenate([rng.permutation(len(points))[: self.network.points], again])]
+        low, high = box_without_strays(np.unique(_some_of(points, self.network.points, seed), axis=0))
+        is_stray = np.asarray(((points < low) | (points > high)).any(axis=1))
+        seen = _some_of(points[~is_stray], self.network.points, seed)
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
         (answer,), (estimate,) = self.network.find([seen], [diagonal], seed=seed)
-        parts = np.asarray(answer.parts, np.int64)
-        return FoundInScan(np.asarray(parts[cKDTree(seen).query(points)[1]], np.int16), estimate, seen, parts)
+        seen_parts = np.asarray(answer.parts, np.int64)
+        parts = np.where(is_stray, -1, seen_parts[cKDTree(seen).query(points)[1]])
+        return FoundInScan(np.asarray(parts, np.int16), is_stray, estimate, seen, seen_parts)
+
+
+def _some_of(points: NDArray[np.floating], count: int, seed: int) -> F64:
+    """`count` of the points [n, 3], no more often than needed."""
+    rng = np.random.default_rng(seed)
+    again = rng.integers(len(points), size=max(0, count - len(points)))
+    return np.asarray(points[np.concatenate([rng.permutation(len(points))[:count], again])], np.float64)
 
 
 def networks_for(workspace: Workspace, category: str, method: str | None, seed: int) -> tuple[Workspace, Cell]:

@@ -101,11 +101,12 @@ class PredictScans:
         """Look at one scan and write what was found. Raises InputError if it cannot be read, or something is in the way."""
         target.check()
         scan = read_scan(target.scan, self.intrinsics, self.depth_scale, are_for_some=self.source.is_dir())
-        if scan.behind:
-            count = scan.behind + len(scan.points)
-            where = f"{target.name}: " if self.source.is_dir() else ""
-            observer.note(f"{where}{scan.behind} of {count} points are left out: they are not before the camera (z > 0)")
         found = finder.find(scan.points, seed=self.seed)
+        where = f"{target.name}: " if self.source.is_dir() else ""
+        count, strays = scan.behind + len(scan.points), int(found.is_stray.sum())
+        for left_out, why in ((scan.behind, "not before the camera (z > 0)"), (strays, "far from all others")):
+            if left_out:
+                observer.note(f"{where}{left_out} of {count} points are left out: they are {why}")
         made_by = {"weights": finder.weights, "trained": finder.trained, "category": finder.category}
         document = scan_document(found.estimate, found.parts, finder.structure, target.scan, made_by)
         view = view_of(found.seen, found.seen_parts, found.estimate, finder.structure)
