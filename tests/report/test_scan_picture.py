@@ -91,3 +91,17 @@ def test_takes_side_by_side_are_fitted_alike() -> None:
     farther = replace(VIEW, points=VIEW.points * [1.0, 1.0, 2.0])
     one, other = drawn(scan_picture([VIEW, farther], "two", SIZE), "h0")
     assert np.ptp(other, axis=0) == pytest.approx(np.ptp(one, axis=0) / 2, rel=0.02)
+
+
+def test_boxes_are_shown_whole_where_they_are_not_far_larger_than_what_was_seen() -> None:
+    seen = replace(VIEW, points=CORNERS[:4], parts=np.ones(4, int))
+    (edges,) = drawn(scan_picture([seen], "half of a box", SIZE), "L")
+    assert edges.min() >= MARGIN * SIZE - 0.1 and edges.max() <= (1 - MARGIN) * SIZE + 0.1
+    vast = replace(VIEW, half_extents=VIEW.half_extents * 1.9)
+    (dots,) = drawn(scan_picture([VIEW, vast], "two takes", SIZE), "h0")[:1]
+    assert np.ptp(dots, axis=0).max() >= 0.5 * (1 - 2 * MARGIN) * SIZE - 0.1, "points have half of the picture"
+
+
+def test_nothing_of_one_take_is_drawn_over_the_next() -> None:
+    picture = scan_picture([VIEW, VIEW], "two takes", SIZE)
+    assert re.findall(r'<svg x="(\d+)" width="(\d+)" height="(\d+)">', picture) == [("0", "400", "400"), ("400", "400", "400")]

@@ -16,6 +16,8 @@ F64 = NDArray[np.float64]
 SIZE = 300
 """Pixels along a side of a picture."""
 MARGIN = 0.08
+BESIDE = 0.5
+"""How far boxes are shown beyond the points: this share of these' extent in the picture, to each side."""
 COLOURS = ("#8a8a86", "#3b7dd8", "#d9822b", "#3f9c55", "#8e5bc0", "#c2454e", "#2a9aa5", "#a6882a")
 """Of parts 0 and up, over and over; points of none are pale."""
 NO_PART = "#d8d8d4"
@@ -39,9 +41,11 @@ class ScanView:
 
 
 def scan_picture(views: Sequence[ScanView], label: str, size: int = SIZE) -> str:
-    """An SVG of one scan, or of several takes on it side by side; all are fitted to the points of the first."""
-    frame = _Frame.of(views[0].points, size)
-    panes = "".join(f'<g transform="translate({size * place} 0)">{_pane(frame, view)}</g>' for place, view in enumerate(views))
+    """An SVG of one scan, or of several takes on it side by side, all with room for the points of the first and all boxes."""
+    frame = _Frame.of(views, size)
+    panes = "".join(
+        f'<svg x="{size * place}" width="{size}" height="{size}">{_pane(frame, view)}</svg>' for place, view in enumerate(views)
+    )
     head = f'<svg class="scan" viewBox="0 0 {size * len(views)} {size}" role="img" aria-label="{escape(label, quote=True)}"'
     return f'{head} xmlns="http://www.w3.org/2000/svg">{panes}</svg>'
 
@@ -49,7 +53,7 @@ def scan_picture(views: Sequence[ScanView], label: str, size: int = SIZE) -> str
 def _pane(frame: _Frame, view: ScanView) -> str:
     pieces = [_dots(frame, view.points[view.parts == part], _colour(part)) for part in np.unique(view.parts)]
     for part in range(len(view.centers)):
-        if np.isfinite(view.centers[part]).all() and np.isfinite(view.half_extents[part]).all():
+        if _has_box(view, part):
             pieces.append(_box(frame, view, part))
     for row, kind in enumerate(view.kinds):
         if np.isfinite(view.directions[row]).all():
@@ -65,16 +69,34 @@ class _Frame:
     shift: tuple[float, float]
 
     @classmethod
-    def of(cls, points: NDArray[np.floating], size: int) -> _Frame:
-        seen = points[:, :2] / points[:, 2:]
-        low, high = seen.min(axis=0), seen.max(axis=0)
+    def of(cls, views: Sequence[ScanView], size: int) -> _Frame:
+        points = _on_the_plane(views[0].points)
+        low, high = points.min(axis=0), points.max(axis=0)
+        beside = BESIDE * float(np.max(high - low))
+        corners = [_corners(view, part) for view in views for part in range(len(view.centers)) if _has_box(view, part)]
+        boxes = np.clip(_on_the_plane(np.reshape(corners, (-1, 3))), low - beside, high + beside)
+        low, high = np.vstack([boxes, low]).min(axis=0), np.vstack([boxes, high]).max(axis=0)
         scale = (1.0 - 2.0 * MARGIN) * size / max(float(np.max(high - low)), 1e-9)
         x, y = (0.5 * size - scale * 0.5 * (low + high)).tolist()
         return cls(scale, (x, y))
 
     def place(self, points: NDArray[np.floating]) -> F64:
-        depth = np.maximum(points[..., 2:], 1e-6)
-        return np.asarray(points[..., :2] / depth * self.scale + np.array(self.shift), np.float64)
+        return np.asarray(_on_the_plane(points) * self.scale + np.array(self.shift), np.float64)
+
+
+def _on_the_plane(points: NDArray[np.floating]) -> F64:
+    """Where points [..., 3] are seen, [..., 2], at a distance of 1."""
+    return np.asarray(points[..., :2] / np.maximum(points[..., 2:], 1e-6), np.float64)
+
+
+def _has_box(view: ScanView, part: int) -> bool:
+    return bool(np.isfinite(view.centers[part]).all() and np.isfinite(view.half_extents[part]).all())
+
+
+def _corners(view: ScanView, part: int) -> F64:
+    """Of a box [8, 3]."""
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float64)
+    return np.asarray(view.centers[part] + (signs * view.half_extents[part]) @ view.rotations[part].T)
 
 
 def _colour(part: int) -> str:
@@ -87,9 +109,7 @@ def _dots(frame: _Frame, points: NDArray[np.floating], colour: str) -> str:
 
 
 def _box(frame: _Frame, view: ScanView, part: int) -> str:
-    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float64)
-    corners = view.centers[part] + (signs * view.half_extents[part]) @ view.rotations[part].T
-    seen = frame.place(corners)
+    seen = frame.place(_corners(view, part))
     path = "".join(f"M{seen[a][0]:.1f} {seen[a][1]:.1f}L{seen[b][0]:.1f} {seen[b][1]:.1f}" for a, b in EDGES)
     return f'<path d="{path}" stroke="{_colour(part)}" stroke-width="1.6" fill="none"/>'
 
