@@ -168,3 +168,10 @@ def test_no_parts_give_results_without_rows() -> None:
     assert [a.shape for a in travels] == [(0,), (0,), (0, 2)]
     assert _core.box_iou(*[np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3))] * 2).shape == (0,)
     assert [a.shape for a in _core.closest_points(meshes(BOX), [0], np.zeros((0, 3)))] == [(0,), (0, 3), (0, 3)]
+
+
+def test_truth_values_of_any_byte_but_0_are_true() -> None:
+    call = CALLS["settle_poses"]
+    odd = (call.arrays["square"].astype(np.uint8) * 6).view(bool)
+    for expected, found in zip(call.outcome(), call.outcome(square=odd), strict=True):
+        np.testing.assert_array_equal(found, expected)

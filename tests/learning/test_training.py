@@ -197,8 +197,10 @@ def test_an_interrupt_stays_an_interrupt(tmp_path: Path) -> None:
 
 
 def test_a_device_that_is_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="--device: 'quantum'"):
-        fit(Line(), Points(), tmp_path, device="quantum")
+    for device in ("quantum", "mps:9", "vulkan"):
+        with pytest.raises(InputError, match=f"--device: '{device}' is not available here") as told:
+            fit(Line(), Points(), tmp_path, device=device)
+        assert len(str(told.value)) < 400, "not all that torch has to say"
 
 
 def test_processes_that_train_together_agree(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from typer import BadParameter, Exit
@@ -42,10 +43,14 @@ def execute(options: CommonOptions, *stages: Stage) -> None:
 
 def _print_plans(plans: list[Plan], as_json: bool) -> None:
     if as_json:
-        print(json.dumps([{"steps": plan.steps, "seconds": plan.seconds} for plan in plans], indent=1))
+        print(json.dumps([asdict(plan) for plan in plans], indent=1, ensure_ascii=False))
         return
-    for step in [step for plan in plans for step in plan.steps] or ["nothing: all of it is done already"]:
-        print(step)
+    steps = [step for plan in plans for step in plan.steps]
+    impossible = [line for plan in plans for line in plan.impossible]
+    if not steps:
+        steps = ["nothing: what can be done is done already" if impossible else "nothing: all of it is done already"]
+    for line in steps + impossible:
+        print(line)
     seconds = sum(plan.seconds for plan in plans)
     if seconds:
         print(f"about {duration(seconds)}")

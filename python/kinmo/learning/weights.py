@@ -97,5 +97,6 @@ def pick_device(name: str) -> str:
     try:
         torch.empty(0, device=name)
     except (RuntimeError, AssertionError) as error:
-        raise InputError("--device", f"{name!r} is not available here ({str(error).splitlines()[0]})") from error
+        reason = str(error).splitlines()[0].split(". ")[0]
+        raise InputError("--device", f"{name!r} is not available here ({reason})") from error
     return name

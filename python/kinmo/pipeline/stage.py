@@ -19,10 +19,14 @@ class Observer(Protocol):
 
 @dataclass(frozen=True)
 class Plan:
-    """What a stage would do now. `seconds` is a rough guess for this machine; zero where there is nothing to do."""
+    """What a stage would do now, and what it cannot, with the reason.
+
+    `seconds` is a rough guess for this machine; zero where there is nothing to do.
+    """
 
     steps: tuple[str, ...]
     seconds: float
+    impossible: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,8 @@ use numpy::{
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
+use crate::convert::value_error;
+
 /// An array of `T` in any memory layout.
 pub struct Array<'py, T: Element>(PyReadonlyArrayDyn<'py, T>);
 
@@ -102,6 +104,13 @@ pub fn values_of<'a>(name: &str, array: ArrayViewD<'a, f64>, len: usize) -> Resu
     check_shape(name, &array, &[len])?;
     check_finite(name, &array)?;
     array.into_dimensionality::<Ix1>().map_err(|error| GeometryError::new(name, error.to_string()))
+}
+
+/// `len` truth values. Memory that others wrote may hold bytes that are no `bool` of Rust's, so they are read as numbers.
+pub fn flags_of(name: &str, array: &Array<'_, bool>, len: usize) -> PyResult<Vec<bool>> {
+    let bytes = array.0.call_method1("view", (dtype::<u8>(array.0.py()),))?.extract::<Array<'_, u8>>()?;
+    check_shape(name, &bytes.view(), &[len]).map_err(value_error)?;
+    Ok(bytes.view().iter().map(|byte| *byte != 0).collect())
 }
 
 /// `len` finite vectors of three.

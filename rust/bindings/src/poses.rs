@@ -12,7 +12,7 @@ use numpy::ndarray::ArrayView1;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::{Array, check_shape, matrices_of, rows_of, triples_of, values_of, vectors_of};
+use crate::arrays::{Array, check_shape, flags_of, matrices_of, rows_of, triples_of, values_of, vectors_of};
 use crate::batches::map_in_batches;
 use crate::boxes::is_orthonormal;
 use crate::convert::value_error;
@@ -142,8 +142,7 @@ fn settle_poses<'py>(
     let parts = Parts::of(&source, &target, &starts).map_err(value_error)?;
     let ties = ties_of(parts.len(), &pairs, &kinds, &directions).map_err(value_error)?;
     let ranges = angles_of(ties.len(), &ranges).map_err(value_error)?;
-    check_shape("square", &square.view(), &[parts.len()]).map_err(value_error)?;
-    let square: Vec<bool> = square.view().iter().copied().collect();
+    let square = flags_of("square", &square, parts.len())?;
     let poses = poses_of(parts.len(), &rotations, &scales, &translations).map_err(value_error)?;
     let frames = ranges_of("frames", &frames, parts.len()).map_err(value_error)?;
     let by_frame = ties_by_frame(&frames, &ties).map_err(value_error)?;

@@ -28,7 +28,9 @@ def test_a_cell_that_cannot_be_run_leaves_the_others(scanned: Scanned, tmp_path:
     shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)  # of other tests
     told = Listener()
     stage = MakeTable("4", Workspace(tmp_path / "workspace"), scanned.config, ("kinmo",), FAMILY, 1, **HOW)
-    assert stage.plan().steps == (f"{CATEGORY}, supervised, seed 0: judge",), "the other has nothing to learn from"
+    assert stage.plan().steps == (f"{CATEGORY}, supervised, seed 0: judge",)
+    (other,) = stage.plan().impossible
+    assert other.startswith(f"{CATEGORY}, generated shapes, seed 0: cannot be run: ") and "DSG-Net" in other
     found = stage.run(told)
     assert found.failed == 1
     assert [note for note in told.notes if note.startswith(f"not run: {CATEGORY}, generated shapes") and "DSG-Net" in note]

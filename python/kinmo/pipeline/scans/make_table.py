@@ -68,9 +68,8 @@ class MakeTable:
     start: Workspace | None = None
 
     def plan(self) -> Plan:
-        """Cells that lack what they learn from are not among the steps: the table says why."""
         self._check_options()
-        steps, seconds = [], 0.0
+        steps, impossible, seconds = [], [], 0.0
         known: dict[Stage, Plan] = {}
         for category in self._categories():
             for row, seed in self._cells(category):
@@ -80,11 +79,9 @@ class MakeTable:
                     if plan.steps:
                         steps.append(f"{name}: {', '.join(plan.steps)}")
                         seconds += plan.seconds
-                except CannotBeRun:
-                    continue
                 except InputError as error:
-                    steps.append(f"{name}: cannot be run: {error}")
-        return Plan(tuple(steps), seconds)
+                    impossible.append(f"{name}: cannot be run: {error}")
+        return Plan(tuple(steps), seconds, tuple(impossible))
 
     def run(self, observer: Observer) -> Outcome:
         self._check_options()

@@ -44,7 +44,7 @@ SUPPLEMENTS: Mapping[Setting, Supplement] = {
     "semi": Supplement(
         "without labels",
         "objects that the supervised networks are sure of",
-        "lower ancsh.confidence",
+        "lower ancsh.confidence if it is above 0",
         ("unlabelled",),
         lambda dataset: len(dataset.unlabelled),
     ),

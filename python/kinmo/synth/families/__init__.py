@@ -28,6 +28,6 @@ def family(name: str) -> Build:
     """The builder of a family; InputError for an unknown name."""
     if name not in family_names():
         near = did_you_mean(name, family_names())
-        raise InputError("families", f"unknown family {name!r}{near}, expected some of {', '.join(family_names())}")
+        raise InputError("family", f"unknown family {name!r}{near}, expected some of {', '.join(family_names())}")
     build: Build = import_module(f"{__name__}.{name}").build
     return build
