@@ -127,7 +127,8 @@ class StageRecord:
 
 
 class Workspace:
-    """A workspace. `prepared`, `models`, `pseudo`, `scans`, `evaluation` and `report` are the folders of the stages.
+    """A workspace. `prepared`, `models`, `pseudo`, `scans`, `evaluation` and `report` are the folders of the stages; what is
+    not trained to the end is in `training`, in folders as those in `models`.
 
     `labels` is the share of the labelled shapes for training whose labels count. A workspace with fewer than all of them lies
     in another one, its `root`: it has that one's prepared shapes and scans, and everything that labels decide is its own, such
@@ -147,6 +148,7 @@ class Workspace:
             self.path = self.path / f"by-{method}"
         self.prepared = self.root / "prepared"
         self.models = self.path / "models"
+        self.training = self.path / "training"
         self.pseudo = self.path / "pseudo"
         self.own_scans = self.path / "own-scans"
         self.evaluation = self.path / "eval"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,9 +13,11 @@ import pytest
 from whole_road import Listener
 
 from kinmo.config import TrainingConfig
+from kinmo.errors import InputError
 from kinmo.learning.training import FitResult, Progress
-from kinmo.pipeline.fitting import KEPT, TUNABLES, Fitter, Work
+from kinmo.pipeline.fitting import KEPT, OUTPUTS, TUNABLES, Fitter, Work
 from kinmo.pipeline.journal import runs
+from kinmo.pipeline.model_files import WEIGHTS
 from kinmo.workspace import Workspace
 
 EPOCHS, UNITS = 5, 7
@@ -37,9 +40,16 @@ class GoesOn:
     def work(self) -> Work:
         return Work(TrainingConfig(epochs=EPOCHS, learning_rate=1e-3, weight_decay=0.0, decay_epochs=0, threads=1), UNITS, 0.1)
 
-    def fit(self, on_progress: Callable[[Progress], None]) -> FitResult:
+    @property
+    def together(self) -> str:
+        return self.name
+
+    def fit(self, folder: Path, on_progress: Callable[[Progress], None]) -> FitResult:
         for epoch in range(self.done_before, EPOCHS):
             on_progress(Progress(epoch + 1, EPOCHS, {}))
+        folder.mkdir(parents=True)
+        for name in OUTPUTS:
+            (folder / name).write_text(f"{name} of {self.name}", encoding="utf-8")
         return FitResult(0, 0.0, ({},) * EPOCHS)
 
 
@@ -52,12 +62,12 @@ def test_the_journal_counts_the_epochs_that_the_time_went_into(tmp_path: Path, d
 
 @dataclass(frozen=True)
 class Tells(GoesOn):
-    """A training that tells what memory its process was told to keep."""
+    """A training whose weights tell what memory its process was told to keep."""
 
-    def fit(self, on_progress: Callable[[Progress], None]) -> FitResult:
-        self.folder.mkdir(parents=True)
-        (self.folder / "told").write_text(os.environ.get(TUNABLES, "nothing"), encoding="utf-8")
-        return FitResult(0, 0.0, ())
+    def fit(self, folder: Path, on_progress: Callable[[Progress], None]) -> FitResult:
+        result = super().fit(folder, on_progress)
+        (folder / WEIGHTS).write_text(os.environ.get(TUNABLES, "nothing"), encoding="utf-8")
+        return result
 
 
 @pytest.mark.parametrize("own", [None, "glibc.malloc.hugetlb=0"])
@@ -70,6 +80,61 @@ def test_trainings_side_by_side_keep_their_memory_unless_it_is_said_otherwise(
     names = ("one", "other")
     fittings = [replace(Tells(tmp_path / "models" / name, 0), name=name, stage=f"train-{name}") for name in names]
     Fitter(Workspace(tmp_path), "cpu", 2).run(fittings, Listener())
-    told = {(tmp_path / "models" / name / "told").read_text(encoding="utf-8") for name in names}
+    told = {(tmp_path / "models" / name / WEIGHTS).read_text(encoding="utf-8") for name in names}
     assert told == {own or KEPT}
     assert os.environ.get(TUNABLES) == own, "of those processes alone"
+
+
+@dataclass(frozen=True)
+class OneOfTwo(GoesOn):
+    """A training that answers together with another, and fails if it is told to."""
+
+    inputs_of: str = "old shapes"
+    fails: bool = False
+
+    @property
+    def inputs(self) -> dict[str, Any]:
+        return {"shapes": self.inputs_of}
+
+    @property
+    def together(self) -> str:
+        return "both"
+
+    def fit(self, folder: Path, on_progress: Callable[[Progress], None]) -> FitResult:
+        if self.fails:
+            raise InputError(folder, "fails")
+        result = super().fit(folder, on_progress)
+        (folder / WEIGHTS).write_text(self.inputs_of, encoding="utf-8")
+        return result
+
+
+def test_networks_that_answer_together_take_the_place_of_those_before_together(tmp_path: Path) -> None:
+    workspace, names = Workspace(tmp_path), ("one", "other")
+    two = [OneOfTwo(workspace.models / name, 0, name, f"train-{name}") for name in names]
+
+    def known() -> dict[str, tuple[str, bool]]:
+        return {
+            each.name: ((each.folder / WEIGHTS).read_text(encoding="utf-8"), workspace.is_current(each.stage, each.inputs))
+            for each in two
+        }
+
+    Fitter(workspace, "cpu", 1).run(two, Listener())
+    assert known() == dict.fromkeys(names, ("old shapes", True))
+    anew = [replace(each, inputs_of="new shapes") for each in two]
+    with pytest.raises(InputError, match="fails"):
+        Fitter(workspace, "cpu", 1).run([anew[0], replace(anew[1], fails=True)], Listener())
+    assert known() == dict.fromkeys(names, ("old shapes", True)), "while the others are not done"
+    assert (workspace.training / "one" / WEIGHTS).read_text(encoding="utf-8") == "new shapes", "nothing is lost"
+    shutil.rmtree(workspace.training)
+    Fitter(workspace, "cpu", 1).run(anew, Listener())
+    assert known() == dict.fromkeys(names, ("new shapes", False))
+    assert not workspace.training.exists()
+
+
+def test_what_was_begun_and_is_not_wanted_any_more_goes(tmp_path: Path) -> None:
+    workspace = Workspace(tmp_path)
+    fitting = GoesOn(workspace.models / "it", 0)
+    Fitter(workspace, "cpu", 1).run([fitting], Listener())
+    (workspace.training / "it").mkdir(parents=True)
+    Fitter(workspace, "cpu", 1).run([fitting], Listener())
+    assert not workspace.training.exists()

@@ -129,12 +129,6 @@ def fit(
     return FitResult(recorder.best_epoch, recorder.best_error, tuple(recorder.history))
 
 
-def remove_checkpoints(run_dir: Path) -> None:
-    """Drop what only an unfinished training needs, several times as large as the weights. For when those are written."""
-    for name in (*CHECKPOINTS, BEST):
-        (run_dir / name).unlink(missing_ok=True)
-
-
 class _Batches(IterableDataset[Any]):
     def __init__(self, batches: Callable[[], Any], rank: int, world: int) -> None:
         self.batches, self.rank, self.world = batches, rank, world

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -13,15 +14,17 @@ from typing import Any, Protocol
 
 from kinmo.config import Config, TrainingConfig, load_config
 from kinmo.errors import InputError, expecting
-from kinmo.learning.training import FitResult, Progress, remove_checkpoints
+from kinmo.learning.training import FitResult, Progress
 from kinmo.learning.weights import pick_device
 from kinmo.pipeline.journal import timed
-from kinmo.pipeline.model_files import HEADER, METRICS, WEIGHTS
+from kinmo.pipeline.model_files import HEADER, METRICS, METRICS_TABLE, WEIGHTS
 from kinmo.pipeline.stage import Observer, Outcome
 from kinmo.wording import counted
 from kinmo.workers import Crashed, map_unordered, may_be_cut_off, tell
 from kinmo.workspace import StageRecord, Workspace
 
+OUTPUTS = (WEIGHTS, HEADER, METRICS, METRICS_TABLE)
+"""What a training leaves."""
 TUNABLES = "GLIBC_TUNABLES"
 KEPT = "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=1073741824"
 """Of glibc's malloc: large pages; blocks below 32 MiB, the most that it takes, from memory that is kept; up to 1 GiB of it."""
@@ -42,7 +45,11 @@ class Work:
 
 
 class Fitting(Protocol):
-    """One network to be trained: what it is called, the record of its training, and how it is done."""
+    """One network to be trained: what it is called, the record of its training, and how it is done.
+
+    It goes into its `folder` in the workspace's `models` once all that have the same `together` are trained: until then those
+    that were there answer.
+    """
 
     @property
     def name(self) -> str: ...
@@ -54,13 +61,16 @@ class Fitting(Protocol):
     def folder(self) -> Path: ...
 
     @property
+    def together(self) -> str: ...
+
+    @property
     def inputs(self) -> dict[str, Any]: ...
 
     @property
     def work(self) -> Work: ...
 
-    def fit(self, on_progress: Callable[[Progress], None]) -> FitResult:
-        """Train it into its folder. Runs in another process."""
+    def fit(self, folder: Path, on_progress: Callable[[Progress], None]) -> FitResult:
+        """Train it into a folder, going on from what was begun there. Runs in another process."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +99,7 @@ class Fitter:
         for each in fittings:
             if each not in pending:
                 observer.note(f"{each.name}: trained already")
-                remove_checkpoints(each.folder)
+                self._clear(each)
 
         def on_progress(told: tuple[str, Progress]) -> None:
             name, progress = told
@@ -99,10 +109,39 @@ class Fitter:
         at_once = self._at_once([each.work for each in pending])
         if at_once > 1:
             pending = sorted(pending, key=lambda each: -each.work.seconds)
+        missing = {each.together: [other for other in pending if other.together == each.together] for each in pending}
         with _memory_kept():
-            for each, answer in map_unordered(partial(_fit, self.workspace), pending, at_once, on_progress):
+            for each, answer in map_unordered(partial(_fit, self), pending, at_once, on_progress):
                 if isinstance(answer, Crashed):
                     raise ChildProcessError(f"the process that trained {each.name} died: too little memory?")
+                missing[each.together].remove(each)
+                if not missing[each.together]:
+                    for other in pending:
+                        if other.together == each.together:
+                            self._put_in_place(other)
+
+    def place_of(self, fitting: Fitting) -> Path:
+        """Where a network is while it is trained."""
+        return self.workspace.training / fitting.folder.relative_to(self.workspace.models)
+
+    def _put_in_place(self, fitting: Fitting) -> None:
+        """Let a network that is trained take the place of the one before; cut off meanwhile, it goes on from its last epoch."""
+        made = self.place_of(fitting)
+        self.workspace.forget(fitting.stage)
+        fitting.folder.mkdir(parents=True, exist_ok=True)
+        for name in OUTPUTS:
+            (made / name).replace(fitting.folder / name)
+        outputs = tuple(str((fitting.folder / name).relative_to(self.workspace.path)) for name in (WEIGHTS, HEADER, METRICS))
+        self.workspace.write_record(fitting.stage, StageRecord(fitting.inputs, outputs))
+        self._clear(fitting)
+
+    def _clear(self, fitting: Fitting) -> None:
+        """Drop what only an unfinished training needs, several times as large as the weights."""
+        made = self.place_of(fitting)
+        if made.exists():
+            shutil.rmtree(made)
+            with suppress(OSError):  # not empty
+                os.removedirs(made.parent)
 
     def _at_once(self, works: Sequence[Work]) -> int:
         threads = [each.schedule.threads for each in works]
@@ -138,23 +177,19 @@ def config_to_train_by(name: str, sections: Sequence[str]) -> Config:
     return config
 
 
-def _fit(workspace: Workspace, fitting: Fitting) -> None:
+def _fit(fitter: Fitter, fitting: Fitting) -> None:
     """Train one network. Progress is told (`workers.tell`) as its name and a `Progress`."""
     may_be_cut_off()  # what is on the disk is whole at any moment
-    workspace.forget(fitting.stage)
     epochs: list[int] = []  # those before it was cut off have had their time
 
     def on_progress(progress: Progress) -> None:
         epochs.append(progress.epoch)
         tell((fitting.name, progress))
 
-    with timed(workspace, fitting.stage) as watch:
-        fitting.fit(on_progress)
+    with timed(fitter.workspace, fitting.stage) as watch:
+        fitting.fit(fitter.place_of(fitting), on_progress)
         watch.amount = len(epochs) * fitting.work.units
         watch.what = f"{fitting.name} for {counted(len(epochs), 'epoch')}"
-    outputs = tuple(str((fitting.folder / name).relative_to(workspace.path)) for name in (WEIGHTS, HEADER, METRICS))
-    workspace.write_record(fitting.stage, StageRecord(fitting.inputs, outputs))
-    remove_checkpoints(fitting.folder)
 
 
 def trained(workspace: Workspace, fittings: Sequence[Fitting]) -> Outcome:

@@ -64,14 +64,18 @@ class ShapeFitting:
         each = seconds_per_unit(self.workspace, self.stage, SECONDS_PER_SHAPE[self.model])
         return Work(schedule, len(self.training), each)
 
-    def fit(self, on_progress: Callable[[Progress], None]) -> FitResult:
+    @property
+    def together(self) -> str:
+        return "motion"
+
+    def fit(self, folder: Path, on_progress: Callable[[Progress], None]) -> FitResult:
         dataset = open_dataset(self.workspace, self.category)
         trainer = TRAINERS[self.model][1] if self.start is None else CONTINUED[self.model][1](self.start)
         return trainer(
             dataset.load(self.training),
             dataset.load(self.validation),
             self.section,
-            self.folder,
+            folder,
             seed=self.seed,
             device=self.device,
             fingerprint=json.dumps(self.inputs["data"]),
@@ -130,6 +134,7 @@ class Train:
         dataset = open_dataset(self.workspace, self.category)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
+            remove_leftovers(self.workspace.training)
             fittings = list(self._fittings(dataset, config))  # whatever cannot be trained is said before anything is
             for text in self._left_out(dataset, config):
                 observer.note(text)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 import pytest
 from scan_road import CATEGORY, FAMILY
 
@@ -11,7 +13,7 @@ from kinmo.pipeline.scans.networks import Cell
 from kinmo.workspace import StageRecord, Workspace
 
 
-def test_networks_of_which_one_is_trained_anew_are_none(judged: Workspace) -> None:
+def test_networks_of_which_one_is_of_other_scans_are_none(judged: Workspace) -> None:
     cell = Cell(CATEGORY, "supervised", 0)
     assert cell.weights(judged)
     record = judged.record(cell.stage("npcs"))
@@ -25,6 +27,9 @@ def test_networks_of_which_one_is_trained_anew_are_none(judged: Workspace) -> No
 def test_networks_that_are_not_trained_to_the_end_are_said_to_be_so(judged: Workspace) -> None:
     with pytest.raises(InputError, match=f"no networks that find a {FAMILY} in scans.*--method paper"):
         networks_for(judged, FAMILY, "paper", 0)
-    judged.forget(Cell(CATEGORY, "supervised", 0).stage("npcs"))
+    cell = Cell(CATEGORY, "supervised", 0)
+    shutil.copytree(cell.folder(judged, "npcs"), judged.training / cell.folder(judged, "npcs").relative_to(judged.models))
+    assert networks_for(judged, FAMILY, None, 0)[1] == cell, "while others are trained those that are there answer"
+    judged.forget(cell.stage("npcs"))
     with pytest.raises(InputError, match="are not trained to the end: the same kinmo train goes on"):
         networks_for(judged, FAMILY, None, 0)

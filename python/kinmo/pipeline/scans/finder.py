@@ -15,7 +15,7 @@ from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.model_files import networks_digest
-from kinmo.pipeline.scans.networks import Cell, begun_cells, trained_by_all_methods
+from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods, unfinished_cells
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.strays import box_without_strays
@@ -113,8 +113,7 @@ def networks_for(workspace: Workspace, category: str, method: str | None, seed: 
         trained = [(place, cell) for place, cell in trained if place.method == method]
     fitting = [(place, cell) for place, cell in trained if same_category(cell.category, category)]
     if not fitting:
-        begun = (cell for cell in begun_cells(workspace) if same_category(cell.category, category))
-        if any(cell.weights(workspace) is None for cell in begun):
+        if any(same_category(cell.category, category) for cell in unfinished_cells(workspace)):
             problem = (
                 f"networks that find a {category} in scans are not trained to the end: the same kinmo train goes on with it"
             )

@@ -59,12 +59,16 @@ class Cell:
 
 def trained_cells(workspace: Workspace) -> list[Cell]:
     """Those whose networks are there."""
-    return [cell for cell in begun_cells(workspace) if cell.weights(workspace)]
+    return [cell for cell in _cells_in(workspace.models) if cell.weights(workspace)]
 
 
-def begun_cells(workspace: Workspace) -> list[Cell]:
-    """Those whose networks are trained, or were begun to be."""
-    folders = (folder.parts[-3:] for folder in sorted((workspace.models / "ancsh").glob("*/*/*")))
+def unfinished_cells(workspace: Workspace) -> list[Cell]:
+    """Those whose networks were begun to be trained, perhaps anew, and are not trained to the end."""
+    return _cells_in(workspace.training)
+
+
+def _cells_in(models: Path) -> list[Cell]:
+    folders = (folder.parts[-3:] for folder in sorted((models / "ancsh").glob("*/*/*")))
     return [
         Cell(category, setting, int(seed))  # type: ignore[arg-type]
         for category, setting, seed in folders

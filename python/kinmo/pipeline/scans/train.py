@@ -60,12 +60,16 @@ class ScanFitting:
     def work(self) -> Work:
         return _work(self.workspace, self.section, self.network, self.stage)
 
-    def fit(self, on_progress: Callable[[Progress], None]) -> FitResult:
+    @property
+    def together(self) -> str:
+        return self.cell.key
+
+    def fit(self, folder: Path, on_progress: Callable[[Progress], None]) -> FitResult:
         return train_ancsh(
             [open_scans(path) for path in self.training],
             [open_scans(path) for path in self.validation],
             self.section,
-            self.folder,
+            folder,
             which=self.network,
             labelled=self.labelled,
             seed=self.cell.seed,
@@ -133,6 +137,7 @@ class TrainAncsh:
             stage.run(observer)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
+            remove_leftovers(self.workspace.training)
             fittings = list(self._fittings(config))
             self._fitter.run(fittings, observer)
         return trained(self.workspace, fittings)

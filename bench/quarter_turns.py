@@ -1,0 +1,50 @@
+"""How much of what networks get wrong in scans comes from objects that they take to stand otherwise: turned by a quarter, mostly.
+
+    python bench/quarter_turns.py WORKSPACE --category dishwasher
+
+Of every judged cell of a category: in how many frames the base is turned by more than 45 degrees, and the mean errors of
+these, of the others, and of all.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+
+from kinmo.evaluation.scan_records import read_scores
+from kinmo.pipeline.scans.networks import scores_path, trained_by_all_methods
+from kinmo.categories import same_category
+from kinmo.workspace import Workspace
+
+OTHERWISE = np.radians(45.0)
+
+
+def main() -> None:
+    """Print a line a cell."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("workspace", type=Path)
+    parser.add_argument("--category", default="dishwasher")
+    arguments = parser.parse_args()
+    for workspace, cell in trained_by_all_methods(Workspace(arguments.workspace)):
+        path = scores_path(workspace, cell, on_rough=False)
+        if not same_category(cell.category, arguments.category) or not path.exists():
+            continue
+        frames = [frame for scans in read_scores([path]) for frame in scans.frames]
+        base = np.array([frame.rotation[0] for frame in frames])
+        turns = np.degrees([np.nanmean([*frame.rotation, np.nan][:-1]) for frame in frames])
+        axes = np.degrees([np.nanmean(frame.axis) for frame in frames])
+        stands_otherwise = base > OTHERWISE
+        print(f"{cell.title(workspace)}: {stands_otherwise.sum()} of {len(frames)} frames with a base that stands otherwise")
+        for name, errors in (("rotation", turns), ("axis", axes)):
+            parts = (errors[stands_otherwise], errors[~stands_otherwise], errors)
+            means = [float(np.nanmean(part)) if np.isfinite(part).any() else np.nan for part in parts]
+            print(f"  {name}: {means[0]:.1f} deg in these, {means[1]:.2f} in the others, {means[2]:.2f} in all")
+        print(json.dumps({"claim": f"axes of {cell.title(workspace)} where the base stands as it does, degrees",
+                          "ours": means[1], "peer": means[2], "ratio": None, "goal": None, "met": None}))  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()
