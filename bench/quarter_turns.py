@@ -1,4 +1,4 @@
-"""How much of what networks get wrong in scans comes from objects that they take to stand otherwise: turned by a quarter, mostly.
+"""How much of what is wrong in scans comes of objects that networks take to stand otherwise: turned by a quarter, mostly.
 
     python bench/quarter_turns.py WORKSPACE --category dishwasher
 
@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
+from kinmo.categories import same_category
 from kinmo.evaluation.scan_records import read_scores
 from kinmo.pipeline.scans.networks import scores_path, trained_by_all_methods
-from kinmo.categories import same_category
 from kinmo.workspace import Workspace
 
 OTHERWISE = np.radians(45.0)
@@ -34,16 +34,21 @@ def main() -> None:
             continue
         frames = [frame for scans in read_scores([path]) for frame in scans.frames]
         base = np.array([frame.rotation[0] for frame in frames])
-        turns = np.degrees([np.nanmean([*frame.rotation, np.nan][:-1]) for frame in frames])
-        axes = np.degrees([np.nanmean(frame.axis) for frame in frames])
+        turns = np.degrees([_mean(frame.rotation) for frame in frames])
+        axes = np.degrees([_mean(frame.axis) for frame in frames])
         stands_otherwise = base > OTHERWISE
         print(f"{cell.title(workspace)}: {stands_otherwise.sum()} of {len(frames)} frames with a base that stands otherwise")
         for name, errors in (("rotation", turns), ("axis", axes)):
-            parts = (errors[stands_otherwise], errors[~stands_otherwise], errors)
-            means = [float(np.nanmean(part)) if np.isfinite(part).any() else np.nan for part in parts]
+            means = [_mean(part) for part in (errors[stands_otherwise], errors[~stands_otherwise], errors)]
             print(f"  {name}: {means[0]:.1f} deg in these, {means[1]:.2f} in the others, {means[2]:.2f} in all")
         print(json.dumps({"claim": f"axes of {cell.title(workspace)} where the base stands as it does, degrees",
                           "ours": means[1], "peer": means[2], "ratio": None, "goal": None, "met": None}))  # fmt: skip
+
+
+def _mean(errors: np.typing.NDArray[np.float64]) -> float:
+    """Of those that are known."""
+    known = errors[np.isfinite(errors)]
+    return float(known.mean()) if len(known) else np.nan
 
 
 if __name__ == "__main__":

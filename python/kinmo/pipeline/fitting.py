@@ -109,16 +109,16 @@ class Fitter:
         at_once = self._at_once([each.work for each in pending])
         if at_once > 1:
             pending = sorted(pending, key=lambda each: -each.work.seconds)
-        missing = {each.together: [other for other in pending if other.together == each.together] for each in pending}
+        done: set[str] = set()
         with _memory_kept():
             for each, answer in map_unordered(partial(_fit, self), pending, at_once, on_progress):
                 if isinstance(answer, Crashed):
                     raise ChildProcessError(f"the process that trained {each.name} died: too little memory?")
-                missing[each.together].remove(each)
-                if not missing[each.together]:
-                    for other in pending:
-                        if other.together == each.together:
-                            self._put_in_place(other)
+                done.add(each.name)
+                own = [other for other in pending if other.together == each.together]
+                if all(other.name in done for other in own):
+                    for other in own:
+                        self._put_in_place(other)
 
     def place_of(self, fitting: Fitting) -> Path:
         """Where a network is while it is trained."""
