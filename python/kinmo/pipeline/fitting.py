@@ -21,7 +21,7 @@ from kinmo.pipeline.model_files import HEADER, METRICS, METRICS_TABLE, WEIGHTS
 from kinmo.pipeline.stage import Observer, Outcome
 from kinmo.wording import counted
 from kinmo.workers import Crashed, map_unordered, may_be_cut_off, tell
-from kinmo.workspace import StageRecord, Workspace
+from kinmo.workspace import StageRecord, Workspace, write_bytes_atomically
 
 OUTPUTS = (WEIGHTS, HEADER, METRICS, METRICS_TABLE)
 """What a training leaves."""
@@ -125,12 +125,11 @@ class Fitter:
         return self.workspace.training / fitting.folder.relative_to(self.workspace.models)
 
     def _put_in_place(self, fitting: Fitting) -> None:
-        """Let a network that is trained take the place of the one before; cut off meanwhile, it goes on from its last epoch."""
+        """Let a network that is trained take the place of the one before. What is to be copied stays until all is recorded."""
         made = self.place_of(fitting)
         self.workspace.forget(fitting.stage)
-        fitting.folder.mkdir(parents=True, exist_ok=True)
         for name in OUTPUTS:
-            (made / name).replace(fitting.folder / name)
+            write_bytes_atomically(fitting.folder / name, (made / name).read_bytes())
         outputs = tuple(str((fitting.folder / name).relative_to(self.workspace.path)) for name in (WEIGHTS, HEADER, METRICS))
         self.workspace.write_record(fitting.stage, StageRecord(fitting.inputs, outputs))
         self._clear(fitting)
