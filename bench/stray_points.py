@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from kinmo.pipeline.scans.dataset import open_scan_dataset
 from kinmo.pipeline.scans.finder import ScanFinder
+from kinmo.scans.strays import are_strays
 from kinmo.workspace import Workspace
 
 F64 = NDArray[np.float64]
@@ -39,9 +40,9 @@ def main() -> None:
         kept, cut = (np.mean([error(found(finder, scan), poses) for scan, (_, poses) in zip(scans, some, strict=True)])
                      for found in (as_it_is, without_strays))  # fmt: skip
         print(f"{away:g} diagonals away: {kept:.1f} deg with all points, {cut:.1f} deg without strays")
-    strays = [int(finder.find(points).is_stray.sum()) for points, _ in some]
+    strays = [int(are_strays(points, points).sum()) for points, _ in every]
     changed = sum(count > 0 for count in strays)
-    print(f"scans without such a point: {sum(strays)} points are cut off of {changed} of {len(some)}")
+    print(f"scans without such a point: {sum(strays)} points are cut off of {changed} of {len(every)}")
     claim = f"rotation of {arguments.category} with a point {AWAY[-1]:g} diagonals away, degrees, beside all points kept"
     print(json.dumps({"claim": claim, "ours": float(cut), "peer": float(kept), "ratio": None, "goal": None, "met": None}))
 

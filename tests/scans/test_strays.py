@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kinmo.scans.strays import box_without_strays
+from kinmo.scans.strays import are_strays
 
 F64 = NDArray[np.float64]
 
 
 def strays(points: F64) -> NDArray[np.bool_]:
-    low, high = box_without_strays(points)
-    return np.asarray(((points < low) | (points > high)).any(axis=1))
+    return are_strays(points, points)
 
 
 def surface(count: int, seed: int = 0) -> F64:
@@ -53,3 +52,8 @@ def test_flying_points_are_strays_even_in_a_row() -> None:
 
 def test_what_is_evenly_scattered_has_no_strays() -> None:
     assert not strays(np.random.default_rng(0).random((100, 3))).any()
+
+
+def test_some_of_the_points_tell_which_of_all_are_strays() -> None:
+    own, far = surface(5000), np.array([[8.0, 0.0, 2.0]])
+    np.testing.assert_array_equal(are_strays(np.vstack([own, far]), own[::5]), [False] * 5000 + [True])

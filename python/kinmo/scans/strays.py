@@ -23,11 +23,17 @@ AWAY = 0.25
 be seen, is nearer in nearly all scans; and what is nearer than this hardly changes what networks say."""
 
 
-def box_without_strays(points: F64) -> tuple[F64, F64]:
-    """The corners [3] of a box outside of which points are strays, from some of a scan, [n, 3], no two at one place.
+def are_strays(points: NDArray[np.floating], some: NDArray[np.floating]) -> NDArray[np.bool_]:
+    """Which of the points of a scan [n, 3] are strays, [n], as `some` of them [m, 3] tell: a thousand do.
 
-    It is the box of all pieces that have too many points to be strays, and `AWAY` larger all round.
+    It is those outside of the box of all pieces that have too many points to be strays themselves, by `AWAY` or more.
     """
+    low, high = _box_without_strays(np.unique(np.asarray(some, np.float64), axis=0))
+    return np.asarray(((points < low) | (points > high)).any(axis=1))
+
+
+def _box_without_strays(points: F64) -> tuple[F64, F64]:
+    """The corners [3] of a box outside of which all is stray, from points [n, 3], no two at one place."""
     if len(points) < LEAST:
         return np.full(3, -np.inf), np.full(3, np.inf)
     low, high = np.quantile(points, [0.05, 0.95], axis=0)

@@ -18,7 +18,7 @@ from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods, unfinished_cells
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
-from kinmo.scans.strays import box_without_strays
+from kinmo.scans.strays import are_strays
 from kinmo.workspace import DEFAULT_METHOD, Workspace
 
 F64 = NDArray[np.float64]
@@ -89,8 +89,7 @@ class ScanFinder:
             raise ValueError("expected points [n, 3] before the camera (z > 0): leave out what stands for nothing seen")
         if not np.ptp(points, axis=0).any():
             raise ValueError("expected points [n, 3] at more than one place")
-        low, high = box_without_strays(np.unique(_some_of(points, self.network.points, seed), axis=0))
-        is_stray = np.asarray(((points < low) | (points > high)).any(axis=1))
+        is_stray = are_strays(points, _some_of(points, self.network.points, seed))
         seen = _some_of(points[~is_stray], self.network.points, seed)
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
         (answer,), (estimate,) = self.network.find([seen], [diagonal], seed=seed)
