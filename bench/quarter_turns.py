@@ -13,6 +13,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.categories import same_category
 from kinmo.evaluation.scan_records import read_scores
@@ -45,7 +46,7 @@ def main() -> None:
                           "ours": means[1], "peer": means[2], "ratio": None, "goal": None, "met": None}))  # fmt: skip
 
 
-def _mean(errors: np.typing.NDArray[np.float64]) -> float:
+def _mean(errors: NDArray[np.float64]) -> float:
     """Of those that are known."""
     known = errors[np.isfinite(errors)]
     return float(known.mean()) if len(known) else np.nan

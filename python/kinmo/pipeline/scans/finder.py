@@ -89,8 +89,10 @@ class ScanFinder:
             raise ValueError("expected points [n, 3] before the camera (z > 0): leave out what stands for nothing seen")
         if not np.ptp(points, axis=0).any():
             raise ValueError("expected points [n, 3] at more than one place")
-        is_stray = are_strays(points, _some_of(points, self.network.points, seed))
-        seen = _some_of(points[~is_stray], self.network.points, seed)
+        seen = _some_of(points, self.network.points, seed)
+        is_stray = are_strays(points, seen)
+        if is_stray.any():
+            seen = _some_of(points[~is_stray], self.network.points, seed)
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
         (answer,), (estimate,) = self.network.find([seen], [diagonal], seed=seed)
         seen_parts = np.asarray(answer.parts, np.int64)
