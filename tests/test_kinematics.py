@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from articulated import articulated_shapes, joints, vectors
+from articulated import articulated_shapes, joints, rotations, vectors
 from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import forward, joint_motion
 from kinmo.mobility import Body, Mobility
@@ -57,3 +57,17 @@ def test_a_knob_on_a_door_goes_through_both_motions():
     poses = forward(mobility, {0: 0.25, 1: math.pi / 2})
     assert apply(poses[0], np.array([1.0, 0, 0])) == pytest.approx([0, 0, -1.25])
     assert poses[2] == pytest.approx(np.eye(4))
+
+
+@settings(max_examples=25)
+@given(articulated_shapes(), rotations, st.floats(-2, 2))
+def test_a_turned_shape_moves_as_the_shape_does(shape, rotation, offset):
+    turned = shape.turned(rotation)
+    values = {index: body.joint.rest + offset for index, body in shape.mobility.movable()}
+    before, after = forward(shape.mobility, values), forward(turned.mobility, values)
+    assert turned.up == pytest.approx(rotation @ shape.up)
+    for pose, other, body in zip(before, after, shape.mobility.bodies, strict=True):
+        for leaf in body.leaves:
+            placed, seen = shape.parts[leaf].mesh.vertices, turned.parts[leaf].mesh.vertices
+            moved = placed @ pose[:3, :3].T + pose[:3, 3]
+            assert seen @ other[:3, :3].T + other[:3, 3] == pytest.approx(moved @ rotation.T, abs=1e-9)

@@ -1,6 +1,8 @@
-"""From a shape's own frame to the z-up frame of robotics."""
+"""Which way is up: from a shape's own frame to the z-up frame of robotics, and to the y-up frame of what kinmo learns from."""
 
 from __future__ import annotations
+
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +12,14 @@ from kinmo.vector import Vector
 
 Y_UP_TO_Z_UP: NDArray[np.float64] = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 """x, y, z of PartNet-Mobility's object files to its own URDFs: up is z, the front (+z) is -x."""
+
+Up = Literal["y", "z"]
+"""Which axis of a shape's own frame points up; its front is then at +z or at -y."""
+TO_Y_UP: dict[Up, NDArray[np.float64]] = {
+    "y": np.eye(3),
+    "z": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
+}
+"""Rotations [3, 3] to a frame with y up and the front at +z."""
 
 
 def z_up_rotation(up: Vector) -> NDArray[np.float64]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.vector import Vector
 
@@ -101,6 +102,10 @@ class Joint:
         lower = None if self.upper is None else -self.upper
         upper = None if self.lower is None else -self.lower
         return replace(self, direction=-self.direction, lower=lower, upper=upper, rest=-self.rest)
+
+    def turned(self, rotation: NDArray[np.float64]) -> Joint:
+        """The same joint in a frame to which `rotation` [3, 3] takes this one's."""
+        return replace(self, direction=rotation @ self.direction, pivot=rotation @ self.pivot)
 
     def is_vertical(self, up: Vector) -> bool:
         return bool(abs(float(np.dot(self.direction, up))) > math.cos(VERTICAL_WITHIN))

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.joint import Joint
 
@@ -40,6 +43,15 @@ class Mobility:
     def movable(self) -> Iterator[tuple[int, Body]]:
         """Index and body of everything that has a joint."""
         return ((i, body) for i, body in enumerate(self.bodies) if body.is_movable)
+
+    def with_joints(self, change: Callable[[Joint], Joint]) -> Mobility:
+        """The same bodies, their joints changed."""
+        bodies = (replace(body, joint=None if body.joint is None else change(body.joint)) for body in self.bodies)
+        return replace(self, bodies=tuple(bodies))
+
+    def turned(self, rotation: NDArray[np.float64]) -> Mobility:
+        """The same bodies and joints in a frame to which `rotation` [3, 3] takes this one's."""
+        return self.with_joints(lambda joint: joint.turned(rotation))
 
     def descendants(self, index: int) -> tuple[int, ...]:
         """Indices of the bodies that move along with body `index`, itself first."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from hashlib import blake2b
 
@@ -48,11 +48,11 @@ class Normalisation:
 
     def mobility(self, mobility: Mobility) -> Mobility:
         """The same bodies and joints in the normalised frame."""
-        return _with_joints(mobility, self.joint)
+        return mobility.with_joints(self.joint)
 
     def undo(self, mobility: Mobility) -> Mobility:
         """Bodies and joints of the normalised frame in the file's."""
-        return _with_joints(mobility, lambda j: _rescaled(j, j.pivot * self.diagonal + self.center, self.diagonal))
+        return mobility.with_joints(lambda j: _rescaled(j, j.pivot * self.diagonal + self.center, self.diagonal))
 
 
 def _rescaled(joint: Joint, pivot: Vector, scale: float) -> Joint:
@@ -61,11 +61,6 @@ def _rescaled(joint: Joint, pivot: Vector, scale: float) -> Joint:
     lower = None if joint.lower is None else joint.lower * scale
     upper = None if joint.upper is None else joint.upper * scale
     return replace(joint, pivot=pivot, lower=lower, upper=upper, rest=joint.rest * scale)
-
-
-def _with_joints(mobility: Mobility, change: Callable[[Joint], Joint]) -> Mobility:
-    bodies = (replace(body, joint=None if body.joint is None else change(body.joint)) for body in mobility.bodies)
-    return replace(mobility, bodies=tuple(bodies))
 
 
 def geometry_hash(meshes: Iterable[Mesh]) -> str:

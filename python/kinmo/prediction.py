@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.joint import CoarseType, Joint, MotionType
 from kinmo.mobility import Mobility
@@ -23,6 +26,10 @@ class JointEstimate:
     terms: Mapping[str, float] = field(default_factory=dict)
     source: str = "network"
 
+    def turned(self, rotation: NDArray[np.float64]) -> JointEstimate:
+        """The same answer in a frame to which `rotation` [3, 3] takes this one's."""
+        return self if self.joint is None else replace(self, joint=self.joint.turned(rotation))
+
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
@@ -40,3 +47,12 @@ class Prediction:
     network_estimates: tuple[JointEstimate, ...]
     method: str
     doubt: float = 0.0
+
+    def turned(self, rotation: NDArray[np.float64]) -> Prediction:
+        """The same prediction in a frame to which `rotation` [3, 3] takes this one's."""
+        return replace(
+            self,
+            mobility=self.mobility.turned(rotation),
+            estimates=tuple(tuple(each.turned(rotation) for each in ranked) for ranked in self.estimates),
+            network_estimates=tuple(each.turned(rotation) for each in self.network_estimates),
+        )

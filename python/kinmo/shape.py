@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -22,6 +22,10 @@ class Mesh:
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.uint32]
+
+    def turned(self, rotation: NDArray[np.float64]) -> Mesh:
+        """The same triangles in a frame to which `rotation` [3, 3] takes this one's."""
+        return Mesh(self.vertices @ rotation.T, self.faces)
 
 
 def join(*meshes: Mesh) -> Mesh:
@@ -109,6 +113,13 @@ class Shape:
         """Diagonal of the axis-aligned box: the unit of length of the normalised frame."""
         low, high = self.bounds
         return float(np.linalg.norm(high - low))
+
+    def turned(self, rotation: NDArray[np.float64]) -> Shape:
+        """The same shape in a frame to which `rotation` [3, 3] takes its own."""
+        x, y, z = (rotation @ self.up).tolist()
+        parts = (part if part.mesh is None else replace(part, mesh=part.mesh.turned(rotation)) for part in self.parts)
+        mobility = None if self.mobility is None else self.mobility.turned(rotation)
+        return replace(self, parts=tuple(parts), up=(x, y, z), mobility=mobility)
 
     def meshes(self) -> Iterator[Mesh]:
         """Meshes of the leaves, in the order of `leaves`."""

@@ -147,7 +147,7 @@ def test_what_is_no_binary_gltf_is_told_in_one_line(tmp_path: Path, data: bytes)
 
 
 QUAD = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], "<f4")
-DROPPED = object()
+DROPPED = "(dropped)"
 
 
 def raw(path: Path, *, order: np.ndarray | None = None, mode: int | None = None, **changes: object) -> Path:

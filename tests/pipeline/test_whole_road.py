@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from whole_road import METHODS, Listener, Road, contents, tiny_config
 
 from browser import assert_shown_without_complaint, needs_browser
 from kinmo.errors import InputError
-from kinmo.formats import Found, Layout, discover, read_found, read_partnet_mobility
+from kinmo.export.joints_json import read_joints_json
+from kinmo.formats import Found, Layout, discover, read_found, read_partnet, read_partnet_mobility
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluation_folder import SETTINGS
@@ -32,6 +35,8 @@ from kinmo.workspace import Workspace
 
 WANTED_ROWS = ("kinmo", "GNN_coarse", "OBB_coarse", "GNN_fine", "OBB_fine")
 STAGES = ("synth", "prepare", "train", "pseudo-label", "eval")
+Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""From y up and the front at +z to z up and the front at -y."""
 
 
 def test_every_stage_says_where_its_result_is(road: Road) -> None:
@@ -198,6 +203,38 @@ def test_predict_tells_what_it_had_to_leave_out_of_a_shape(road: Road, tmp_path:
     assert any("no surface" in repair for repair in shape["repairs"])
     assert told.notes == [f"repaired: {shape['id']}: {'; '.join(shape['repairs'])}"]
     assert "1 repaired, 0 left out" in found.text
+
+
+def test_a_shape_with_z_up_gets_the_joints_of_its_copy_with_y_up(road: Road, tmp_path: Path) -> None:
+    source = sorted((road.shapes / "partnet").iterdir())[0]
+    standing, lying = tmp_path / "y" / source.name, tmp_path / "z" / source.name
+    for copy in (standing, lying):
+        shutil.copytree(source, copy)
+    for path in (lying / "objs").glob("*.obj"):
+        path.write_text(re.sub(r"^v (\S+) (\S+) (\S+)", _z_up, path.read_text(encoding="utf-8"), flags=re.M), encoding="utf-8")
+    predict = Predict(standing, tmp_path / "out y", road.workspace, METHODS[0], device="cpu")
+    predict.run(Listener())
+    replace(predict, source=lying, out=tmp_path / "out z", up="z").run(Listener())
+    wanted, found = (
+        read_joints_json(tmp_path / f"out {up}" / source.name / "joints.json", read_partnet(folder))[0]
+        for up, folder in (("y", standing), ("z", lying))
+    )
+    assert len(found.mobility.bodies) == len(wanted.mobility.bodies)
+    for body, expected in zip(found.mobility.bodies, wanted.mobility.bodies, strict=True):
+        assert body.leaves == expected.leaves and (body.joint is None) == (expected.joint is None)
+        if body.joint is not None and expected.joint is not None:
+            assert body.joint.direction == pytest.approx(Z_UP @ expected.joint.direction, abs=1e-9)
+            assert body.joint.pivot == pytest.approx(Z_UP @ expected.joint.pivot, abs=1e-9)
+            assert (body.joint.lower, body.joint.upper) == pytest.approx((expected.joint.lower, expected.joint.upper))
+    assert any(body.joint is not None for body in wanted.mobility.bodies)
+    shape = json.loads((tmp_path / "out z" / source.name / "joints.json").read_text(encoding="utf-8"))["shape"]
+    assert shape["up"] == [0.0, 0.0, 1.0]
+    assert shape["center"] == pytest.approx(Z_UP @ read_partnet(standing).center)
+
+
+def _z_up(corner: re.Match[str]) -> str:
+    x, y, z = corner.groups()
+    return f"v {x} {-float(z)!r} {y}"
 
 
 def test_predict_never_takes_the_place_of_what_it_did_not_write(road: Road, tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from typer import Argument, BadParameter, Option
 
@@ -27,6 +27,10 @@ def predict(
             help="Which method answers; for a scan, whose pseudo labels networks saw.",
             show_default="kinmo; for a scan, of whatever is trained",
         ),
+    ] = None,
+    up: Annotated[
+        Literal["y", "z"] | None,
+        Option(help="Which axis of a shape's own frame points up (z: with the front at -y).", show_default="y"),
     ] = None,
     category: Annotated[
         str | None, Option(help="What is seen in the scans, however it is spelled.", show_default=False, rich_help_panel=SCANS)
@@ -60,6 +64,7 @@ def predict(
         kinmo predict my_shapes/cabinet -o out/
         kinmo predict my_shapes/ -o out/ --json > out.json
         kinmo predict cabinet.glb -o out/
+        kinmo predict blender_exports/ --up z -o out/
         kinmo predict scan.npz --category refrigerator
         kinmo predict scans/ --category refrigerator -o out/
         kinmo predict depth.png --category refrigerator --intrinsics 525,525,319.5,239.5 --depth-scale 1000 -o out/
@@ -69,6 +74,8 @@ def predict(
 
     workspace = Workspace(options.workspace)
     if category is not None:
+        if up is not None:
+            raise InputError("--up", "applies only to shapes; leave --category out, or this")
         from kinmo.pipeline.scans.predict import PredictScans
         from kinmo.scans.scan_input import Intrinsics
 
@@ -85,4 +92,4 @@ def predict(
     from kinmo.pipeline.predict import Predict
 
     by = (method or Method.KINMO).value
-    execute(options, Predict(shape, out, workspace, by, options.seed, options.device, options.worker_count))
+    execute(options, Predict(shape, out, workspace, by, options.seed, options.device, options.worker_count, up or "y"))

@@ -23,7 +23,7 @@ from kinmo.frames import Y_UP_TO_Z_UP, z_up_rotation
 from kinmo.joint import Joint, JointKind
 from kinmo.links import links_of
 from kinmo.mobility import Mobility
-from kinmo.shape import Mesh, Shape
+from kinmo.shape import Shape
 
 MESHES = "textured_objs"
 
@@ -43,7 +43,7 @@ def write_partnet_mobility(shape: Shape, mobility: Mobility, folder: Path, *, me
         for leaf in shape.leaves:
             mesh = shape.parts[leaf].mesh
             assert mesh is not None, "a leaf carries a mesh: readers make sure of it"
-            write_obj(draft / MESHES / f"{_mesh_name(leaf)}.obj", Mesh(mesh.vertices @ rotation.T, mesh.faces))
+            write_obj(draft / MESHES / f"{_mesh_name(leaf)}.obj", mesh.turned(rotation))
         _write(draft / "meta.json", {key: value for key, value in facts.items() if value is not None})
         _write(draft / "result.json", [_node(shape, 0)])
         bodies = [_body(shape, mobility, i, rotation) for i in range(len(mobility.bodies))]

@@ -6,7 +6,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,12 @@ from kinmo.export.joints_json import Provenance, write_joints_json
 from kinmo.export.urdf import write_urdf
 from kinmo.formats import Found, discover, read_found
 from kinmo.formats.sources import fingerprint, shown
+from kinmo.frames import TO_Y_UP, Up
 from kinmo.pipeline.each_shape import each_shape
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.prepare import prepare_shape
+from kinmo.shape import Y_UP
 from kinmo.wording import counted
 from kinmo.workers import Crashed
 from kinmo.workspace import Workspace, digest, locked
@@ -35,7 +37,10 @@ MADE_FROM = ".made_from"
 
 @dataclass(frozen=True)
 class Predict:
-    """Predict every shape at or below `source` into a folder each below `out`, and go on past those that cannot be read."""
+    """Predict every shape at or below `source` into a folder each below `out`, and go on past those that cannot be read.
+
+    What is predicted is in the frame of a shape's file, in which the axis `up` points up.
+    """
 
     source: Path
     out: Path
@@ -44,6 +49,7 @@ class Predict:
     seed: int = 0
     device: str = "auto"
     workers: int = 1
+    up: Up = "y"
 
     def plan(self) -> Plan:
         count = sum(1 for _ in discover(self.source))
@@ -54,7 +60,7 @@ class Predict:
         targets = list(self._targets(lambda error: unread.append(str(error))))
         if not targets and not unread:
             raise InputError(self.source, "expected at least one shape at or below it")
-        predicting = Predicting(load_predictor(self.workspace, self.method, self.device), self.seed)
+        predicting = Predicting(load_predictor(self.workspace, self.method, self.device), self.seed, self.up)
         with locked(self.out):
             problems = self._predict(targets, predicting, observer)
         documents, left_out = [], unread
@@ -123,19 +129,22 @@ class Predicting:
 
     predictor: Predictor
     seed: int
+    up: Up = "y"
 
     def made_from(self, found: Found) -> str:
         """A hash of a shape's files and of what predicts it. Raises InputError if the files cannot be looked at."""
         how = self.predictor
-        return digest([fingerprint(found), how.method, how.weights, how.config, self.seed, __version__])
+        return digest([fingerprint(found), how.method, how.weights, how.config, self.seed, self.up, __version__])
 
     def __call__(self, job: Job) -> str | None:
         """Write a shape's folder. Returns what is wrong with the shape, or None."""
         try:
             _check_replaceable(job.folder)
-            shape = read_found(job.found)
-            prepared = prepare_shape(shape, seed=self.seed)
-            prediction = self.predictor.predict(prepared, leaf_meshes(shape, prepared))
+            turn = TO_Y_UP[self.up]
+            standing = replace(read_found(job.found).turned(turn), up=Y_UP)
+            prepared = prepare_shape(standing, seed=self.seed)
+            prediction = self.predictor.predict(prepared, leaf_meshes(standing, prepared)).turned(turn.T)
+            shape = standing.turned(turn.T)
             with whole_folder(job.folder) as draft:
                 write_urdf(shape, prediction.mobility, draft, name=job.folder.name)
                 write_joints_json(draft / JOINTS, shape, prediction, Provenance(self.predictor.weights, self.predictor.config))
