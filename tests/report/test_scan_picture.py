@@ -105,3 +105,13 @@ def test_boxes_are_shown_whole_where_they_are_not_far_larger_than_what_was_seen(
 def test_nothing_of_one_take_is_drawn_over_the_next() -> None:
     picture = scan_picture([VIEW, VIEW], "two takes", SIZE)
     assert re.findall(r'<svg x="(\d+)" width="(\d+)" height="(\d+)">', picture) == [("0", "400", "400"), ("400", "400", "400")]
+
+
+@pytest.mark.parametrize("is_found", [True, False])
+def test_a_picture_is_the_same_in_metres_and_in_millimetres(is_found: bool) -> None:
+    extents = np.stack([UNKNOWN, HALF if is_found else UNKNOWN])
+    view = replace(VIEW, half_extents=extents)
+    lengths = ("points", "centers", "half_extents", "pivots")
+    thousandfold = replace(view, **{name: 1000.0 * getattr(view, name) for name in lengths})
+    assert scan_picture([thousandfold], "a box", SIZE) == scan_picture([view], "a box", SIZE)
+    assert np.linalg.norm(np.diff(axis(scan_picture([view], "a box", SIZE)), axis=0)) > 0.1 * SIZE

@@ -15,7 +15,7 @@ from PIL import Image
 
 from kinmo.errors import InputError
 from kinmo.scans.camera import Camera
-from kinmo.scans.scan_input import Intrinsics, read_scan
+from kinmo.scans.scan_input import Intrinsics, count_places, read_scan
 
 POINTS = np.random.default_rng(0).uniform(0.5, 1.5, (100, 3))
 CAMERA = Intrinsics(100.0, 110.0, 15.5, 11.5)
@@ -45,6 +45,45 @@ def test_a_depth_image_gives_the_points_that_its_camera_sees(tmp_path):
     np.testing.assert_array_equal(read_scan(tmp_path / "with.npz").places, seen)
     np.testing.assert_allclose(read_scan(tmp_path / "bare.npy", CAMERA).points, expected)
     np.testing.assert_allclose(read_scan(tmp_path / "image.png", CAMERA, 1000.0).points, expected, atol=2e-3)
+
+
+@pytest.mark.parametrize("order", ["<u2", ">u2"])
+@pytest.mark.parametrize("ending", ["npy", "npz", "tif"])
+def test_what_is_too_far_for_16_bits_is_not_seen_in_whatever_order_they_are(tmp_path, order, ending):
+    depth = np.full((24, 32), 1500).astype(order)
+    depth[:, ::2] = 65535
+    path = tmp_path / f"depth.{ending}"
+    if ending == "npy":
+        np.save(path, depth)
+    elif ending == "npz":
+        np.savez(path, depth=depth)
+    else:
+        Image.frombytes("I;16" if order == "<u2" else "I;16B", (32, 24), depth.tobytes()).save(path)
+    found = read_scan(path, CAMERA, 1000.0)
+    np.testing.assert_array_equal(found.places, np.flatnonzero(depth != 65535))
+    assert set(found.points[:, 2]) == {1.5}
+
+
+def test_intrinsics_of_a_larger_image_are_doubted(tmp_path):
+    np.save(tmp_path / "small.npy", np.random.default_rng(1).uniform(1.0, 2.0, (24, 32)))
+    assert read_scan(tmp_path / "small.npy", CAMERA).doubt is None
+    doubt = read_scan(tmp_path / "small.npy", Intrinsics(525.0, 525.0, 319.5, 239.5)).doubt
+    assert doubt is not None and "(319.5, 239.5) is outside of its 32 x 24 pixels" in doubt
+
+
+@pytest.mark.parametrize("scale", [0.0, -1.0, np.nan, np.inf])
+def test_a_depth_scale_is_above_zero(tmp_path, scale):
+    np.save(tmp_path / "a.npy", np.ones((24, 32)))
+    with pytest.raises(InputError, match="--depth-scale: expected a number above 0"):
+        read_scan(tmp_path / "a.npy", CAMERA, scale)
+
+
+@given(st.lists(st.integers(0, 9), min_size=1, max_size=400), st.integers(1, 12))
+def test_places_are_counted_until_there_are_enough(values, enough):
+    points = np.array(values, float)[:, None] * [1.0, 2.0, 3.0]
+    count, every = count_places(points, enough), len(set(values))
+    assert (count >= enough) == (every >= enough)
+    assert count == every or enough <= count < every
 
 
 @pytest.mark.parametrize(
@@ -90,6 +129,8 @@ def written(folder: Path, what: str) -> Path:
             archive.writestr("points.npy", "no array")
     elif what == "shape.npz":
         np.savez(path, points=POINTS.T)
+    elif what == "shape.npy":
+        np.save(path, POINTS.T)
     elif what == "other.npz":
         np.savez(path, cloud=POINTS)
     elif what == "no_camera.npz":
@@ -135,6 +176,7 @@ def written(folder: Path, what: str) -> Path:
         ("behind.npy", "got 0"),
         ("member.npz", "expected arrays of NumPy|points: expected numbers"),
         ("shape.npz", r"points: expected \[n, 3\]"),
+        ("shape.npy", r"points: expected \[n, 3\], got \[3, 100\]"),
         ("other.npz", "expected points or depth, got cloud"),
         ("no_camera.npz", "--intrinsics fx,fy,cx,cy"),
         ("bad_camera.npz", "intrinsics: expected the matrix"),
@@ -144,9 +186,9 @@ def written(folder: Path, what: str) -> Path:
         ("huge.npy", "expected points that are 1e-06 to 1e[+]09 apart"),
         ("palette.png", "expected depths, got an image with a palette"),
         ("grey.png", "expected depths of 16 bits or more, got an image of 8 bits"),
-        ("fewer_than_none.ply", "expected a PLY file whose vertices have x, y and z"),
+        ("fewer_than_none.ply", "expected a whole PLY file whose vertices have x, y and z"),
         ("cut.npz", r"expected arrays of NumPy \(it is none, or holds objects\)"),
-        ("cut.ply", "expected a PLY file"),
+        ("cut.ply", "expected a whole PLY file"),
         ("half.ply", "expected 100 points, as its header says, got 60"),
         ("cut.png", "expected a depth image"),
         ("chunk.png", "expected a depth image"),
@@ -180,7 +222,7 @@ def test_points_behind_the_camera_are_left_out_and_counted_and_those_at_none_are
 
 def test_pixels_without_a_place_are_left_out_and_other_arrays_are_not_looked_at(tmp_path):
     cloud = np.concatenate([POINTS, np.zeros((50, 3)), np.full((50, 3), np.nan)])
-    np.savez(tmp_path / "scan.npz", points=cloud, names=np.array(["a"], dtype=object))
+    np.savez(tmp_path / "scan.npz", points=cloud, names=np.array(["a"], dtype=object), intrinsics="a camera's name")
     found = read_scan(tmp_path / "scan.npz")
     np.testing.assert_array_equal(found.points, POINTS)
     np.testing.assert_array_equal(found.places, np.arange(len(POINTS)))

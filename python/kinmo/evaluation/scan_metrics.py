@@ -62,7 +62,10 @@ def nothing_found(structure: Structure) -> FrameScore:
 
 
 def truth(poses: F64, values: F64, turns: F64, joints: Sequence[Joint], structure: Structure, extents: Extents) -> ScanEstimate:
-    """What there is to find in a scan with `poses` [K, 4, 4], `values` and `turns` [K - 1] (`kinmo.scans.scan.Scans`)."""
+    """What there is to find in a scan with `poses` [K, 4, 4], `values` and `turns` [K - 1] (`kinmo.scans.scan.Scans`).
+
+    In the camera's frame; lengths are diagonals of the object, angles radians.
+    """
     rotations, sizes = poses[:, :3, :3], extents.diagonals
     corners = extents.centers - MIDDLE * sizes[:, None]
     shifts = np.einsum("kij,kj->ki", rotations, corners) + poses[:, :3, 3]

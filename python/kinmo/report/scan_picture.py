@@ -123,7 +123,8 @@ def _axis(frame: _Frame, view: ScanView, row: int, kind: JointKind) -> str:
     through = middle if kind is JointKind.PRISMATIC else view.pivots[row]
     through = through + (middle - through) @ direction * direction
     half = view.half_extents[part]
-    reach = 1.2 * float(np.linalg.norm(half)) if np.isfinite(half).all() else 0.3
+    size = half if np.isfinite(half).all() else 0.25 * np.ptp(view.points, axis=0)
+    reach = 1.2 * float(np.linalg.norm(size))
     (x0, y0), (x1, y1) = frame.place(np.stack([through - reach * direction, through + reach * direction])).tolist()
     line = f'x1="{x0:.1f}" y1="{y0:.1f}" x2="{x1:.1f}" y2="{y1:.1f}"'
     return (

@@ -51,6 +51,7 @@ class InputFrame:
         return cls(center, 1.0 / max(float(np.linalg.norm(high - low)), 1e-9), rotation)
 
     def apply(self, points: NDArray[np.floating]) -> F32:
+        """Points [..., 3] in the camera's frame, as networks see them."""
         return np.asarray((points - self.center) @ self.rotation * self.scale, np.float32)
 
     def undo(self, points: F64) -> F64:

@@ -28,7 +28,7 @@ SMALLEST, LARGEST = 1e-6, 1e9
 LONGEST_HEADER = 1 << 16
 """Bytes of a PLY file that its header is looked for in."""
 NARROWEST = 16
-"""Pixels across a depth image: an array of fewer columns is one of points."""
+"""Pixels across a depth image: an array of fewer rows or columns is one of points."""
 
 
 READING = (
@@ -67,7 +67,10 @@ class Intrinsics:
 
     @classmethod
     def of_matrix(cls, matrix: NDArray[np.generic], source: Path) -> Intrinsics:
-        """From [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], or from (fx, fy, cx, cy)."""
+        """From [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], or from (fx, fy, cx, cy).
+
+        Raises InputError, naming `source`, for anything else.
+        """
         values = np.asarray(matrix, np.float64)
         if values.shape == (3, 3):
             fx, fy, cx, cy = numbers = values[[0, 1, 0, 1], [0, 1, 2, 2]]
@@ -99,12 +102,13 @@ class ScanInput:
     """`points` [n, 3] in the frame of the camera: x to the right, y down, z forward.
 
     `places` [n] are those of the points in the file: of what it lists, or of the pixels of its image, row by row. So many more
-    are `behind` it, or beside.
+    are `behind` it, or beside. `doubt` says what may be wrong with it.
     """
 
     points: F64
     places: NDArray[np.int64]
     behind: int = 0
+    doubt: str | None = None
 
 
 def read_scan(
@@ -115,14 +119,19 @@ def read_scan(
     An .npz has `points` [n, 3], or `depth` [height, width] along z, with `intrinsics` beside it if they are not given here;
     an .npy has one of the two, a .ply points, and a .png or .tif depths. Depths are divided by `depth_scale` (1 if it is not
     given); points at no number, and those that are not before the camera (0, 0, 0 often stands for none), are left out. Raises
-    InputError, naming file and field, for what is none of this or has too few points, and for points where either is given,
-    unless both `are_for_some` of several files.
+    InputError, naming file and field, for what is none of this or has too few points, for a scale that is not above 0, and for
+    points where either is given, unless both `are_for_some` of several files.
     """
     path = Path(path)
+    scale = 1.0 if depth_scale is None else depth_scale
+    if not 0.0 < scale < np.inf:
+        raise InputError("--depth-scale", f"expected a number above 0, got {scale:g}")
     ending = check_is_scan(path)
     found = _ply(path) if ending == ".ply" else _image(path) if ending in IMAGES else _arrays(path)
+    doubt = None
     if isinstance(found, DepthImage):
-        points = _back_projected(found, intrinsics, depth_scale or 1.0, path)
+        depths, camera = _depths(found, scale, path), _camera_of(found, intrinsics, path)
+        points, doubt = _back_projected(depths, camera), _doubt_of(depths, camera)
     else:
         points = found
         for option, value in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
@@ -131,14 +140,21 @@ def read_scan(
     is_known = np.isfinite(points).all(axis=1) & points.any(axis=1)
     places, behind = np.flatnonzero(is_known & (points[:, 2] > 0.0)), int(np.sum(is_known & (points[:, 2] <= 0.0)))
     points = points[places]
-    count = len(np.unique(points, axis=0))
-    if count < LEAST_POINTS:
+    if (count := count_places(points, LEAST_POINTS)) < LEAST_POINTS:
         raise InputError(path, f"expected points at {LEAST_POINTS} places before the camera (z > 0) or more, got {count}")
     across = float(np.ptp(points, axis=0).max())
     if not SMALLEST <= across <= LARGEST:
         problem = f"expected points that are {SMALLEST:g} to {LARGEST:g} apart along an axis, got {across:g}"
         raise InputError(path, problem)
-    return ScanInput(points, places, behind)
+    return ScanInput(points, places, behind, doubt)
+
+
+def count_places(points: NDArray[np.floating], enough: int) -> int:
+    """At how many places points [n, 3] are; when it is clear that these are `enough`, no more are looked for."""
+    looked_at = 4 * enough
+    while (count := len(np.unique(points[:looked_at], axis=0))) < enough and looked_at < len(points):
+        looked_at *= 8
+    return count
 
 
 def write_points(path: Path, points: NDArray[np.floating], **beside: NDArray[Any]) -> None:
@@ -163,9 +179,10 @@ def _arrays(path: Path) -> F64 | DepthImage:
     try:
         loaded = np.load(path, allow_pickle=False)
         if isinstance(loaded, np.ndarray):
-            arrays = {"points" if loaded.ndim == 2 and loaded.shape[1] < NARROWEST else "depth": loaded}
+            arrays = {"points" if loaded.ndim == 2 and min(loaded.shape) < NARROWEST else "depth": loaded}
         else:
-            arrays = {name: loaded[name] for name in ("points", "depth", "intrinsics") if name in loaded.files}
+            wanted = ("points",) if "points" in loaded.files else ("depth", "intrinsics")
+            arrays = {name: loaded[name] for name in wanted if name in loaded.files}
             if not {"points", "depth"} & arrays.keys():
                 raise InputError(path, f"expected points or depth, got {', '.join(loaded.files) or 'nothing'}")
     except READING as error:
@@ -185,18 +202,38 @@ def _arrays(path: Path) -> F64 | DepthImage:
     return DepthImage(arrays["depth"], arrays.get("intrinsics"))
 
 
-def _back_projected(image: DepthImage, intrinsics: Intrinsics | None, scale: float, path: Path) -> F64:
-    depths = np.squeeze(np.asarray(image.depths, np.float64)) / scale
-    if image.depths.dtype == np.uint16:
-        depths = np.where(np.squeeze(image.depths) == np.iinfo(np.uint16).max, 0.0, depths)  # farther than it can tell
-    if depths.ndim != 2:
+def _depths(image: DepthImage, scale: float, path: Path) -> F64:
+    """A depth a pixel [height, width]; 0 for what is farther than 16 bits can tell."""
+    stored = np.squeeze(image.depths)
+    if stored.ndim != 2:
         raise InputError(path, f"expected one depth a pixel, [height, width], got {list(np.shape(image.depths))}", "depth")
+    depths = np.asarray(stored, np.float64) / scale
+    has_16_bits = (stored.dtype.kind, stored.dtype.itemsize) == ("u", 2)  # in whatever order its bytes are
+    return np.where(stored == np.iinfo(np.uint16).max, 0.0, depths) if has_16_bits else depths
+
+
+def _camera_of(image: DepthImage, intrinsics: Intrinsics | None, path: Path) -> Intrinsics:
+    """Those that are given before those in the file."""
     if intrinsics is None and image.intrinsics is not None:
         intrinsics = Intrinsics.of_matrix(image.intrinsics, path)
     if intrinsics is None:
         raise InputError(path, "a depth image needs the camera's intrinsics: --intrinsics fx,fy,cx,cy")
+    return intrinsics
+
+
+def _doubt_of(depths: F64, camera: Intrinsics) -> str | None:
+    """A picture that was made smaller needs other intrinsics; one that was cut out of a larger one may be right."""
+    height, width = depths.shape
+    if -0.5 <= camera.cx <= width - 0.5 and -0.5 <= camera.cy <= height - 0.5:
+        return None
+    place = f"({camera.cx:g}, {camera.cy:g})"
+    return f"the principal point {place} is outside of its {width} x {height} pixels: are these the intrinsics of another?"
+
+
+def _back_projected(depths: F64, camera: Intrinsics) -> F64:
+    """The places [height x width, 3] of pixels, row by row."""
     rows, columns = np.indices(depths.shape)
-    x, y = (columns - intrinsics.cx) / intrinsics.fx, (rows - intrinsics.cy) / intrinsics.fy
+    x, y = (columns - camera.cx) / camera.fx, (rows - camera.cy) / camera.fy
     with np.errstate(invalid="ignore"):  # no number stays none
         return np.stack([x * depths, y * depths, depths], axis=-1).reshape(-1, 3)
 
@@ -223,7 +260,7 @@ def _ply(path: Path) -> F64:
     try:
         points = np.asarray(getattr(trimesh.load(path, process=False, fix_texture=False), "vertices", ()), np.float64)
     except Exception as error:  # trimesh raises whatever its parsers do
-        problem = f"expected a PLY file whose vertices have x, y and z ({type(error).__name__}: {error})"
+        problem = f"expected a whole PLY file whose vertices have x, y and z ({type(error).__name__}: {error})"
         raise InputError(path, problem) from None
     if points.ndim != 2 or points.shape[1:] != (3,):
         raise InputError(path, "expected a PLY file with points")

@@ -24,7 +24,8 @@ def test_a_finder_says_of_points_what_the_command_does(scanned: Scanned, tmp_pat
     assert [int((found.parts == part["id"]).sum()) for part in said["parts"]] == [part["points"] for part in said["parts"]]
     states = [np.nan if joint["state"] is None else joint["state"] for joint in said["joints"]]
     np.testing.assert_array_equal(found.estimate.states, states)
-    for wrong in (points[:, :2], points[:0], np.full((40, 3), np.nan), -points, np.ones((40, 3))):
+    one_and_many = np.vstack([np.ones((10**5, 3)), points[:1]])
+    for wrong in (points[:, :2], points[:0], np.full((40, 3), np.nan), -points, np.ones((40, 3)), one_and_many):
         with pytest.raises(ValueError, match=r"expected points \[n, 3\]"):
             finder.find(wrong)
 

@@ -74,7 +74,7 @@ def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanne
         f"second.{ending}.{what}" for ending in ("npy", "npz") for what in ("json", "svg", "parts.npz")
     }
     assert [line for line in outcome.data["left_out"] if "vast.npy: expected arrays of NumPy" in line]
-    assert [line for line in outcome.data["left_out"] if "broken.ply: expected a PLY file" in line]
+    assert [line for line in outcome.data["left_out"] if "broken.ply: expected a whole PLY file" in line]
     assert [f"left out: {line}" for line in outcome.data["left_out"]] == told.notes
     assert outcome.text.splitlines()[0].startswith("first.npz: part 1 R, state ")
     assert outcome.text.splitlines()[1].startswith("near/second.npy: part 1 R")
@@ -184,6 +184,21 @@ def test_nothing_is_replaced_but_what_was_found_in_the_same_scan(scanned: Scanne
         stages[0].plan()
 
 
+def test_results_go_into_a_folder(scanned: Scanned, tmp_path: Path) -> None:
+    np.save(tmp_path / "scan.npy", np.random.default_rng(0).uniform(1.0, 2.0, (64, 3)))
+    (tmp_path / "out").write_text("a file")
+    for attempt in (lambda stage: stage.plan(), lambda stage: stage.run(Listener())):
+        with pytest.raises(InputError, match=r"--out: expected a folder, and .*out is a file"):
+            attempt(PredictScans(tmp_path / "scan.npy", tmp_path / "out", scanned.workspace, FAMILY, **HOW))
+
+
+def test_intrinsics_of_another_image_are_noted(scanned: Scanned, tmp_path: Path) -> None:
+    np.save(tmp_path / "small.npy", np.random.default_rng(1).uniform(1.0, 2.0, (24, 32)))
+    camera, told = Intrinsics(525.0, 525.0, 319.5, 239.5), Listener()
+    PredictScans(tmp_path / "small.npy", tmp_path / "out", scanned.workspace, FAMILY, camera, **HOW).run(told)
+    assert [note for note in told.notes if "the principal point (319.5, 239.5) is outside" in note]
+
+
 def test_what_is_no_scan_is_told_before_anything_runs(scanned: Scanned, tmp_path: Path) -> None:
     for name, problem in (("none.npz", "no such file"), (".", "expected a scan, one of")):
         with pytest.raises(InputError, match=problem):
@@ -191,7 +206,16 @@ def test_what_is_no_scan_is_told_before_anything_runs(scanned: Scanned, tmp_path
 
 
 def test_a_category_without_networks_is_named_with_those_that_there_are(scanned: Scanned, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"no networks that find a labtop in scans.*Laptop.*train all --category labtop"):
-        PredictScans(tmp_path / "x.npz", tmp_path, scanned.workspace, "labtop").run(Listener())
+    for name, problem in (
+        ("labtop", r"no networks that find a labtop in scans \(did you mean Laptop\?\); there are those of Laptop$"),
+        (
+            "oil rig",
+            r"no networks that find a oil rig in scans; there are those of Laptop: .* --category 'oil rig' first",
+        ),
+    ):
+        with pytest.raises(InputError, match=problem):
+            PredictScans(tmp_path / "x.npz", tmp_path, scanned.workspace, name).run(Listener())
+    with pytest.raises(InputError, match="no networks that find a laptop in scans and saw pseudo labels of --method kinmo"):
+        PredictScans(tmp_path / "x.npz", tmp_path, scanned.workspace, FAMILY, method="kinmo").run(Listener())
     with pytest.raises(InputError, match="run kinmo render first"):
         TrainAncsh(Workspace(scanned.workspace.root), scanned.config, "safe").run(Listener())

@@ -16,8 +16,10 @@ from kinmo.errors import InputError, did_you_mean
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods, unfinished_cells
+from kinmo.pipeline.scans.settings import PSEUDO_LABELLED
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
+from kinmo.scans.scan_input import LEAST_POINTS, count_places
 from kinmo.scans.strays import are_strays
 from kinmo.workspace import DEFAULT_METHOD, Workspace
 
@@ -80,23 +82,24 @@ class ScanFinder:
 
         The camera looks along z, with x to the right and y down. What stands for nothing seen, such as (0, 0, 0), must not be
         among them; `read_scan` leaves it out. What comes out depends on the points and on `seed` alone. Raises ValueError for
-        an array of another shape, for none, for points at no number or not before the camera, and for those all at one place.
+        an array of another shape, for none, for points at no number or not before the camera, and where the thousand or so that
+        are looked at are at fewer than 32 places.
         """
         points = np.asarray(points, np.float64)
         if points.ndim != 2 or points.shape[1] != 3 or not len(points):
             raise ValueError(f"expected points [n, 3], got {list(points.shape)}")
         if not np.isfinite(points).all() or not (points[:, 2] > 0.0).all():
             raise ValueError("expected points [n, 3] before the camera (z > 0): leave out what stands for nothing seen")
-        if not np.ptp(points, axis=0).any():
-            raise ValueError("expected points [n, 3] at more than one place")
         seen = _some_of(points, self.network.points, seed)
+        if (count := count_places(seen, LEAST_POINTS)) < LEAST_POINTS:
+            raise ValueError(f"expected points [n, 3] at {LEAST_POINTS} places or more, got {count}")
         is_stray = are_strays(points, seen)
         if is_stray.any():
             seen = _some_of(points[~is_stray], self.network.points, seed)
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
         (answer,), (estimate,) = self.network.find([seen], [diagonal], seed=seed)
         seen_parts = np.asarray(answer.parts, np.int64)
-        parts = np.where(is_stray, -1, seen_parts[cKDTree(seen).query(points)[1]])
+        parts = np.where(is_stray, -1, seen_parts[cKDTree(seen).query(points, workers=-1)[1]])
         return FoundInScan(np.asarray(parts, np.int16), is_stray, estimate, seen, seen_parts)
 
 
@@ -111,7 +114,7 @@ def networks_for(workspace: Workspace, category: str, method: str | None, seed: 
     """Those that answer for a category, and the workspace that they are in. Raises InputError if nothing was trained for it."""
     trained = trained_by_all_methods(workspace)
     if method is not None:
-        trained = [(place, cell) for place, cell in trained if place.method == method]
+        trained = [(place, cell) for place, cell in trained if place.method == method and cell.setting in PSEUDO_LABELLED]
     fitting = [(place, cell) for place, cell in trained if same_category(cell.category, category)]
     if not fitting:
         if any(same_category(cell.category, category) for cell in unfinished_cells(workspace)):
@@ -122,8 +125,9 @@ def networks_for(workspace: Workspace, category: str, method: str | None, seed: 
         known = sorted({cell.category for _, cell in trained})
         near = did_you_mean(category, known)
         there = f"; there are those of {', '.join(known)}" if known else ""
+        saw = f" and saw pseudo labels of --method {method}" if method else ""
         command = f"kinmo train all --category {quote(category)}" + (f" --method {method}" if method else "")
-        problem = f"no networks that find a {category} in scans{near}{there}: run {command} first"
+        problem = f"no networks that find a {category} in scans{saw}{near}{there}" + ("" if near else f": run {command} first")
         raise InputError(workspace.models, problem)
     return min(fitting, key=_rank(seed))
 

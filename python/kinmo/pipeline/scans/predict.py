@@ -107,6 +107,8 @@ class PredictScans:
         for left_out, why in ((scan.behind, "not before the camera (z > 0)"), (strays, "far from all others")):
             if left_out:
                 observer.note(f"{where}{left_out} of {count} points are left out: they are {why}")
+        if scan.doubt is not None:
+            observer.note(f"{where}{scan.doubt}")
         made_by = {"weights": finder.weights, "trained": finder.trained, "category": finder.category}
         document = scan_document(found.estimate, found.parts, finder.structure, target.scan, made_by)
         view = view_of(found.seen, found.seen_parts, found.estimate, finder.structure)
@@ -118,10 +120,12 @@ class PredictScans:
         return document
 
     def _targets(self) -> list[_Target]:
-        """Raises InputError where there is no scan. Hidden files, and what was found in scans before, are none.
+        """Raises InputError where there is no scan or no folder to write to. Hidden files, and what was found before, are none.
 
         What is found in a scan has its name without the ending, in a folder with it where only that tells it from all others.
         """
+        if self.out.exists() and not self.out.is_dir():
+            raise InputError("--out", f"expected a folder, and {self.out} is a file")
         if not self.source.is_dir():
             check_is_scan(self.source)
             return [_Target(self.source, self.out / self.source.stem, shown(self.source.name))]
