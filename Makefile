@@ -5,6 +5,8 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 KINMO  := $(BIN)/kinmo
+# A process a core, each for whole files of tests, since what is set up for one test of a file often serves the next.
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 DEMO   := demo
 COUNT  ?= 12
 
@@ -53,11 +55,11 @@ test-rust:
 	PROPTEST_RNG_SEED=1 PROPTEST_DISABLE_FAILURE_PERSISTENCE=1 cargo test --quiet --locked -p kinmo-geometry
 
 test-python: $(SETUP_STAMP)
-	$(BIN)/python -m pytest
+	$(PYTEST)
 
 fuzz: $(SETUP_STAMP) ## look for counterexamples: new examples of every property, many of the Rust ones
 	PROPTEST_CASES=5000 cargo test --release --quiet --locked -p kinmo-geometry
-	HYPOTHESIS_PROFILE=fuzz $(BIN)/python -m pytest
+	HYPOTHESIS_PROFILE=fuzz $(PYTEST)
 
 lint: lint-rust lint-python ## formats, types, clippy, docs; warnings are errors
 

@@ -44,7 +44,7 @@ def distance_of(a: trimesh.Trimesh, b: trimesh.Trimesh) -> tuple[float, np.ndarr
     return float(distances[0]), first[0], second[0]
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(SEEDS, st.integers(1, 4), st.integers(1, 4), st.sampled_from([0.0, 1.0, 2.5]))
 def test_distances_equal_those_of_all_pairs_of_triangles(seed: int, first: int, second: int, apart: float) -> None:
     rng = np.random.default_rng(seed)
@@ -58,7 +58,7 @@ def test_distances_equal_those_of_all_pairs_of_triangles(seed: int, first: int, 
         assert triangle_soup_distance(corner, solid.triangles) < 1e-9
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(SEEDS, st.sampled_from([1e-8, 1.0, 1e8]), st.sampled_from([0.0, 1e6]))
 def test_distances_do_not_depend_on_order_pose_and_scale(seed: int, scale: float, offset: float) -> None:
     rng = np.random.default_rng(seed)

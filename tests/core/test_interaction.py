@@ -52,7 +52,7 @@ def test_regions_agree_with_the_whole_voronoi_diagram(name: str, points: np.ndar
     assert (region.weights > 0).all()
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([1e-8, 1.0, 1e8]))
 def test_regions_turn_and_scale_with_the_shape(seed: int, scale: float) -> None:
     name, points = touching_pairs()[seed % 6]

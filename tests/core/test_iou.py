@@ -42,7 +42,7 @@ def test_volumes_agree_with_random_points() -> None:
         assert volumes[index] == pytest.approx(share * own, abs=4 * own * 0.5 / draws**0.5)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([1e-8, 1.0, 1e8]), st.sampled_from([0.0, 1e6]))
 def test_overlap_does_not_depend_on_order_pose_and_scale(seed: int, scale: float, offset: float) -> None:
     rng = np.random.default_rng(seed)
@@ -55,7 +55,7 @@ def test_overlap_does_not_depend_on_order_pose_and_scale(seed: int, scale: float
     np.testing.assert_allclose(_core.box_iou(*moved[0], *moved[1]), expected, atol=1e-8 if offset else 1e-12)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.integers(0, 2**32 - 1))
 def test_a_box_overlaps_itself_wholly_however_its_axes_are_named(seed: int) -> None:
     center, axes, half = random_boxes(np.random.default_rng(seed), 4)

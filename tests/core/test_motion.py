@@ -21,7 +21,7 @@ def candidates(rng: np.random.Generator, count: int, displacements: int) -> tupl
     return kinds, directions, rng.normal(size=(count, 3)), rng.uniform(-7, 7, shape), rng.normal(size=shape)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 9), st.integers(0, 4), st.integers(0, 3))
 def test_points_move_as_by_scipys_rotations(seed: int, points: int, count: int, displacements: int) -> None:
     rng = np.random.default_rng(seed)

@@ -53,7 +53,7 @@ def ordered(boxes: Boxes) -> bool:
 
 
 @given(part=clouds(), seed=seeds, exponent=st.integers(-8, 8), far=st.booleans())
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_boxes_hold_their_vertices_and_touch_them(part: MeshArrays, seed: int, exponent: int, far: bool) -> None:
     placed = moved(part, rotation(seed), 1e6 if far else 0.0, 10.0**exponent)
     mesh = meshes(placed)
@@ -65,7 +65,7 @@ def test_boxes_hold_their_vertices_and_touch_them(part: MeshArrays, seed: int, e
 
 
 @given(part=clouds(), seed=seeds, scale=st.sampled_from([1e-8, 1.0, 1e8]))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_volume_moves_with_the_part(part: MeshArrays, seed: int, scale: float) -> None:
     volume = np.prod(2 * _core.fit_boxes(meshes(part))[2])
     turned = np.prod(2 * _core.fit_boxes(meshes(moved(part, rotation(seed), scale * 3.0, scale)))[2])
@@ -74,7 +74,7 @@ def test_volume_moves_with_the_part(part: MeshArrays, seed: int, scale: float) -
 
 
 @given(seed=seeds, count=st.integers(4, 60), flat=st.floats(0.01, 1.0))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_volumes_are_no_larger_than_those_of_trimesh(seed: int, count: int, flat: float) -> None:
     rng = np.random.default_rng(seed)
     hull = trimesh.convex.convex_hull(rng.normal(size=(count, 3)) * [1.0, 1.0, flat])
@@ -83,7 +83,7 @@ def test_volumes_are_no_larger_than_those_of_trimesh(seed: int, count: int, flat
 
 
 @given(seed=seeds, sides=st.tuples(*[st.floats(0.01, 1.0)] * 3))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_turned_box_is_found_again(seed: int, sides: tuple[float, float, float]) -> None:
     part = moved(arrays(trimesh.creation.box(sides)), rotation(seed), np.array([1.0, 2.0, 3.0]))
     center, _, half_extents = _core.fit_boxes(meshes(part))

@@ -80,7 +80,7 @@ def degrees_off(found: F64, true: F64) -> F64:
     return np.degrees(turn.magnitude())
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 6))
 def test_pairs_without_noise_give_the_poses_back(seed: int, parts: int) -> None:
     given_ = problem(seed, parts)
@@ -98,7 +98,7 @@ def test_pairs_without_noise_give_the_poses_back(seed: int, parts: int) -> None:
     np.testing.assert_allclose(tied[2], given_.translations, atol=1e-6)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.integers(0, 2**32 - 1))
 def test_two_wrong_pairs_of_five_leave_the_poses_near_the_truth_and_joints_alike_in_both_parts(seed: int) -> None:
     given_ = problem(seed, 3, 300, noise=0.01, wrong=0.4)
@@ -113,7 +113,7 @@ def test_two_wrong_pairs_of_five_leave_the_poses_near_the_truth_and_joints_alike
         assert np.linalg.norm(seen[0] - seen[1]) < 0.2 * np.linalg.norm(before[0] - before[1]) + 1e-3
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(st.integers(0, 2**32 - 1))
 def test_tied_poses_leave_no_more_residual_than_scipys_least_squares(seed: int) -> None:
     """The residuals of reference code: points about their middles, and the joint's direction once a point."""
@@ -147,7 +147,7 @@ def test_tied_poses_leave_no_more_residual_than_scipys_least_squares(seed: int) 
     assert np.sum(ours**2) <= 2.0 * peer.cost * (1 + 1e-9) + 1e-12
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(st.integers(0, 2**32 - 1))
 def test_poses_are_also_found_joint_by_joint(seed: int) -> None:
     given_ = problem(seed, 3, 150, wrong=0.2)

@@ -18,7 +18,7 @@ def solids(seed: int) -> tuple[_core.Meshes, list[trimesh.Trimesh]]:
     return _core.Meshes([np.array(m.vertices) for m in made], [np.array(m.faces, np.uint32) for m in made]), made
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 10_000))
 def test_nearest_places_agree_with_trimesh(seed: int) -> None:
     meshes, made = solids(seed)

@@ -34,7 +34,7 @@ def line_error(middle: F64, direction: F64, point: F64, true: F64) -> float:
     return float(np.linalg.norm(np.cross(middle - point, true))) + float(np.linalg.norm(np.cross(direction, true)))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seeds, st.sampled_from([PIN, RING, CONE, CYLINDER]), st.booleans(), st.floats(0.01, 100.0))
 def test_a_round_piece_is_found_among_others_however_it_lies(seed: int, piece: MeshArrays, splits: bool, scale: float) -> None:
     beside = moved(BOX, np.eye(3), np.array([9.0, 0.0, 0.0]))
@@ -65,7 +65,7 @@ def test_what_is_round_about_no_line_or_about_any_has_none(part: MeshArrays) -> 
     assert [len(values) for values in _core.find_round_pieces(meshes(part))] == [0] * 5
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(clouds(), seeds)
 def test_what_is_found_anywhere_is_finite(part: MeshArrays, seed: int) -> None:
     mesh, middles, directions, radii, half_lengths = _core.find_round_pieces(meshes(part), seed=seed)

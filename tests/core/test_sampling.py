@@ -24,7 +24,7 @@ def distance_to_faces(points: F64, part: MeshArrays, faces: np.ndarray) -> F64:
 
 
 @given(part=clouds(), seed=seeds, blue_noise=st.booleans())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_samples_lie_on_their_faces_with_unit_normals(part: MeshArrays, seed: int, blue_noise: bool) -> None:
     points, normals, faces = (a[0] for a in _core.sample_surface(meshes(part), 50, seed, blue_noise=blue_noise))
     size = np.abs(part[0]).max()
@@ -39,7 +39,7 @@ def test_samples_lie_on_their_faces_with_unit_normals(part: MeshArrays, seed: in
 
 
 @given(seed=seeds)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_faces_get_samples_by_their_area(seed: int) -> None:
     mesh = trimesh.creation.cone(1.0, 3.0, sections=20)
     faces = _core.sample_surface(meshes(arrays(mesh)), 5000, seed)[2][0]
@@ -66,7 +66,7 @@ def test_every_prefix_is_uniform_too() -> None:
 
 
 @given(seed=seeds, blue_noise=st.booleans())
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_samples_of_a_mesh_do_not_depend_on_the_others(seed: int, blue_noise: bool) -> None:
     alone = _core.sample_surface(meshes(CYLINDER), 100, seed, blue_noise=blue_noise)
     among = _core.sample_surface(meshes(BOX, CYLINDER, RECTANGLE), 100, seed, blue_noise=blue_noise)

@@ -83,7 +83,7 @@ def test_a_symmetric_box_is_preferred_to_a_smaller_one() -> None:
 
 
 @given(part=clouds(), seed=seeds)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_symmetric_boxes_are_no_smaller_than_the_smallest(part: MeshArrays, seed: int) -> None:
     volume = np.prod(_core.fit_boxes(meshes(part))[2])
     _, _, half_extents, planes = _core.fit_symmetric_boxes(meshes(part), seed=seed)
@@ -149,7 +149,7 @@ def test_a_tetrahedron_has_mirrors_and_half_turns_but_no_right_angled_ones() -> 
 
 
 @given(part=clouds(), seed=seeds)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_reported_symmetries_hold(part: MeshArrays, seed: int) -> None:
     found = symmetries_of(part, seed)
     diagonal = np.linalg.norm(np.ptp(part[0][part[1]].reshape(-1, 3), axis=0))

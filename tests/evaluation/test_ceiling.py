@@ -8,7 +8,7 @@ from kinmo.evaluation.ceiling import ceiling
 from kinmo.evaluation.parts_given import parts_given
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(articulated_shapes())
 def test_the_ceiling_is_right_if_the_truth_is_among_the_candidates(shape):
     truth = prepared_from(shape)
@@ -21,7 +21,7 @@ def test_the_ceiling_is_right_if_the_truth_is_among_the_candidates(shape):
     assert all(record.is_ok for record in score.records)
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(articulated_shapes())
 def test_a_body_without_candidates_is_missed_even_by_the_ceiling(shape):
     assert ceiling(prepared_from(shape), {}) == {}

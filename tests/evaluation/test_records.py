@@ -52,7 +52,7 @@ def prediction_of(shape, mobility):
     return Prediction(truth.id, truth.category, mobility, answers, tuple(a[0] for a in answers), "test")
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(articulated_shapes())
 def test_the_truth_itself_is_all_right_in_both_settings(shape):
     truth = prepared_from(shape)

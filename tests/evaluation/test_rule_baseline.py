@@ -41,7 +41,7 @@ def test_the_rule_opens_plain_furniture_whether_or_not_its_bodies_are_given(judg
     assert not score.false_alarms
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(articulated_shapes())
 def test_the_rule_answers_every_body_with_a_unit_axis(shape):
     truth = prepared_from(shape)
@@ -53,7 +53,7 @@ def test_the_rule_answers_every_body_with_a_unit_axis(shape):
             assert answer.type.kind is answer.joint.kind
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(articulated_shapes())
 def test_bodies_read_off_the_hierarchy_hold_every_leaf_once_and_rest_on_one(shape):
     truth = prepared_from(shape)

@@ -35,7 +35,7 @@ def test_in_markdown_the_title_alone_is_bold() -> None:
     assert as_markdown(SMALL).startswith("**Table 1.** sample; 3 shapes")
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(rows=st.lists(st.tuples(st.text(max_size=8), cells), max_size=5), decimals=st.one_of(st.none(), st.integers(0, 4)))
 def test_a_written_table_is_read_as_it_was(rows: list[tuple[str, float | None]], decimals: int | None) -> None:
     caption = Caption("Table 1", "sample", 3, 4, "test", (0, 1), "note")

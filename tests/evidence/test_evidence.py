@@ -15,7 +15,7 @@ UNITS = [(FRAME,), (DOOR,), (KNOB,), (DRAWER,), (DOOR, KNOB)]
 STILL = gather(scene(), UNITS)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.floats(-np.pi, np.pi), st.integers(0, 100), st.booleans())
 def test_nothing_depends_on_how_the_object_is_turned(angle: float, seed: int, freely: bool) -> None:
     turn = Rotation.random(rng=np.random.default_rng(seed)) if freely else Rotation.from_rotvec(angle * UP)

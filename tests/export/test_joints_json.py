@@ -85,7 +85,7 @@ def plain(value):
     return repr(value)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(articulated_shapes())
 def test_a_prediction_comes_back_as_it_was(tmp_path_factory, shape):
     prediction = prediction_of(shape)
@@ -96,7 +96,7 @@ def test_a_prediction_comes_back_as_it_was(tmp_path_factory, shape):
     assert [p.name for p in path.parent.iterdir()] == ["joints.json"]
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(articulated_shapes())
 def test_the_file_is_what_its_schema_says(shape):
     document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), MADE_WITH)))

@@ -36,7 +36,7 @@ def assert_same_motion(found: Joint, wanted: Joint) -> None:
         np.testing.assert_allclose([found.lower, found.upper], [wanted.lower, wanted.upper], atol=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(articulated_shapes())
 def test_bodies_joints_and_meshes_survive_a_round_trip(shape: Shape) -> None:
     found = round_trip(shape)
@@ -65,7 +65,7 @@ def test_bodies_joints_and_meshes_survive_a_round_trip(shape: Shape) -> None:
             assert_same_motion(body.joint, wanted.joint)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(articulated_shapes(max_bodies=3))
 def test_writing_twice_gives_the_same_bytes(shape: Shape) -> None:
     assert shape.mobility is not None

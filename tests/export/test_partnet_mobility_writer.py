@@ -31,7 +31,7 @@ def around_rest(shape):
     return replace(shape, mobility=Mobility(tuple(bodies), shape.mobility.junk))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(articulated_shapes())
 def test_the_reader_gets_back_what_was_written(tmp_path_factory, shape):
     shape = around_rest(shape)
@@ -49,7 +49,7 @@ def test_the_reader_gets_back_what_was_written(tmp_path_factory, shape):
             same_joint(body.joint, written.joint)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(articulated_shapes(ups=((0.0, 1.0, 0.0), (0.6, 0.0, 0.8))))
 def test_its_urdf_is_the_robot_that_kinmo_writes_otherwise(tmp_path_factory, shape):
     """Links, joints and where the leaves are drawn are those of `write_urdf`; names are the dataset's."""

@@ -44,7 +44,7 @@ def loaded(path, client):
     return robot, {row[1].decode(): row[0] for row in info}, {row[12].decode(): row[0] for row in info}
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(articulated_shapes(ups=UPS))
 def test_the_simulator_moves_every_link_as_our_kinematics_do(tmp_path_factory, bullet, shape):
     scale = 0.7
@@ -80,7 +80,7 @@ def replace_rest(mobility):
     return Mobility(tuple(bodies))
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(articulated_shapes(ups=UPS))
 def test_all_leaves_are_where_the_shape_has_them(tmp_path_factory, shape):
     path = write_urdf(shape, shape.mobility, tmp_path_factory.mktemp("robot") / "out")

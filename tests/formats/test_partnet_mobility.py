@@ -14,7 +14,7 @@ from kinmo.formats import discover, read_found, read_partnet_mobility
 from kinmo.ground_truth import label_edges, sibling_edges
 from kinmo.joint import JointKind, MotionType
 
-one_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=30)
+one_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=30)
 
 
 def door_of(shape):

@@ -98,7 +98,7 @@ def test_ranges_and_pivots_are_in_the_normalised_frame_and_come_back(shape, prep
             assert ours.joint.upper == pytest.approx(theirs.joint.upper)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.floats(1e-3, 1e3), st.tuples(*[st.floats(-10, 10)] * 3))
 def test_place_and_size_of_the_file_do_not_matter(shape, prepared, scale, shift):
     other = prepare_shape(moved(shape, scale, np.array(shift)), points=16)

@@ -13,7 +13,7 @@ from kinmo.report.curves import LETTER, WIDTH, line_chart
 values = st.floats(-1e12, 1e12, allow_nan=False)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.lists(st.tuples(values, values), min_size=1, max_size=20))
 def test_all_points_lie_inside_the_chart(points: list[tuple[float, float]]) -> None:
     svg = ElementTree.fromstring(line_chart("loss", {"training": points}, "epoch"))

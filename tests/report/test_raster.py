@@ -32,7 +32,7 @@ def seen_by_rays(camera: Camera, triangles: np.ndarray) -> np.ndarray:
     return faces
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(seed=st.integers(0, 10_000), count=st.integers(1, 12))
 def test_every_pixel_shows_the_triangle_that_a_ray_meets_first(seed: int, count: int) -> None:
     triangles = np.random.default_rng(seed).uniform(-1, 1, (count, 3, 3))
@@ -66,7 +66,7 @@ def test_a_nearer_part_hides_a_farther_one_whatever_the_order() -> None:
     assert visible_faces(camera, np.stack([near, far]))[10, 10] == 0
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=st.integers(0, 10_000), z_up=st.booleans())
 def test_the_camera_sees_every_point_with_up_pointing_up(seed: int, z_up: bool) -> None:
     rng = np.random.default_rng(seed)

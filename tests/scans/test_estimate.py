@@ -41,7 +41,7 @@ def row_of_boxes(kinds: list[str], on_each_other: bool, tilts: list[np.ndarray] 
 
 
 @pytest.mark.parametrize("ties", ["tree", "pairs", "none"])
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(st.lists(st.sampled_from(["R", "P", "PR"]), min_size=1, max_size=5), st.booleans(), st.integers(0, 1000))
 def test_answers_without_error_give_poses_joints_and_states_back(ties, kinds, on_each_other, seed) -> None:
     check_answers_without_error(row_of_boxes(kinds, on_each_other), replace(SEARCH, ties=ties), seed)
@@ -53,7 +53,7 @@ TILTS = st.tuples(st.floats(-0.4, 0.4), st.sampled_from([0.0, 1.5, 3.0]), st.flo
 
 
 @pytest.mark.parametrize("knows", [False, True])
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(st.lists(st.tuples(KINDS, TILTS), min_size=1, max_size=5), st.booleans(), st.integers(0, 1000))
 def test_answers_without_error_are_right_whatever_is_typical(knows, joints, on_each_other, seed) -> None:
     target = row_of_boxes([kind for kind, _ in joints], on_each_other, [tilt for _, tilt in joints])

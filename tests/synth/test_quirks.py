@@ -67,7 +67,7 @@ def test_quirks_occur_as_often_as_in_real_files() -> None:
     assert 0.005 < share([any(link.kind is JointName.JUNK for link in obj.links) for obj in objects]) < 0.12
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 10_000), name=st.sampled_from(["safe", "table", "microwave", "suitcase"]))
 def test_styles_keep_geometry_and_bodies(seed: int, name: str) -> None:
     obj = fresh(name, seed)
@@ -89,7 +89,7 @@ def test_lumped_objects_have_one_leaf_a_link() -> None:
     assert all(not child.children for child in obj.root.children)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=st.integers(0, 10_000))
 def test_misstated_joints_move_parts_alike(seed: int) -> None:
     obj = fresh("refrigerator", seed)
@@ -115,7 +115,7 @@ def test_misstated_joints_move_parts_alike(seed: int) -> None:
         assert abs(float(cosine)) > np.cos(np.radians(3.01))
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(seed=st.integers(0, 10_000))
 def test_rough_meshes_keep_their_surface(seed: int) -> None:
     obj = fresh("safe", seed)

@@ -21,7 +21,7 @@ def corners(shape: SynthObject) -> np.ndarray:
     return np.concatenate([piece.vertices for leaf in shape.root.leaves() for piece in leaf.pieces])
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(st.integers(0, 1000), st.floats(-180, 180))
 def test_turning_the_object_carries_its_joints_along(seed: int, degrees: float) -> None:
     shape = scissors(seed)
@@ -36,7 +36,7 @@ def test_turning_the_object_carries_its_joints_along(seed: int, degrees: float) 
     assert np.allclose(matrix @ before.at(17.0), after.at(17.0) @ matrix)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(st.integers(0, 1000))
 def test_lying_and_facing_keep_lengths(seed: int) -> None:
     shape = scissors(seed)

@@ -11,7 +11,7 @@ from kinmo.synth.model import Node
 seeds = st.integers(0, 2**32 - 1)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(seeds)
 def test_a_neck_rises_from_its_foot_and_comes_out_in_front(seed: int) -> None:
     path = neck_path(Draw(np.random.default_rng(seed)), 0.1)
@@ -23,7 +23,7 @@ def test_a_neck_rises_from_its_foot_and_comes_out_in_front(seed: int) -> None:
     assert path[-1, 1] < path[-2, 1]
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(seeds, st.floats(0.4, 1.2), st.floats(0.2, 0.9))
 def test_an_arm_reaches_as_far_as_it_is_asked_to(seed: int, reach: float, height: float) -> None:
     path = arm_path(Draw(np.random.default_rng(seed)), reach, height, 0.1)
@@ -31,7 +31,7 @@ def test_an_arm_reaches_as_far_as_it_is_asked_to(seed: int, reach: float, height
     assert np.isclose(path[0, 1], height)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(seeds)
 def test_a_spout_always_has_a_tube(seed: int) -> None:
     draw, spout = Draw(np.random.default_rng(seed)), Node("spout")

@@ -14,7 +14,7 @@ def corners(pieces: list) -> np.ndarray:
     return np.concatenate([piece.vertices for piece in pieces])
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(seeds, st.floats(0.05, 0.5), st.floats(0.03, 0.3))
 def test_a_handle_sits_on_its_stem_and_keeps_to_its_reach(seed: int, radius: float, height: float) -> None:
     pieces = turning_handle(Draw(np.random.default_rng(seed)), radius, height)
@@ -25,7 +25,7 @@ def test_a_handle_sits_on_its_stem_and_keeps_to_its_reach(seed: int, radius: flo
     assert np.allclose(0.5 * (hub.min(axis=0) + hub.max(axis=0))[[0, 2]], 0.0, atol=0.15 * radius)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(seeds)
 def test_a_lever_reaches_to_the_front_and_is_even_to_both_sides(seed: int) -> None:
     pieces = lever(Draw(np.random.default_rng(seed)), 0.5, 0.02, 0.1)
@@ -35,7 +35,7 @@ def test_a_lever_reaches_to_the_front_and_is_even_to_both_sides(seed: int) -> No
     assert abs(low[0] + high[0]) < 0.01
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(seeds)
 def test_a_cap_fills_its_height(seed: int) -> None:
     cap = corners([turned_cap(Draw(np.random.default_rng(seed)), 0.2, 0.3)])
