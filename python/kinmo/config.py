@@ -357,12 +357,19 @@ def load_config(name: str | Path) -> Config:
     """
     path = _builtin_path(str(name)) if str(name) in builtin_configs() else Path(name)
     table = _read_table(path)
-    if EXTENDS in table:
+    is_whole = EXTENDS not in table
+    if not is_whole:
         extended = table.pop(EXTENDS)
         if extended not in builtin_configs():
             raise InputError(path, f"{extended!r}, expected one of {', '.join(builtin_configs())}", EXTENDS)
         table = _merged(_read_table(_builtin_path(extended)), table)
-    return from_table(Config, table, path)
+    try:
+        return from_table(Config, table, path)
+    except InputError as error:
+        if not is_whole or error.problem != "missing":
+            raise
+        problem = f'missing; a file that is to say only what differs begins with {EXTENDS} = "small"'
+        raise InputError(path, problem, error.field) from None
 
 
 def _builtin_path(name: str) -> Path:

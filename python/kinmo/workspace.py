@@ -56,7 +56,7 @@ def write_atomically(path: Path) -> Iterator[Path]:
         temporary.replace(path)
         _sync_folder(path.parent)
     except OSError as error:
-        if error.errno is not None and error.filename is None:  # writing to a full disk names no file
+        if error.errno is not None and error.filename in (None, str(temporary)):  # writing to a full disk names no file
             error.filename = str(path)
         raise
     finally:
@@ -103,6 +103,15 @@ def locked(folder: Path) -> Iterator[None]:
         os.ftruncate(handle, 0)
     finally:
         os.close(handle)
+
+
+def check_can_be_written(folder: Path) -> None:
+    """Raises InputError if nothing can be written to a folder, or it cannot be made; makes nothing."""
+    there = next(path for path in (folder, *folder.absolute().parents) if os.path.lexists(path))
+    if not there.is_dir():
+        raise InputError(folder, "expected a folder: this is a file" if there == folder else f"{there} is a file, not a folder")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(folder, "cannot be written to")
 
 
 def remove_leftovers(folder: Path) -> None:

@@ -98,7 +98,11 @@ OF_THE_WORKSPACE = "applies only to the workspace's own shapes and scans, not to
         ),
         ("train ancsh --from elsewhere", "--from: ancsh cannot start from trained weights; use it with all, motion or axis"),
         ("predict shapes --depth-scale 1000", "--depth-scale: applies only to scans; give --category too"),
-        ("predict scan.npz --category door --up z", "--up: applies only to shapes; leave --category out, or this"),
+        ("predict scan.npz --category door --up z", "--up: applies only to shapes; leave --category out"),
+        (
+            "predict a.npz --category door --metres-per-unit 2",
+            "--metres-per-unit: applies only to shapes; leave --category out",
+        ),
         ("synth shapes --layout dsg_net --held-back", "--held-back: applies only to --layout partnet"),
         ("table 2 --method paper --from elsewhere", "--from: paper cannot start from trained weights; use it with kinmo"),
         ("table sensors --method paper", "--method: applies only to tables with pseudo labels, not to sensors"),

@@ -51,3 +51,13 @@ def test_what_never_ran_takes_as_long_as_the_last_of_its_kind(tmp_path: Path) ->
     assert seconds_per_unit(workspace, "train-npcs-Safe-0", 0.5, kind="train-npcs-") == 4.0
     assert seconds_per_unit(workspace, "train-npcs-Table-0", 0.5, kind="train-npcs-") == 2.0
     assert seconds_per_unit(workspace, "train-npcs-Table-0", 0.5) == 0.5
+
+
+def test_a_run_that_did_little_does_not_tell_how_long_much_takes(tmp_path: Path) -> None:
+    workspace = Workspace(tmp_path)
+    lines = [
+        {"stage": "render", "started": "", "seconds": seconds, "amount": amount, "what": ""}
+        for seconds, amount in ((12.0, 4), (7.0, 1000), (9.0, 900), (13.0, 20))
+    ]
+    (tmp_path / "journal.jsonl").write_text("".join(f"{json.dumps(line)}\n" for line in lines), encoding="utf-8")
+    assert seconds_per_unit(workspace, "render", 0.5) == 0.01

@@ -237,6 +237,27 @@ def _z_up(corner: re.Match[str]) -> str:
     return f"v {x} {-float(z)!r} {y}"
 
 
+def test_shapes_of_one_name_go_into_folders_named_by_where_they_are(road: Road, tmp_path: Path) -> None:
+    some = sorted((road.shapes / "partnet").iterdir())[:2]
+    for place, shape in zip(("kitchen", "lab"), some, strict=True):
+        shutil.copytree(shape, tmp_path / "shapes" / place / "scene")
+    stage = Predict(tmp_path / "shapes", tmp_path / "out", road.workspace, METHODS[0], device="cpu", metres_per_unit=100.0)
+    assert stage.plan().steps == (f"predict 2 shapes into {tmp_path / 'out'}",)
+    told = Listener()
+    found = stage.run(told)
+    assert [Path(shape["folder"]).name for shape in found.data["shapes"]] == ["kitchen__scene", "lab__scene"]
+    for place, shape in zip(("kitchen", "lab"), found.data["shapes"], strict=True):
+        assert shape["id"] == "scene" and shape["source"] == str(tmp_path / "shapes" / place / "scene")
+        document = json.loads((Path(shape["folder"]) / "joints.json").read_text(encoding="utf-8"))
+        assert document["shape"]["source"] == shape["source"]
+        across = 100.0 * shape["diagonal"]
+        assert f"scene: {across:.0f} m across in its URDF: is a unit a metre? (--metres-per-unit)" in told.notes
+        assert 'scale="100.0 100.0 100.0"' in Path(shape["urdf"]).read_text(encoding="utf-8")
+    assert stage.plan().steps == (), "it is done"
+    with pytest.raises(InputError, match="--out: is the folder with the shapes"):
+        replace(stage, out=tmp_path / "shapes").run(Listener())
+
+
 def test_predict_never_takes_the_place_of_what_it_did_not_write(road: Road, tmp_path: Path) -> None:
     shape = next((road.shapes / "partnet").iterdir())
     shutil.copytree(shape, tmp_path / shape.name)

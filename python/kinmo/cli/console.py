@@ -77,10 +77,3 @@ def observer(quiet: bool) -> QuietObserver:
     if quiet:
         return QuietObserver()
     return BarObserver() if sys.stderr.isatty() else LineObserver()
-
-
-def duration(seconds: float) -> str:
-    """Seconds as people say them."""
-    if seconds < 90:
-        return f"{max(round(seconds), 1)} s"
-    return f"{round(seconds / 60)} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

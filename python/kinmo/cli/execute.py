@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 
 from typer import BadParameter, Exit
 
-from kinmo.cli.console import duration, observer
+from kinmo.cli.console import observer
 from kinmo.cli.options import CommonOptions
 from kinmo.errors import KinmoError
+from kinmo.wording import duration
 
 if TYPE_CHECKING:
     from kinmo.pipeline.stage import Outcome, Plan, Stage

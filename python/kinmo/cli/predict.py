@@ -32,6 +32,10 @@ def predict(
         Literal["y", "z"] | None,
         Option(help="Which axis of a shape's own frame points up (z: with the front at -y).", show_default="y"),
     ] = None,
+    metres_per_unit: Annotated[
+        float | None,
+        Option(min=1e-9, help="Lengths of a shape's file in its URDF; 0.001 for millimetres.", show_default="1"),
+    ] = None,
     category: Annotated[
         str | None, Option(help="What is seen in the scans, however it is spelled.", show_default=False, rich_help_panel=SCANS)
     ] = None,
@@ -74,8 +78,9 @@ def predict(
 
     workspace = Workspace(options.workspace)
     if category is not None:
-        if up is not None:
-            raise InputError("--up", "applies only to shapes; leave --category out, or this")
+        for option, value in (("--up", up), ("--metres-per-unit", metres_per_unit)):
+            if value is not None:
+                raise InputError(option, "applies only to shapes; leave --category out")
         from kinmo.pipeline.scans.predict import PredictScans
         from kinmo.scans.scan_input import Intrinsics
 
@@ -86,10 +91,11 @@ def predict(
         return
     if shape.is_file() and shape.suffix.lower() in SCAN_ENDINGS:
         raise BadParameter("a scan needs --category: what is to be seen in it", param_hint="--category")
-    for option, value in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
-        if value is not None:
-            raise InputError(option, "applies only to scans; give --category too")
+    for name, of_scans in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
+        if of_scans is not None:
+            raise InputError(name, "applies only to scans; give --category too")
     from kinmo.pipeline.predict import Predict
 
     by = (method or Method.KINMO).value
-    execute(options, Predict(shape, out, workspace, by, options.seed, options.device, options.worker_count, up or "y"))
+    how = (by, options.seed, options.device, options.worker_count, up or "y", metres_per_unit or 1.0)
+    execute(options, Predict(shape, out, workspace, *how))

@@ -17,6 +17,7 @@ import numpy as np
 from kinmo import __version__
 from kinmo.formats.field import Field
 from kinmo.formats.files import read_json
+from kinmo.formats.sources import shown
 from kinmo.joint import CoarseType, Joint, JointKind, MotionType
 from kinmo.mobility import Body, Mobility, has_cycle
 from kinmo.prediction import JointEstimate, Prediction
@@ -52,6 +53,7 @@ def joints_document(shape: Shape, prediction: Prediction, provenance: Provenance
             "id": shape.id,
             "category": prediction.category,
             "layout": shape.layout,
+            "source": shown(shape.source.absolute()),
             "up": [float(value) for value in shape.up],
             "center": shape.center.tolist(),
             "diagonal": shape.diagonal,

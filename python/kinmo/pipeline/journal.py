@@ -18,6 +18,9 @@ from typing import BinaryIO
 from kinmo import __version__
 from kinmo.workspace import Workspace
 
+LITTLE = 0.1
+"""Of the largest amount that was ever done at once."""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -77,12 +80,15 @@ def runs(workspace: Workspace) -> list[Run]:
 def seconds_per_unit(workspace: Workspace, stage: str, otherwise: float, kind: str | None = None) -> float:
     """How long a unit of the stage's work took the last time, or else of a stage whose name begins with `kind`.
 
-    `otherwise` if none of these ever ran.
+    Runs that did little beside the largest one do not count: they tell how long starting takes. `otherwise` if none of these
+    ever ran.
     """
     known = runs(workspace)
     past = [run for run in known if run.stage == stage]
     if not past and kind is not None:
         past = [run for run in known if run.stage.startswith(kind)]
+    largest = max((run.amount for run in past), default=0)
+    past = [run for run in past if run.amount >= LITTLE * largest]
     return past[-1].seconds / past[-1].amount if past else otherwise
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from kinmo.export.folders import whole_folder
 from kinmo.export.joints_json import Provenance, write_joints_json
 from kinmo.export.urdf import write_urdf
 from kinmo.formats import Found, discover, read_found
+from kinmo.formats.field import clean_text
 from kinmo.formats.sources import fingerprint, shown
 from kinmo.frames import TO_Y_UP, Up
 from kinmo.pipeline.each_shape import each_shape
@@ -28,6 +29,8 @@ from kinmo.workers import Crashed
 from kinmo.workspace import Workspace, digest, locked
 
 SECONDS_PER_SHAPE = 3.0
+VAST = 20.0
+"""Metres across of what is hardly an object, but may be one in millimetres."""
 REPAIRED_LINES = 40
 """Of shapes that had to be repaired to be read; what was done to all is in their joints.json, and in what --json prints."""
 JOINTS = "joints.json"
@@ -39,7 +42,8 @@ MADE_FROM = ".made_from"
 class Predict:
     """Predict every shape at or below `source` into a folder each below `out`, and go on past those that cannot be read.
 
-    What is predicted is in the frame of a shape's file, in which the axis `up` points up.
+    What is predicted is in the frame and the lengths of a shape's file, in which the axis `up` points up; URDFs are in metres,
+    so many of which are a unit of that file.
     """
 
     source: Path
@@ -50,17 +54,22 @@ class Predict:
     device: str = "auto"
     workers: int = 1
     up: Up = "y"
+    metres_per_unit: float = 1.0
 
     def plan(self) -> Plan:
-        count = sum(1 for _ in discover(self.source))
-        return Plan((f"predict {counted(count, 'shape')} into {self.out}",), count * SECONDS_PER_SHAPE / self.workers)
+        predicting = self._predicting()
+        count = sum(1 for found, folder in self._targets() if not predicting.is_done(found, folder))
+        step = f"predict {counted(count, 'shape')} into {self.out}"
+        return Plan((step,) if count else (), count * SECONDS_PER_SHAPE / self.workers)
 
     def run(self, observer: Observer) -> Outcome:
         unread: list[str] = []
-        targets = list(self._targets(lambda error: unread.append(str(error))))
+        targets = self._targets(lambda error: unread.append(str(error)))
         if not targets and not unread:
+            if self.out.resolve() == self.source.resolve():
+                raise InputError("--out", "is the folder with the shapes: name another")
             raise InputError(self.source, "expected at least one shape at or below it")
-        predicting = Predicting(load_predictor(self.workspace, self.method, self.device), self.seed, self.up)
+        predicting = self._predicting()
         with locked(self.out):
             problems = self._predict(targets, predicting, observer)
         documents, left_out = [], unread
@@ -78,6 +87,9 @@ class Predict:
         for document in repaired[:REPAIRED_LINES]:
             observer.note(f"repaired: {document['id']}: {'; '.join(document['repairs'])}")
         mended = f", {len(repaired)} repaired" if repaired else ""
+        for document in documents:
+            if (across := document["diagonal"] * self.metres_per_unit) > VAST:
+                observer.note(f"{document['id']}: {across:.0f} m across in its URDF: is a unit a metre? (--metres-per-unit)")
         text = f"{counted(len(documents), 'shape')}, {counted(joints, 'joint')}{mended}, {len(left_out)} left out"
         return Outcome(self.out, data, text, failed=len(left_out))
 
@@ -105,13 +117,26 @@ class Predict:
             observer.progress("predicting joints", done, len(targets), job.found.id)
         return problems
 
-    def _targets(self, report: Callable[[InputError], None]) -> Iterator[tuple[Found, Path]]:
-        """Every shape with its own folder; those that share an id are told apart by their layout and a number."""
-        seen: Counter[str] = Counter()
-        for found in discover(self.source, skip=(self.out,), report=report):
-            seen[found.id] += 1
-            name = found.id if seen[found.id] == 1 else f"{found.id}-{found.layout.value}-{seen[found.id]}"
-            yield found, self.out / name
+    def _predicting(self) -> Predicting:
+        predictor = load_predictor(self.workspace, self.method, self.device)
+        return Predicting(predictor, self.seed, self.up, self.metres_per_unit)
+
+    def _targets(self, report: Callable[[InputError], None] = lambda error: None) -> list[tuple[Found, Path]]:
+        """Every shape with its own folder, which has its id for a name.
+
+        Those that share an id are told apart by where they are below `source`, however many there are.
+        """
+        shapes = list(discover(self.source, skip=(self.out,), report=report))
+        names = [found.id for found in shapes]
+        for with_endings in (False, True):
+            alike = Counter(names)
+            names = [
+                _joined(found.path, self.source, with_endings) if alike[name] > 1 else name
+                for name, found in zip(names, shapes, strict=True)
+            ]
+        if len(set(names)) < len(names):  # where folders are named as other paths are put here
+            names = [f"{number}-{name}" for number, name in enumerate(names)]
+        return [(found, self.out / name) for found, name in zip(shapes, names, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -130,11 +155,19 @@ class Predicting:
     predictor: Predictor
     seed: int
     up: Up = "y"
+    metres_per_unit: float = 1.0
 
     def made_from(self, found: Found) -> str:
         """A hash of a shape's files and of what predicts it. Raises InputError if the files cannot be looked at."""
-        how = self.predictor
-        return digest([fingerprint(found), how.method, how.weights, how.config, self.seed, self.up, __version__])
+        how = (self.predictor.method, self.predictor.weights, self.predictor.config, self.seed, self.up, self.metres_per_unit)
+        return digest([shown(found.path.absolute()), fingerprint(found), how, __version__])
+
+    def is_done(self, found: Found, folder: Path) -> bool:
+        """Whether a folder has what was predicted of a shape as it is."""
+        try:
+            return _is_made_from(folder, self.made_from(found))
+        except InputError:
+            return False
 
     def __call__(self, job: Job) -> str | None:
         """Write a shape's folder. Returns what is wrong with the shape, or None."""
@@ -146,7 +179,7 @@ class Predicting:
             prediction = self.predictor.predict(prepared, leaf_meshes(standing, prepared)).turned(turn.T)
             shape = standing.turned(turn.T)
             with whole_folder(job.folder) as draft:
-                write_urdf(shape, prediction.mobility, draft, name=job.folder.name)
+                write_urdf(shape, prediction.mobility, draft, name=job.folder.name, metres_per_unit=self.metres_per_unit)
                 write_joints_json(draft / JOINTS, shape, prediction, Provenance(self.predictor.weights, self.predictor.config))
                 (draft / MADE_FROM).write_text(job.made_from, encoding="ascii")
         except ValueError as error:
@@ -160,8 +193,23 @@ def _document(found: Found, folder: Path) -> dict[str, Any]:
         document = json.loads((folder / JOINTS).read_text(encoding="utf-8"))
         joints = sum(body["joint"] is not None for body in document["bodies"])
         repairs = [str(repair) for repair in document["shape"].get("repairs", ())]
+        diagonal = float(document["shape"]["diagonal"])
     urdf = str(folder / f"{folder.name}.urdf")
-    return {"id": found.id, "folder": str(folder), "joints": joints, "urdf": urdf, "repairs": repairs}
+    return {
+        "id": found.id,
+        "source": shown(found.path),
+        "folder": str(folder),
+        "joints": joints,
+        "urdf": urdf,
+        "diagonal": diagonal,
+        "repairs": repairs,
+    }
+
+
+def _joined(path: Path, source: Path, with_ending: bool) -> str:
+    """The place of a shape below `source` as the name of one folder."""
+    place = path.relative_to(source)
+    return clean_text(shown("__".join((place if with_ending or path.is_dir() else place.with_suffix("")).parts)))
 
 
 def _check_replaceable(folder: Path) -> None:

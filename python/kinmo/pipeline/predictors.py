@@ -273,6 +273,8 @@ def _weights(workspace: Workspace, model: str, category: str) -> tuple[Path, int
 def _all_weights(workspace: Workspace, model: str) -> list[tuple[Path, int]]:
     """All weights of a model, those of single categories too, and when they were written (ns)."""
     found = sorted(model_folder(workspace, model).rglob(WEIGHTS))
+    if not found and not workspace.root.exists():
+        raise InputError(workspace.root, "there is no such workspace: name one by --workspace, or run kinmo train motion first")
     if not found:
         raise InputError(model_folder(workspace, model), "not trained yet: run kinmo train motion first")
     return [(path, path.stat().st_mtime_ns) for path in found]

@@ -18,6 +18,7 @@ from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.stage import LaterStage, Observer, Outcome, Plan
 from kinmo.pipeline.train import Train
 from kinmo.splits import Split
+from kinmo.wording import duration
 from kinmo.workspace import Workspace
 
 NO_CATEGORY = f"no labelled shapes of {', '.join(PAPER_CATEGORIES)}: networks for scans are trained for --category NAME"
@@ -61,7 +62,7 @@ class TrainAll:
         for step in plan.steps:
             observer.note(f"to do: {step}")
         if plan.steps:
-            observer.note(f"about {max(round(plan.seconds / 60.0), 1)} minutes in all")
+            observer.note(f"about {duration(plan.seconds)} in all")
         texts: list[str] = []
         results: dict[str, Any] = {}
         sees_scans, failed = False, 0

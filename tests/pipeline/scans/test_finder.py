@@ -30,6 +30,16 @@ def test_a_finder_says_of_points_what_the_command_does(scanned: Scanned, tmp_pat
             finder.find(wrong)
 
 
+def test_the_order_of_points_is_no_matter(scanned: Scanned) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    order = np.random.default_rng(0).permutation(len(points))
+    finder = ScanFinder.load(scanned.workspace.root, FAMILY, device="cpu")
+    found, shuffled = finder.find(points), finder.find(points[order])
+    np.testing.assert_array_equal(shuffled.parts, found.parts[order])
+    np.testing.assert_array_equal(shuffled.estimate.poses.rotations, found.estimate.poses.rotations)
+    np.testing.assert_array_equal(shuffled.estimate.states, found.estimate.states)
+
+
 def test_points_far_from_all_others_are_of_none_and_change_nothing(scanned: Scanned) -> None:
     points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
     finder = ScanFinder.load(scanned.workspace.root, FAMILY, device="cpu")

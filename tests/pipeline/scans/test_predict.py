@@ -188,8 +188,10 @@ def test_results_go_into_a_folder(scanned: Scanned, tmp_path: Path) -> None:
     np.save(tmp_path / "scan.npy", np.random.default_rng(0).uniform(1.0, 2.0, (64, 3)))
     (tmp_path / "out").write_text("a file")
     for attempt in (lambda stage: stage.plan(), lambda stage: stage.run(Listener())):
-        with pytest.raises(InputError, match=r"--out: expected a folder, and .*out is a file"):
+        with pytest.raises(InputError, match="out: expected a folder: this is a file"):
             attempt(PredictScans(tmp_path / "scan.npy", tmp_path / "out", scanned.workspace, FAMILY, **HOW))
+        with pytest.raises(InputError, match=r"below: .*out is a file, not a folder"):
+            attempt(PredictScans(tmp_path / "scan.npy", tmp_path / "out" / "below", scanned.workspace, FAMILY, **HOW))
 
 
 def test_intrinsics_of_another_image_are_noted(scanned: Scanned, tmp_path: Path) -> None:

@@ -81,9 +81,9 @@ class ScanFinder:
         """Parts and joints of the object of which `points` [n, 3] were seen, in the frame of the camera.
 
         The camera looks along z, with x to the right and y down. What stands for nothing seen, such as (0, 0, 0), must not be
-        among them; `read_scan` leaves it out. What comes out depends on the points and on `seed` alone. Raises ValueError for
-        an array of another shape, for none, for points at no number or not before the camera, and where the thousand or so that
-        are looked at are at fewer than 32 places.
+        among them; `read_scan` leaves it out. What comes out depends on the points, in whatever order they are, and on `seed`
+        alone. Raises ValueError for an array of another shape, for none, for points at no number or not before the camera, and
+        where the thousand or so that are looked at are at fewer than 32 places.
         """
         points = np.asarray(points, np.float64)
         if points.ndim != 2 or points.shape[1] != 3 or not len(points):
@@ -104,10 +104,11 @@ class ScanFinder:
 
 
 def _some_of(points: NDArray[np.floating], count: int, seed: int) -> F64:
-    """`count` of the points [n, 3], no more often than needed."""
+    """`count` of the points [n, 3], no more often than needed; the same in whatever order these are."""
     rng = np.random.default_rng(seed)
     again = rng.integers(len(points), size=max(0, count - len(points)))
-    return np.asarray(points[np.concatenate([rng.permutation(len(points))[:count], again])], np.float64)
+    chosen = np.concatenate([rng.permutation(len(points))[:count], again])
+    return np.asarray(points[np.lexsort(points.T)[chosen]], np.float64)
 
 
 def networks_for(workspace: Workspace, category: str, method: str | None, seed: int) -> tuple[Workspace, Cell]:

@@ -25,7 +25,7 @@ from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.scan_input import ENDINGS, Intrinsics, check_is_scan, read_scan, write_points
 from kinmo.wording import counted
-from kinmo.workspace import Workspace, write_text_atomically
+from kinmo.workspace import Workspace, check_can_be_written, write_text_atomically
 
 SCHEMA_VERSION = 1
 SECONDS = 5.0
@@ -124,8 +124,7 @@ class PredictScans:
 
         What is found in a scan has its name without the ending, in a folder with it where only that tells it from all others.
         """
-        if self.out.exists() and not self.out.is_dir():
-            raise InputError("--out", f"expected a folder, and {self.out} is a file")
+        check_can_be_written(self.out)
         if not self.source.is_dir():
             check_is_scan(self.source)
             return [_Target(self.source, self.out / self.source.stem, shown(self.source.name))]
@@ -206,13 +205,14 @@ def scan_document(
         }
         for part in range(structure.part_count)
     ]
+    has_axis = np.atleast_1d(np.isfinite(found.directions).all(axis=1))
     joints = [
         {
             "part": row + 1,
             "parent": structure.parents[row],
             "kind": kind.value,
             "direction": _list(found.directions[row]),
-            "pivot": None if kind is JointKind.PRISMATIC else _list(found.pivots[row]),
+            "pivot": _list(found.pivots[row]) if kind is not JointKind.PRISMATIC and has_axis[row] else None,
             "state": _number(found.states[row]),
             "turn": _number(found.turns[row]),
             "unit": "radians" if kind is JointKind.REVOLUTE else "lengths of the scan",
