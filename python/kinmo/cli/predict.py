@@ -34,7 +34,7 @@ def predict(
     ] = None,
     metres_per_unit: Annotated[
         float | None,
-        Option(min=1e-9, help="Lengths of a shape's file in its URDF; 0.001 for millimetres.", show_default="1"),
+        Option(min=1e-9, help="Metres that a unit of a shape's file is in its URDF; 0.001 for millimetres.", show_default="1"),
     ] = None,
     category: Annotated[
         str | None, Option(help="What is seen in the scans, however it is spelled.", show_default=False, rich_help_panel=SCANS)

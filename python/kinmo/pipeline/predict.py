@@ -134,7 +134,7 @@ class Predict:
                 _joined(found.path, self.source, with_endings) if alike[name] > 1 else name
                 for name, found in zip(names, shapes, strict=True)
             ]
-        if len(set(names)) < len(names):  # where folders are named as other paths are put here
+        if len(set(names)) < len(names):  # a folder may be called what a path becomes here
             names = [f"{number}-{name}" for number, name in enumerate(names)]
         return [(found, self.out / name) for found, name in zip(shapes, names, strict=True)]
 
