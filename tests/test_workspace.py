@@ -16,6 +16,7 @@ from kinmo.workspace import (
     InUse,
     StageRecord,
     Workspace,
+    check_can_be_written,
     digest,
     kept_while_unchanged,
     remove_leftovers,
@@ -205,3 +206,23 @@ def test_a_full_disk_names_the_file_and_leaves_what_was_there(tmp_path):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     assert raised.value.filename == str(tmp_path / "file")
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"before"]
+
+
+def test_what_goes_wrong_in_writing_names_the_file_and_not_where_it_was_first_put(tmp_path):
+    with pytest.raises(OSError) as caught, write_atomically(tmp_path / "a.json") as temporary:
+        temporary.mkdir()
+        temporary.write_text("a file where there is a folder")
+    assert caught.value.filename == str(tmp_path / "a.json")
+
+
+def test_a_folder_that_can_be_written_to_is_told_without_making_it(tmp_path, monkeypatch):
+    check_can_be_written(tmp_path / "a" / "b")
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="file: expected a folder: this is a file"):
+        check_can_be_written(tmp_path / "file")
+    with pytest.raises(InputError, match=r"below: .*file is a file, not a folder"):
+        check_can_be_written(tmp_path / "file" / "below")
+    monkeypatch.setattr("kinmo.workspace.os.access", lambda path, mode: False)  # whoever runs this may be allowed all
+    with pytest.raises(InputError, match="new: cannot be written to"):
+        check_can_be_written(tmp_path / "new")

@@ -23,7 +23,6 @@ from kinmo.pipeline.each_shape import each_shape
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.prepare import prepare_shape
-from kinmo.shape import Y_UP
 from kinmo.wording import counted
 from kinmo.workers import Crashed
 from kinmo.workspace import Workspace, digest, locked
@@ -174,10 +173,11 @@ class Predicting:
         try:
             _check_replaceable(job.folder)
             turn = TO_Y_UP[self.up]
-            standing = replace(read_found(job.found).turned(turn), up=Y_UP)
+            x, y, z = turn[1].tolist()  # what it takes to y
+            shape = replace(read_found(job.found), up=(x, y, z))
+            standing = shape.turned(turn)
             prepared = prepare_shape(standing, seed=self.seed)
             prediction = self.predictor.predict(prepared, leaf_meshes(standing, prepared)).turned(turn.T)
-            shape = standing.turned(turn.T)
             with whole_folder(job.folder) as draft:
                 write_urdf(shape, prediction.mobility, draft, name=job.folder.name, metres_per_unit=self.metres_per_unit)
                 write_joints_json(draft / JOINTS, shape, prediction, Provenance(self.predictor.weights, self.predictor.config))

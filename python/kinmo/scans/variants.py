@@ -37,10 +37,9 @@ def changed(mobility: Mobility, meshes: Sequence[Mesh], change: F64) -> tuple[Mo
     `meshes` are those of the bodies. To be asked of an object that is closed: what is stretched open does not close any more.
     """
     is_mirrored = bool(np.linalg.det(change) < 0.0)
-    bodies = [replace(b, joint=None if b.joint is None else _joint(b.joint, change, is_mirrored)) for b in mobility.bodies]
     faces = (mesh.faces[:, ::-1] if is_mirrored else mesh.faces for mesh in meshes)
     moved = (Mesh(mesh.vertices @ change.T, np.ascontiguousarray(own)) for mesh, own in zip(meshes, faces, strict=True))
-    return replace(mobility, bodies=tuple(bodies)), tuple(moved)
+    return mobility.with_joints(lambda joint: _joint(joint, change, is_mirrored)), tuple(moved)
 
 
 def _joint(joint: Joint, change: F64, is_mirrored: bool) -> Joint:

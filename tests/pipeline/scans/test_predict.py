@@ -15,11 +15,14 @@ from whole_road import Listener, contents
 
 from kinmo.cli.app import app
 from kinmo.errors import InputError
+from kinmo.joint import JointKind
 from kinmo.pipeline.scans.dataset import open_scan_dataset
 from kinmo.pipeline.scans.example import ExampleScan
 from kinmo.pipeline.scans.networks import Cell
-from kinmo.pipeline.scans.predict import PredictScans
+from kinmo.pipeline.scans.predict import PredictScans, scan_document
 from kinmo.pipeline.scans.train import TrainAncsh
+from kinmo.scans.articulated_object import Structure
+from kinmo.scans.estimate import PartPoses, ScanEstimate
 from kinmo.scans.renderers import NOTHING
 from kinmo.scans.scan_file import open_scans
 from kinmo.scans.scan_input import Intrinsics
@@ -221,3 +224,13 @@ def test_a_category_without_networks_is_named_with_those_that_there_are(scanned:
         PredictScans(tmp_path / "x.npz", tmp_path, scanned.workspace, FAMILY, method="kinmo").run(Listener())
     with pytest.raises(InputError, match="run kinmo render first"):
         TrainAncsh(Workspace(scanned.workspace.root), scanned.config, "safe").run(Listener())
+
+
+def test_the_axis_of_a_part_that_was_not_found_is_unknown_as_a_whole() -> None:
+    structure = Structure((JointKind.REVOLUTE, JointKind.REVOLUTE), (0, 0))
+    poses = PartPoses(np.tile(np.eye(3), (3, 1, 1)), np.ones(3), np.zeros((3, 3)))
+    directions = np.array([[0.0, 1.0, 0.0], [np.nan] * 3])
+    places, known = np.ones((3, 3)), np.ones(2)
+    found = ScanEstimate(poses, places, places, np.ones(3), directions, np.ones((2, 3)), known, known)
+    document = scan_document(found, np.zeros(4, np.int16), structure, Path("scan.npz"), {})
+    assert [(joint["direction"], joint["pivot"]) for joint in document["joints"]] == [([0, 1, 0], [1, 1, 1]), (None, None)]

@@ -205,7 +205,7 @@ def scan_document(
         }
         for part in range(structure.part_count)
     ]
-    has_axis = np.atleast_1d(np.isfinite(found.directions).all(axis=1))
+    has_axis = np.asarray(np.isfinite(found.directions).all(axis=1))
     joints = [
         {
             "part": row + 1,
