@@ -214,6 +214,13 @@ def seen_boxes(
     Returns `(centers, axes, half_extents)`.
     """
 
+def nearest_neighbours(points: F32, count: int) -> NDArray[np.int64]:
+    """Indices [B, n, min(count, n)] of the nearest points of each point of clouds [B, n, 3], itself among them, nearest first.
+
+    Of points that are equally far those with lower indices come first. Meant for clouds of some hundreds of points: every pair
+    is looked at.
+    """
+
 def closest_points(meshes: Meshes, group: Sequence[int], points: F64) -> tuple[F64, F64, F64]:
     """Where the surfaces of the meshes `group` are nearest to points [N, 3].
 

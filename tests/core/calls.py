@@ -96,6 +96,9 @@ def _scan_calls(parts: _core.Meshes) -> dict[str, Call]:
             {"transforms": camera, "focal": np.array([12.0, 12.0]), "center": np.array([8.0, 6.0])},
         ),
         "manhattan_frames": Call(_core.manhattan_frames, {"points": rng.uniform(size=(2, 30, 3)).astype(np.float32)}),
+        "nearest_neighbours": Call(
+            lambda points: _core.nearest_neighbours(points, 5), {"points": rng.uniform(size=(2, 30, 3)).astype(np.float32)}
+        ),
         "find_similarities": Call(lambda **arrays: _flat(_core.find_similarities(**arrays, **search)), points),
         "tie_poses": Call(lambda **arrays: _core.tie_poses(**arrays, threshold=0.05), {**points, **joints, **poses, **objects}),
         "settle_poses": Call(

@@ -41,6 +41,7 @@ calls = {
         tangle, np.tile(np.eye(4), (40_000, 2, 1, 1)), (32, 32), np.full(2, 16.0), np.full(2, 16.0), near=0.01, far=9.0
     ),
     "manhattan_frames": lambda: _core.manhattan_frames(rng.uniform(size=(20_000, 100, 3)).astype(np.float32)),
+    "nearest_neighbours": lambda: _core.nearest_neighbours(rng.uniform(size=(20_000, 500, 3)).astype(np.float32), 8),
     "find_similarities": lambda: _core.find_similarities(cloud, cloud, rows, **search),
     "tie_poses": lambda: _core.tie_poses(cloud, cloud[::-1].copy(), rows, *ties, *poses, frames=objects, threshold=9.0),
     "settle_poses": lambda: _core.settle_poses(cloud, cloud, rows, *ties, *known, *poses, frames=objects, threshold=9.0),
@@ -110,6 +111,7 @@ def outcomes() -> dict[str, str]:
         "closest_points",
         "render",
         "manhattan_frames",
+        "nearest_neighbours",
         "find_similarities",
         "tie_poses",
         "settle_poses",

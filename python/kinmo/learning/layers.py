@@ -9,6 +9,7 @@ from itertools import pairwise
 import torch
 from torch import Tensor, nn
 
+from kinmo import _core
 from kinmo.config import PointEncoderConfig
 
 DGCNN_SLOPE = 0.2
@@ -42,6 +43,8 @@ def scatter_max(values: Tensor, index: Tensor, size: int) -> Tensor:
 
 def nearest_neighbours(points: Tensor, count: int) -> Tensor:
     """Indices [B, n, count] of the nearest points of each point of `points` [B, n, C], itself among them."""
+    if points.is_cpu and points.dtype == torch.float32 and points.shape[2] == 3:
+        return torch.from_numpy(_core.nearest_neighbours(points.detach().numpy(), count))
     squared = points.square().sum(-1)
     affinity = torch.baddbmm(squared.neg().unsqueeze(1), points, points.transpose(1, 2), beta=1.0, alpha=2.0)
     return affinity.topk(min(count, points.shape[1]), dim=-1, sorted=False).indices

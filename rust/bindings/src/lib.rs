@@ -13,6 +13,7 @@ mod joints;
 mod manhattan;
 mod meshes;
 mod motion;
+mod neighbours;
 mod numbers;
 mod obb;
 mod poses;
@@ -35,6 +36,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         iou::register,
         manhattan::register,
         motion::register,
+        neighbours::register,
         obb::register,
         poses::register,
         proximity::register,

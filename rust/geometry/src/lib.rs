@@ -21,6 +21,7 @@ mod lanes;
 pub mod manhattan;
 pub mod mesh;
 pub mod motion;
+pub mod neighbours;
 pub mod normals;
 pub mod obb;
 pub mod oriented_box;
