@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zlib
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import torch
@@ -25,6 +26,7 @@ class AxisSelector:
 
     def __init__(self, network: AxisSelectionNetwork, config: AxisConfig, device: str, sha256: str = "") -> None:
         self.network, self.config, self.device, self.sha256 = network.to(device).eval(), config, device, sha256
+        self._known: WeakKeyDictionary[PreparedShape, dict[tuple[object, ...], NDArray[np.float64]]] = WeakKeyDictionary()
 
     @classmethod
     def load(cls, weights: Path, device: str = "auto") -> AxisSelector:
@@ -36,14 +38,23 @@ class AxisSelector:
         loaded.fill(network)
         return cls(network, config, device, loaded.sha256)
 
-    @torch.inference_mode()
     def score_candidates(self, shape: PreparedShape, moving: list[int], candidates: Candidates) -> NDArray[np.float64]:
         """s^f [C]: the mean feasibility in [0, 1] over the displacements, for the leaves at places `moving` (paper, section
         3.3).
 
         What parts that are neither movable nor reference are is not said; as in the release they are marked as the reference.
-        The same shape and leaves give the same scores.
+        The same shape and leaves give the same scores, and are looked at once for as long as the shape is in memory.
         """
+        known = self._known.setdefault(shape, {})
+        lines = candidates.kinds, candidates.directions, candidates.pivots
+        asked = (tuple(sorted(moving)), *(values.tobytes() for values in lines))
+        if asked not in known:
+            known[asked] = self._scores(shape, moving, candidates)
+        scores: NDArray[np.float64] = known[asked].copy()
+        return scores
+
+    @torch.inference_mode()
+    def _scores(self, shape: PreparedShape, moving: list[int], candidates: Candidates) -> NDArray[np.float64]:
         scores = np.zeros(len(candidates))
         if not len(candidates):
             return scores

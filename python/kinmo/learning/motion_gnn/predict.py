@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import torch
@@ -25,6 +26,7 @@ class MotionGnnPredictor:
     def __init__(self, network: MotionGnn, config: GnnConfig, device: str, sha256: str = "", hide_names: bool = False) -> None:
         self.network, self.config, self.device = network.to(device).eval(), config, device
         self.sha256, self.hide_names = sha256, hide_names
+        self._known: WeakKeyDictionary[PreparedShape, EdgePredictions] = WeakKeyDictionary()
 
     @classmethod
     def load(cls, weights: Path, device: str = "auto", hide_names: bool = False) -> MotionGnnPredictor:
@@ -38,8 +40,13 @@ class MotionGnnPredictor:
         return cls(network, config, device, loaded.sha256, hide_names)
 
     def predict_edges(self, shape: PreparedShape) -> EdgePredictions:
-        """What the network says of every edge of `shape`, in the normalised frame; edges it does not see are NONE."""
-        return self.predict_many([shape])[0]
+        """What the network says of every edge of `shape`, in the normalised frame; edges it does not see are NONE.
+
+        A shape is looked at once for as long as it is in memory.
+        """
+        if shape not in self._known:
+            self._known[shape] = self.predict_many([shape])[0]
+        return self._known[shape]
 
     @torch.inference_mode()
     def predict_many(self, shapes: Sequence[PreparedShape]) -> list[EdgePredictions]:
