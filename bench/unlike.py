@@ -60,7 +60,7 @@ def names_of_numbers(shape: PreparedShape) -> list[str]:
     meshes = leaf_meshes(read_found(Found(Path(shape.source), Layout(shape.layout), shape.id)), shape)
     scene = scene_of(shape, meshes)
     units = see_units(scene, [[0]])
-    numbers = unit_numbers(scene, units[0], units)
+    numbers = unit_numbers(scene, units[0], units[0].minimum.half_extents[None])
     return [
         f"{name} {place + 1}" if len(values) > 1 else name for name, values in numbers.items() for place in range(len(values))
     ]

@@ -12,9 +12,10 @@ from kinmo.learning.edge_predictions import EdgePredictions
 from kinmo.learning.joint_ranking.data import View
 from kinmo.learning.joint_ranking.decide import same_joint
 from kinmo.mobility import Body
+from kinmo.pipeline.predictors import leaf_meshes
 from kinmo.prepare import prepare_shape
 from kinmo.prepared import PreparedShape
-from kinmo.ranked_mobility import SaidNodes, moving_nodes, predicted_bodies, ranked_bodies
+from kinmo.ranked_mobility import SaidNodes, moving_nodes, predicted_bodies, ranked_bodies, with_limits
 from small_shapes import cabinet, cabinet_shape
 
 SLIDE = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3))
@@ -75,6 +76,52 @@ def test_a_body_whose_kind_is_told_moves_so(kind: JointKind) -> None:
     told = ranked_bodies(shape, None, shape.body_leaves, Undecided(), all_fixed(shape), kinds=[None, kind])
     assert asked[1][0].joint is None and told[1][0].joint.kind is kind
     assert told[0][0].joint is None and told[0][0].score == asked[0][0].score
+
+
+class ByEvidence:
+    """A ranking that goes by all that the evidence says."""
+
+    def probabilities(self, view: View) -> tuple[list[np.ndarray], np.ndarray]:
+        evidence = view.evidence
+        odds = [np.exp(np.sin(evidence.features[evidence.rows(unit)].astype(float)).sum(axis=1)) for unit in view.units]
+        rest = 0.5 + 0.4 * np.sin(evidence.unit_features[list(view.units)].astype(float).sum(axis=1))
+        return [(1.0 - still) * each / each.sum() for each, still in zip(odds, rest, strict=True)], rest
+
+
+def test_a_body_is_answered_alike_whether_or_not_the_shape_was_prepared_with_it() -> None:
+    boxes = [((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1)), ((0.4, 1.1, 0.9), (0.6, 1.2, 1))]
+    annotated = shape_of_boxes(boxes, (Body(0, "box", (1,)), Body(1, "lid", (2, 3), 0, HINGE)))
+    known, unknown = prepare_shape(annotated, points=64), prepare_shape(replace(annotated, mobility=None), points=64)
+    assert (1, 2) not in unknown.leaves_below
+    with pytest.raises(ValueError, match="meshes: needed"):
+        ranked_bodies(unknown, None, known.body_leaves, ByEvidence(), all_fixed(unknown))
+    expected, found = (
+        ranked_bodies(shape, leaf_meshes(annotated, shape), known.body_leaves, ByEvidence(), all_fixed(shape))
+        for shape in (known, unknown)
+    )
+    for one, other in zip(expected, found, strict=True):
+        assert [answer.type for answer in one] == [answer.type for answer in other]
+        np.testing.assert_allclose([answer.score for answer in one], [answer.score for answer in other], atol=1e-5)
+        for a, b in zip(one, other, strict=True):
+            if a.joint is not None:
+                np.testing.assert_allclose(a.joint.direction, b.joint.direction, atol=1e-6)
+                np.testing.assert_allclose(a.joint.pivot, b.joint.pivot, atol=1e-6)
+
+
+def test_the_best_answer_is_swept_as_if_there_were_no_others() -> None:
+    box, lid = ((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1))
+    made = shape_of_boxes([box, lid], (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE)))
+    shape = prepare_shape(made, points=64)
+    meshes = leaf_meshes(made, shape)
+    answers = ranked_bodies(shape, meshes, shape.body_leaves, ByEvidence(), all_fixed(shape), kinds=[None, JointKind.REVOLUTE])[
+        1
+    ]
+    limited, alone = with_limits(answers, shape, meshes, [1]), with_limits(answers[:1], shape, meshes, [1])
+    assert len(limited) == len(answers) > 1
+    assert (limited[0].joint.lower, limited[0].joint.upper) == (alone[0].joint.lower, alone[0].joint.upper)
+    for answer, told in zip(answers, limited, strict=True):
+        assert (answer.joint is None) == (told.joint is None)
+        assert answer.joint is None or "sweep" in told.terms
 
 
 @pytest.mark.parametrize(

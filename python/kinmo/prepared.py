@@ -38,6 +38,11 @@ def units_of(parts: Sequence[tuple[int, ...]], bodies: Sequence[tuple[int, ...]]
     return tuple(dict.fromkeys((*parts[1:], *bodies)))
 
 
+def part_sizes(parts: Sequence[tuple[int, ...]], boxes: Boxes) -> NDArray[np.float64]:
+    """Half extents [P, 3] of the distinct parts below the root (`units_of(parts, ())`); `boxes` are those of all `parts`."""
+    return boxes.half_extents[[parts.index(part) for part in units_of(parts, ())]]
+
+
 @dataclass(frozen=True, eq=False)
 class PreparedShape:
     """Everything the stages after `prepare` need of a shape, in the *normalised frame*.

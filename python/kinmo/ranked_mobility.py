@@ -30,7 +30,7 @@ from kinmo.mobility import Body, descendants
 from kinmo.mobility_tree import mean_estimate
 from kinmo.part_geometry import symmetric_box
 from kinmo.prediction import JointEstimate
-from kinmo.prepared import PreparedShape, units_of
+from kinmo.prepared import PreparedShape, part_sizes, units_of
 from kinmo.refinement import said_alone
 from kinmo.type_odds import motion_types_of, outward_edges, with_types
 
@@ -64,15 +64,7 @@ def ranked_bodies(
     prepared with; without them those raise ValueError. `edges` are what the motion GNN says.
     """
     wanted = [body for body in bodies if body]
-    units = units_of(shape.leaves_below, shape.body_leaves)
-    if set(wanted) <= set(units) and shape.evidence:
-        evidence = Evidence.of(shape.evidence)
-    elif meshes is None:
-        raise ValueError("meshes: needed for bodies that the shape was not prepared with")
-    else:
-        units = units_of(shape.leaves_below, wanted)
-        evidence = gather(scene_of(shape, meshes), units, len(units_of(shape.leaves_below, ())))
-    place = {leaves: unit for unit, leaves in enumerate(units)}
+    evidence, place = _evidence_of(shape, meshes, wanted)
     words = tuple(words_of(shape, leaves) for leaves in wanted)
     asked = tuple(place[body] for body in wanted)
     view = View(shape.id, evidence, asked, True, words, (None,) * len(wanted), category_words(shape))
@@ -99,6 +91,22 @@ def ranked_bodies(
             odds, still = (odds / odds.sum(), 0.0) if odds.any() else (odds, 1.0)
         answers.append(rank_answers(evidence, place[body], odds, still, box, shape.up))
     return answers
+
+
+def _evidence_of(
+    shape: PreparedShape, meshes: _core.Meshes | None, bodies: Sequence[tuple[int, ...]]
+) -> tuple[Evidence, dict[tuple[int, ...], int]]:
+    """Evidence for some bodies, and which unit of it each is; what `shape` was prepared with is not looked at again."""
+    known = Evidence.of(shape.evidence) if shape.evidence else None
+    units = () if known is None else units_of(shape.leaves_below, shape.body_leaves)
+    others = tuple(body for body in dict.fromkeys(bodies) if body not in units)
+    place = {leaves: unit for unit, leaves in enumerate((*units, *others))}
+    if known is not None and not others:
+        return known, place
+    if meshes is None:
+        raise ValueError("meshes: needed for bodies that the shape was not prepared with")
+    found = gather(scene_of(shape, meshes), others, part_sizes(shape.leaves_below, shape.minimum_boxes))
+    return found if known is None else known.joined(found), place
 
 
 def scene_of(shape: PreparedShape, meshes: _core.Meshes) -> Scene:
@@ -243,23 +251,43 @@ def attached_to(
     return parents
 
 
-def with_limits(answer: JointEstimate, shape: PreparedShape, meshes: _core.Meshes, moving: Sequence[int]) -> JointEstimate:
-    """The answer with the range that the part goes, its direction turned to the farther side, and the term `sweep`.
+def with_limits(
+    answers: Sequence[JointEstimate], shape: PreparedShape, meshes: _core.Meshes, moving: Sequence[int]
+) -> tuple[JointEstimate, ...]:
+    """Ranked answers for one body with the range that it goes, directions turned to the farther side, and the term `sweep`.
 
-    `moving` are the positions of all leaves that move along.
+    `moving` are the positions of all leaves that move along. The best answer has all probes of a sweep to itself; the others
+    share those of one more.
     """
-    joint = answer.joint
-    if joint is None:
-        return answer
+    return (*_limited(answers[:1], shape, meshes, moving), *_limited(answers[1:], shape, meshes, moving))
+
+
+def _limited(
+    answers: Sequence[JointEstimate], shape: PreparedShape, meshes: _core.Meshes, moving: Sequence[int]
+) -> list[JointEstimate]:
+    """The answers with what one sweep says of them; those without a joint as they are."""
+    joints = {place: answer.joint for place, answer in enumerate(answers) if answer.joint is not None}
+    limited = list(answers)
+    if not joints:
+        return limited
+    candidates = Candidates(
+        np.array([KIND_CODES[joint.kind] for joint in joints.values()], np.uint8),
+        np.array([joint.direction for joint in joints.values()]),
+        np.array([joint.pivot for joint in joints.values()]),
+        tuple(answers[place].source for place in joints),
+    )
     obstacles = sorted(set(range(len(shape.leaves))) - set(moving))
-    alone = Candidates(np.array([KIND_CODES[joint.kind]], np.uint8), joint.direction[None], joint.pivot[None], (answer.source,))
     points = shape.leaf_points[list(moving)].reshape(-1, 3).astype(np.float64)
-    travel = free_travel(meshes, moving, obstacles, alone, points)
-    lower, upper = travel.range(0)
-    limited = replace(joint, lower=lower, upper=upper)
-    if lower is not None and upper is not None and -lower > upper:
-        limited = limited.reversed()
-    return replace(answer, joint=limited, terms={**answer.terms, "sweep": float(travel.freedom[0])})
+    travel = free_travel(meshes, moving, obstacles, candidates, points)
+    for row, (place, joint) in enumerate(joints.items()):
+        lower, upper = travel.range(row)
+        joint = replace(joint, lower=lower, upper=upper)
+        if lower is not None and upper is not None and -lower > upper:
+            joint = joint.reversed()
+        limited[place] = replace(
+            answers[place], joint=joint, terms={**answers[place].terms, "sweep": float(travel.freedom[row])}
+        )
+    return limited
 
 
 def tree_of(
@@ -275,7 +303,7 @@ def tree_of(
     limited = []
     for index, found in enumerate(answers):
         along = sorted(leaf for body in descendants(parents, index) for leaf in bodies[body])
-        limited.append(tuple(with_limits(answer, shape, meshes, along) for answer in found))
+        limited.append(with_limits(found, shape, meshes, along))
     tree = tuple(
         Body(index, name, tuple(shape.leaves[position] for position in leaves), parents[index], found[0].joint)
         for index, (name, leaves, found) in enumerate(zip(names, bodies, limited, strict=True))

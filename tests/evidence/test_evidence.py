@@ -82,12 +82,17 @@ def test_all_evidence_is_finite_even_for_a_part_that_stands_alone() -> None:
 
 def test_what_forms_a_body_does_not_show_in_the_evidence_of_parts() -> None:
     leaves = [(FRAME,), (DOOR,), (KNOB,), (DRAWER,)]
-    bare, annotated = (
-        gather(scene(), leaves, len(leaves)),
-        gather(scene(), [*leaves, (DOOR, KNOB), (FRAME, DRAWER)], len(leaves)),
-    )
+    sizes = np.array([unit.minimum.half_extents for unit in see_units(scene(), leaves)])
+    bare, annotated = gather(scene(), leaves, sizes), gather(scene(), [*leaves, (DOOR, KNOB), (FRAME, DRAWER)], sizes)
     np.testing.assert_array_equal(annotated.unit_features[: len(leaves)], bare.unit_features)
     np.testing.assert_array_equal(annotated.features[: len(bare.features)], bare.features)
+
+
+def test_units_may_be_looked_at_one_after_another() -> None:
+    sizes = np.array([unit.minimum.half_extents for unit in see_units(scene(), UNITS)])
+    joined = gather(scene(), UNITS[:2], sizes).joined(gather(scene(), UNITS[2:], sizes))
+    for name, values in STILL.arrays().items():
+        np.testing.assert_array_equal(joined.arrays()[name], values)
 
 
 def test_a_door_hung_left_differs_from_one_hung_right() -> None:

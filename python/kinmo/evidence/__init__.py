@@ -56,16 +56,25 @@ class Evidence:
         found["directions"] /= np.linalg.norm(found["directions"], axis=1, keepdims=True)
         return cls(**found)
 
+    def joined(self, others: Evidence) -> Evidence:
+        """These units and after them those of `others`."""
+        arrays = {
+            field.name: np.concatenate([getattr(self, field.name), getattr(others, field.name)])
+            for field in fields(self)
+            if field.name != "offsets"
+        }
+        return Evidence(np.concatenate([self.offsets, self.offsets[-1] + others.offsets[1:]]), **arrays)
+
     def rows(self, unit: int) -> slice:
         """The rows of one unit's hypotheses."""
         return slice(int(self.offsets[unit]), int(self.offsets[unit + 1]))
 
 
-def gather(scene: Scene, units: Sequence[Sequence[int]], parts: int | None = None) -> Evidence:
+def gather(scene: Scene, units: Sequence[Sequence[int]], part_sizes: F64 | None = None) -> Evidence:
     """Hypotheses and their evidence for every unit, a list of positions of leaves; at least one.
 
-    The first `parts` units (None: all) are what a unit is compared with and counted among: the parts of the hierarchy, which
-    are there whether or not it is known what forms a body.
+    `part_sizes` [P, 3] are half extents of the minimum-volume boxes of what a unit is compared with and counted among: the
+    parts of the hierarchy, which are there whether or not it is known what forms a body. None: those of the units.
     """
     seen = see_units(scene, units)
     kinds, directions, pivots, features, counts = [], [], [], [], []
@@ -79,6 +88,8 @@ def gather(scene: Scene, units: Sequence[Sequence[int]], parts: int | None = Non
         about = motion_features(unit, kind, directions[-1], pivots[-1])
         features.append(np.column_stack([line_features(scene, unit, lines)[line], about]))
         counts.append(len(kind))
+    if part_sizes is None:
+        part_sizes = np.array([unit.minimum.half_extents for unit in seen])
     return Evidence(
         np.concatenate([[0], np.cumsum(counts)]),
         np.concatenate(kinds),
@@ -86,5 +97,5 @@ def gather(scene: Scene, units: Sequence[Sequence[int]], parts: int | None = Non
         np.concatenate(pivots),
         np.concatenate(features).astype(np.float32),
         np.array([unit.aligned.center for unit in seen]),
-        np.array([unit_features(scene, unit, seen[:parts]) for unit in seen], np.float32),
+        np.array([unit_features(scene, unit, part_sizes) for unit in seen], np.float32),
     )

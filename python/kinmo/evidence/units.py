@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,13 +9,16 @@ from kinmo.box import are_alike
 from kinmo.evidence.scene import Scene, Unit
 
 
-def unit_features(scene: Scene, unit: Unit, others: Sequence[Unit]) -> NDArray[np.float64]:
+def unit_features(scene: Scene, unit: Unit, part_sizes: NDArray[np.float64]) -> NDArray[np.float64]:
     """All of `unit_numbers` in their order [G]."""
-    return np.concatenate(list(unit_numbers(scene, unit, others).values()))
+    return np.concatenate(list(unit_numbers(scene, unit, part_sizes).values()))
 
 
-def unit_numbers(scene: Scene, unit: Unit, others: Sequence[Unit]) -> dict[str, NDArray[np.float64]]:
-    """Size, place, roundness, contact, protrusion and likes of a part among the units `others` of its shape, by name [g]."""
+def unit_numbers(scene: Scene, unit: Unit, part_sizes: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Size, place, roundness, contact, protrusion and likes of a part, by name [g].
+
+    Its likes are those of the parts of its shape, whose half extents are `part_sizes` [P, 3].
+    """
     up, axes = scene.up, unit.sorted_axes
     half = np.sort(unit.minimum.half_extents)[::-1]
     low, high = scene.extents
@@ -29,7 +30,7 @@ def unit_numbers(scene: Scene, unit: Unit, others: Sequence[Unit]) -> dict[str, 
     offset = unit.aligned.center - scene.middle
     contact = unit.contact_weights @ unit.contact - unit.aligned.center
     protrusion = unit.protrusion - unit.aligned.center
-    alike = are_alike(half, np.array([other.minimum.half_extents for other in others]).reshape(-1, 3)).sum()
+    alike = are_alike(half, part_sizes).sum()
     area = scene.areas[list(unit.leaves)].sum() / max(scene.areas.sum(), 1e-12)
     features = {
         "extents": np.log(half + 1e-3),
@@ -52,7 +53,7 @@ def unit_numbers(scene: Scene, unit: Unit, others: Sequence[Unit]) -> dict[str, 
         "contact is one-sided": np.linalg.norm(unit.mean_toward),
         "contact against axes": np.abs(axes @ unit.mean_toward),
         "protrusion": [np.linalg.norm(protrusion - contact) / unit.half_diagonal, protrusion @ up / unit.half_diagonal],
-        "counts": np.log1p([alike, len(others), len(scene.areas), len(unit.leaves), len(unit.riders)]),
+        "counts": np.log1p([alike, len(part_sizes), len(scene.areas), len(unit.leaves), len(unit.riders)]),
         "round pieces": np.log1p([len(unit.own_round), len(unit.next_round)]),
         "stands alone": float(not unit.rest),
         "object": np.log([*np.sort(size[:2]), size[2]]),

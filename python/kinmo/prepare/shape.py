@@ -14,7 +14,7 @@ from kinmo.ground_truth import EdgeLabels, label_edges, motion_type, sibling_edg
 from kinmo.joint import MotionType
 from kinmo.mobility import Mobility
 from kinmo.normalisation import Normalisation, geometry_hash
-from kinmo.prepared import Boxes, PreparedShape, units_of
+from kinmo.prepared import Boxes, PreparedShape, part_sizes, units_of
 from kinmo.shape import Shape
 
 F64 = NDArray[np.float64]
@@ -40,6 +40,8 @@ def prepare_shape(shape: Shape, *, points: int = POINTS, seed: int = 0) -> Prepa
     edges = sibling_edges(shape)
     up, areas = np.array(shape.up, np.float64), meshes.areas()
     scene = Scene.of(meshes, samples, normals, areas, up)
+    minimum_boxes = _fit_boxes(lambda groups: _core.fit_boxes(meshes, groups), parts)
+    units = units_of(parts, bodies)
     body_types: dict[int, MotionType] = {}
     edge_labels: EdgeLabels | None = None
     if mobility is not None:
@@ -62,7 +64,7 @@ def prepare_shape(shape: Shape, *, points: int = POINTS, seed: int = 0) -> Prepa
         leaf_points=samples,
         leaf_normals=normals,
         leaf_areas=areas,
-        minimum_boxes=_fit_boxes(lambda groups: _core.fit_boxes(meshes, groups), parts),
+        minimum_boxes=minimum_boxes,
         symmetric_boxes=symmetric_boxes,
         aligned_boxes=_fit_boxes(lambda groups: _core.fit_aligned_boxes(meshes, np.eye(3), groups), parts),
         edges=edges,
@@ -71,7 +73,7 @@ def prepare_shape(shape: Shape, *, points: int = POINTS, seed: int = 0) -> Prepa
         body_boxes=None if mobility is None else body_boxes,
         body_types=body_types,
         edge_labels=edge_labels,
-        evidence=gather(scene, units_of(parts, bodies), len(units_of(parts, ()))).arrays() if len(parts) > 1 or bodies else {},
+        evidence=gather(scene, units, part_sizes(parts, minimum_boxes)).arrays() if units else {},
     )
 
 
