@@ -30,7 +30,7 @@ def test_no_clouds_and_no_points_have_no_neighbours() -> None:
     [
         (np.zeros((4, 3), np.float32), 2, r"points: shape \[4, 3\], expected \[F, N, 3\]"),
         (np.full((1, 4, 3), np.nan, np.float32), 2, "points: not finite"),
-        (np.zeros((1, 4, 3), np.float32), 0, "count: 0, expected an integer from 1 to 1024"),
+        (np.zeros((1, 4, 3), np.float32), 0, "count: 0, expected an integer from 1 to 4294967295"),
     ],
 )
 def test_bad_arguments_are_refused_by_name(points: np.ndarray, count: int, problem: str) -> None:

@@ -9,8 +9,8 @@ use crate::batches::map_in_batches;
 use crate::convert::value_error;
 use crate::numbers::{count_of, integer};
 
-/// Most neighbours of a point.
-const MOST_NEIGHBOURS: usize = 1024;
+/// Most neighbours that may be asked for; there are no more than points.
+const MOST_NEIGHBOURS: usize = u32::MAX as usize;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(nearest_neighbours, module)?)
