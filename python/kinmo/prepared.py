@@ -40,7 +40,8 @@ def units_of(parts: Sequence[tuple[int, ...]], bodies: Sequence[tuple[int, ...]]
 
 def part_sizes(parts: Sequence[tuple[int, ...]], boxes: Boxes) -> NDArray[np.float64]:
     """Half extents [P, 3] of the distinct parts below the root (`units_of(parts, ())`); `boxes` are those of all `parts`."""
-    return boxes.half_extents[[parts.index(part) for part in units_of(parts, ())]]
+    place = {part: index for index, part in enumerate(parts)}
+    return boxes.half_extents[[place[part] for part in units_of(parts, ())]]
 
 
 @dataclass(frozen=True, eq=False)

@@ -99,8 +99,9 @@ def _evidence_of(
     """Evidence for some bodies, and which unit of it each is; what `shape` was prepared with is not looked at again."""
     known = Evidence.of(shape.evidence) if shape.evidence else None
     units = () if known is None else units_of(shape.leaves_below, shape.body_leaves)
-    others = tuple(body for body in dict.fromkeys(bodies) if body not in units)
-    place = {leaves: unit for unit, leaves in enumerate((*units, *others))}
+    place = {leaves: unit for unit, leaves in enumerate(units)}
+    others = [body for body in dict.fromkeys(bodies) if body not in place]
+    place |= {leaves: unit for unit, leaves in enumerate(others, start=len(units))}
     if known is not None and not others:
         return known, place
     if meshes is None:
