@@ -101,12 +101,14 @@ def _evidence_of(
     units = () if known is None else units_of(shape.leaves_below, shape.body_leaves)
     place = {leaves: unit for unit, leaves in enumerate(units)}
     others = [body for body in dict.fromkeys(bodies) if body not in place]
-    place |= {leaves: unit for unit, leaves in enumerate(others, start=len(units))}
+    # evidence may have more units: those of bodies of an annotation that was taken from the shape
+    place |= {leaves: unit for unit, leaves in enumerate(others, start=0 if known is None else len(known))}
     if known is not None and not others:
         return known, place
     if meshes is None:
         raise ValueError("meshes: needed for bodies that the shape was not prepared with")
-    found = gather(scene_of(shape, meshes), others, part_sizes(shape.leaves_below, shape.minimum_boxes))
+    gathered = gather(scene_of(shape, meshes), others, part_sizes(shape.leaves_below, shape.minimum_boxes))
+    found = Evidence.of(gathered.arrays())  # rounded as what is stored, so that it does not matter which body was
     return found if known is None else known.joined(found), place
 
 

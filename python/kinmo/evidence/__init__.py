@@ -40,6 +40,10 @@ class Evidence:
     centers: F64
     unit_features: NDArray[np.float32]
 
+    def __len__(self) -> int:
+        """How many units there are."""
+        return len(self.centers)
+
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """The arrays by name, as `PreparedShape.evidence` keeps them; geometry as float32."""
         return {
