@@ -8,7 +8,9 @@ KINMO  := $(BIN)/kinmo
 # A process a core, each for whole files of tests, since what is set up for one test of a file often serves the next.
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 DEMO   := demo
-COUNT  ?= 12
+# Shapes of a family; there are more of the one whose scans are looked at, as few of its shapes have the same joints.
+COUNT  ?= 8
+SCANNED_COUNT ?= 12
 
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
 SETUP_STAMP  := $(VENV)/.set-up
@@ -41,6 +43,7 @@ $(SETUP_STAMP): pyproject.toml $(RUST_SOURCES) | $(VENV)/bin/python
 
 demo: $(SETUP_STAMP) ## the whole road on procedural shapes, scans of dishwashers included (resumable)
 	$(KINMO) synth $(DEMO)/partnet --count $(COUNT)
+	$(KINMO) synth $(DEMO)/partnet --count $(SCANNED_COUNT) --family dishwasher
 	$(KINMO) prepare $(DEMO)/partnet --workspace $(DEMO)/workspace
 	$(KINMO) train all --config small --category dishwasher --workspace $(DEMO)/workspace
 	$(KINMO) render --config small --category dishwasher --example $(DEMO)/scan.npz --workspace $(DEMO)/workspace
