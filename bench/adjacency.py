@@ -11,8 +11,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import time
-from collections.abc import Callable
 
 os.environ["RAYON_NUM_THREADS"] = "1"
 
@@ -22,6 +20,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from kinmo import _core
+from timing import best_time
 
 GOAL = 10.0
 SHARE = 0.05
@@ -81,16 +80,6 @@ def peer(shape: list[MeshArrays], within: float) -> dict[tuple[int, int], float]
                 if distance <= within:
                     result[a, b] = max(distance, 0.0)
     return result
-
-
-def best_time(run: Callable[[], object], repeats: int) -> float:
-    """Least processor time of some runs, in seconds."""
-    times = []
-    for _ in range(repeats):
-        start = time.process_time()
-        run()
-        times.append(time.process_time() - start)
-    return min(times)
 
 
 def main() -> None:

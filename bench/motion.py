@@ -11,8 +11,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import time
-from collections.abc import Callable
 
 for variable in ("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"
@@ -21,20 +19,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from kinmo import _core
+from timing import best_time
 
 GOAL = 5.0
 CANDIDATES, DISPLACEMENTS, POINTS = 15, 8, 4096
 AGREEMENT = 1e-5
-
-
-def best_time(run: Callable[[], object], repeats: int) -> float:
-    """Least processor time of some runs, in ms."""
-    times = []
-    for _ in range(repeats):
-        start = time.process_time()
-        run()
-        times.append(time.process_time() - start)
-    return 1e3 * min(times)
 
 
 def main() -> None:
@@ -69,7 +58,7 @@ def main() -> None:
     difference = float(np.abs(ours() - peer()).max())
     if difference > AGREEMENT:
         raise SystemExit(f"moved points differ by {difference:.1e}")
-    times = {run.__name__: best_time(run, repeats) for run in (ours, peer, peer_by_blas)}
+    times = {run.__name__: 1e3 * best_time(run, repeats) for run in (ours, peer, peer_by_blas)}
     print(f"largest difference {difference:.1e}")
     for name, milliseconds in times.items():
         print(f"{name:15} {milliseconds:8.2f} ms {milliseconds / times['ours']:6.1f} x")

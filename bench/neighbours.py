@@ -11,8 +11,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import time
-from collections.abc import Callable
 
 for variable in ("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"
@@ -22,19 +20,10 @@ import torch
 from scipy.spatial import cKDTree
 
 from kinmo import _core
+from timing import best_time
 
 SIZES = ((64, 256, 8), (16, 1024, 20))
 AGREEMENT = 1e-5
-
-
-def best_time(run: Callable[[], object], repeats: int) -> float:
-    """Least processor time of some runs, in ms."""
-    times = []
-    for _ in range(repeats):
-        start = time.process_time()
-        run()
-        times.append(time.process_time() - start)
-    return 1e3 * min(times)
 
 
 def compare(batch: int, size: int, count: int, repeats: int) -> dict[str, float]:
@@ -61,7 +50,7 @@ def compare(batch: int, size: int, count: int, repeats: int) -> dict[str, float]
         difference = float(np.abs(farthest(run()) - expected).max())
         if difference > AGREEMENT:
             raise SystemExit(f"{run.__name__}: the farthest neighbours differ by {difference:.1e}")
-    return {run.__name__: best_time(run, repeats) for run in (ours, topk, tree)}
+    return {run.__name__: 1e3 * best_time(run, repeats) for run in (ours, topk, tree)}
 
 
 def main() -> None:

@@ -17,8 +17,6 @@ for variable in ("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS",
 
 import argparse
 import json
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +31,7 @@ from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import PoseOptions, ScanEstimate, estimate
 from kinmo.scans.input_frame import InputFrame
 from kinmo.scans.typical import Typical
+from timing import best_time
 
 F64 = NDArray[np.float64]
 SEARCH_GOAL, JOINT_GOAL = 10.0, 100.0
@@ -95,16 +94,6 @@ def numpy_search(source: F64, target: F64, rng: np.random.Generator) -> tuple[F6
     return fitted(source[inliers], target[inliers])
 
 
-def timed(run: Callable[[], object], repeats: int) -> float:
-    """Least processor time of some runs, in ms."""
-    times = []
-    for _ in range(repeats):
-        start = time.process_time()
-        run()
-        times.append(time.process_time() - start)
-    return 1e3 * min(times)
-
-
 def degrees(found: F64, true: Rotation) -> float:
     return float(np.degrees((Rotation.from_matrix(found) * true.inv()).magnitude()))
 
@@ -137,7 +126,10 @@ def search(problems: int, repeats: int) -> None:
         print(f"{name:>6}, {problems} problems of {PARTS} parts: {'; '.join(texts)}")
     no_worse = bool((figures["kinmo"] <= figures["NumPy"]).all())
     source, target, _ = clouds(0)
-    own, theirs = timed(lambda: ours(source, target), repeats), timed(lambda: peer(source, target), max(1, repeats // 4))
+    own, theirs = (
+        1e3 * best_time(lambda: ours(source, target), repeats),
+        1e3 * best_time(lambda: peer(source, target), max(1, repeats // 4)),
+    )
     report("similarities of 3 parts x 1,024 pairs x 10,000 hypotheses, ms", own, theirs, SEARCH_GOAL, no_worse)
 
 
@@ -173,7 +165,7 @@ def joint(kind: JointKind, repeats: int) -> None:
     peer_cost = np.sum(residuals(peer()) ** 2)
     name = "sliding in each other" if slides else "on a hinge"
     print(f"sum of squares, {name}: kinmo {own_cost:.9f}, SciPy {peer_cost:.9f}")
-    own, theirs = timed(ours, repeats), timed(peer, repeats)
+    own, theirs = 1e3 * best_time(ours, repeats), 1e3 * best_time(peer, repeats)
     report(f"two parts {name}, 2 x 1,024 pairs, ms", own, theirs, JOINT_GOAL, bool(own_cost <= peer_cost * (1 + 1e-9)))
 
 
