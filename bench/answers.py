@@ -32,13 +32,8 @@ from kinmo.pipeline.predictors import load_predictor
 from kinmo.pipeline.pseudo_label import Job as LabelJob
 from kinmo.pipeline.pseudo_label import Labelling
 from kinmo.pipeline.rows import chosen_rows
-from kinmo.store import IndexEntry
+from kinmo.pipeline.trees_answers import evenly
 from kinmo.workspace import Workspace
-
-
-def spread(entries: Sequence[IndexEntry], count: int) -> Sequence[IndexEntry]:
-    """About so many of some entries, spread over all of them."""
-    return entries[:: max(1, len(entries) // count)]
 
 
 def seconds_each(work: Callable[[Any], object], jobs: Sequence[Any]) -> float:
@@ -54,18 +49,20 @@ def main() -> None:
     """Times both."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("workspace", type=Path)
-    parser.add_argument("--shapes", type=int, default=25, help="so many of either")
+    parser.add_argument("--shapes", type=int, default=25, help="at most so many of either")
     arguments = parser.parse_args()
     torch.set_num_threads(1)
     workspace = Workspace(arguments.workspace)
     dataset, refinement = open_dataset(workspace), trained_config(workspace).refinement
-    labelling = Labelling(workspace.prepared, load_predictor(workspace, "kinmo", "cpu"), 0.3, refinement.doubt)
+    labelling = Labelling(
+        workspace.prepared, load_predictor(workspace, "kinmo", "cpu"), refinement.least_score("kinmo"), refinement.doubt
+    )
     judging = Judge(dataset.store.folder, tuple(chosen_rows(workspace, ("kinmo", "paper"), "cpu")), refinement)
-    tests = [JudgeJob(entry, None, "") for entry in spread(test_shapes(dataset), arguments.shapes)]
+    tests = [JudgeJob(entry, None, "") for entry in evenly(test_shapes(dataset), arguments.shapes)]
     with tempfile.TemporaryDirectory() as folder:
         unlabelled = [
             LabelJob(entry, Path(folder) / str(number), "")
-            for number, entry in enumerate(spread(dataset.unlabelled, arguments.shapes))
+            for number, entry in enumerate(evenly(dataset.unlabelled, arguments.shapes))
         ]
         label = seconds_each(labelling, unlabelled)
     judge = seconds_each(judging, tests)

@@ -114,9 +114,8 @@ def test_the_best_answer_is_swept_as_if_there_were_no_others() -> None:
     made = shape_of_boxes([box, lid], (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE)))
     shape = prepare_shape(made, points=64)
     meshes = leaf_meshes(made, shape)
-    answers = ranked_bodies(shape, meshes, shape.body_leaves, ByEvidence(), all_fixed(shape), kinds=[None, JointKind.REVOLUTE])[
-        1
-    ]
+    kinds = [None, JointKind.REVOLUTE]
+    _, answers = ranked_bodies(shape, meshes, shape.body_leaves, ByEvidence(), all_fixed(shape), kinds=kinds)
     limited, alone = with_limits(answers, shape, meshes, [1]), with_limits(answers[:1], shape, meshes, [1])
     assert len(limited) == len(answers) > 1
     assert (limited[0].joint.lower, limited[0].joint.upper) == (alone[0].joint.lower, alone[0].joint.upper)
