@@ -27,6 +27,13 @@ from kinmo.store import read_header
 from kinmo.workspace import Workspace
 
 
+def smaller(scanned: Scanned, folder: Path) -> str:
+    """The configuration of scans with fewer pixels, in a file there."""
+    path = folder / "smaller.toml"
+    path.write_text(Path(scanned.config).read_text(encoding="utf-8").replace("size = 96", "size = 80"), encoding="utf-8")
+    return str(path)
+
+
 def test_every_object_has_one_role_and_its_frames(scanned: Scanned) -> None:
     dataset = open_scan_dataset(scanned.workspace, CATEGORY.lower())
     assert dataset.category == CATEGORY
@@ -186,19 +193,39 @@ def test_scans_of_objects_that_have_gone_go_too(scanned: Scanned, tmp_path: Path
     assert not any(stray.exists() for stray in strays), "also in a role that no object has any more"
 
 
-def test_what_is_to_be_scanned_anew_is_gone_before_that_begins(scanned: Scanned, tmp_path: Path) -> None:
+def test_scans_stay_until_others_take_their_place(scanned: Scanned, tmp_path: Path) -> None:
     class CutOff(Listener):
         def progress(self, *_: object) -> None:
             raise KeyboardInterrupt
 
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace, config = Workspace(tmp_path / "workspace"), tmp_path / "other.toml"
-    config.write_text(Path(scanned.config).read_text(encoding="utf-8").replace("size = 96", "size = 80"), encoding="utf-8")
+    workspace = Workspace(tmp_path / "workspace")
+    before = contents(workspace.scans)
     with pytest.raises(KeyboardInterrupt):
-        Render(workspace, str(config), FAMILY).run(CutOff())
-    left = [open_scans(path) for path in workspace.path.rglob("scans/**/*.safetensors")]
-    assert {file.object for file in left} == {left[0].object}, "the one that was done, of all roles"
-    assert all(len(file.read("points")) > 0 for file in left)
+        Render(workspace, smaller(scanned, tmp_path), FAMILY, workers=1).run(CutOff())
+    left = contents(workspace.scans)
+    assert left.keys() - before.keys() == {str(unfinished(workspace, CATEGORY).relative_to(workspace.scans))}
+    assert before.keys() <= left.keys()
+    changed = {path for path in before if left[path] != before[path]}
+    assert len({open_scans(workspace.scans / path).object for path in changed}) == 1
+    Render(workspace, scanned.config, FAMILY, workers=1).run(Listener())
+    assert contents(workspace.scans) == before
+
+
+def test_an_object_that_cannot_be_scanned_anew_keeps_no_scans_of_another_way(scanned: Scanned, tmp_path: Path) -> None:
+    workspace, _ = pseudo_labelled(scanned, tmp_path / "workspace")
+    Render(workspace, scanned.config, FAMILY).run(Listener())
+    assert open_scan_dataset(workspace, CATEGORY).files["pseudo"]
+    entry = open_dataset(workspace, FAMILY).labelled[Split.TRAIN][0]
+    source, away = Path(entry.source), tmp_path / "away"
+    source.rename(away)
+    try:
+        assert Render(workspace, smaller(scanned, tmp_path), FAMILY).run(Listener()).failed == 1
+    finally:
+        away.rename(source)
+    files = open_scan_dataset(workspace, CATEGORY).files
+    assert files["train"] and entry.id not in {file.id for file in files["train"]}
+    assert not files["pseudo"], "they wait for what it shows"
 
 
 def test_scans_by_a_pseudo_label_are_made_anew_when_the_label_or_the_shape_changes(scanned: Scanned, tmp_path: Path) -> None:

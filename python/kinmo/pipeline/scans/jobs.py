@@ -77,8 +77,8 @@ class Job:
 
     def write(self, target: ArticulatedObject, scans: Scans) -> None:
         """Leave scans of `target`, which is the object or one like it."""
+        self.files[1].unlink(missing_ok=True)  # first: what is cut off in between looks at the object again
         write_scans(self.path, target, scans, Provenance(self.made_from, self.role, self.layout, self.variant))
-        self.files[1].unlink(missing_ok=True)
 
 
 @dataclass(frozen=True)

@@ -107,25 +107,24 @@ class Render:
                 remove_leftovers(folder)
             structure = self._structure(config)
             every = _wanting(list(self._jobs(config)), structure)
-            done_before = {job for job in every if job.is_done}
             jobs = [job for job in every if self._is_asked(job)]
-            pending = [job for job in jobs if job not in done_before]
+            pending = [job for job in jobs if not job.is_done]
             if jobs and not pending:
                 observer.note("scanned already")
             for mark in {unfinished(self.workspace, job.category) for job in pending}:
                 write_text_atomically(mark, "kinmo render makes the scans beside this, or was stopped: run it again\n")
-            self._remove_stale(every, done_before)
             failed: list[tuple[Job, str]] = []
             total = count_objects_of(pending)
             with timed(self.workspace, STAGE) as watch:
                 for done, (own, problem) in enumerate(self._scanned(config, jobs, structure), start=1):
                     if problem is not None:
                         failed.append((own[0], DIED.format(own[0].found.path) if isinstance(problem, Crashed) else problem))
+                        _remove(path for job in own for path in job.files)  # of earlier ways: nothing may take them for these
                     observer.progress("scanning objects", done, max(done, total), own[0].found.id)
                 watch.amount = sum(frames_of(config, job) for job in pending)
                 watch.what = counted(count_objects_of(pending), "object")
-            for mark in {unfinished(self.workspace, job.category) for job in every}:
-                mark.unlink(missing_ok=True)
+            self._remove_stale(_wanting(every, structure))
+            _remove(unfinished(self.workspace, job.category) for job in every)
             files = [open_scans(job.path) for job in jobs if job.path.exists()]
             refusals = [(job, refusal) for job in jobs if (refusal := job.refusal) is not None]
             refused = [(job, refusal.reason) for job, refusal in refusals if refusal.structure is None]
@@ -222,14 +221,17 @@ class Render:
                 job = _job(self.workspace, found, entry.category, "pseudo", entry.layout, made_from)
                 yield replace(job, like=tuple(job.path for job in known))
 
-    def _remove_stale(self, jobs: Sequence[Job], done: Collection[Job]) -> None:
-        """Remove what stands in the folders of the categories at hand and is not of a job that is `done`."""
-        current = {path for job in done for path in job.files}
+    def _remove_stale(self, jobs: Collection[Job]) -> None:
+        """Remove what stands in the folders of the categories at hand and is not of a job that is done."""
+        current = {path for job in jobs if job.is_done for path in job.files}
         for category in {job.category for job in jobs}:
             for role in ROLES:
-                for path in scans_of(self.workspace, category, role).glob("*.*"):
-                    if path not in current:
-                        path.unlink()
+                _remove(path for path in scans_of(self.workspace, category, role).glob("*.*") if path not in current)
+
+
+def _remove(paths: Iterable[Path]) -> None:
+    for path in paths:
+        path.unlink(missing_ok=True)
 
 
 def _is_refused(scans: Path) -> bool:
