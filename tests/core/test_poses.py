@@ -113,6 +113,42 @@ def test_two_wrong_pairs_of_five_leave_the_poses_near_the_truth_and_joints_alike
         assert np.linalg.norm(seen[0] - seen[1]) < 0.2 * np.linalg.norm(before[0] - before[1]) + 1e-3
 
 
+def similarities(source: F64, target: F64) -> tuple[F64, F64, F64]:
+    """Turns, scales and shifts that fit pairs [..., n, 3] best (Umeyama 1991)."""
+    middles = source.mean(-2), target.mean(-2)
+    a, b = source - middles[0][..., None, :], target - middles[1][..., None, :]
+    u, strengths, v_t = np.linalg.svd(np.swapaxes(b, -1, -2) @ a)
+    u[..., 2] *= np.sign(np.linalg.det(u @ v_t))[..., None]
+    strengths[..., 2] *= np.sign(np.linalg.det(u @ v_t))
+    turns = u @ v_t
+    scales = np.sum((b @ turns) * a, axis=(-1, -2)) / np.sum(a * a, axis=(-1, -2))
+    return turns, scales, middles[1] - scales[..., None] * np.einsum("...ij,...j->...i", turns, middles[0])
+
+
+def searched_by_numpy(source: F64, target: F64, hypotheses: int, seed: int) -> tuple[F64, F64, F64]:
+    """The similarity of three random pairs that most pairs agree with, fitted anew to these."""
+    drawn = np.random.default_rng(seed).integers(0, len(source), (hypotheses, 3))
+    turns, scales, shifts = similarities(source[drawn], target[drawn])
+    moved = scales[:, None, None] * (source @ np.swapaxes(turns, -1, -2)) + shifts[:, None]
+    near = np.linalg.norm(moved - target, axis=-1) < THRESHOLD
+    best = near[near.sum(axis=1).argmax()]
+    return similarities(source[best], target[best])
+
+
+def test_with_noise_and_two_wrong_pairs_of_five_poses_are_no_worse_than_by_numpys_search() -> None:
+    errors: dict[str, list[tuple[float, float, float]]] = {"core": [], "NumPy": []}
+    for seed in range(40):
+        given_ = problem(seed, 2, 200, noise=0.03, wrong=0.4)
+        found, _ = _core.find_similarities(*given_.points, hypotheses=500, threshold=THRESHOLD, seed=seed)
+        pairs = zip(given_.source.reshape(2, -1, 3), given_.target.reshape(2, -1, 3), strict=True)
+        peer = tuple(map(np.stack, zip(*(searched_by_numpy(a, b, 500, seed) for a, b in pairs), strict=True)))
+        for name, (turns, scales, shifts) in (("core", found), ("NumPy", peer)):
+            away = np.linalg.norm(shifts - given_.translations, axis=-1)
+            errors[name] += zip(degrees_off(turns, given_.rotations), abs(scales / given_.scales - 1.0), away, strict=True)
+    core, peer = (np.percentile(values, [50, 95], axis=0) for values in errors.values())
+    assert (core <= peer).all(), (core, peer)
+
+
 @settings(max_examples=8)
 @given(st.integers(0, 2**32 - 1))
 def test_tied_poses_leave_no_more_residual_than_scipys_least_squares(seed: int) -> None:

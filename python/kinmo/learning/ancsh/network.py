@@ -141,6 +141,8 @@ class AncshNetwork(PartNetwork):
         self.heatmap = nn.Linear(features, 1)
         self.joint = nn.Linear(features, parts)
         self.layout = LayoutHead(self.backbone.whole_features, parts) if config.layout else None
+        if not config.layout:
+            self.confidence = nn.Linear(features, 1)  # a head of the release that no loss trains and nothing reads
 
     def forward_all(self, points: Tensor) -> tuple[PartAnswers, JointAnswers]:
         """`points` [B, n, 3]."""
