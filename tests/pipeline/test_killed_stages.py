@@ -10,11 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from scan_road import CATEGORY, Scanned
+from scan_road import CATEGORY, FAMILY, HOW, Scanned
 from whole_road import MADE, Listener, Road, contents, undone
 
 from kinmo.pipeline.scans.networks import NETWORKS, Cell
 from kinmo.pipeline.stage import Stage
+from kinmo.pipeline.train_all import TrainAll
 from kinmo.scans.scan_file import ROLES
 from kinmo.workspace import Workspace
 
@@ -88,3 +89,15 @@ def test_stages_of_scans_do_too(name: str, moments: tuple[int, ...], scanned: Sc
     own = {path: made for path, made in contents(scanned.workspace.path).items() if path.startswith(folders)}
     ended = contents(again.workspace.path)
     assert own and {path: made for path, made in ended.items() if path.startswith(folders)} == own
+
+
+def test_the_whole_way_does_too(scanned: Scanned, tmp_path: Path) -> None:
+    ways = []
+    for name in ("whole", "killed"):
+        shutil.copytree(scanned.workspace.prepared, tmp_path / name / "prepared")
+        ways.append(TrainAll(Workspace(tmp_path / name), scanned.config, FAMILY, **HOW))
+    told = Listener()
+    ways[0].run(told)
+    third = len(told.steps) // 3
+    killed_and_repeated(ways[1], (third, third))
+    assert contents(tmp_path / "killed") == contents(tmp_path / "whole")
