@@ -1,4 +1,4 @@
-"""Scans on disk: one memory-mapped safetensors file an object, frames stacked."""
+"""Scans on disk: one memory-mapped safetensors file an object, or a variant of one, frames stacked."""
 
 from __future__ import annotations
 

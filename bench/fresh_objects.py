@@ -1,0 +1,156 @@
+"""Table 2 on other test objects: made with another seed, as many of the labelled range of proportions as of the other one.
+
+    python bench/fresh_objects.py WORKSPACE --category refrigerator --cache DIR [--count 60] [--seed 1000] [--quick]
+
+The networks are those that the workspace has of the category, and were neither trained nor chosen on these objects, nor was
+anything else. `--count` objects of each range are made and scanned; those with the joints that networks know are judged. All is
+kept in DIR: the same command goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+
+from kinmo.categories import same_category
+from kinmo.cli.console import LineObserver
+from kinmo.config import load_config
+from kinmo.evaluation.scan_records import read_scores, write_scores
+from kinmo.evaluation.scan_summary import change
+from kinmo.evaluation.scan_tables import ScanRow, over_parts
+from kinmo.evaluation.tables import Caption, as_text
+from kinmo.formats import discover
+from kinmo.learning.ancsh.predict import Ancsh
+from kinmo.pipeline.scans.dataset import open_scan_dataset
+from kinmo.pipeline.scans.evaluate import judged
+from kinmo.pipeline.scans.jobs import Job, Rendering
+from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods
+from kinmo.pipeline.synth import Synth
+from kinmo.scans.articulated_object import Structure
+from kinmo.scans.scan_file import open_scans
+from kinmo.synth.draw import ParameterRange
+from kinmo.typed_tables import to_table
+from kinmo.workers import Crashed, map_unordered
+from kinmo.workspace import Workspace, digest
+
+RANGES = (ParameterRange.LABELLED, ParameterRange.UNLABELLED)
+LAYOUT = "partnet_mobility"
+LEAST = "supervised"
+QUICK = 6
+
+
+@dataclass(frozen=True)
+class Judging:
+    """Judges the networks of a cell on scans, in whatever process."""
+
+    scans: tuple[Path, ...]
+    folder: Path
+
+    def scores(self, place: Workspace, cell: Cell) -> Path:
+        return self.folder / place.method / f"{cell.key}.jsonl"
+
+    def __call__(self, trained: tuple[Workspace, Cell]) -> None:
+        torch.set_num_threads(1)
+        place, cell = trained
+        weights = cell.weights(place)
+        assert weights is not None, "it is among those that are trained"
+        network = Ancsh.load(*weights, device="cpu")
+        files = map(open_scans, self.scans)
+        scores = [(file.id, frame.score) for file in files for frame in judged(file, network, cell.seed)]
+        self.scores(place, cell).parent.mkdir(parents=True, exist_ok=True)
+        write_scores(self.scores(place, cell), scores)
+
+
+def main() -> None:
+    """Make, scan and judge, and print a table of all objects, and one of either range."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("workspace", type=Path)
+    parser.add_argument("--category", default="refrigerator")
+    parser.add_argument("--cache", type=Path, required=True)
+    parser.add_argument("--count", type=int, default=60, help="of objects of each range, whatever joints they have")
+    parser.add_argument("--seed", type=int, default=1000)
+    parser.add_argument("--quick", action="store_true", help=f"{QUICK} objects of each range")
+    options = parser.parse_args()
+    count = QUICK if options.quick else options.count
+    workspace = Workspace(options.workspace)
+    dataset = open_scan_dataset(workspace, options.category)
+    trained = [each for each in trained_by_all_methods(workspace) if same_category(each[1].category, dataset.category)]
+    place = options.cache / f"{dataset.category}-{options.seed}-{count}"
+    judgings = []
+    for parameter_range in RANGES:
+        folder = place / parameter_range.value
+        scans = scanned(folder, options.category, count, options.seed, parameter_range, dataset.structure)
+        judgings.append(Judging(scans, folder / "scores"))
+        todo = [each for each in trained if not judgings[-1].scores(*each).exists()]
+        for (_, cell), found in map_unordered(judgings[-1], todo, os.cpu_count() or 1):
+            if isinstance(found, Crashed):
+                raise ChildProcessError(f"the process that judged {cell} died")
+    for name, some in (("both ranges", judgings), *((each.value, [own]) for each, own in zip(RANGES, judgings, strict=True))):
+        print(table(f"{dataset.category}, {name}, seed {options.seed}", some, trained, dataset.structure), flush=True)
+    rows = rows_of(judgings, trained)
+    for setting, row in rows.items():
+        if setting != LEAST:
+            least = rows_of(judgings, [each for each in trained if each[1].seed in row.seeds])[LEAST]
+            (turn, *_) = change(least.objects, row.objects, dataset.structure)
+            assert turn is not None
+            claim = f"rotations in scans of other {dataset.category}: {setting} against {LEAST}, degrees"
+            figures = {"ours": turn.value, "peer": 0.0, "ratio": None, "goal": 0.0, "met": turn.value < 0.0}
+            print(json.dumps({"claim": claim} | figures))
+
+
+def scanned(
+    folder: Path, family: str, count: int, seed: int, parameter_range: ParameterRange, structure: Structure
+) -> tuple[Path, ...]:
+    """Scans of the objects with this structure, one file each."""
+    shapes, workers = folder / "shapes", os.cpu_count() or 1
+    Synth(shapes, count, (family,), (LAYOUT,), parameter_range, seed=seed, workers=workers).run(LineObserver())
+    config = load_config("small").scans
+    rendering = Rendering(config, seed)
+    jobs = []
+    for found in discover(shapes):
+        path = folder / "scans" / f"{found.id}.safetensors"
+        made_from = digest([found.id, to_table(config), seed])
+        jobs.append(Job(found, family, "test", found.layout.value, path, made_from, wanted=structure))
+    for (job,), problem in map_unordered(rendering, [(job,) for job in jobs if not job.is_done], workers):
+        if problem is not None:
+            raise ValueError(f"{job.found.path}: {problem}")
+    files = [open_scans(job.path) for job in jobs if job.path.exists()]
+    return tuple(file.path for file in files if file.frames)
+
+
+def rows_of(judgings: Sequence[Judging], trained: Sequence[tuple[Workspace, Cell]]) -> dict[str, ScanRow]:
+    """A row for each setting and method, over the seeds that it was trained with."""
+    rows = {}
+    for title in dict.fromkeys(map(title_of, trained)):
+        cells = [each for each in trained if title_of(each) == title]
+        objects = read_scores([judging.scores(*each) for judging in judgings for each in cells])
+        rows[title] = ScanRow(title, tuple(objects), seeds=tuple(cell.seed for _, cell in cells))
+    return rows
+
+
+def title_of(trained: tuple[Workspace, Cell]) -> str:
+    """The setting, with the method whose labels networks saw."""
+    place, cell = trained
+    return cell.setting if place.method == "kinmo" else f"{cell.setting}, {place.method}"
+
+
+def table(what: str, judgings: Sequence[Judging], trained: Sequence[tuple[Workspace, Cell]], structure: Structure) -> str:
+    """Means of every row, and what it is above the first, over the seeds that both have."""
+    rows = rows_of(judgings, trained)
+    compared = []
+    for title, row in rows.items():
+        if title != LEAST:
+            least = rows_of(judgings, [each for each in trained if each[1].seed in row.seeds])[LEAST]
+            compared.append((least, row))
+    caption = Caption(what, "procedural objects made for this alone", 0, 0, "all of them", (0,))
+    return as_text(over_parts(list(rows.values()), structure, caption, compared))
+
+
+if __name__ == "__main__":
+    main()
