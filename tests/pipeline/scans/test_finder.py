@@ -48,3 +48,13 @@ def test_points_far_from_all_others_are_of_none_and_change_nothing(scanned: Scan
     np.testing.assert_array_equal(with_stray.parts, [*alone.parts, -1])
     np.testing.assert_array_equal(with_stray.estimate.poses.rotations, alone.estimate.poses.rotations)
     np.testing.assert_array_equal(with_stray.estimate.states, alone.estimate.states)
+
+
+def test_points_that_are_told_many_times_count_once(scanned: Scanned) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    finder = ScanFinder.load(scanned.workspace.root, FAMILY, device="cpu")
+    nothing = np.tile([0.0, 0.0, 10.0], (10**5, 1))  # as some cameras write where nothing is seen
+    once, often = (finder.find(np.vstack([points, nothing[:count]])) for count in (1, len(nothing)))
+    np.testing.assert_array_equal(often.parts[: len(points)], once.parts[:-1])
+    np.testing.assert_array_equal(often.estimate.poses.rotations, once.estimate.poses.rotations)
+    np.testing.assert_array_equal(often.is_stray, [False] * len(points) + [True] * len(nothing))

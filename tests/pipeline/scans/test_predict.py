@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -111,6 +112,18 @@ def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanne
     empty = PredictScans(tmp_path / "alone", tmp_path / "none", scanned.workspace, FAMILY, **HOW)
     with pytest.raises(InputError, match=r"expected a scan, one of \.npz"):
         empty.plan()
+
+
+def test_a_scan_whose_name_is_no_text_is_looked_at_like_others(scanned: Scanned, tmp_path: Path) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    (tmp_path / "scans").mkdir()
+    with Path(os.fsdecode(os.fsencode(tmp_path / "scans") + b"/bad\xff.npz")).open("wb") as file:
+        np.savez(file, points=points)
+    found = PredictScans(tmp_path / "scans", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Listener())
+    assert not found.failed
+    assert len(list((tmp_path / "out").iterdir())) == 3
+    (picture,) = (tmp_path / "out").glob("*.svg")
+    assert picture.read_text(encoding="utf-8").startswith("<svg")
 
 
 def test_no_two_scans_of_a_folder_have_one_name_and_a_camera_is_of_depth_images(scanned: Scanned, tmp_path: Path) -> None:

@@ -81,18 +81,18 @@ class ScanFinder:
         """Parts and joints of the object of which `points` [n, 3] were seen, in the frame of the camera.
 
         The camera looks along z, with x to the right and y down. What stands for nothing seen, such as (0, 0, 0), must not be
-        among them; `read_scan` leaves it out. What comes out depends on the points, in whatever order they are, and on `seed`
+        among them; `read_scan` leaves it out. What comes out depends on where points are, in whatever order, and on `seed`
         alone. Raises ValueError for an array of another shape, for none, for points at no number or not before the camera, and
-        where the thousand or so that are looked at are at fewer than 32 places.
+        for points at fewer than 32 places.
         """
         points = np.asarray(points, np.float64)
         if points.ndim != 2 or points.shape[1] != 3 or not len(points):
             raise ValueError(f"expected points [n, 3], got {list(points.shape)}")
         if not np.isfinite(points).all() or not (points[:, 2] > 0.0).all():
             raise ValueError("expected points [n, 3] before the camera (z > 0): leave out what stands for nothing seen")
-        seen = _some_of(points, self.network.points, seed)
-        if (count := count_places(seen, LEAST_POINTS)) < LEAST_POINTS:
+        if (count := count_places(points, LEAST_POINTS)) < LEAST_POINTS:
             raise ValueError(f"expected points [n, 3] at {LEAST_POINTS} places or more, got {count}")
+        seen = _some_of(points, self.network.points, seed)
         is_stray = are_strays(points, seen)
         if is_stray.any():
             seen = _some_of(points[~is_stray], self.network.points, seed)
@@ -104,11 +104,14 @@ class ScanFinder:
 
 
 def _some_of(points: NDArray[np.floating], count: int, seed: int) -> F64:
-    """`count` of the points [n, 3], no more often than needed; the same in whatever order these are."""
+    """`count` of the places of points [n, 3], none more often than needed; the same in whatever order the points are."""
+    ordered = points[np.lexsort(points.T)]
+    is_other = np.any(ordered[1:] != ordered[:-1], axis=1)
+    places = ordered[np.append(True, is_other)]
     rng = np.random.default_rng(seed)
-    again = rng.integers(len(points), size=max(0, count - len(points)))
-    chosen = np.concatenate([rng.permutation(len(points))[:count], again])
-    return np.asarray(points[np.lexsort(points.T)[chosen]], np.float64)
+    again = rng.integers(len(places), size=max(0, count - len(places)))
+    chosen = np.concatenate([rng.permutation(len(places))[:count], again])
+    return np.asarray(places[chosen], np.float64)
 
 
 def networks_for(workspace: Workspace, category: str, method: str | None, seed: int) -> tuple[Workspace, Cell]:

@@ -112,10 +112,11 @@ class PredictScans:
         made_by = {"weights": finder.weights, "trained": finder.trained, "category": finder.category}
         document = scan_document(found.estimate, found.parts, finder.structure, target.scan, made_by)
         view = view_of(found.seen, found.seen_parts, found.estimate, finder.structure)
-        target.document.parent.mkdir(parents=True, exist_ok=True)
         text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        picture = scan_picture([view], clean_text(shown(target.scan.stem)))
+        target.document.parent.mkdir(parents=True, exist_ok=True)
         write_text_atomically(target.document, text)
-        write_text_atomically(target.picture, scan_picture([view], target.scan.stem))
+        write_text_atomically(target.picture, picture)
         write_points(target.labelled, scan.points, parts=found.parts, places=scan.places)
         return document
 
