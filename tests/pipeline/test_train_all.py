@@ -31,7 +31,7 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
     found = stage.run(told)
     assert [note for note in told.notes if note.startswith("to do")]
     # such networks find nothing that moves, so that there are no pseudo labels to learn from
-    assert [note for note in told.notes if note.startswith(f"{CATEGORY}: no pseudo label")]
+    assert [note for note in told.notes if note.startswith(f"{CATEGORY}: no scan is by a pseudo label")]
     assert {"gnn_fine", f"ancsh ({CATEGORY}, supervised, seed 0)"} <= found.data.keys()
     assert (stage.plan().steps, stage.plan().seconds) == ((), 0.0)
     before = contents(tmp_path / "workspace")

@@ -23,7 +23,7 @@ from kinmo.workspace import Workspace
 
 NO_CATEGORY = f"no labelled shapes of {', '.join(PAPER_CATEGORIES)}: networks for scans are trained for --category NAME"
 
-NO_LABELS = "no pseudo label has the joints that most labelled objects have: networks are trained on these alone"
+NO_LABELS = "no scan is by a pseudo label with the joints that most labelled objects have: networks are trained on these alone"
 
 
 @dataclass(frozen=True)

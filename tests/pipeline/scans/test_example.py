@@ -13,6 +13,7 @@ from whole_road import Listener, contents
 
 from kinmo.cli.app import app
 from kinmo.errors import InputError
+from kinmo.pipeline.scans.dataset import unfinished
 from kinmo.pipeline.scans.example import ExampleScan
 from kinmo.pipeline.scans.predict import PredictScans
 from kinmo.pipeline.scans.render import Render
@@ -56,6 +57,11 @@ def test_an_example_is_scanned_only_where_there_are_no_scans(scanned: Scanned, t
     with pytest.raises(InputError, match="expected scans of a test object"):
         example.run(Listener())
     assert contents(workspace.path) == before, "what was scanned stays"
+    unfinished(workspace, CATEGORY, "train").touch()
+    before = contents(workspace.path)
+    with pytest.raises(InputError, match="scanning was stopped"):
+        example.run(Listener())
+    assert contents(workspace.path) == before, "nor is it made in another way than was begun"
     shutil.rmtree(workspace.scans)
     assert [step.split()[0] for step in example.plan().steps] == ["scan", "write"]
     assert example.run(Listener()).failed == 0

@@ -17,7 +17,7 @@ from whole_road import Listener, contents
 from kinmo.errors import InputError
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.scans import render
-from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of, unfinished
+from kinmo.pipeline.scans.dataset import LABELLED, open_scan_dataset, scans_of, unfinished
 from kinmo.pipeline.scans.refusal import REFUSED
 from kinmo.pipeline.scans.render import Render
 from kinmo.scans.articulation import opening
@@ -73,6 +73,22 @@ def test_objects_that_stand_in_for_validation_ones_are_seen_as_they_are(scanned:
     assert not chosen.provenance.variant
     assert {file.id for file in dataset.files["train"]} == {file.id for file in before.files["train"]} - {chosen.id}
     assert any(file.provenance.variant for file in dataset.files["train"])
+
+
+def test_in_lockstep_an_object_and_those_like_it_go_through_all_steps_together(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace, config = Workspace(tmp_path / "workspace"), tmp_path / "file.toml"
+    text = Path(scanned.config).read_text(encoding="utf-8").replace("states = 2\n", 'states = 5\nsampling = "lockstep"\n', 1)
+    config.write_text(text.replace("[scans]", "[scans]\nvariants = 2"), encoding="utf-8")
+    Render(workspace, str(config), FAMILY, beside=()).run(Listener())
+    opened: dict[str, set[float]] = {}
+    for path in scans_of(workspace, CATEGORY, "train").glob("*.safetensors"):
+        file = open_scans(path)
+        (joint,) = file.joints
+        assert joint.lower is not None and joint.upper is not None
+        shares = (file.read("values")[:, 0] - joint.lower) / (joint.upper - joint.lower)
+        opened.setdefault(file.id, set()).update(shares.round(6).tolist())
+    assert set.union(*opened.values()) == {0.0, 0.25, 0.5, 0.75, 1.0}
 
 
 def test_objects_that_are_not_closed_have_no_variants(scanned: Scanned, tmp_path: Path) -> None:
@@ -174,11 +190,27 @@ def test_scans_whose_making_was_stopped_are_not_used_until_it_is_done(
             ask()
     made.render().run(Listener())
     assert made.train("supervised").plan().steps == ()
-    unfinished(made.workspace, CATEGORY).touch()  # stopped when all was done but to say so
+    unfinished(made.workspace, CATEGORY, "train").touch()  # stopped when all was done but to say so
     assert made.render().plan().steps
     made.render().run(Listener())
     assert made.render().plan().steps == ()
     assert open_scan_dataset(made.workspace, CATEGORY).files["test"]
+
+
+def test_only_the_command_that_was_stopped_ends_what_it_began(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    made = Scanned(Workspace(tmp_path / "workspace"), scanned.config)
+    folder = scans_of(made.workspace, CATEGORY, "unlabelled")
+    next(folder.glob("*.safetensors")).unlink()
+    unfinished(made.workspace, CATEGORY, "unlabelled").touch()
+    assert made.render().plan().steps == ()
+    made.render().run(Listener())
+    assert not open_scan_dataset(made.workspace, CATEGORY).files["unlabelled"]
+    for begin in (made.train("semi").plan, lambda: made.train("semi").run(Listener())):
+        with pytest.raises(InputError, match="no scans of unlabelled objects of Laptop: run kinmo render --unlabelled"):
+            begin()
+    made.render(beside=("unlabelled",)).run(Listener())
+    assert open_scan_dataset(made.workspace, CATEGORY).files["unlabelled"]
 
 
 def test_scans_of_objects_that_have_gone_go_too(scanned: Scanned, tmp_path: Path) -> None:
@@ -204,7 +236,8 @@ def test_scans_stay_until_others_take_their_place(scanned: Scanned, tmp_path: Pa
     with pytest.raises(KeyboardInterrupt):
         Render(workspace, smaller(scanned, tmp_path), FAMILY, workers=1).run(CutOff())
     left = contents(workspace.scans)
-    assert left.keys() - before.keys() == {str(unfinished(workspace, CATEGORY).relative_to(workspace.scans))}
+    marks = {str(unfinished(workspace, CATEGORY, role).relative_to(workspace.scans)) for role in (*LABELLED, "hidden")}
+    assert left.keys() - before.keys() == marks
     assert before.keys() <= left.keys()
     changed = {path for path in before if left[path] != before[path]}
     assert len({open_scans(workspace.scans / path).object for path in changed}) == 1
@@ -220,7 +253,7 @@ def test_an_object_that_cannot_be_scanned_anew_keeps_no_scans_of_another_way(sca
     source, away = Path(entry.source), tmp_path / "away"
     source.rename(away)
     try:
-        assert Render(workspace, smaller(scanned, tmp_path), FAMILY).run(Listener()).failed == 1
+        assert Render(workspace, smaller(scanned, tmp_path), FAMILY).run(Listener()).failed == 2
     finally:
         away.rename(source)
     files = open_scan_dataset(workspace, CATEGORY).files
@@ -255,9 +288,12 @@ def test_scans_by_pseudo_labels_wait_for_those_that_show_how_far_hinges_open(sca
     source, away = Path(entry.source), tmp_path / "away"
     source.rename(away)
     try:
-        assert stage.run(Listener()).failed == 1
+        found = stage.run(Listener())
     finally:
         away.rename(source)
+    assert found.failed == 2
+    count = len(open_dataset(workspace, FAMILY).unlabelled)
+    assert f"{count} objects with pseudo labels: without scans of {entry.id}-partnet_mobility" in found.text
     assert not open_scan_dataset(workspace, CATEGORY).files["pseudo"]
     assert stage.run(Listener()).failed == 0
     assert open_scan_dataset(workspace, CATEGORY).files["pseudo"]

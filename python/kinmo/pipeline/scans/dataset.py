@@ -21,6 +21,8 @@ from kinmo.workspace import Workspace, digest
 PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
 """Of the paper's Table 2."""
 
+LABELLED: tuple[Role, ...] = tuple(split.value for split in Split)
+"""Roles of labelled shapes."""
 NO_FRAME, NO_SCAN = "no frame", "no scan"
 """Stand for the structure of objects that were scanned, but too little of some part was seen in every frame; and of those that
 cannot be scanned."""
@@ -32,9 +34,9 @@ def scans_of(workspace: Workspace, category: str, role: Role) -> Path:
     return places.get(role, workspace.scans) / category / role
 
 
-def unfinished(workspace: Workspace, category: str) -> Path:
-    """The file that is there while scans of a category are made, and stays where that was stopped."""
-    return workspace.scans / category / "unfinished"
+def unfinished(workspace: Workspace, category: str, role: Role) -> Path:
+    """The file that is there while scans with a role are made, and stays where that was stopped."""
+    return scans_of(workspace, category, role) / "unfinished"
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,8 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
 
     What is trained on and what is hidden is as the workspace's share of labels has it; the structure does not depend on that,
     nor do validation shapes. If none of these has the structure, some of all labelled ones take their place, and are trained on
-    too only where nothing else is left. Raises InputError if nothing of it was scanned, or not all.
+    too only where nothing else is left. Raises InputError if nothing of it was scanned, or not all labelled shapes; of other
+    roles, as long as not all is scanned, there is nothing.
     """
     known = scanned_categories(workspace)
     spelling = next((name for name in known if same_category(name, category)), None)
@@ -94,9 +97,10 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         near = did_you_mean(category, known)
         there = f"; there are {', '.join(known)}" if known else ""
         raise InputError(workspace.scans, f"no scans of {category}{near}{there}: run kinmo render first")
-    if unfinished(workspace, spelling).exists():
+    done: list[Role] = [role for role in ROLES if not unfinished(workspace, spelling, role).exists()]
+    if not set(LABELLED) <= set(done):
         raise InputError(workspace.scans / spelling, "scanning was stopped before all was done: run kinmo render again")
-    found = {role: _open_all(scans_of(workspace, spelling, role)) for role in ROLES}
+    found = {role: _open_all(scans_of(workspace, spelling, role)) if role in done else [] for role in ROLES}
     structure = usual_structure(found["train"])
     if structure is None:
         raise InputError(workspace.scans / spelling, _without_any(scans_of(workspace, spelling, "train")))
@@ -122,7 +126,7 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         rest = (file for file in some if file.object not in kept_objects)
         left_out = {(f.object, str(f.structure) if f.frames else NO_FRAME, f.provenance.layout) for f in rest}
         others.update((reason, role, layout) for _, reason, layout in left_out)
-        for layout in (each.value for each in Layout):
+        for layout in (each.value for each in Layout if role in done):
             for path in scans_of(workspace, spelling, role).glob(f"*-{layout}{REFUSED}"):  # names of variants end otherwise
                 refusal = read_refusal(path)
                 others[(refusal.structure if refusal else None) or NO_SCAN, role, layout] += 1

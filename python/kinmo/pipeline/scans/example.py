@@ -8,8 +8,9 @@ from shlex import quote
 
 import numpy as np
 
+from kinmo.categories import same_category
 from kinmo.errors import InputError
-from kinmo.pipeline.scans.dataset import open_scan_dataset
+from kinmo.pipeline.scans.dataset import open_scan_dataset, scanned_categories
 from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_input import READING, write_points
@@ -63,11 +64,7 @@ class ExampleScan:
         return Outcome(self.path, {"scan": str(self.path), "object": file.id}, f"a scan of {file.id}", failed)
 
     def _is_scanned(self) -> bool:
-        try:
-            open_scan_dataset(self.workspace, self.category)
-        except InputError:
-            return False
-        return True
+        return any(same_category(name, self.category) for name in scanned_categories(self.workspace))
 
     def _check_replaceable(self) -> None:
         if self.path.suffix != ".npz":

@@ -6,6 +6,7 @@ import os
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -18,7 +19,14 @@ from kinmo.formats import Found, Layout
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.label_decisions import LABELS, folder_name
-from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, scanned_categories, scans_of, unfinished, usual_structure
+from kinmo.pipeline.scans.dataset import (
+    LABELLED,
+    PAPER_CATEGORIES,
+    scanned_categories,
+    scans_of,
+    unfinished,
+    usual_structure,
+)
 from kinmo.pipeline.scans.jobs import VARIED, Job, Rendering, by_object, count_objects_of, frames_of, variants_of
 from kinmo.pipeline.scans.refusal import refusal_path
 from kinmo.pipeline.scans.rendered import in_words, summary
@@ -34,8 +42,6 @@ from kinmo.workers import Crashed, map_unordered
 from kinmo.workspace import Workspace, digest, remove_leftovers, write_text_atomically
 
 STAGE = "render"
-LABELLED: tuple[Role, ...] = tuple(split.value for split in Split)
-"""Roles of labelled shapes."""
 WITH_LABELS: tuple[Role, ...] = ("hidden", "pseudo")
 """Roles of other shapes whose joints are known, in some way."""
 SECONDS_PER_FRAME = 0.012
@@ -44,6 +50,7 @@ USED = 0.4
 """Of shapes to be labelled, so many get labels that are accepted and have the joints that most have (bench/BENCHMARK.md, Pseudo
 labels: .38, .37, .48, .29 and .55 in five families).
 """
+WAITING = "{} with pseudo labels: without scans of {}, which could not be made, it is not known how far hinges open"
 DIED = "{}: the process that scanned it died (too little memory?)"
 
 
@@ -98,7 +105,11 @@ class Render:
         return Plan(tuple(f"look through the scans of {category}, which was stopped" for category in stopped), 0.0)
 
     def _was_stopped(self, category: str) -> bool:
-        return _is_wanted(category, self.category) and unfinished(self.workspace, category).exists()
+        return _is_wanted(category, self.category) and any(mark.exists() for mark in self._marks(category))
+
+    def _marks(self, category: str) -> list[Path]:
+        """That scans of what is asked for are being made, or were not made to the end."""
+        return [unfinished(self.workspace, category, role) for role in (*LABELLED, *self.beside)]
 
     def run(self, observer: Observer) -> Outcome:
         config = self._scans()
@@ -111,7 +122,8 @@ class Render:
             pending = [job for job in jobs if not job.is_done]
             if jobs and not pending:
                 observer.note("scanned already")
-            for mark in {unfinished(self.workspace, job.category) for job in pending}:
+            begun = {job.category for job in pending}  # of all their roles: which of these are done, those to train on decide
+            for mark in {unfinished(self.workspace, job.category, job.role) for job in jobs if job.category in begun}:
                 write_text_atomically(mark, "kinmo render makes the scans beside this, or was stopped: run it again\n")
             failed: list[tuple[Job, str]] = []
             total = count_objects_of(pending)
@@ -124,7 +136,7 @@ class Render:
                 watch.amount = sum(frames_of(config, job) for job in pending)
                 watch.what = counted(count_objects_of(pending), "object")
             self._remove_stale(_wanting(every, structure))
-            _remove(unfinished(self.workspace, job.category) for job in every)
+            _remove(chain.from_iterable(self._marks(category) for category in {job.category for job in every}))
             files = [open_scans(job.path) for job in jobs if job.path.exists()]
             refusals = [(job, refusal) for job in jobs if (refusal := job.refusal) is not None]
             refused = [(job, refusal.reason) for job, refusal in refusals if refusal.structure is None]
@@ -144,7 +156,8 @@ class Render:
     def _scanned(
         self, config: ScansConfig, jobs: Sequence[Job], structure: Structure | None
     ) -> Iterator[tuple[tuple[Job, ...], Crashed | str | None]]:
-        """The jobs of one object after another, of those that are not done, and what kept it from being scanned.
+        """The jobs of one object after another, of those that are not done, and what kept it from being scanned; what keeps
+        several of them is told once.
 
         Objects to train on come first, as they decide which structure others must have; pseudo-labelled ones last, as those
         with true labels show how far hinges open.
@@ -154,10 +167,15 @@ class Render:
         jobs = _wanting(jobs, structure)
         yield from map_unordered(scan_all, _pending(job for job in jobs if job.role not in ("train", "pseudo")), self.workers)
         # without the scans of one of these they would have other openings, and keep them
-        guessed = [job for job in jobs if job.role == "pseudo" and all(path.exists() or _is_refused(path) for path in job.like)]
-        openings = {like: _openings(like) for like in {job.like for job in guessed}}
-        guessed = [replace(job, openings=openings[job.like]) for job in guessed]
-        yield from map_unordered(scan_all, _pending(guessed), self.workers)
+        guessed = [job for job in jobs if job.role == "pseudo" and not job.is_done]
+        unseen = {like: [path for path in like if not path.exists() and not _is_refused(path)] for like in _likes(guessed)}
+        for like, missing in unseen.items():
+            if missing:
+                waiting = tuple(job for job in guessed if job.like == like)
+                yield waiting, WAITING.format(counted(count_objects_of(waiting), "object"), missing[0].stem)
+        openings = {like: _openings(like) for like, missing in unseen.items() if not missing}
+        guessed = [replace(job, openings=openings[job.like]) for job in guessed if job.like in openings]
+        yield from map_unordered(scan_all, by_object(guessed), self.workers)
 
     def _scans(self) -> ScansConfig:
         """The configuration, of which only the sensor counts that there is."""
@@ -257,6 +275,10 @@ def _wanting(jobs: Sequence[Job], structure: Structure | None) -> list[Job]:
             scanned.setdefault(job.category, []).append(open_scans(job.path))
     structures = {category: usual_structure(files) for category, files in scanned.items()}
     return [job if job.role in ("train", "unlabelled") else replace(job, wanted=structures.get(job.category)) for job in jobs]
+
+
+def _likes(jobs: Iterable[Job]) -> set[tuple[Path, ...]]:
+    return {job.like for job in jobs}
 
 
 def _openings(scanned: Iterable[Path]) -> tuple[float, ...]:
