@@ -16,6 +16,7 @@ from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.scans.judge_trained import JudgeTrained
+from kinmo.pipeline.scans.networks import Cell
 from kinmo.pipeline.scans.table_rows import printed_row
 from kinmo.pipeline.synth import Synth
 from kinmo.workspace import Workspace
@@ -35,8 +36,17 @@ def test_a_category_without_test_objects_is_said_to_be_not_judged(scanned: Scann
     shutil.rmtree(tmp_path / "workspace" / "scans" / CATEGORY / "test")
     stage, told = JudgeTrained(Workspace(tmp_path / "workspace"), FAMILY, device="cpu"), Listener()
     assert stage.plan().steps == ()
-    stage.run(told)
+    assert stage.run(told).failed == 0
     assert [note for note in told.notes if "not judged" in note and "expected scans of a test object" in note]
+
+
+def test_networks_that_cannot_be_judged_are_a_failure(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
+    workspace, told = Workspace(tmp_path / "workspace"), Listener()
+    (Cell(CATEGORY, "supervised", 0).folder(workspace, "npcs") / "weights.safetensors").write_bytes(b"cut off")
+    assert JudgeTrained(workspace, FAMILY, device="cpu").run(told).failed == 1
+    assert [note for note in told.notes if note.startswith(f"not judged: {CATEGORY}, supervised, seed 0: ")]
 
 
 def test_of_a_category_of_the_paper_its_tables_are_shown_with_their_figures_before_anything_is_trained(tmp_path: Path) -> None:

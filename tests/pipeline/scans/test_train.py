@@ -73,6 +73,7 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(
     planned = stage.plan()
     assert [step.split(" (")[0] for step in planned.steps if step.startswith("train")] == ["train ancsh", "train npcs"] * 2
     assert [step for step in planned.steps if step.startswith("label")]
+    assert replace(stage, category=CATEGORY).plan() == planned, "however it is spelled"
     told = Listener()
     stage.run(told)
     assert stage.plan().steps == ()

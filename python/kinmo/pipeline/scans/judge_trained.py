@@ -11,6 +11,7 @@ from kinmo.categories import same_category
 from kinmo.errors import InputError
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.scans.evaluate import EvaluateScans
+from kinmo.pipeline.scans.judged import NothingToJudgeBy
 from kinmo.pipeline.scans.networks import Cell, Protocol, trained_cells
 from kinmo.pipeline.scans.table_rows import TABLES, RowOf, has_figures, is_printed
 from kinmo.pipeline.scans.written_tables import WrittenTables
@@ -38,17 +39,19 @@ class JudgeTrained:
         return Plan(tuple(step for plan in plans for step in plan.steps), sum(plan.seconds for plan in plans))
 
     def run(self, observer: Observer) -> Outcome:
+        failed = 0
         for stage in self._stages():
             try:
                 stage.run(observer)
             except InputError as error:
+                failed += not isinstance(error, NothingToJudgeBy)  # of few shapes none may be left to test
                 observer.note(f"not judged: {stage.cell.title(stage.workspace)}: {error}")
         texts, data = [], {}
         for name, seeds in self._tables().items():
             outcome = WrittenTables(self.workspace, name).write(seeds, self.protocol)
             texts.append(outcome.text)
             data[f"table-{name}"] = outcome.data
-        return Outcome(self.workspace.evaluation, data, "\n".join(texts))
+        return Outcome(self.workspace.evaluation, data, "\n".join(texts), failed)
 
     def _stages(self) -> Iterator[EvaluateScans]:
         done = set()

@@ -15,6 +15,10 @@ from kinmo.store import PreparedStore
 from kinmo.workspace import StageRecord, Workspace, digest
 
 
+class NothingToJudgeBy(InputError):
+    """No test object has the structure that networks know."""
+
+
 @dataclass(frozen=True)
 class JudgedScans:
     """The test scans of a cell's category, or those by the rough sensor."""
@@ -33,12 +37,12 @@ class JudgedScans:
         return self.kind + self.cell.key
 
     def files(self) -> tuple[ScanFile, ...]:
-        """Raises InputError if no test object has the structure that the networks know."""
+        """Raises NothingToJudgeBy if there are none, InputError if it cannot be told."""
         scanned = Workspace(self.workspace.root, is_rough=self.on_rough)
         dataset = open_scan_dataset(scanned, self.cell.category)
         if not dataset.files["test"]:
             folder = scanned.scans / self.cell.category
-            raise InputError(folder, f"expected scans of a test object with {dataset.structure.in_words}")
+            raise NothingToJudgeBy(folder, f"expected scans of a test object with {dataset.structure.in_words}")
         return dataset.files["test"]
 
     def inputs(self) -> dict[str, Any]:

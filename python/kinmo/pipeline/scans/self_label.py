@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -40,7 +41,7 @@ class SelfLabel:
 
     def plan(self) -> Plan:
         dataset = open_scan_dataset(self.workspace, self.category)
-        frames = sum(file.frames for file in dataset.files["unlabelled"])
+        frames = sum(file.frames for file in self._files(dataset))
         if self._cell(dataset).weights(self.workspace) and self._is_current(dataset):
             return Plan((), 0.0)
         alone = SECONDS_PER_FRAME / self.workers
@@ -57,10 +58,7 @@ class SelfLabel:
             weights = self._cell(dataset).weights(self.workspace)
             if weights is None:
                 raise InputError(self.workspace.models, f"no networks to label scans of {self.category} by")
-            files = dataset.files["unlabelled"]
-            if not files:
-                problem = f"no scans of unlabelled objects of {dataset.category}: run kinmo render --unlabelled first"
-                raise InputError(self.workspace.own_scans, problem)
+            files = self._files(dataset)
             inputs, stage = self._inputs(dataset), self._stage(dataset)
             self.workspace.forget(stage)
             remove_leftovers(folder)
@@ -83,6 +81,13 @@ class SelfLabel:
             outputs = tuple(str(path.relative_to(self.workspace.path)) for path in sorted(folder.glob("*.safetensors")))
             self.workspace.write_record(stage, StageRecord(inputs, outputs))
         return Outcome(folder, {"objects": len(outputs), "of": len(files)})
+
+    def _files(self, dataset: ScanDataset) -> Sequence[ScanFile]:
+        """Those to label. Raises InputError if there are none."""
+        if not dataset.files["unlabelled"]:
+            problem = f"no scans of unlabelled objects of {dataset.category}: run kinmo render --unlabelled first"
+            raise InputError(self.workspace.own_scans, problem)
+        return dataset.files["unlabelled"]
 
     def _stage(self, dataset: ScanDataset) -> str:
         return f"self-label-{dataset.category}-{self.seed}"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from kinmo.categories import same_category
 from kinmo.config import AncshConfig, AncshNetworkName, Config
 from kinmo.errors import InputError
 from kinmo.learning.ancsh.train import train_ancsh
@@ -133,7 +134,11 @@ class TrainAncsh:
 
     def run(self, observer: Observer) -> Outcome:
         config = self._config
-        for stage in self._before(config):
+        before = tuple(self._before(config))
+        for stage in before:
+            if isinstance(stage, SelfLabel):  # of nothing: no teacher need be trained
+                stage.plan()
+        for stage in before:
             stage.run(observer)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
@@ -151,10 +156,12 @@ class TrainAncsh:
         return config_to_train_by(self.config, ("ancsh",))
 
     def _categories(self) -> tuple[str, ...]:
-        categories = (self.category,) if self.category else scanned_categories(self.workspace)
-        if not categories:
+        known = scanned_categories(self.workspace)
+        if self.category:  # as it is spelled there, if there are scans of it
+            return tuple(name for name in known if same_category(name, self.category)) or (self.category,)
+        if not known:
             raise InputError(self.workspace.scans, "no scans: run kinmo render first")
-        return categories
+        return known
 
     def _before(self, config: Config) -> Iterator[TrainAncsh | SelfLabel]:
         """What has to be done first."""
