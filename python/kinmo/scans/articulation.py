@@ -65,8 +65,10 @@ def opened_as_usual(mobility: Mobility, endless: float, openings: Sequence[float
     return replace(mobility, bodies=tuple(bodies))
 
 
-def articulations(mobility: Mobility, count: int, how: Sampling, rng: np.random.Generator) -> Iterator[Articulation]:
-    """`count` states of the joints of `mobility`, which is in the normalised frame.
+def articulations(
+    mobility: Mobility, count: int, how: Sampling, rng: np.random.Generator, which: slice = slice(None)
+) -> Iterator[Articulation]:
+    """`count` states of the joints of `mobility`, which is in the normalised frame, or those of them that `which` says.
 
     In lockstep, as in the paper's pipeline, all joints go through their ranges in equal steps; else each value is drawn.
     """
@@ -76,7 +78,7 @@ def articulations(mobility: Mobility, count: int, how: Sampling, rng: np.random.
         limits = {i: RELEASE_ANGLES if j.kind is JointKind.REVOLUTE else RELEASE_SHIFTS for i, j in joints.items()}
         ranges = {i: (low + joints[i].rest, high + joints[i].rest) for i, (low, high) in limits.items()}
     screws = [index for index, joint in joints.items() if joint.kind is JointKind.SCREW]
-    for step in np.linspace(0.0, 1.0, count):
+    for step in np.linspace(0.0, 1.0, count)[which]:
 
         def drawn(low: float, high: float, step: float = step) -> float:
             share = float(rng.uniform() if how == "independent" else step)

@@ -48,17 +48,19 @@ class Scans:
         return len(self.points)
 
 
-def scan(target: ArticulatedObject, config: ScansConfig, seed: int, *, to_train: bool = True) -> Scans:
+def scan(
+    target: ArticulatedObject, config: ScansConfig, seed: int, *, to_train: bool = True, which: slice = slice(None)
+) -> Scans:
     """Frames of `target` from cameras and in states drawn at random, as many as an object to train on, or to test, gets.
 
-    Neither the cameras nor the states depend on the sensor.
+    `which` of its states are shown, if not all. Neither the cameras nor the states depend on the sensor.
     """
     states, views = (config.states, config.views) if to_train else (config.test_states, config.test_views)
     rng, sensing = (np.random.default_rng([seed, purpose]) for purpose in range(2))
     camera, refused = Camera.of_field(config.size, config.size, VIEWPOINTS.field, NEAR, FAR), Counter[str]()
     frames: list[_Frame] = []
     with open_renderer(config.renderer, target.meshes) as renderer:
-        for state in articulations(target.mobility, states, config.sampling, rng):
+        for state in articulations(target.mobility, states, config.sampling, rng, which):
             for frame in _frames_in_state(target, state, views, renderer, camera, config, rng, sensing):
                 if isinstance(frame, str):
                     refused[frame] += 1

@@ -23,6 +23,7 @@ from kinmo.shape import Shape
 
 VARIED: tuple[Role, ...] = ("train", "hidden", "pseudo")
 """Roles of objects that are scanned in variants too: more like them is what networks need, and what tests must not see."""
+TO_MEASURE_BY: tuple[Role, ...] = ("validation", "test")
 OPENING, CHANGING = 10, 11
 """What random numbers are for, beside what `kinmo.scans.scan` draws of the same seed."""
 
@@ -129,24 +130,24 @@ class Rendering:
     def _scan(self, target: ArticulatedObject, job: Job, seed: int) -> None:
         drawing = np.random.default_rng([seed, OPENING])
         target = replace(target, mobility=opened_as_usual(target.mobility, MOST_TURN, job.openings, drawing))
-        config = replace(self.config, states=_states(self.config, job))
-        job.write(target, scan(target, config, seed, to_train=job.role not in ("validation", "test")))
+        to_train = job.role not in TO_MEASURE_BY
+        which = _share(self.config, job) if to_train else slice(None)
+        job.write(target, scan(target, self.config, seed, to_train=to_train, which=which))
 
 
 def frames_of(config: ScansConfig, job: Job) -> int:
     """How many frames it gets, refused ones included."""
-    if job.role in ("validation", "test"):
+    if job.role in TO_MEASURE_BY:
         return config.test_states * config.test_views
-    return _states(config, job) * config.views
+    return len(range(config.states)[_share(config, job)]) * config.views
 
 
-def _states(config: ScansConfig, job: Job) -> int:
-    """Of an object that is not to choose or test by: those there are, shared out among it and those like it.
+def _share(config: ScansConfig, job: Job) -> slice:
+    """Which of all states are of an object that is not to choose or test by: it takes turns with those like it.
 
     What stands still looks the same in all states, and gets as many as one of those.
     """
-    each, left = divmod(config.states, variants_of(config))
-    return each + (job.variant < left)
+    return slice(job.variant, None, variants_of(config))
 
 
 def variants_of(config: ScansConfig) -> int:
