@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from dataclasses import fields
+
 import numpy as np
 
 from articulated import shape_of_boxes
@@ -14,11 +17,18 @@ from kinmo.scans.articulated_object import ArticulatedObject, articulated_object
 from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.input_frame import InputFrame
 from kinmo.scans.scan import Scans
+from kinmo.scans.scan_file import ScanFile
 from kinmo.shape import Shape
 
+ARRAYS = tuple(field.name for field in fields(Scans) if field.name != "refused")
 RIGHT = np.array([1.0, 0.0, 0.0])
 UP = np.array([0.0, 1.0, 0.0])
 FRONT = np.array([0.0, 0.0, 1.0])
+
+
+def scans_in(file: ScanFile) -> Scans:
+    """All frames of a file."""
+    return Scans(**{name: file.read(name) for name in ARRAYS}, refused=Counter(file.refused))
 
 
 def hinge(pivot: tuple[float, float, float], direction: np.ndarray = UP, lower: float = 0.0, upper: float = 1.5) -> Joint:

@@ -27,6 +27,13 @@ class Mesh:
         """The same triangles in a frame to which `rotation` [3, 3] takes this one's."""
         return Mesh(self.vertices @ rotation.T, self.faces)
 
+    @property
+    def compact(self) -> Mesh:
+        """The same triangles without vertices that none of them uses."""
+        used = np.zeros(len(self.vertices), bool)
+        used[self.faces] = True
+        return Mesh(self.vertices[used], (np.cumsum(used) - 1)[self.faces].astype(np.uint32))
+
 
 def join(*meshes: Mesh) -> Mesh:
     """One mesh with all vertices and faces of some, or of none."""

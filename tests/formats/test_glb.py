@@ -228,6 +228,13 @@ def test_triangles_strips_and_fans_are_the_same_surface(tmp_path: Path, mode: in
     np.testing.assert_allclose(normals, [[0.0, 0.0, 1.0]] * 2)
 
 
+def test_vertices_that_no_triangle_uses_are_left_out(tmp_path: Path) -> None:
+    (mesh,) = read(raw(tmp_path / "a.glb", order=np.array([0, 2, 3], "<u2"), mode=4)).meshes()
+    assert len(mesh.vertices) == 3
+    (whole,) = read(raw(tmp_path / "b.glb", order=np.array([0, 1, 2, 0, 2, 3], "<u2"), mode=4)).meshes()
+    np.testing.assert_array_equal(mesh.vertices[mesh.faces], whole.vertices[whole.faces[1:]])
+
+
 def test_extensions_that_only_change_looks_are_no_matter(tmp_path: Path) -> None:
     shape = read(raw(tmp_path / "a.glb", extensionsRequired=["KHR_materials_unlit", "KHR_texture_transform"]))
     assert [part.name for part in shape.parts] == ["sheet"]

@@ -11,7 +11,7 @@ from kinmo.config import ScansConfig
 from kinmo.errors import InputError
 from kinmo.scans.scan import Scans, scan
 from kinmo.scans.scan_file import Provenance, open_scans, write_scans
-from scanned import cupboard_object
+from scanned import cupboard_object, scans_in
 
 CONFIG = ScansConfig(states=2, views=2, size=64, points=50)
 
@@ -29,7 +29,7 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     for mine, theirs in zip(file.joints, target.joints, strict=True):
         assert (mine.kind, mine.lower, mine.upper) == (theirs.kind, theirs.lower, theirs.upper)
         np.testing.assert_array_equal(mine.direction, theirs.direction)
-    back = file.scans()
+    back = scans_in(file)
     for name in ("points", "parts", "places", "poses", "values", "turns"):
         np.testing.assert_array_equal(getattr(back, name), getattr(scans, name))
         np.testing.assert_array_equal(file.read(name, 0), getattr(scans, name)[0])

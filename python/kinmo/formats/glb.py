@@ -191,7 +191,7 @@ class _Scene:
         faces = _triangles(order, mode)
         if faces is None:
             raise primitive["mode"].fail(f"expected 0 to 6, got {mode}")
-        return Mesh(vertices, faces)
+        return Mesh(vertices, faces).compact
 
     def _numbers(self, index: Field, kind: str, allowed: tuple[int, ...]) -> NDArray[Any]:
         """The numbers [count, width] of an accessor, seen in the file's bytes."""

@@ -115,11 +115,8 @@ def _fans(corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.in
 
 def _compact(vertices: NDArray[np.float64], faces: NDArray[np.int64], where: Path) -> Mesh:
     """Drops vertices that no face uses, and checks the others."""
-    used = np.zeros(len(vertices), bool)
-    used[faces] = True
-    kept = vertices[used]
-    fine = np.all(np.abs(kept) <= _LARGEST_COORDINATE, axis=1)
-    if not np.all(fine):
-        bad = int(np.flatnonzero(used)[np.argmin(fine)])
-        raise InputError(where, f"vertex {bad + 1} is not finite", "v")
-    return Mesh(kept, (np.cumsum(used) - 1)[faces].astype(np.uint32))
+    is_fine = np.all(np.abs(vertices) <= _LARGEST_COORDINATE, axis=1)
+    bad = faces[~is_fine[faces]]
+    if len(bad):
+        raise InputError(where, f"vertex {bad.min() + 1} is not finite", "v")
+    return Mesh(vertices, faces.astype(np.uint32)).compact

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from kinmo.config import ScansConfig
 from kinmo.errors import InputError
 from kinmo.frames import z_up_rotation
 from kinmo.joint import Joint, JointKind
@@ -29,9 +30,6 @@ FACING = np.cos(np.radians(6.0))
 
 JOINT = rf"(?P<kind>{'|'.join(JointKind)}) on (?P<parent>\d+)"
 """What a joint of a structure looks like in tables."""
-
-SMALLEST_PART = 0.15
-"""Diagonal of a part's box, in the object's, below which the part goes with what it moves against (knobs, buttons)."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +121,7 @@ def articulated_object(
     shape: Shape,
     mobility: Mobility | None = None,
     *,
-    smallest: float = SMALLEST_PART,
+    smallest: float = ScansConfig.smallest_part,
     closes: bool = True,
     guessed_within: float | None = None,
     change: F64 | None = None,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
@@ -88,10 +87,6 @@ class ScanFile:
     def _tensors(self) -> Any:
         """Opened once: a training reads tens of thousands of frames."""
         return safe_open(self.path, framework="numpy").__enter__()  # type: ignore[no-untyped-call]
-
-    def scans(self) -> Scans:
-        """All frames."""
-        return Scans(**{name: self.read(name) for name in _ARRAYS}, refused=Counter(self.refused))
 
 
 def count_objects(files: Iterable[ScanFile]) -> int:

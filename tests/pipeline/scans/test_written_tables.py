@@ -28,6 +28,7 @@ from kinmo.scans.scan import Scans
 from kinmo.scans.scan_file import count_objects, open_scans, write_scans
 from kinmo.splits import Split
 from kinmo.workspace import InUse, StageRecord, Workspace
+from scanned import scans_in
 
 
 def test_tables_and_reasons_are_written_by_one_process_at_a_time(judged: Workspace) -> None:
@@ -162,9 +163,9 @@ def test_a_table_counts_objects_of_other_structures_that_no_frame_shows_or_that_
     base = SimpleNamespace(
         id="still", category=CATEGORY, structure=Structure((), ()), joints=(), part_extents=file.extents, facing=file.facing
     )
-    write_scans(still, base, file.scans(), file.provenance)
+    write_scans(still, base, scans_in(file), file.provenance)
     hinged = SimpleNamespace(**vars(base) | {"id": "unseen", "structure": file.structure, "joints": file.joints})
-    scans = file.scans()
+    scans = scans_in(file)
     none = {field.name: getattr(scans, field.name)[:0] for field in fields(scans) if field.name != "refused"}
     write_scans(unseen, hinged, Scans(**none, refused=Counter({"too small": 4})), file.provenance)
     for variant in ("", ".1", ".2"):
