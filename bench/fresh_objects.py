@@ -148,7 +148,8 @@ def table(what: str, judgings: Sequence[Judging], trained: Sequence[tuple[Worksp
         if title != LEAST:
             least = rows_of(judgings, [each for each in trained if each[1].seed in row.seeds])[LEAST]
             compared.append((least, row))
-    caption = Caption(what, "procedural objects made for this alone", 0, 0, "all of them", (0,))
+    seeds = tuple(sorted({cell.seed for _, cell in trained}))
+    caption = Caption(what, "procedural objects made for this alone", 0, 0, "all of them", seeds)
     return as_text(over_parts(list(rows.values()), structure, caption, compared))
 
 
