@@ -168,7 +168,8 @@ class Render:
         yield from map_unordered(scan_all, _pending(job for job in jobs if job.role not in ("train", "pseudo")), self.workers)
         # without the scans of one of these they would have other openings, and keep them
         guessed = [job for job in jobs if job.role == "pseudo" and not job.is_done]
-        unseen = {like: [path for path in like if not path.exists() and not _is_refused(path)] for like in _likes(guessed)}
+        likes = dict.fromkeys(job.like for job in guessed)
+        unseen = {like: [path for path in like if not path.exists() and not _is_refused(path)] for like in likes}
         for like, missing in unseen.items():
             if missing:
                 waiting = tuple(job for job in guessed if job.like == like)
@@ -275,10 +276,6 @@ def _wanting(jobs: Sequence[Job], structure: Structure | None) -> list[Job]:
             scanned.setdefault(job.category, []).append(open_scans(job.path))
     structures = {category: usual_structure(files) for category, files in scanned.items()}
     return [job if job.role in ("train", "unlabelled") else replace(job, wanted=structures.get(job.category)) for job in jobs]
-
-
-def _likes(jobs: Iterable[Job]) -> set[tuple[Path, ...]]:
-    return {job.like for job in jobs}
 
 
 def _openings(scanned: Iterable[Path]) -> tuple[float, ...]:

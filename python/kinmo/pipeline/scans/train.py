@@ -136,7 +136,7 @@ class TrainAncsh:
         config = self._config
         before = tuple(self._before(config))
         for stage in before:
-            if isinstance(stage, SelfLabel):  # of nothing: no teacher need be trained
+            if isinstance(stage, SelfLabel):  # raises where nothing is to be labelled, before teachers are trained for it
                 stage.plan()
         for stage in before:
             stage.run(observer)
