@@ -27,10 +27,12 @@ from kinmo.evaluation.scan_tables import ScanRow, over_parts
 from kinmo.evaluation.tables import Caption, as_text
 from kinmo.formats import discover
 from kinmo.learning.ancsh.predict import Ancsh
+from kinmo.pipeline.model_files import networks_digest
 from kinmo.pipeline.scans.dataset import open_scan_dataset
 from kinmo.pipeline.scans.evaluate import judged
 from kinmo.pipeline.scans.jobs import Job, Rendering
-from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods
+from kinmo.pipeline.scans.networks import trained_by_all_methods
+from kinmo.pipeline.scans.settings import by_method
 from kinmo.pipeline.synth import Synth
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import open_scans
@@ -46,25 +48,32 @@ QUICK = 6
 
 
 @dataclass(frozen=True)
+class Trained:
+    """The networks of a seed, and what they learnt from: a setting, with the method whose labels they saw."""
+
+    title: str
+    seed: int
+    weights: tuple[Path, Path]
+
+
+@dataclass(frozen=True)
 class Judging:
     """Judges the networks of a cell on scans, in whatever process."""
 
     scans: tuple[Path, ...]
     folder: Path
 
-    def scores(self, place: Workspace, cell: Cell) -> Path:
-        return self.folder / place.method / f"{cell.key}.jsonl"
+    def scores(self, trained: Trained) -> Path:
+        """Of these very weights."""
+        return self.folder / f"{networks_digest(trained.weights)}-{trained.seed}.jsonl"
 
-    def __call__(self, trained: tuple[Workspace, Cell]) -> None:
+    def __call__(self, trained: Trained) -> None:
         torch.set_num_threads(1)
-        place, cell = trained
-        weights = cell.weights(place)
-        assert weights is not None, "it is among those that are trained"
-        network = Ancsh.load(*weights, device="cpu")
+        network = Ancsh.load(*trained.weights, device="cpu")
         files = map(open_scans, self.scans)
-        scores = [(file.id, frame.score) for file in files for frame in judged(file, network, cell.seed)]
-        self.scores(place, cell).parent.mkdir(parents=True, exist_ok=True)
-        write_scores(self.scores(place, cell), scores)
+        scores = [(file.id, frame.score) for file in files for frame in judged(file, network, trained.seed)]
+        self.folder.mkdir(parents=True, exist_ok=True)
+        write_scores(self.scores(trained), scores)
 
 
 def main() -> None:
@@ -80,28 +89,29 @@ def main() -> None:
     count = QUICK if options.quick else options.count
     workspace = Workspace(options.workspace)
     dataset = open_scan_dataset(workspace, options.category)
-    trained = [each for each in trained_by_all_methods(workspace) if same_category(each[1].category, dataset.category)]
+    trained = [
+        Trained(by_method(cell.setting, place.method), cell.seed, weights)
+        for place, cell in trained_by_all_methods(workspace)
+        if same_category(cell.category, dataset.category) and (weights := cell.weights(place))
+    ]
     place = options.cache / f"{dataset.category}-{options.seed}-{count}"
     judgings = []
     for parameter_range in RANGES:
         folder = place / parameter_range.value
         scans = scanned(folder, options.category, count, options.seed, parameter_range, dataset.structure)
         judgings.append(Judging(scans, folder / "scores"))
-        todo = [each for each in trained if not judgings[-1].scores(*each).exists()]
-        for (_, cell), found in map_unordered(judgings[-1], todo, os.cpu_count() or 1):
+        todo = [each for each in trained if not judgings[-1].scores(each).exists()]
+        for own, found in map_unordered(judgings[-1], todo, os.cpu_count() or 1):
             if isinstance(found, Crashed):
-                raise ChildProcessError(f"the process that judged {cell} died")
+                raise ChildProcessError(f"the process that judged {own.title}, seed {own.seed}, died")
     for name, some in (("both ranges", judgings), *((each.value, [own]) for each, own in zip(RANGES, judgings, strict=True))):
         print(table(f"{dataset.category}, {name}, seed {options.seed}", some, trained, dataset.structure), flush=True)
-    rows = rows_of(judgings, trained)
-    for setting, row in rows.items():
-        if setting != LEAST:
-            least = rows_of(judgings, [each for each in trained if each[1].seed in row.seeds])[LEAST]
-            (turn, *_) = change(least.objects, row.objects, dataset.structure)
-            assert turn is not None
-            claim = f"rotations in scans of other {dataset.category}: {setting} against {LEAST}, degrees"
-            figures = {"ours": turn.value, "peer": 0.0, "ratio": None, "goal": 0.0, "met": turn.value < 0.0}
-            print(json.dumps({"claim": claim} | figures))
+    for least, row in compared(judgings, trained):
+        (turn, *_) = change(least.objects, row.objects, dataset.structure)
+        assert turn is not None
+        claim = f"rotations in scans of other {dataset.category}: {row.name} against {least.name}, degrees"
+        figures = {"ours": turn.value, "peer": 0.0, "ratio": None, "goal": 0.0, "met": turn.value < 0.0}
+        print(json.dumps({"claim": claim} | figures))
 
 
 def scanned(
@@ -124,33 +134,30 @@ def scanned(
     return tuple(file.path for file in files if file.frames)
 
 
-def rows_of(judgings: Sequence[Judging], trained: Sequence[tuple[Workspace, Cell]]) -> dict[str, ScanRow]:
-    """A row for each setting and method, over the seeds that it was trained with."""
-    rows = {}
-    for title in dict.fromkeys(map(title_of, trained)):
-        cells = [each for each in trained if title_of(each) == title]
-        objects = read_scores([judging.scores(*each) for judging in judgings for each in cells])
-        rows[title] = ScanRow(title, tuple(objects), seeds=tuple(cell.seed for _, cell in cells))
-    return rows
+def row_of(title: str, judgings: Sequence[Judging], trained: Sequence[Trained]) -> ScanRow:
+    """All networks of a title."""
+    own = [each for each in trained if each.title == title]
+    objects = read_scores([judging.scores(each) for judging in judgings for each in own])
+    return ScanRow(title, tuple(objects), seeds=tuple(each.seed for each in own))
 
 
-def title_of(trained: tuple[Workspace, Cell]) -> str:
-    """The setting, with the method whose labels networks saw."""
-    place, cell = trained
-    return cell.setting if place.method == "kinmo" else f"{cell.setting}, {place.method}"
+def compared(judgings: Sequence[Judging], trained: Sequence[Trained]) -> list[tuple[ScanRow, ScanRow]]:
+    """Every other row beside those of the labelled objects alone, over the seeds that both have."""
+    others = [row_of(title, judgings, trained) for title in titles(trained) if title != LEAST]
+    return [(row_of(LEAST, judgings, [each for each in trained if each.seed in row.seeds]), row) for row in others]
 
 
-def table(what: str, judgings: Sequence[Judging], trained: Sequence[tuple[Workspace, Cell]], structure: Structure) -> str:
-    """Means of every row, and what it is above the first, over the seeds that both have."""
-    rows = rows_of(judgings, trained)
-    compared = []
-    for title, row in rows.items():
-        if title != LEAST:
-            least = rows_of(judgings, [each for each in trained if each[1].seed in row.seeds])[LEAST]
-            compared.append((least, row))
-    seeds = tuple(sorted({cell.seed for _, cell in trained}))
+def titles(trained: Sequence[Trained]) -> list[str]:
+    """Without repetitions."""
+    return list(dict.fromkeys(each.title for each in trained))
+
+
+def table(what: str, judgings: Sequence[Judging], trained: Sequence[Trained], structure: Structure) -> str:
+    """Means of every row, and what the others are above that of the labelled objects alone."""
+    seeds = tuple(sorted({each.seed for each in trained}))
     caption = Caption(what, "procedural objects made for this alone", 0, 0, "all of them", seeds)
-    return as_text(over_parts(list(rows.values()), structure, caption, compared))
+    rows = [row_of(title, judgings, trained) for title in titles(trained)]
+    return as_text(over_parts(rows, structure, caption, compared(judgings, trained)))
 
 
 if __name__ == "__main__":

@@ -117,9 +117,8 @@ def similarities(source: F64, target: F64) -> tuple[F64, F64, F64]:
     """Turns, scales and shifts that fit pairs [..., n, 3] best (Umeyama 1991)."""
     middles = source.mean(-2), target.mean(-2)
     a, b = source - middles[0][..., None, :], target - middles[1][..., None, :]
-    u, strengths, v_t = np.linalg.svd(np.swapaxes(b, -1, -2) @ a)
+    u, _, v_t = np.linalg.svd(np.swapaxes(b, -1, -2) @ a)
     u[..., 2] *= np.sign(np.linalg.det(u @ v_t))[..., None]
-    strengths[..., 2] *= np.sign(np.linalg.det(u @ v_t))
     turns = u @ v_t
     scales = np.sum((b @ turns) * a, axis=(-1, -2)) / np.sum(a * a, axis=(-1, -2))
     return turns, scales, middles[1] - scales[..., None] * np.einsum("...ij,...j->...i", turns, middles[0])

@@ -64,6 +64,13 @@ class Scanned:
         return TrainAncsh(self.workspace, self.config, FAMILY, setting, **HOW)  # type: ignore[arg-type]
 
 
+def smaller(scanned: Scanned, folder: Path) -> str:
+    """The configuration of scans with fewer pixels, in a file there."""
+    path = folder / "smaller.toml"
+    path.write_text(Path(scanned.config).read_text(encoding="utf-8").replace("size = 96", "size = 80"), encoding="utf-8")
+    return str(path)
+
+
 def prepared_in(folder: Path, family: str = FAMILY, count: int = 6) -> Scanned:
     """Labelled objects, and some whose labels are held back, of which nothing is scanned yet."""
     config = tiny_config(folder)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from scan_road import CATEGORY, FAMILY, HOW, Scanned, smaller
 from whole_road import Listener
 
 from kinmo.errors import InputError
@@ -89,12 +89,11 @@ def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path
 def test_what_is_done_for_scans_that_are_to_be_made_anew_is_to_be_done_again(
     scanned: Scanned, judged: Workspace, tmp_path: Path
 ) -> None:
-    config = tmp_path / "other.toml"
-    config.write_text(Path(scanned.config).read_text(encoding="utf-8").replace("size = 96", "size = 80"), encoding="utf-8")
-    plans = [MakeTable("4", judged, name, ("kinmo",), FAMILY, 1, **HOW).plan() for name in (scanned.config, str(config))]
+    config = smaller(scanned, tmp_path)
+    plans = [MakeTable("4", judged, name, ("kinmo",), FAMILY, 1, **HOW).plan() for name in (scanned.config, config)]
     assert plans[0].steps == ()
     assert plans[1].steps == (f"{CATEGORY}, supervised, seed 0: render, train, judge",)
-    training = TrainAncsh(judged, str(config), FAMILY, "supervised", **HOW).guess().seconds
+    training = TrainAncsh(judged, config, FAMILY, "supervised", **HOW).guess().seconds
     assert plans[1].seconds > training > 0.0
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scan_road import CATEGORY, FAMILY, Scanned, pseudo_labelled
+from scan_road import CATEGORY, FAMILY, Scanned, pseudo_labelled, smaller
 from whole_road import Listener, contents
 
 from kinmo.errors import InputError
@@ -25,13 +25,6 @@ from kinmo.scans.scan_file import ROLES, ScanFile, count_objects, open_scans
 from kinmo.splits import Split
 from kinmo.store import read_header
 from kinmo.workspace import Workspace
-
-
-def smaller(scanned: Scanned, folder: Path) -> str:
-    """The configuration of scans with fewer pixels, in a file there."""
-    path = folder / "smaller.toml"
-    path.write_text(Path(scanned.config).read_text(encoding="utf-8").replace("size = 96", "size = 80"), encoding="utf-8")
-    return str(path)
 
 
 def test_every_object_has_one_role_and_its_frames(scanned: Scanned) -> None:
@@ -203,12 +196,14 @@ def test_only_the_command_that_was_stopped_ends_what_it_began(scanned: Scanned, 
     folder = scans_of(made.workspace, CATEGORY, "unlabelled")
     next(folder.glob("*.safetensors")).unlink()
     unfinished(made.workspace, CATEGORY, "unlabelled").touch()
+    shutil.rmtree(made.workspace.models)
     assert made.render().plan().steps == ()
     made.render().run(Listener())
     assert not open_scan_dataset(made.workspace, CATEGORY).files["unlabelled"]
     for begin in (made.train("semi").plan, lambda: made.train("semi").run(Listener())):
         with pytest.raises(InputError, match="no scans of unlabelled objects of Laptop: run kinmo render --unlabelled"):
             begin()
+    assert not made.workspace.models.exists(), "told before the networks that are to label are trained"
     made.render(beside=("unlabelled",)).run(Listener())
     assert open_scan_dataset(made.workspace, CATEGORY).files["unlabelled"]
 
