@@ -20,6 +20,7 @@ import torch
 from kinmo.config import AncshConfig, AncshNetworkName, load_config
 from kinmo.learning.ancsh.loss import ScanBatch
 from kinmo.learning.ancsh.train import AncshLearner
+from kinmo.learning.training import adam_options
 from kinmo.pipeline.fitting import KEPT, TUNABLES
 
 PARTS = 3
@@ -50,8 +51,8 @@ def step_seconds(config: AncshConfig, which: AncshNetworkName, repeats: int) -> 
     """The least processor time of a step."""
     torch.manual_seed(0)
     learner, batch = AncshLearner(config, which, PARTS, PARTS), random_batch(config)
-    learner.log_dict = lambda *_, **__: None  # type: ignore[method-assign] # what is logged goes to a trainer, and here is none
-    optimizer = torch.optim.Adam(learner.network.parameters(), lr=config.training.learning_rate)
+    learner.log = lambda *_, **__: None  # type: ignore[method-assign] # what is logged goes to a trainer, and here is none
+    optimizer = torch.optim.Adam(learner.network.parameters(), **adam_options(config.training))
     times = []
     for _ in range(repeats):
         start = time.process_time()

@@ -221,6 +221,12 @@ def nearest_neighbours(points: F32, count: int) -> NDArray[np.int64]:
     is looked at.
     """
 
+def largest_neighbours(features: F32, index: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Which of the points `index` [B, m, k] of clouds with `features` [B, n, C] has the largest of each, [B, m, C].
+
+    Of equal ones it is the first of `index`; NaN counts as larger than all numbers.
+    """
+
 def closest_points(meshes: Meshes, group: Sequence[int], points: F64) -> tuple[F64, F64, F64]:
     """Where the surfaces of the meshes `group` are nearest to points [N, 3].
 

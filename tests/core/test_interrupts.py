@@ -42,6 +42,9 @@ calls = {
     ),
     "manhattan_frames": lambda: _core.manhattan_frames(rng.uniform(size=(20_000, 100, 3)).astype(np.float32)),
     "nearest_neighbours": lambda: _core.nearest_neighbours(rng.uniform(size=(20_000, 500, 3)).astype(np.float32), 8),
+    "largest_neighbours": lambda: _core.largest_neighbours(
+        np.broadcast_to(np.float32(0.0), (4000, 500, 64)), np.broadcast_to(0, (4000, 500, 8))
+    ),
     "find_similarities": lambda: _core.find_similarities(cloud, cloud, rows, **search),
     "tie_poses": lambda: _core.tie_poses(cloud, cloud[::-1].copy(), rows, *ties, *poses, frames=objects, threshold=9.0),
     "settle_poses": lambda: _core.settle_poses(cloud, cloud, rows, *ties, *known, *poses, frames=objects, threshold=9.0),
@@ -112,6 +115,7 @@ def outcomes() -> dict[str, str]:
         "render",
         "manhattan_frames",
         "nearest_neighbours",
+        "largest_neighbours",
         "find_similarities",
         "tie_poses",
         "settle_poses",

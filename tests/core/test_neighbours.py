@@ -1,4 +1,4 @@
-"""Nearest points of small clouds."""
+"""Nearest points of small clouds, and the largest of their features."""
 
 import numpy as np
 import pytest
@@ -36,3 +36,38 @@ def test_no_clouds_and_no_points_have_no_neighbours() -> None:
 def test_bad_arguments_are_refused_by_name(points: np.ndarray, count: int, problem: str) -> None:
     with pytest.raises(ValueError, match=problem):
         _core.nearest_neighbours(points, count)
+
+
+@given(st.integers(0, 3), st.integers(1, 9), st.integers(1, 19), st.integers(1, 6), st.integers(0, 1000))
+def test_the_largest_neighbours_are_those_of_numpy(clouds: int, size: int, width: int, count: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    features = rng.integers(-2, 3, (clouds, size, width)).astype(np.float32)
+    features[rng.random(features.shape) < 0.1] = np.nan
+    index = rng.integers(size, size=(clouds, 5, count))
+    gathered = features[np.arange(clouds)[:, None, None], index]  # [B, m, k, C]
+    expected = np.take_along_axis(index, gathered.argmax(axis=2), axis=2)
+    np.testing.assert_array_equal(_core.largest_neighbours(features, index), expected)
+    backwards = np.ascontiguousarray(features[..., ::-1])[..., ::-1]
+    np.testing.assert_array_equal(_core.largest_neighbours(backwards, np.asfortranarray(index)), expected)
+
+
+@pytest.mark.parametrize(
+    ("features", "index", "problem"),
+    [
+        ((4, 3), (1, 4, 2), r"features: shape \[4, 3\], expected \[B, N, C\]"),
+        ((2, 4, 3), (1, 4, 2), r"index: shape \[1, 4, 2\], expected \[2, M, K\] with K > 0"),
+        ((1, 4, 3), (1, 4, 0), r"index: shape \[1, 4, 0\], expected \[1, M, K\] with K > 0"),
+        ((1, 0, 3), (1, 4, 2), "index: expected integers from 0, below 0"),
+    ],
+)
+def test_features_and_index_that_do_not_fit_are_refused_by_name(
+    features: tuple[int, ...], index: tuple[int, ...], problem: str
+) -> None:
+    with pytest.raises(ValueError, match=problem):
+        _core.largest_neighbours(np.zeros(features, np.float32), np.zeros(index, np.int64))
+
+
+@pytest.mark.parametrize("number", [-1, 4, 2**32])
+def test_points_that_there_are_not_are_refused(number: int) -> None:
+    with pytest.raises(ValueError, match="index: expected integers from 0, below 4"):
+        _core.largest_neighbours(np.zeros((1, 4, 3), np.float32), np.full((1, 4, 2), number))

@@ -105,6 +105,12 @@ def test_averaged_weights_are_validated_and_kept_and_survive_a_cut(tmp_path: Pat
     assert all(torch.equal(a, b) for a, b in zip(again, averaged, strict=True))
 
 
+def test_gradients_can_be_clipped_in_mixed_precision(tmp_path: Path) -> None:
+    config = replace(CONFIG, precision="bf16-mixed", gradient_clip=1e-9)
+    history = fit(Line(config), Points(), tmp_path, device="cpu").history
+    assert len(history) == config.epochs
+
+
 def test_an_average_over_nearly_all_steps_lags_behind(tmp_path: Path) -> None:
     errors = {
         average: fit(Line(replace(CONFIG, average=average)), Points(), tmp_path / str(average), device="cpu").history

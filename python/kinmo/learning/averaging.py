@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import torch
 from lightning.pytorch.callbacks import WeightAveraging
 from torch import Tensor
+from torch.optim.swa_utils import get_ema_multi_avg_fn
 
 WARM_UP = 10
 """Early steps are averaged over fewer of them, so that the start is soon forgotten."""
@@ -14,11 +14,15 @@ class ExponentialAverage(WeightAveraging):
     """Keeps an exponential moving average of the weights; validation sees the average, training goes on without it."""
 
     def __init__(self, decay: float) -> None:
-        def average(kept: Tensor, current: Tensor, steps: Tensor | int) -> Tensor:
-            share = min(decay, (1.0 + float(steps)) / (WARM_UP + float(steps)))
-            return torch.lerp(current, kept, share) if kept.is_floating_point() else current
+        def average(kept: list[Tensor], current: list[Tensor], steps: Tensor | int) -> None:
+            if kept[0].is_floating_point():
+                share = min(decay, (1.0 + float(steps)) / (WARM_UP + float(steps)))
+                get_ema_multi_avg_fn(share)(kept, current, steps)  # type: ignore[no-untyped-call]
+                return
+            for own, other in zip(kept, current, strict=True):
+                own.copy_(other)
 
-        super().__init__(avg_fn=average)
+        super().__init__(multi_avg_fn=average)
 
     def weights(self) -> dict[str, Tensor]:
         """The averaged state of the module that is trained. Raises RuntimeError before the training."""

@@ -56,14 +56,6 @@ def gather_points(features: Tensor, index: Tensor) -> Tensor:
     return features.reshape(-1, width).index_select(0, _rows(index, size).flatten()).view(*index.shape, width)
 
 
-def weighted_sum(features: Tensor, index: Tensor, weights: Tensor) -> Tensor:
-    """Sums [B, m, C] of the points `index` [B, m, k] of `features` [B, n, C], times `weights` [B, m, k]."""
-    bags = _rows(index, features.shape[1]).flatten(0, 1)
-    of_each = weights.flatten(0, 1).to(features.dtype)  # which differ in mixed precision
-    sums = nn.functional.embedding_bag(bags, features.flatten(0, 1), mode="sum", per_sample_weights=of_each)
-    return sums.view(*index.shape[:2], -1)
-
-
 def max_over_points(features: Tensor) -> Tensor:
     """Maxima [B, m, C] of `features` [B, m, k, C] over k; of equal ones the first has the gradient."""
     with torch.no_grad():  # a pool finds them fastest, but goes backward slowly where channels come last
@@ -72,12 +64,11 @@ def max_over_points(features: Tensor) -> Tensor:
 
 
 def neighbour_max(features: Tensor, index: Tensor) -> Tensor:
-    """Maxima [B, n, C] of `features` [B, n, C] over the points `index` [B, n, k]."""
-    if not (features.is_cpu and torch.is_grad_enabled()):
-        return gather_points(features, index).amax(2)
-    # a bag knows which neighbour its maximum comes from, so that nothing of the size of all pairs goes backward
-    bags = _rows(index, features.shape[1]).flatten(0, 1)
-    return nn.functional.embedding_bag(bags, features.flatten(0, 1), mode="max").view(features.shape)
+    """Maxima [B, m, C] of `features` [B, n, C] over the points `index` [B, m, k]; of equal ones the first has the gradient."""
+    if features.is_cpu and features.dtype == torch.float32:
+        # told which points they are of, nothing of the size of all pairs is made, nor goes backward
+        return features.gather(1, torch.from_numpy(_core.largest_neighbours(features.detach().numpy(), index.numpy())))
+    return gather_points(features, index).amax(2)
 
 
 def _rows(index: Tensor, size: int) -> Tensor:

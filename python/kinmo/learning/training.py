@@ -75,10 +75,16 @@ class Learner(LightningModule):
 
     def configure_optimizers(self) -> Any:
         config = self.training_config
-        optimizer = torch.optim.Adam(self.parameters(), lr=config.learning_rate, weight_decay=config.weight_decay)
+        optimizer = torch.optim.Adam(self.parameters(), **adam_options(config))
         if config.decay_epochs:
             return [optimizer], [torch.optim.lr_scheduler.StepLR(optimizer, config.decay_epochs, config.decay)]
         return [optimizer], [torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, max(config.epochs, 1))]
+
+
+def adam_options(config: TrainingConfig) -> dict[str, Any]:
+    """How `torch.optim.Adam` and `AdamW` are to step. In mixed precision not `fused`: Lightning could not clip gradients."""
+    is_fused = config.precision == "32-true"
+    return {"lr": config.learning_rate, "weight_decay": config.weight_decay, "fused": is_fused}
 
 
 def fit(

@@ -60,7 +60,7 @@ pub fn zeros<'py, T: Element>(py: Python<'py>, shape: &[usize]) -> PyResult<Boun
 }
 
 /// What is wrong with a shape: `expected` is written as in the documentation, such as `[N, 3]`.
-fn shape_error<T>(name: &str, array: &ArrayViewD<'_, T>, expected: &str) -> GeometryError {
+pub fn shape_error<T>(name: &str, array: &ArrayViewD<'_, T>, expected: &str) -> GeometryError {
     GeometryError::new(name, format!("shape {:?}, expected {expected}", array.shape()))
 }
 

@@ -1,10 +1,11 @@
-//! `nearest_neighbours`.
+//! `nearest_neighbours` and `largest_neighbours`.
 
-use kinmo_geometry::neighbours::nearest_neighbours as nearest_of_all;
+use kinmo_geometry::GeometryError;
+use kinmo_geometry::neighbours::{largest_neighbours as largest_of_rows, nearest_neighbours as nearest_of_all};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::{Array, check_finite, stacks_of};
+use crate::arrays::{Array, check_finite, shape_error, stacks_of};
 use crate::batches::map_in_batches;
 use crate::convert::value_error;
 use crate::numbers::{count_of, integer};
@@ -13,7 +14,8 @@ use crate::numbers::{count_of, integer};
 const MOST_NEIGHBOURS: usize = u32::MAX as usize;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(nearest_neighbours, module)?)
+    module.add_function(wrap_pyfunction!(nearest_neighbours, module)?)?;
+    module.add_function(wrap_pyfunction!(largest_neighbours, module)?)
 }
 
 #[pyfunction]
@@ -33,4 +35,33 @@ fn nearest_neighbours<'py>(
     let found = map_in_batches(py, rows, |points| nearest_of_all(&points, count))?;
     let numbers = found.into_iter().flatten().map(i64::from);
     PyArray1::from_iter(py, numbers).reshape([batch, size, count.min(size)])
+}
+
+#[pyfunction]
+fn largest_neighbours<'py>(
+    py: Python<'py>,
+    features: Array<'py, f32>,
+    index: Array<'py, i64>,
+) -> PyResult<Bound<'py, PyArray3<i64>>> {
+    let (features, index) = (features.view(), index.view());
+    let [batch, size, width] = *features.shape() else {
+        return Err(value_error(shape_error("features", &features, "[B, N, C]")));
+    };
+    if !matches!(*index.shape(), [clouds, _, count] if clouds == batch && count > 0) {
+        return Err(value_error(shape_error("index", &index, &format!("[{batch}, M, K] with K > 0"))));
+    }
+    let [rows, count] = [1, 2].map(|axis| index.shape()[axis]);
+    if !index.iter().all(|number| (0..size as i64).contains(number)) {
+        return Err(value_error(GeometryError::new("index", format!("expected integers from 0, below {size}"))));
+    }
+    let features = features.as_standard_layout();
+    let Some(values) = features.as_slice() else { unreachable!("the standard layout has no gaps") };
+    let numbers: Vec<u32> = index.iter().map(|&number| number as u32).collect();
+    let clouds = values.chunks((size * width).max(1)).zip(numbers.chunks((rows * count).max(1)));
+    let found = map_in_batches(py, clouds, |(features, index)| largest_of_rows(features, width, index, count))?;
+    let mut largest = Vec::with_capacity(batch * rows * width);
+    for cloud in found {
+        largest.extend(cloud.into_iter().map(i64::from));
+    }
+    PyArray1::from_vec(py, largest).reshape([batch, rows, width])
 }

@@ -1,4 +1,4 @@
-//! The nearest points of every point of a small cloud.
+//! The nearest points of every point of a small cloud, and which of them has the most of a feature.
 
 /// Points that are compared at a time.
 const LANES: usize = 8;
@@ -31,6 +31,45 @@ pub fn nearest_neighbours(points: &[[f32; 3]], count: usize) -> Vec<u32> {
         found.extend(near[..count].iter().map(|&(_, number)| number));
     }
     found
+}
+
+/// Which row of `features`, each of `width`, has the largest of every column, among the `count` rows that a row of `index`
+/// names; row after row. Of equal ones it is the one named first; what is no number counts as larger than all that are.
+///
+/// # Panics
+///
+/// If a row is named that there is none of.
+pub fn largest_neighbours(features: &[f32], width: usize, index: &[u32], count: usize) -> Vec<u32> {
+    let mut found = vec![0; index.len() / count.max(1) * width];
+    for (named, found) in index.chunks_exact(count.max(1)).zip(found.chunks_exact_mut(width.max(1))) {
+        for (start, found) in (0..).step_by(LANES).zip(found.chunks_mut(LANES)) {
+            let columns_of = |number: u32| lanes_of(&features[number as usize * width..][start..width]);
+            let at = largest_of_lanes(named, columns_of);
+            found.copy_from_slice(&at[..found.len()]);
+        }
+    }
+    found
+}
+
+/// Which of the numbers has the largest value, lane by lane. Lanes are compared without branches, so that all are at once.
+fn largest_of_lanes(numbers: &[u32], values_of: impl Fn(u32) -> [f32; LANES]) -> [u32; LANES] {
+    let mut largest = [f32::NEG_INFINITY; LANES];
+    let mut at = [numbers[0]; LANES];
+    for &number in numbers {
+        let values = values_of(number);
+        for lane in 0..LANES {
+            let stays = (values[lane] <= largest[lane]) | largest[lane].is_nan();
+            largest[lane] = if stays { largest[lane] } else { values[lane] };
+            at[lane] = if stays { at[lane] } else { number };
+        }
+    }
+    at
+}
+
+/// The first values; of fewer than there are lanes, the rest of these are less than all.
+fn lanes_of(values: &[f32]) -> [f32; LANES] {
+    let padded = || std::array::from_fn(|lane| values.get(lane).copied().unwrap_or(f32::NEG_INFINITY));
+    values.first_chunk().copied().unwrap_or_else(padded)
 }
 
 fn least_of(lanes: &[f32; LANES]) -> f32 {
@@ -96,6 +135,26 @@ mod tests {
                 distinct.sort_unstable();
                 distinct.dedup();
                 prop_assert_eq!(distinct.len(), count);
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_largest_neighbours_are_those_that_are_found_column_by_column(
+            values in prop::collection::vec(prop_oneof![(-3..3i8).prop_map(f32::from), Just(f32::NAN)], 12),
+            index in prop::collection::vec(0..4u32, 15),
+        ) {
+            let found = largest_neighbours(&values, 3, &index, 5);
+            prop_assert_eq!(found.len(), 9);
+            for (named, row) in index.chunks(5).zip(found.chunks(3)) {
+                for (column, &at) in row.iter().enumerate() {
+                    let of = |number: u32| values[number as usize * 3 + column];
+                    let is_nan = named.iter().find(|&&number| of(number).is_nan());
+                    let most = named.iter().map(|&number| of(number)).fold(f32::NEG_INFINITY, f32::max);
+                    let first = is_nan.or_else(|| named.iter().find(|&&number| of(number) == most));
+                    prop_assert_eq!(Some(&at), first);
+                }
             }
         }
     }

@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 import torch
 
-from kinmo.learning.ancsh.point_sets import PointNetPlusPlus, farthest_points, interpolated, within_radius
+from kinmo.learning.ancsh.point_sets import (
+    FeaturePropagation,
+    PointNetPlusPlus,
+    SetAbstraction,
+    farthest_points,
+    interpolated,
+    within_radius,
+)
+from kinmo.learning.layers import gather_points
 
 
 def clouds(count: int, size: int, seed: int = 0) -> torch.Tensor:
@@ -40,6 +48,25 @@ def test_interpolation_gives_the_feature_of_a_point_at_that_point_and_means_betw
     at = torch.tensor([[[0.5, 0.0, 0.0]]])
     weights = np.array([0.5, 0.5, np.hypot(0.5, 5.0)]) ** -2
     assert interpolated(features, places, at, 2).item() == np.float32(weights @ [1, 3, 100] / weights.sum())
+
+
+def test_groups_are_seen_from_their_centres_with_their_features_joined() -> None:
+    torch.manual_seed(0)
+    layer = SetAbstraction(5, (8, 6), centers=9, radius=0.5, neighbours=7)
+    points, features = clouds(2, 40), torch.randn(2, 40, 5)
+    places, found = layer(points, features)
+    index = within_radius(points, places, 0.5, 7)
+    joined = torch.cat([gather_points(points, index) - places.unsqueeze(2), gather_points(features, index)], -1)
+    torch.testing.assert_close(found, layer.layers(joined).amax(2), rtol=1e-4, atol=1e-5)
+
+
+def test_interpolated_features_are_joined_with_a_point_s_own() -> None:
+    torch.manual_seed(0)
+    layer = FeaturePropagation(5 + 4, (8, 6), power=2)
+    points, own, features = clouds(2, 40), torch.randn(2, 40, 4), torch.randn(2, 10, 5)
+    places = points[:, :10]
+    joined = torch.cat([interpolated(features, places, points, 2), own], -1)
+    torch.testing.assert_close(layer(points, own, places, features), layer.layers(joined), rtol=1e-4, atol=1e-5)
 
 
 def test_every_point_gets_features_and_their_order_follows_that_of_the_points() -> None:

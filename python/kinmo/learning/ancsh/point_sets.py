@@ -7,8 +7,9 @@ from itertools import pairwise
 
 import torch
 from torch import Tensor, nn
+from torch.nn.functional import linear
 
-from kinmo.learning.layers import channel_norm, gather_points, max_over_points, weighted_sum
+from kinmo.learning.layers import channel_norm, gather_points, max_over_points
 
 INTERPOLATED = 3
 """Nearest points that features are interpolated from."""
@@ -45,14 +46,19 @@ def interpolated(features: Tensor, places: Tensor, at: Tensor, power: int) -> Te
 
     Their weights are 1 / distance ** `power`.
     """
-    distances, index = torch.cdist(at, places).topk(min(INTERPOLATED, places.shape[1]), dim=-1, largest=False)
-    weights = distances.clamp(min=1e-6) ** -power
+    distances = torch.cdist(at, places)
+    nearest, index = distances.topk(min(INTERPOLATED, places.shape[1]), dim=-1, largest=False)
+    weights = nearest.clamp(min=1e-6) ** -power
     weights = weights / weights.sum(-1, keepdim=True)
-    return weighted_sum(features, index, weights)
+    return torch.zeros_like(distances).scatter(-1, index, weights) @ features
 
 
 class SharedLayers(nn.Sequential):
-    """Linear layers without a bias, each with a batch norm and a ReLU, over the last axis."""
+    """Linear layers without a bias, each with a batch norm and a ReLU, over the last axis.
+
+    The first one is linear in what it is given, so that it may go before features are gathered or interpolated for many points:
+    it is then asked but once about each of the few that they come from (`first`), and the rest follow (`after_first`).
+    """
 
     def __init__(self, widths: Sequence[int]) -> None:
         layers: list[nn.Module] = []
@@ -60,10 +66,22 @@ class SharedLayers(nn.Sequential):
             layers += [nn.Linear(before, after, bias=False), channel_norm("batch", after), nn.ReLU()]
         super().__init__(*layers)
 
-    def maxima(self, x: Tensor) -> Tensor:
-        """Of [B, m, k, C] over the last axis but one, [B, m, C']; the last ReLU changes no order, so that it can come after."""
-        *before, last = self
-        for layer in before:
+    def first(self, x: Tensor, start: int = 0) -> Tensor:
+        """The first layer's share [..., C'] of those of its channels that `x` [..., C] has, which are those from `start` on."""
+        weight: Tensor = self[0].weight  # type: ignore[assignment]
+        return linear(x, weight[:, start : start + x.shape[-1]])
+
+    def after_first(self, x: Tensor) -> Tensor:
+        """What the other layers make of [..., C']."""
+        _, *others = self
+        for layer in others:
+            x = layer(x)
+        return x
+
+    def maxima_after_first(self, x: Tensor) -> Tensor:
+        """The same of [B, m, k, C'], its maxima over k; the last ReLU changes no order, so that it can come after them."""
+        _, *others, last = self
+        for layer in others:
             x = layer(x)
         pooled: Tensor = last(max_over_points(x))
         return pooled
@@ -80,15 +98,17 @@ class SetAbstraction(nn.Module):
     def forward(self, points: Tensor, features: Tensor | None) -> tuple[Tensor, Tensor]:
         """`points` [B, n, 3], `features` [B, n, C] -> places [B, m, 3] and features [B, m, C']."""
         if not self.centers:
-            seen = points if features is None else torch.cat([points, features], -1)
-            return torch.zeros_like(points[:, :1]), self.layers.maxima(seen.unsqueeze(1))
+            seen = self.layers.first(points if features is None else torch.cat([points, features], -1))
+            return torch.zeros_like(points[:, :1]), self.layers.maxima_after_first(seen.unsqueeze(1))
         chosen = farthest_points(points, min(self.centers, points.shape[1]))
         places = torch.gather(points, 1, chosen.unsqueeze(-1).expand(-1, -1, 3))
         index = within_radius(points, places, self.radius, self.neighbours)
-        seen = gather_points(points, index) - places.unsqueeze(2)
-        if features is not None:
-            seen = torch.cat([seen, gather_points(features, index)], -1)
-        return places, self.layers.maxima(seen)
+        if features is None:
+            seen = self.layers.first(gather_points(points, index) - places.unsqueeze(2))
+        else:  # W [x - c, f] = W [x, f] - W [c, 0]
+            seen = gather_points(self.layers.first(torch.cat([points, features], -1)), index)
+            seen = seen - self.layers.first(places).unsqueeze(2)
+        return places, self.layers.maxima_after_first(seen)
 
 
 class FeaturePropagation(nn.Module):
@@ -101,8 +121,8 @@ class FeaturePropagation(nn.Module):
 
     def forward(self, points: Tensor, own: Tensor, places: Tensor, features: Tensor) -> Tensor:
         """`own` [B, n, C] at `points` [B, n, 3], `features` [B, m, D] at `places` [B, m, 3] -> [B, n, C']."""
-        spread = interpolated(features, places, points, self.power)
-        return self.layers(torch.cat([spread, own], -1))  # type: ignore[no-any-return]
+        spread = interpolated(self.layers.first(features), places, points, self.power)
+        return self.layers.after_first(spread + self.layers.first(own, start=features.shape[-1]))
 
 
 class PointNetPlusPlus(nn.Module):

@@ -86,10 +86,8 @@ class AncshLearner(Learner):
         self.network = (AncshNetwork if which == "ancsh" else PartNetwork)(config, parts, classes)
 
     def training_step(self, batch: ScanBatch, index: int) -> torch.Tensor:
-        losses = self._losses(batch)
-        loss = total(losses, self.config)
-        logged = {"training/loss": loss} | {f"training/{name}": value for name, value in losses.items()}
-        self.log_dict(logged, on_step=False, on_epoch=True, batch_size=len(batch.points))
+        loss = total(self._losses(batch), self.config)
+        self.log("training/loss", loss, on_step=False, on_epoch=True, batch_size=len(batch.points))
         return loss
 
     def validation_step(self, batch: ScanBatch, index: int) -> None:

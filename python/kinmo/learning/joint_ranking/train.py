@@ -26,7 +26,7 @@ from kinmo.learning.joint_ranking.network import (
     right_probability,
 )
 from kinmo.learning.joint_ranking.views import body_view, node_view
-from kinmo.learning.training import FitResult, Learner, Progress, fit
+from kinmo.learning.training import FitResult, Learner, Progress, adam_options, fit
 from kinmo.learning.weights import Weights, load_weights, save_weights
 from kinmo.prepared import PreparedShape
 from kinmo.typed_tables import to_table
@@ -173,7 +173,7 @@ class RankingLearner(Learner):
 
     def configure_optimizers(self) -> Any:
         config = self.training_config
-        optimizer = torch.optim.AdamW(self.parameters(), lr=config.learning_rate, weight_decay=config.weight_decay)
+        optimizer = torch.optim.AdamW(self.parameters(), **adam_options(config))
         schedule = torch.optim.lr_scheduler.OneCycleLR(
             optimizer, config.learning_rate, total_steps=self.steps + 1, pct_start=WARM_UP
         )

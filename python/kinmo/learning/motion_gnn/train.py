@@ -73,9 +73,7 @@ class GnnLearner(Learner):
         losses = edge_losses(
             self(batch), graph.types, graph.directions, graph.pivots, self.class_weights, self.config.direction_loss
         )
-        self._log(
-            "training", len(graph.types), loss=losses.total, type=losses.type, direction=losses.direction, pivot=losses.pivot
-        )
+        self._log("training", len(graph.types), loss=losses.total)
         return losses.total
 
     def validation_step(self, batch: GraphBatch, index: int) -> None:
