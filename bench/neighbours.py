@@ -61,7 +61,8 @@ def compare(batch: int, size: int, count: int, repeats: int) -> dict[str, float]
 def compare_maxima(batch: int, size: int, count: int, repeats: int) -> dict[str, float]:
     """The same of the maxima of `WIDTH` features, with their gradients."""
     torch.manual_seed(0)
-    features, slopes = torch.randn(batch, size, WIDTH, requires_grad=True), torch.randn(batch, size, WIDTH)
+    distinct = torch.randperm(batch * size * WIDTH).float()  # of equal ones each way gives the gradient to others
+    features, slopes = distinct.view(batch, size, WIDTH).requires_grad_(), torch.randn(batch, size, WIDTH)
     index = torch.from_numpy(_core.nearest_neighbours(torch.rand(batch, size, 3).numpy(), count))
     rows = (index + torch.arange(batch).view(-1, 1, 1) * size).flatten(0, 1)
 
