@@ -43,7 +43,7 @@ calls = {
     "manhattan_frames": lambda: _core.manhattan_frames(rng.uniform(size=(20_000, 100, 3)).astype(np.float32)),
     "nearest_neighbours": lambda: _core.nearest_neighbours(rng.uniform(size=(20_000, 500, 3)).astype(np.float32), 8),
     "largest_neighbours": lambda: _core.largest_neighbours(
-        np.broadcast_to(np.float32(0.0), (4000, 500, 64)), np.broadcast_to(0, (4000, 500, 8))
+        np.zeros((200, 100, 1024), np.float32), np.zeros((200, 100, 256), np.int64)
     ),
     "find_similarities": lambda: _core.find_similarities(cloud, cloud, rows, **search),
     "tie_poses": lambda: _core.tie_poses(cloud, cloud[::-1].copy(), rows, *ties, *poses, frames=objects, threshold=9.0),

@@ -68,7 +68,7 @@ def neighbour_max(features: Tensor, index: Tensor) -> Tensor:
     if features.is_cpu and features.dtype == torch.float32:
         # told which points they are of, nothing of the size of all pairs is made, nor goes backward
         return features.gather(1, torch.from_numpy(_core.largest_neighbours(features.detach().numpy(), index.numpy())))
-    return gather_points(features, index).amax(2)
+    return max_over_points(gather_points(features, index))
 
 
 def _rows(index: Tensor, size: int) -> Tensor:

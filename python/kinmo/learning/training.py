@@ -82,9 +82,12 @@ class Learner(LightningModule):
 
 
 def adam_options(config: TrainingConfig) -> dict[str, Any]:
-    """How `torch.optim.Adam` and `AdamW` are to step. In mixed precision not `fused`: Lightning could not clip gradients."""
-    is_fused = config.precision == "32-true"
-    return {"lr": config.learning_rate, "weight_decay": config.weight_decay, "fused": is_fused}
+    """How `torch.optim.Adam` and `AdamW` are to step.
+
+    In mixed precision, where Lightning could not clip the gradients of a fused one, as torch thinks best.
+    """
+    fused = True if config.precision == "32-true" else None
+    return {"lr": config.learning_rate, "weight_decay": config.weight_decay, "fused": fused}
 
 
 def fit(

@@ -50,7 +50,7 @@ def interpolated(features: Tensor, places: Tensor, at: Tensor, power: int) -> Te
     nearest, index = distances.topk(min(INTERPOLATED, places.shape[1]), dim=-1, largest=False)
     weights = nearest.clamp(min=1e-6) ** -power
     weights = weights / weights.sum(-1, keepdim=True)
-    return torch.zeros_like(distances).scatter(-1, index, weights) @ features
+    return torch.zeros_like(distances).scatter_(-1, index, weights) @ features
 
 
 class SharedLayers(nn.Sequential):
