@@ -170,6 +170,12 @@ def test_without_meta_the_root_part_names_the_category(tmp_path):
     assert any("meta.json" in repair for repair in shape.repairs)
 
 
+def test_without_a_category_in_meta_the_root_part_names_it_and_the_annotation_stays(tmp_path):
+    shape = read_partnet_mobility(write_partnet_mobility(tmp_path / "4711", meta={"anno_id": "1"}))
+    assert (shape.category, shape.partnet_id) == ("StorageFurniture", "1")
+    assert "meta.json has no model_cat: category taken from the root part" in shape.repairs
+
+
 def test_without_any_name_the_category_is_unknown(tmp_path):
     nameless = copy.deepcopy(RESULT)
     nameless[0].update(name="")

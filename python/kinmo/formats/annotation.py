@@ -77,11 +77,14 @@ def read_meta(folder: Path, root_name: str) -> Meta:
     """Category and annotation. meta.json decides, without it the name of the root part; without both it is unknown."""
     file = folder / "meta.json"
     if not file.exists() and not file.is_symlink():
-        if not root_name:
-            problem = f"meta.json is missing, and the root part has no name: category {UNKNOWN_CATEGORY}"
-            return Meta(UNKNOWN_CATEGORY, None, (problem,))
-        return Meta(canonical_category(root_name), None, ("meta.json is missing: category taken from the root part",))
+        category, repair = _category_of_root(root_name, "meta.json is missing")
+        return Meta(category, None, (repair,))
     meta = Field(file, read_json(file, folder))
+    annotation = meta["anno_id"]
+    number = (str(annotation.integer()) if isinstance(annotation.value, int) else annotation.text("")) or None
+    if meta["model_cat"].is_absent:
+        category, repair = _category_of_root(root_name, "meta.json has no model_cat")
+        return Meta(category, number, (repair,))
     name = meta["model_cat"].text()
     if not name:
         raise meta["model_cat"].fail("expected a category")
@@ -90,6 +93,11 @@ def read_meta(folder: Path, root_name: str) -> Meta:
     for place, other in others.items():
         if other and not same_category(name, other):
             repairs.append(f"category {canonical_category(name)} taken from meta.json, {place} says {other}")
-    annotation = meta["anno_id"]
-    number = str(annotation.integer()) if isinstance(annotation.value, int) else annotation.text("")
-    return Meta(canonical_category(name), number or None, tuple(repairs))
+    return Meta(canonical_category(name), number, tuple(repairs))
+
+
+def _category_of_root(name: str, reason: str) -> tuple[str, str]:
+    """The category that the root part's name says, and what is to be told of it."""
+    if name:
+        return canonical_category(name), f"{reason}: category taken from the root part"
+    return UNKNOWN_CATEGORY, f"{reason}, and the root part has no name: category {UNKNOWN_CATEGORY}"

@@ -131,10 +131,12 @@ def _beginning(path: Path, folder: Path) -> bytes:
 
 
 def _judge_link(path: Path, home: str, report: Callable[[InputError], None]) -> None:
-    """A link to a folder inside `home` is found by its own path; one that leads elsewhere would be lost in silence."""
+    """A link to what is inside `home` is found by its own path; one that leads elsewhere would be lost in silence."""
     try:
         target = os.path.realpath(path, strict=True)
     except (OSError, ValueError):
         return
-    if Path(target).is_dir() and target != home and not target.startswith(home + os.sep):
+    if target == home or target.startswith(home + os.sep):
+        return
+    if Path(target).is_dir() or _file_of_shape(path) is not None:
         report(InputError(path, "a link that leads out of the folder: not followed, name its target instead"))
