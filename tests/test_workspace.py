@@ -19,11 +19,23 @@ from kinmo.workspace import (
     check_can_be_written,
     digest,
     kept_while_unchanged,
+    name_on_disk,
     remove_leftovers,
     write_atomically,
     write_bytes_atomically,
     write_text_atomically,
 )
+
+
+@given(st.lists(st.text() | st.text("é柜%/", min_size=20, max_size=200), unique=True))
+def test_names_on_disk_are_such_that_every_file_system_takes_them_and_other_ones_for_other_text(texts) -> None:
+    names = [name_on_disk(text) for text in texts]
+    assert len(set(names)) == len(names)
+    for name in names:
+        assert "/" not in name
+        assert len(name) <= 200, "with a layout and an ending there are 255 bytes"
+        assert name.isascii()
+
 
 words = st.text(max_size=5)
 scalars = st.none() | st.booleans() | st.integers() | words

@@ -1,13 +1,15 @@
 """Names of object categories, whatever their spelling.
 
 PartNet-Mobility writes `StorageFurniture` and `Door`, PartNet's trees `storage_furniture` and `door_set`, the paper's tables a
-mixture of both. `canonical_category` brings them to the first spelling; a category that it does not know keeps its own. Every
-category is the name of a folder sooner or later, and is made to be fit for one.
+mixture of both. `canonical_category` brings them to the first spelling, and a category that it does not know to that of
+PartNet's trees: lower case, words joined by underscores. Every category is the name of a folder sooner or later, and is fit
+for one.
 """
 
 from __future__ import annotations
 
 import re
+import unicodedata
 
 _KNOWN = (
     "Bag", "Bed", "Bottle", "Bowl", "Box", "Bucket", "Camera", "Cart", "Chair", "Clock", "CoffeeMachine", "Dishwasher",
@@ -21,24 +23,37 @@ _PROCEDURAL = ("Clamp", "Mechanism", "Vice")
 _ALIASES = {"doorset": "Door", "cuttinginstrument": "Knife", "garbagecan": "TrashCan", "monitor": "Display"}
 
 
+_OF_WORDS = "LMN"
+"""Letters, the marks on them, and digits."""
+_NEXT_WORD = re.compile(r"(?<=[^\W\d_])(?=[A-Z][a-z])|(?<=[a-z])(?=[A-Z])")
+LONGEST = 80
+"""Bytes of an unknown category that are kept, in UTF-8."""
+
+
+def _words(name: str) -> list[str]:
+    """In lower case; `GardenGnome`, `garden_gnome` and `garden gnome` have the same."""
+    apart = _NEXT_WORD.sub(" ", unicodedata.normalize("NFKC", name)).lower()
+    apart = unicodedata.normalize("NFKC", apart)
+    return "".join(letter if unicodedata.category(letter)[0] in _OF_WORDS else " " for letter in apart).split()
+
+
 def _key(name: str) -> str:
-    return re.sub(r"[^a-z0-9]", "", name.lower())
+    return "".join(_words(name))
 
 
-_UNFIT = re.compile(r"[/\\\x00-\x1f\x7f]|^\.+$")
-LONGEST = 100
-"""Characters of a category that are kept."""
 _SPELLING = {_key(name): name for name in (*_KNOWN, *_PROCEDURAL)} | _ALIASES
 
 
 def canonical_category(name: str) -> str:
-    """The one spelling of a category: `door_set` and `Door` give `Door`.
+    """The one spelling of a category: `door_set` and `Door` give `Door`, `GardenGnome`, which is not known, `garden_gnome`.
 
-    What no folder may be called by is a dash: `pots/pans` gives `pots-pans`, `..` gives `-`.
+    What has no letter and no digit is a dash.
     """
-    return _SPELLING.get(_key(name)) or _UNFIT.sub("-", name[:LONGEST])
+    words = _words(name)
+    own = "_".join(words).encode()[:LONGEST].decode(errors="ignore").rstrip("_")
+    return _SPELLING.get("".join(words)) or own or "-"
 
 
 def same_category(one: str, other: str) -> bool:
     """Whether two spellings mean the same category."""
-    return _key(canonical_category(one)) == _key(canonical_category(other))
+    return canonical_category(one) == canonical_category(other)

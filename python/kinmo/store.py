@@ -12,7 +12,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,14 +23,13 @@ from kinmo.ground_truth import EdgeLabels
 from kinmo.joint import Joint, JointKind, MotionType
 from kinmo.mobility import Body, Mobility
 from kinmo.prepared import Boxes, PreparedShape
-from kinmo.workspace import digest, kept_while_unchanged
+from kinmo.workspace import kept_while_unchanged, name_on_disk
 
 FORMAT = 7
 """Of the files; files of another format are made again."""
 INDEX = "index.jsonl"
 _HEADER_KEY = "kinmo"
 _LARGEST_HEADER = 64 << 20
-_LONGEST_NAME = 150
 _BOXES = ("minimum_boxes", "symmetric_boxes", "aligned_boxes", "body_boxes")
 _ARRAYS = ("up", "center", "leaf_points", "leaf_normals", "leaf_areas", "edges", "edge_distances")
 _LABELS = ("types", "bodies", "directions", "pivots")
@@ -73,11 +71,8 @@ class IndexEntry:
 
 
 def file_name(layout: str, shape_id: str) -> str:
-    """Path of a shape's file relative to the store, with nothing in it that a file system minds."""
-    name = quote(shape_id, safe=" ")
-    if len(name) > _LONGEST_NAME:
-        name = f"{name[:_LONGEST_NAME]}~{digest(shape_id)}"
-    return f"{layout}/{name}.safetensors"
+    """Path of a shape's file relative to the store."""
+    return f"{layout}/{name_on_disk(shape_id)}.safetensors"
 
 
 def to_bytes(shape: PreparedShape, provenance: Mapping[str, Any]) -> bytes:

@@ -18,12 +18,15 @@ from functools import wraps
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any, TypeVar
+from urllib.parse import quote
 
 from kinmo import __version__
 from kinmo.errors import InputError, KinmoError
 
 _TEMPORARY = ".{name}.tmp~"
 _REPLACED = ".{name}.old~"
+_LONGEST_NAME = 150
+"""What comes before and after it has room in the 255 bytes that there are."""
 DEFAULT_METHOD = "kinmo"
 """Whose pseudo labels are meant where nothing is said."""
 _SETTLED = 2_000_000_000
@@ -119,6 +122,12 @@ def remove_leftovers(folder: Path) -> None:
     for pattern in (_TEMPORARY, _REPLACED):
         for path in Path(folder).rglob(pattern.format(name="*")):
             _remove(path)
+
+
+def name_on_disk(text: str) -> str:
+    """A name for a file or folder, without ending, with nothing in it that a file system minds: another one for other text."""
+    name = quote(text, safe=" ")
+    return name if len(name) <= _LONGEST_NAME else f"{name[:_LONGEST_NAME]}~{digest(text)}"
 
 
 def digest(value: object) -> str:

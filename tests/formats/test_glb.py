@@ -253,10 +253,16 @@ def test_cameras_lights_and_empty_nodes_are_no_parts(tmp_path: Path) -> None:
     nodes = [{"name": "Cabinet", "children": [1, 2]}, {"name": "door", "mesh": 0}, {"name": "body", "mesh": 0}]
     nodes += [{"name": "Camera", "camera": 0}, {"name": "Light"}]
     shape = read(raw(tmp_path / "a.glb", nodes=nodes, scenes=[{"nodes": [3, 0, 4]}]))
-    assert shape.category == "Cabinet"
+    assert shape.category == "cabinet"
     assert [part.name for part in shape.parts] == ["Cabinet", "door", "body"], "in the order of the file"
     assert shape.repairs == ()
     assert shape.partnet_id is None
+
+
+@pytest.mark.parametrize(("root", "category"), [("refrigerator", "Refrigerator"), ("door_set", "Door"), ("../../Safe", "Safe")])
+def test_categories_are_spelled_as_in_all_other_layouts(root: str, category: str, tmp_path: Path) -> None:
+    nodes = [{"name": root, "children": [1, 2]}, {"name": "door", "mesh": 0}, {"name": "body", "mesh": 0}]
+    assert read(raw(tmp_path / "a.glb", nodes=nodes)).category == category
 
 
 def test_what_has_no_name_has_none_made_up(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@ from __future__ import annotations
 import pytest
 
 from datasets import RESULT, write_partnet
-from kinmo.categories import canonical_category, same_category
 from kinmo.errors import InputError
 from kinmo.formats import read_partnet
 
@@ -32,29 +31,3 @@ def test_a_folder_without_hierarchy_or_meshes_is_refused(tmp_path):
     (folder / "objs").rename(folder / "meshes")
     with pytest.raises(InputError, match="textured_objs or objs"):
         read_partnet(folder)
-
-
-@pytest.mark.parametrize(
-    ("one", "other"),
-    [
-        ("door_set", "Door"),
-        ("storage_furniture", "StorageFurniture"),
-        ("Refrigerator", "refrigerator"),
-        ("Trashcan", "trash_can"),
-    ],
-)
-def test_categories_match_whatever_their_spelling(one, other):
-    assert same_category(one, other)
-    assert canonical_category(one) == canonical_category(other)
-
-
-def test_an_unknown_category_keeps_its_own_spelling():
-    assert canonical_category("garden_gnome") == "garden_gnome"
-
-
-@pytest.mark.parametrize(
-    ("name", "folder"), [("pots/pans", "pots-pans"), ("../../x", "..-..-x"), ("..", "-"), ("a\\b\n", "a-b-")]
-)
-def test_a_category_can_be_the_name_of_a_folder(name: str, folder: str) -> None:
-    assert canonical_category(name) == folder
-    assert not same_category("garden_gnome", "Door")

@@ -9,13 +9,16 @@ import numpy as np
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
 from whole_road import Listener
 
+from kinmo.config import ScansConfig
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.model_files import WEIGHTS
 from kinmo.pipeline.scans.make_table import MakeTable
 from kinmo.pipeline.scans.table_rows import SHARES, TABLES
-from kinmo.scans.scan_file import open_scans
+from kinmo.scans.scan import scan
+from kinmo.scans.scan_file import open_scans, write_scans
 from kinmo.splits import Split
 from kinmo.workspace import Workspace
+from scanned import cupboard_object
 
 
 def make(name: str, method: str, scanned: Scanned, folder: Path) -> MakeTable:
@@ -41,6 +44,10 @@ def test_two_trainings_are_judged_on_the_scans_of_both_sensors(scanned: Scanned,
     noisy = open_scans(rough.scans / CATEGORY / "test" / clean.path.name)
     np.testing.assert_array_equal(clean.read("poses"), noisy.read("poses"))
     assert not np.array_equal(clean.read("points"), noisy.read("points"))
+    for path in (root.scans / CATEGORY / "train").glob("*.safetensors"):  # as if other joints had been asked for
+        provenance, target = open_scans(path).provenance, cupboard_object()
+        write_scans(path, target, scan(target, ScansConfig(states=1, views=4, size=64, points=64), 0), provenance)
+    assert not any(row.judged(root, CATEGORY, 0).held() for row in TABLES["sensors"].rows)
 
 
 def test_each_share_of_the_labels_has_motion_networks_of_its_own(scanned: Scanned, tmp_path: Path) -> None:

@@ -40,6 +40,20 @@ def row_of_boxes(kinds: list[str], on_each_other: bool, tilts: list[np.ndarray] 
     return articulated_object(shape_of_boxes(boxes, bodies), smallest=0.0)
 
 
+def test_what_opens_farther_than_half_a_turn_is_said_to_be_open_so_far() -> None:
+    boxes = [((0.0, 0.0, 0.0), (0.9, 1.0, 0.7)), ((1.0, 0.0, 0.0), (1.9, 1.1, 0.7))]
+    bodies = [Body(0, "base", (1,)), Body(1, "cover", (2,), 0, hinge((1.0, 0.0, 0.0), upper=4.0))]
+    target = articulated_object(shape_of_boxes(boxes, bodies), smallest=0.0)
+    scans = scan(target, replace(OPTIONS, states=12, views=1), 0)
+    answers = [true_answers(target, scans, row) for row in range(len(scans))]
+    true = np.array([true_estimate(target, scans, row).states[0] for row in range(len(scans))])
+    assert (true > np.pi).any()
+    assert (true < np.pi).any()
+    typical = replace(all_is_typical(target), turns=np.array([[0.0, 4.0]]))
+    found = [one.states[0] for one in estimate(answers, target.structure, SEARCH, typical)]
+    assert found == pytest.approx(true, abs=0.01 * DEGREE)
+
+
 @pytest.mark.parametrize("ties", ["tree", "pairs", "none"])
 @settings(max_examples=8)
 @given(st.lists(st.sampled_from(["R", "P", "PR"]), min_size=1, max_size=5), st.booleans(), st.integers(0, 1000))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
-from zipfile import ZipFile
+from zipfile import ZIP_LZMA, ZipFile
 
 import numpy as np
 import pytest
@@ -112,6 +112,10 @@ def test_intrinsics_are_four_numbers():
             Intrinsics.parse(text)
 
 
+HEADERS = {"vast.npy": f"({10**30}, 3)", "true.npy": "(True, 3)"}
+"""Shapes that arrays cannot have."""
+
+
 def written(folder: Path, what: str) -> Path:
     path = folder / what
     if what == "objects.npy":
@@ -158,6 +162,14 @@ def written(folder: Path, what: str) -> Path:
         points = "".join(f"{x} {y} {z}\n" for x, y, z in POINTS[:60])
         axes = "".join(f"property float {axis}\n" for axis in "xyz")
         path.write_text(f"ply\nformat ascii 1.0\nelement vertex {len(POINTS)}\n{axes}end_header\n{points}")
+    elif what in HEADERS:
+        header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {HEADERS[what]}, }}".encode().ljust(117) + b"\n"
+        path.write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + POINTS.tobytes())
+    elif what == "packed.npz":
+        with ZipFile(path, "w", ZIP_LZMA) as archive:
+            archive.writestr("points.npy", bytes(range(256)) * 99)
+        whole = path.read_bytes()
+        path.write_bytes(whole[:60] + bytes(byte ^ 0xFF for byte in whole[60:120]) + whole[120:])
     elif what == "empty.npy":
         np.save(path, np.full((64, 3), np.nan))
     else:
@@ -171,6 +183,9 @@ def written(folder: Path, what: str) -> Path:
         ("objects.npy", "expected arrays of NumPy"),
         ("words.npy", "expected numbers"),
         ("few.npy", "expected points at 32 places .* or more, got 5"),
+        ("vast.npy", "expected arrays of NumPy"),
+        ("true.npy", "expected arrays of NumPy"),
+        ("packed.npz", "expected arrays of NumPy"),
         ("empty.npy", "got 0"),
         ("one_place.npy", "got 1"),
         ("behind.npy", "got 0"),

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from kinmo.categories import canonical_category
 from kinmo.errors import InputError
 from kinmo.formats.annotation import UNKNOWN_CATEGORY
 from kinmo.formats.field import Field, clean_text
@@ -52,7 +53,7 @@ def read_glb(path: Path) -> Shape:
     hierarchy = build(nodes, meshes)
     return Shape(
         id=clean_text(path.stem),
-        category=hierarchy.parts[0].name or UNKNOWN_CATEGORY,
+        category=canonical_category(hierarchy.parts[0].name or UNKNOWN_CATEGORY),
         parts=hierarchy.parts,
         source=path,
         layout="glb",

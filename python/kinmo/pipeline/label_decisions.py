@@ -7,12 +7,11 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from kinmo.formats import Layout
 from kinmo.pseudo_label import STEPS, JudgedJoint, Judgement, Tally, tally, tally_types
 from kinmo.store import IndexEntry
-from kinmo.workspace import Workspace, write_text_atomically
+from kinmo.workspace import Workspace, name_on_disk, write_text_atomically
 
 LABELS = "mobility_v2.json"
 """What a folder with a pseudo label has."""
@@ -22,7 +21,7 @@ DECISIONS = "decisions"
 
 def folder_name(entry: IndexEntry) -> str:
     """A folder's name: the id, and for what is not PartNet's, which may have the same ids, the layout."""
-    name = quote(entry.id, safe=" ")
+    name = name_on_disk(entry.id)
     return name if entry.layout == Layout.PARTNET.value else f"{name}-{entry.layout}"
 
 

@@ -120,7 +120,7 @@ def estimate(
         own = slice(frame * count, (frame + 1) * count)
         poses = _in_camera(answer.frame, *(values[own] for values in tied))
         centers, half_extents = answer.frame.undo(boxes[0][own]), boxes[1][own] / answer.frame.scale
-        found = _joints(poses, answer, joints[frame], structure, options)
+        found = _joints(poses, answer, joints[frame], structure, options, typical)
         estimates.append(ScanEstimate(poses, centers, half_extents, shares[own], *found))
     return estimates
 
@@ -191,7 +191,12 @@ def _tied(
 
 
 def _joints(
-    poses: PartPoses, answer: PointAnswers, said: tuple[F64, F64], structure: Structure, options: PoseOptions
+    poses: PartPoses,
+    answer: PointAnswers,
+    said: tuple[F64, F64],
+    structure: Structure,
+    options: PoseOptions,
+    typical: Typical,
 ) -> tuple[F64, F64, F64, F64]:
     """Directions, pivots, states and turns of the joints.
 
@@ -206,6 +211,7 @@ def _joints(
         pivots[row] = np.mean([poses.apply(part, answer.on(part, said[1][row])) for part in holders], axis=0)
         if poses.found[row + 1] and poses.found[parent] and np.isfinite(said[0][row]).all():
             turn = turn_about(poses.rotations[parent].T @ poses.rotations[row + 1], said[0][row])
+            turn = as_typical_turn(turn, typical.turns[row])
             slides = kind is not JointKind.REVOLUTE
             states[row] = _slide(poses, row + 1, parent, said[0][row], answer) if slides else turn
             turns[row] = turn if kind is JointKind.SCREW else np.nan
@@ -217,6 +223,12 @@ def _slide(poses: PartPoses, part: int, parent: int, direction: F64, answer: Poi
     middle = answer.part_scales[part] * MIDDLE + answer.part_shifts[part]
     along = poses.apply(parent, answer.on(parent, middle))
     return float((poses.apply(part, MIDDLE) - along) @ (poses.rotations[parent] @ direction))
+
+
+def as_typical_turn(turn: float, typical: F64) -> float:
+    """The same turn with as many whole ones added as bring it nearest to the middle of the angles `typical` [2], if known."""
+    middle = typical.mean()
+    return turn + 2.0 * np.pi * round((middle - turn) / (2.0 * np.pi)) if np.isfinite(middle) else turn
 
 
 def turn_about(rotation: F64, direction: F64) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from dataclasses import dataclass
+from lzma import LZMAError
 from pathlib import Path
 from tokenize import TokenError
 from typing import Any
@@ -37,10 +38,13 @@ READING = (
     MemoryError,
     EOFError,
     SyntaxError,
+    TypeError,
+    ArithmeticError,
     AttributeError,
     RuntimeError,
     TokenError,
     BadZipFile,
+    LZMAError,
     ZlibError,
 )
 """What NumPy raises for files that are no arrays, cut off, damaged, or locked, or that claim to hold more than there is."""

@@ -37,11 +37,16 @@ class JudgedScans:
         return self.kind + self.cell.key
 
     def files(self) -> tuple[ScanFile, ...]:
-        """Raises NothingToJudgeBy if there are none, InputError if it cannot be told."""
+        """Raises NothingToJudgeBy if there are none, InputError if it cannot be told, or rough ones are of other objects."""
         scanned = Workspace(self.workspace.root, is_rough=self.on_rough)
         dataset = open_scan_dataset(scanned, self.cell.category)
+        folder = scanned.scans / self.cell.category
+        if self.on_rough:
+            clean = open_scan_dataset(Workspace(self.workspace.root), self.cell.category)
+            if dataset.structure != clean.structure:
+                known = clean.structure.in_words
+                raise InputError(folder, f"expected scans of {known}, as the others are: run kinmo table sensors again")
         if not dataset.files["test"]:
-            folder = scanned.scans / self.cell.category
             raise NothingToJudgeBy(folder, f"expected scans of a test object with {dataset.structure.in_words}")
         return dataset.files["test"]
 

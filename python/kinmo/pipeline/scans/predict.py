@@ -67,6 +67,8 @@ class PredictScans:
     def run(self, observer: Observer) -> Outcome:
         finder = ScanFinder.load(self.workspace, self.category, method=self.method, seed=self.seed, device=self.device)
         targets = self._targets()
+        for link in self._links():
+            observer.note(f"{link}: a link to a folder, which is not looked into: name the folder itself")
         if finder.network.config.normalised == "object":
             observer.note("these networks want to know how large the whole object is; what is seen of it is taken for that")
         if not self.source.is_dir():
@@ -119,6 +121,11 @@ class PredictScans:
         write_text_atomically(target.picture, picture)
         write_points(target.labelled, scan.points, parts=found.parts, places=scan.places)
         return document
+
+    def _links(self) -> list[str]:
+        """What leads to other folders: not looked into, as it may lead round in circles."""
+        below = sorted(self.source.rglob("*")) if self.source.is_dir() else []
+        return [clean_text(shown(path.relative_to(self.source))) for path in below if path.is_symlink() and path.is_dir()]
 
     def _targets(self) -> list[_Target]:
         """Raises InputError where there is no scan or no folder to write to. Hidden files, and what was found before, are none.
@@ -238,7 +245,7 @@ def _name_of(scan: Path) -> str:
 def _text(document: dict[str, Any]) -> str:
     lines = [f"{document['category']}: {len(document['parts'])} parts"]
     for part in document["parts"]:
-        agree = "not found" if part["inliers"] is None else f"{part['inliers']:.0%} of them agree on where it is"
+        agree = "not found" if part["inliers"] is None else f"{part['inliers']:.0%} of those looked at agree on where it is"
         lines.append(f"  part {part['id']}: {counted(part['points'], 'point')}, {agree}")
     lines += [f"  part {joint['part']} on part {joint['parent']}: {_joint_text(joint)}" for joint in document["joints"]]
     return "\n".join(lines)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from kinmo import __version__
 from kinmo.categories import same_category
@@ -39,7 +38,7 @@ from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
 from kinmo.wording import counted
 from kinmo.workers import Crashed, map_unordered
-from kinmo.workspace import Workspace, digest, remove_leftovers, write_text_atomically
+from kinmo.workspace import Workspace, digest, name_on_disk, remove_leftovers, write_text_atomically
 
 STAGE = "render"
 WITH_LABELS: tuple[Role, ...] = ("hidden", "pseudo")
@@ -285,7 +284,7 @@ def _openings(scanned: Iterable[Path]) -> tuple[float, ...]:
 
 
 def _job(workspace: Workspace, found: Found, category: str, role: Role, layout: str, made_from: str) -> Job:
-    name = f"{quote(found.id, safe=' ')}-{layout}.safetensors"
+    name = f"{name_on_disk(found.id)}-{layout}.safetensors"
     return Job(found, category, role, layout, scans_of(workspace, category, role) / name, made_from)
 
 

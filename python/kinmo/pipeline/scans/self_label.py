@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from kinmo import __version__
 from kinmo.errors import InputError
@@ -63,7 +62,7 @@ class SelfLabel:
             self.workspace.forget(stage)
             remove_leftovers(folder)
             folder.mkdir(parents=True, exist_ok=True)
-            jobs = {_own_path(folder, file): Job(file.path, digest([inputs, file.id])) for file in files}
+            jobs = {folder / file.path.name: Job(file.path, digest([inputs, file.id])) for file in files}
             for path in folder.glob("*.safetensors"):
                 if path not in jobs or not is_made_from(path, jobs[path].made_from):
                     path.unlink()
@@ -135,17 +134,13 @@ class Labelling:
         made = self_labelled((file.id, file.category), points, answers, estimates, network.structure, self.confidence)
         if made is not None:
             provenance = Provenance(job.made_from, "unlabelled", file.provenance.layout)
-            write_scans(_own_path(self.folder, file), *made, provenance)
+            write_scans(self.folder / file.path.name, *made, provenance)
 
 
 @lru_cache(maxsize=1)
 def _networks(weights: tuple[Path, Path], digest: str, device: str) -> Ancsh:
     """Read once a process, as long as they are the same."""
     return Ancsh.load(*weights, device=device)
-
-
-def _own_path(folder: Path, file: ScanFile) -> Path:
-    return folder / f"{quote(file.path.stem, safe=' ')}.safetensors"
 
 
 def self_labels_folder(workspace: Workspace, category: str, seed: int) -> Path:
