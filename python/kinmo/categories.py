@@ -21,8 +21,6 @@ _KNOWN = (
 _PROCEDURAL = ("Clamp", "Mechanism", "Vice")
 """Of procedural shapes alone (`kinmo.synth`)."""
 _ALIASES = {"doorset": "Door", "cuttinginstrument": "Knife", "garbagecan": "TrashCan", "monitor": "Display"}
-
-
 _OF_WORDS = "LMN"
 """Letters, the marks on them, and digits."""
 _NEXT_WORD = re.compile(r"(?<=[^\W\d_])(?=[A-Z][a-z])|(?<=[a-z])(?=[A-Z])")
