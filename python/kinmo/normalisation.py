@@ -67,7 +67,7 @@ def geometry_hash(meshes: Iterable[Mesh]) -> str:
     """A hash of a shape's surface, given as meshes in the normalised frame.
 
     It is that of the set of vertices to 1e-5 diagonals: copies of a shape that differ in place, size, segmentation, or the
-    order of parts, vertices and faces have the same.
+    order of parts, vertices and faces have the same, but for what rounding takes to the next step.
     """
     vertices = np.concatenate([mesh.vertices[np.unique(mesh.faces)] for mesh in meshes])
     steps = np.round(vertices * _HASH_STEPS).astype(np.int64) + _HASH_RANGE // 2

@@ -10,9 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.box import Box
+from kinmo.errors import InputError
 from kinmo.ground_truth import EdgeLabels
 from kinmo.joint import MotionType
 from kinmo.mobility import Mobility
+from kinmo.shape import Shape
+
+SAME = 1e-9
+"""In diagonals: other machines round otherwise."""
 
 F32 = NDArray[np.float32]
 I64 = NDArray[np.int64]
@@ -111,3 +116,11 @@ class PreparedShape:
                 below[node].append(position)
                 node = self.parents[node]
         return tuple(map(tuple, below))
+
+
+def check_unchanged(shape: Shape, prepared: PreparedShape) -> None:
+    """Raises InputError where `shape`, read from its files, has other parts than were prepared, or another size or place."""
+    has_parts = tuple(part.id for part in shape.parts) == prepared.part_ids
+    place, wanted = ([*one.center, one.diagonal] for one in (shape, prepared))
+    if not has_parts or not np.allclose(place, wanted, rtol=0.0, atol=SAME * prepared.diagonal):
+        raise InputError(prepared.source, "has changed since it was prepared: run kinmo prepare again")

@@ -5,9 +5,11 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
+from whole_road import Listener
 
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.model_files import model_folder
+from kinmo.pipeline.trees_answers import trees_answers
 from kinmo.splits import Split, split_of
 from kinmo.store import INDEX, IndexEntry, file_name, index_text
 from kinmo.workspace import Workspace
@@ -87,6 +89,21 @@ def test_every_category_keeps_a_label(tmp_path):
     name = next(f"one-{i}" for i in range(99) if split_of(f"one-{i}") is Split.TRAIN)
     made = workspace(tmp_path, [entry(name, category="Rare"), *(entry(other) for other in ANNOTATED)], 0.01)
     assert ids(open_dataset(made, "rare").labelled[Split.TRAIN]) == {name}
+
+
+def test_of_copies_with_labels_in_several_splits_only_those_for_tests_count(tmp_path):
+    names = {split: next(f"twin-{i}" for i in range(99) if split_of(f"twin-{i}") is split) for split in Split}
+    made = [entry(name, geometry="same") for name in names.values()]
+    dataset = open_dataset(workspace(tmp_path, [*made, *(entry(name) for name in ANNOTATED)]))
+    for split, name in names.items():
+        assert (name in ids(dataset.labelled[split])) is (split is Split.TEST)
+    assert ids(dataset.copies) == {names[Split.TRAIN], names[Split.VALIDATION]}
+
+
+def test_without_a_joint_to_learn_from_there_are_no_boosted_trees(tmp_path):
+    told, test = Listener(), next(name for name in ANNOTATED if split_of(name) is Split.TEST)
+    assert trees_answers(workspace(tmp_path, [entry(test)]), 0, told) is None
+    assert told.notes == ["no row of boosted trees: there is no labelled shape with a joint to train them on"]
 
 
 def test_a_hidden_shape_that_looks_as_a_test_shape_gets_no_label(tmp_path):

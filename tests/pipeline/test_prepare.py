@@ -22,3 +22,11 @@ def test_labels_that_nothing_holds_back_are_told(tmp_path: Path) -> None:
         Prepare(tmp_path / "partnet", workspace, hold_back=hold_back).run(told)
         assert (warning in told.notes) is not bool(hold_back)
         assert bool(open_dataset(workspace).hidden) is bool(hold_back)
+
+
+def test_a_folder_that_holds_nothing_back_is_told(tmp_path: Path) -> None:
+    Synth(tmp_path / "partnet", 2, ("laptop",), ("partnet",)).run(Listener())
+    told, other = Listener(), tmp_path / "other"
+    other.mkdir()
+    Prepare(tmp_path / "partnet", Workspace(tmp_path / "workspace"), hold_back=(other,)).run(told)
+    assert told.notes == [f"{other}: no shape at or below it was prepared, so none is held back"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Collection
 from pathlib import Path
@@ -11,6 +12,8 @@ from whole_road import Listener, Road, tiny_config
 
 from kinmo.errors import InputError
 from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.model_files import WEIGHTS, model_folder, seeds_of, weights_for
+from kinmo.pipeline.models import TRAINERS
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.train import Train
 from kinmo.splits import Split
@@ -50,6 +53,43 @@ def test_of_few_shapes_some_are_kept_to_choose_by(road: Road, tmp_path: Path) ->
     assert shared.plan().steps[0].endswith("choose by 1")
     assert set(shared.run(Listener()).data) == {"gnn_fine", "gnn_coarse"}
     assert shared.plan().steps == ()
+
+
+def test_a_network_of_one_category_lies_beside_those_of_all(road: Road, tmp_path: Path) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+    workspace, config = Workspace(tmp_path / "workspace"), str(tiny_config(tmp_path))
+    before = weights_for(workspace, "axis", "Stapler")
+    assert before is not None
+    shared, told = before.read_bytes(), Listener()
+    assert set(Train("axis", workspace, config, "laptop", device="cpu").run(told).data) == {"axis (Laptop)", "ranking (Laptop)"}
+    assert before.read_bytes() == shared
+    assert weights_for(workspace, "axis", "Laptop") == model_folder(workspace, "axis", "Laptop") / WEIGHTS
+    assert seeds_of(workspace, ("axis", "ranking")) == (0,)
+    Train("axis", workspace, config, "laptop", seed=3, device="cpu").run(told)
+    assert seeds_of(workspace, ("axis", "ranking")) == (0, 3)
+    assert not told.notes
+    Train("axis", workspace, config, device="cpu").run(told)
+    folder = workspace.models / "axis"
+    assert f"axis: Laptop go by networks of their own, in {folder}" in told.notes
+
+
+def test_a_training_that_was_cut_off_goes_on_only_by_the_same_configuration(road: Road, tmp_path: Path, monkeypatch) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace", ignore=shutil.ignore_patterns("models"))
+    seen: list[str] = []
+
+    def stopped(*given: object, fingerprint: str, **more: object) -> None:
+        seen.append(fingerprint)
+        raise InputError("training", "stopped")
+
+    for model, (section, _) in TRAINERS.items():
+        monkeypatch.setitem(TRAINERS, model, (section, stopped))
+    config = tiny_config(tmp_path)
+    for share in ("0.1", "0.1", "0.9"):
+        text = re.sub(r"hide_names = [\d.]+", f"hide_names = {share}", config.read_text(encoding="utf-8"), count=1)
+        config.write_text(text, encoding="utf-8")
+        with pytest.raises(InputError, match="stopped"):
+            Train("gnn", Workspace(tmp_path / "workspace"), str(config), device="cpu").run(Listener())
+    assert seen[0] == seen[1] != seen[2]
 
 
 def test_where_no_category_has_enough_shapes_nothing_is_trained(road: Road, tmp_path: Path) -> None:

@@ -14,6 +14,8 @@ import pytest
 
 from datasets import write_dsg_net, write_json, write_partnet, write_partnet_mobility
 from kinmo.errors import InputError
+from kinmo.formats import Found
+from kinmo.prepare import folder as preparing
 from kinmo.prepare import prepare_folder
 from kinmo.store import PreparedStore
 from kinmo.workspace import Workspace
@@ -129,6 +131,43 @@ def test_a_workspace_among_the_shapes_is_not_searched(dataset, tmp_path):
     write_partnet(dataset / "workspace" / "pseudo" / "900")
     report = prepare(dataset, dataset / "workspace")
     assert "900" not in {entry.id for entry in report.taken}
+
+
+def test_what_another_workspace_has_labelled_is_no_shape_with_joints(dataset, tmp_path):
+    prepare(dataset, tmp_path / "partnet" / "other")
+    write_partnet_mobility(tmp_path / "partnet" / "other" / "pseudo" / "900")
+    report = prepare(dataset, tmp_path / "w")
+    assert len(report.taken) == SHAPES + 1
+    assert "900" not in {entry.id for entry in report.taken}
+
+
+def test_a_copy_that_cannot_be_read_does_not_stop_the_others(dataset, tmp_path, monkeypatch):
+    shutil.copytree(dataset / "plain" / "100", dataset / "z" / "100")
+
+    def unreadable(found: Found) -> str:
+        raise InputError(found.path, "cannot be read (Permission denied)")
+
+    monkeypatch.setattr(preparing, "content_digest", unreadable)
+    report = prepare(dataset, tmp_path / "w")
+    assert len(report.taken) == SHAPES + 1
+    assert [Path(entry.path).name for entry in report.left_out] == ["300", "100"]
+
+
+def test_a_shape_is_held_back_by_its_own_folder_too(dataset, tmp_path):
+    prepare(dataset, tmp_path / "w", hold_back=[dataset / "mobility" / "101"])
+    entries = PreparedStore(tmp_path / "w" / "prepared").entries
+    assert [(entry.id, entry.layout) for entry in entries if entry.is_held_back] == [("101", "partnet_mobility")]
+
+
+def test_what_a_link_leads_to_has_changed_if_that_has(dataset, tmp_path):
+    mesh = dataset / "plain" / "100" / "objs" / "original-1.obj"
+    mesh = mesh if mesh.exists() else next((dataset / "plain" / "100").glob("*objs/*.obj"))
+    target = mesh.parent.parent / "raw.obj"
+    mesh.rename(target)
+    mesh.symlink_to(target)
+    assert prepare(dataset, tmp_path / "w").made == SHAPES + 2
+    target.write_text(target.read_text() + "v 0 0 0\n")
+    assert prepare(dataset, tmp_path / "w").made == 1
 
 
 def test_shapes_in_the_workspace_itself_are_no_shapes_to_prepare(dataset):

@@ -8,10 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from datasets import BOXES, mobility, write_partnet_mobility
+from kinmo.errors import InputError
 from kinmo.formats import read_partnet_mobility
 from kinmo.joint import MotionType
 from kinmo.normalisation import Normalisation, geometry_hash
 from kinmo.prepare import prepare_shape
+from kinmo.prepared import check_unchanged
 from kinmo.shape import Mesh
 
 
@@ -23,6 +25,14 @@ def shape(tmp_path_factory):
 @pytest.fixture(scope="module")
 def prepared(shape):
     return prepare_shape(shape, points=256)
+
+
+def test_a_shape_with_other_parts_or_in_another_place_is_not_what_was_prepared(shape, prepared):
+    check_unchanged(shape, prepared)
+    others = [moved(shape, 1.0, 0.01), moved(shape, 1.01, 0.0), replace(shape, parts=shape.parts[:-1])]
+    for other in others:
+        with pytest.raises(InputError, match="has changed since it was prepared: run kinmo prepare again"):
+            check_unchanged(other, prepared)
 
 
 def moved(shape, scale, shift):

@@ -60,8 +60,9 @@ def train(
 
     motion is gnn and axis. gnn predicts how neighbouring parts move against each other (with ten motion types, and with five).
     axis trains what chooses among candidate axes: the paper's axis selection and kinmo's own ranking. contact-edges, no part of
-    motion, is the gnn on edges between touching parts alone, for a row of kinmo eval --ablations. ancsh finds parts, poses and
-    joints in one depth scan; it is trained on scans, for a category at a time.
+    motion, is the gnn on edges between touching parts alone, for a row of kinmo eval --ablations. Trained for a --category,
+    these lie beside those of all, and that category goes by them from then on. ancsh finds parts, poses and joints in one depth
+    scan; it is trained on scans, for a category at a time.
 
     The best epoch is chosen on validation shapes (of ancsh the last one is kept, and with --from too, halfway to what it went
     on from); test shapes are never looked at. Training that was stopped goes on from its last epoch. On a CPU, networks that

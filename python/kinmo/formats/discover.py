@@ -17,6 +17,8 @@ from kinmo.formats.files import read_beginning
 from kinmo.formats.glb import ENDING as GLB_ENDING
 from kinmo.formats.partnet import HIERARCHY_FILES
 
+WORKSPACE = "prepared/index.jsonl"
+"""What a folder has that is a workspace of kinmo: its pseudo labels are nobody's shapes."""
 _PEEK = 1 << 16
 _DEEPEST_FOLDER = 64
 
@@ -44,9 +46,9 @@ def discover(
 ) -> Iterator[Found]:
     """All shapes at or below `root`, in the order of their paths.
 
-    Hidden files and folders are passed over. Links to folders are not followed; those that lead out of `root`, and folders
-    that cannot be listed, are told to `report`. `skip` are folders to keep out of, such as a workspace. `root` may also be
-    the file of one shape, a DSG-Net tree or a GLB. Raises InputError if it is neither that nor a folder.
+    Hidden files and folders, and workspaces, are passed over. Links to folders are not followed; links to folders and shapes
+    outside of `root`, and folders that cannot be listed, are told to `report`. `skip` are folders to keep out of. `root` may
+    also be the file of one shape, a DSG-Net tree or a GLB. Raises InputError if it is neither that nor a folder.
     """
     root = Path(root)
     if root.is_file() and (found := _file_of_shape(root)) is not None:
@@ -64,7 +66,7 @@ def discover(
     pending = [(root, 0)]
     while pending:
         folder, depth = pending.pop()
-        if skipped and os.path.realpath(folder) in skipped:
+        if (folder / WORKSPACE).is_file() or (skipped and os.path.realpath(folder) in skipped):
             continue
         try:
             listed = [entry for entry in os.scandir(folder) if not entry.name.startswith(".")]

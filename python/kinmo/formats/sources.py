@@ -18,29 +18,40 @@ _FILES = ("mobility_v2.json", "result.json", "result_after_merging.json", "meta.
 def fingerprint(found: Found) -> list[list[str | int]]:
     """Names, sizes in bytes and times of change (ns) of the files that a shape is read from, as plain data.
 
+    Of a link those of what it leads to as well.
     Raises InputError for files that cannot be looked at.
     """
     rows: list[list[str | int]] = []
     try:
         for name, path in _files(found):
-            status = path.lstat()
-            rows.append([name, status.st_size, status.st_mtime_ns])
+            both = [path.lstat(), *([path.stat()] if path.is_symlink() and path.exists() else [])]
+            rows += [[name, status.st_size, status.st_mtime_ns] for status in both]
     except OSError as error:
-        raise InputError(shown(error.filename or found.path), f"cannot be read ({error.strerror})") from None
+        raise _unreadable(error, found) from None
     return rows
 
 
 def content_digest(found: Found) -> str:
-    """A hash of the contents of the files that a shape is read from: the same for true copies."""
+    """A hash of the contents of the files that a shape is read from: the same for true copies.
+
+    Raises InputError for files that cannot be read.
+    """
     total = blake2b(digest_size=16)
-    for name, path in _files(found):
-        total.update(f"{name}\0".encode())
-        if path.is_file():
-            with path.open("rb") as file:
-                while block := file.read(1 << 20):
-                    total.update(block)
-        total.update(b"\0")
+    try:
+        for name, path in _files(found):
+            total.update(f"{name}\0".encode())
+            if path.is_file():
+                with path.open("rb") as file:
+                    while block := file.read(1 << 20):
+                        total.update(block)
+            total.update(b"\0")
+    except OSError as error:
+        raise _unreadable(error, found) from None
     return total.hexdigest()
+
+
+def _unreadable(error: OSError, found: Found) -> InputError:
+    return InputError(shown(error.filename or found.path), f"cannot be read ({error.strerror})")
 
 
 def shown(path: Path | str) -> str:

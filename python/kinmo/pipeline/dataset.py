@@ -15,7 +15,8 @@ from kinmo.workspace import Workspace, digest
 
 @dataclass(frozen=True)
 class Dataset:
-    """The prepared shapes of a workspace by their use. `copies` are unlabelled copies of labelled ones, left alone.
+    """The prepared shapes of a workspace by their use. `copies` of labelled ones are left alone: those without labels, and
+    those that have them too where one of both is for tests or to choose by.
 
     `category` is what all of them are, as the index spells it, or None. `hidden` are shapes that could be trained on, had their
     labels not been held back, or left out by the workspace's share of labels. They are `unlabelled` too, unless they have an
@@ -58,9 +59,7 @@ def open_dataset(workspace: Workspace, category: str | None = None) -> Dataset:
         raise InputError(workspace.prepared, f"no prepared shape of {category}{near}; there are {', '.join(known)}")
     labelled = [entry for entry in entries if entry.is_labelled]
     hidden = _hidden(store.entries, workspace.labels)
-    by_split = {
-        split: tuple(entry for entry in labelled if split_of(entry.id) is split and entry not in hidden) for split in Split
-    }
+    by_split, twice = _splits([entry for entry in labelled if entry not in hidden])
     unlabelled = [entry for entry in entries if not entry.is_labelled]
     names = {entry.id for entry in hidden}
     is_copy = leaks(unlabelled, (entry for entry in store.entries if entry.is_labelled), names)
@@ -73,7 +72,22 @@ def open_dataset(workspace: Workspace, category: str | None = None) -> Dataset:
     alone = tuple(entry for entry, copied in zip(own_hidden, leaks(own_hidden, counted, ()), strict=True) if not copied)
     spelling = None if category is None else min(entry.category for entry in entries)
     unlabelled_ones = originals + alone
-    return Dataset(store, spelling, by_split, unlabelled_ones, copies, own_hidden, _truths(unlabelled_ones, own_hidden))
+    truths = _truths(unlabelled_ones, own_hidden)
+    return Dataset(store, spelling, by_split, unlabelled_ones, copies + twice, own_hidden, truths)
+
+
+def _splits(labelled: Iterable[IndexEntry]) -> tuple[dict[Split, tuple[IndexEntry, ...]], tuple[IndexEntry, ...]]:
+    """The shapes of each split; and what else would be in one of them, but has a copy in another, that comes before it."""
+    known = list(labelled)
+    by_split: dict[Split, tuple[IndexEntry, ...]] = {}
+    twice: list[IndexEntry] = []
+    for split in (Split.TEST, Split.VALIDATION, Split.TRAIN):
+        own = [entry for entry in known if split_of(entry.id) is split]
+        before = [entry for entries in by_split.values() for entry in entries]
+        is_copy = dict(zip(own, leaks(own, before, ()), strict=True))
+        by_split[split] = tuple(entry for entry in own if not is_copy[entry])
+        twice += (entry for entry in own if is_copy[entry])
+    return by_split, tuple(twice)
 
 
 def _hidden(entries: Iterable[IndexEntry], share: float) -> frozenset[IndexEntry]:

@@ -29,7 +29,7 @@ from kinmo.pipeline.examples import write_examples
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.judge import Judgement
 from kinmo.pipeline.judgements import Judge, judgements
-from kinmo.pipeline.model_files import trained_config
+from kinmo.pipeline.model_files import seeds_of, trained_config
 from kinmo.pipeline.rows import CONTACT_EDGES, Row, chosen_rows
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.pipeline.trees_answers import trees_answers
@@ -110,9 +110,10 @@ class Evaluate:
     def _write(self, folder: Path, judged: Sequence[Judgement], choice: Choice, left_out: str) -> None:
         failures = sum(len(judgement.failures) for judgement in judged)
         note = " ".join(filter(None, [f"{failures} predictions failed and count as missed." if failures else "", left_out]))
+        seeds = seeds_of(self.workspace, choice.models)
         data = f"{choice.category or 'all categories'} of workspace {self.workspace.path.absolute().name}"
         for setting in SETTINGS:
-            caption = Caption(f"Table 1, {_words(setting)}", data, 0, 0, "test split by hashed id", (self.seed,), note)
+            caption = Caption(f"Table 1, {_words(setting)}", data, 0, 0, "test split by hashed id", seeds, note)
             scores = _scores(judged, setting)
             for name, table in _tables(scores, setting, caption, whole=choice.category is None).items():
                 write_table(table, folder / setting, name)

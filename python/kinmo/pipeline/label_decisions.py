@@ -20,9 +20,9 @@ DECISIONS = "decisions"
 
 
 def folder_name(entry: IndexEntry) -> str:
-    """A folder's name: the id, and for what is not PartNet's, which may have the same ids, the layout."""
+    """A folder's name: the id, and for what is not PartNet's, which may have the same ids, the layout after a sign of no id."""
     name = name_on_disk(entry.id)
-    return name if entry.layout == Layout.PARTNET.value else f"{name}-{entry.layout}"
+    return name if entry.layout == Layout.PARTNET.value else f"{name}@{entry.layout}"
 
 
 def decision_path(workspace: Workspace, entry: IndexEntry) -> Path:

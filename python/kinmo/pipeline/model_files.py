@@ -53,6 +53,15 @@ def weights_digest(workspace: Workspace, models: tuple[str, ...]) -> str:
     return digest(found)
 
 
+def seeds_of(workspace: Workspace, models: tuple[str, ...]) -> tuple[int, ...]:
+    """Those that some models were trained with, each once."""
+    found = set()
+    for path in (path for model in models for path in model_folder(workspace, model).rglob(HEADER)):
+        with expecting("what weights are for", path):
+            found.add(int(json.loads(path.read_text(encoding="utf-8"))["facts"]["seed"]))
+    return tuple(sorted(found))
+
+
 def networks_digest(paths: tuple[Path, ...]) -> str:
     """A hash of some files of weights and of the configurations they were trained with."""
     found = []

@@ -9,6 +9,7 @@ from kinmo.errors import InputError
 from kinmo.formats import Found, Layout, read_found
 from kinmo.normalisation import Normalisation
 from kinmo.pipeline.examples import Example
+from kinmo.prepared import check_unchanged
 from kinmo.report.picture import Axis, object_picture
 from kinmo.store import PreparedStore
 
@@ -25,6 +26,7 @@ def draw(store: PreparedStore, example: Example, roles: Mapping[str, str]) -> st
     if prepared.mobility is None or example.body >= len(prepared.mobility.bodies):
         raise InputError(entry.source, "expected an annotated shape: run kinmo eval again")
     shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
+    check_unchanged(shape, prepared)
     frame = Normalisation(prepared.center, prepared.diagonal)
     bodies = [prepared.mobility.bodies[index] for index in prepared.mobility.descendants(example.body)]
     place = {leaf: position for position, leaf in enumerate(shape.leaves)}

@@ -26,7 +26,7 @@ from kinmo.mobility_tree import MobilityTree, given_tree, predicted_tree, retype
 from kinmo.normalisation import Normalisation
 from kinmo.pipeline.model_files import METHOD_MODELS, WEIGHTS, model_folder, trained_config, weights_digest, weights_for
 from kinmo.prediction import JointEstimate, Prediction
-from kinmo.prepared import PreparedShape
+from kinmo.prepared import PreparedShape, check_unchanged
 from kinmo.ranked_mobility import moving_nodes, network_estimates, predicted_bodies, ranked_bodies, tree_of
 from kinmo.refinement import Refiner, in_file_frame
 from kinmo.shape import Shape
@@ -281,7 +281,11 @@ def _all_weights(workspace: Workspace, model: str) -> list[tuple[Path, int]]:
 
 
 def leaf_meshes(shape: Shape, prepared: PreparedShape) -> _core.Meshes:
-    """The leaves' meshes of `shape` in the normalised frame of `prepared`."""
+    """The leaves' meshes of `shape` in the normalised frame of `prepared`.
+
+    Raises InputError where `shape` is not what was prepared.
+    """
+    check_unchanged(shape, prepared)
     frame = Normalisation(prepared.center, prepared.diagonal)
     meshes = [frame.mesh(mesh) for mesh in shape.meshes()]
     return _core.Meshes([mesh.vertices for mesh in meshes], [mesh.faces for mesh in meshes])

@@ -57,6 +57,7 @@ class Prepare:
                 on_progress=lambda done, total, name: observer.progress("preparing shapes", done, total, name),
             )
             watch.amount, watch.what = report.made, f"{counted(report.made, 'shape')} below {shown(self.root)}"
+        self._tell_of_nothing_held_back(observer)
         if gone := len(before - _sources(self.workspace)):
             observer.note(f"{gone} shapes of the last time are not among these: the workspace no longer has them")
         data = report.as_data()
@@ -69,6 +70,14 @@ class Prepare:
         for folder in filter(Path.is_dir, [*self.root.glob(HELD_BACK), *self.root.glob(f"*/{HELD_BACK}")]):
             if not any(given.resolve() in (folder.resolve(), *folder.resolve().parents) for given in self.hold_back):
                 observer.note(f"{folder}: taken as labelled shapes; --hold-back {folder} keeps their labels from all networks")
+
+    def _tell_of_nothing_held_back(self, observer: Observer) -> None:
+        """Of folders to hold back that no shape is at or below."""
+        entries = PreparedStore(self.workspace.prepared).entries
+        held_back = [Path(entry.source).resolve() for entry in entries if entry.is_held_back]
+        for folder in self.hold_back:
+            if not any(folder.resolve() in (path, *path.parents) for path in held_back):
+                observer.note(f"{shown(folder)}: no shape at or below it was prepared, so none is held back")
 
 
 def _sources(workspace: Workspace) -> set[str]:

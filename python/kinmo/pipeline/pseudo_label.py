@@ -189,10 +189,11 @@ class Labelling:
         try:
             shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
             prepared = read_prepared(self.store / entry.file)
+            meshes = leaf_meshes(shape, prepared)
         except ValueError as error:
             return str(error)
         try:
-            prediction = self.predictor.predict(prepared, leaf_meshes(shape, prepared))
+            prediction = self.predictor.predict(prepared, meshes)
         except ValueError as error:
             shutil.rmtree(job.folder, ignore_errors=True)
             return Judgement(entry.id, entry.layout, entry.category, refusal=f"failed: {error}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from kinmo.splits import Split, kept_to_choose_by
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
 from kinmo.wording import counted
-from kinmo.workspace import Workspace, remove_leftovers, write_text_atomically
+from kinmo.workspace import Workspace, digest, remove_leftovers, write_text_atomically
 
 SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.02, "ranking": 0.02, "gnn_contact": 0.004}
 """Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
@@ -78,7 +78,7 @@ class ShapeFitting:
             folder,
             seed=self.seed,
             device=self.device,
-            fingerprint=json.dumps(self.inputs["data"]),
+            fingerprint=digest(self.inputs),
             on_progress=on_progress,
         )
 
@@ -102,7 +102,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Train:
-    """Train the networks of `group` (`models.GROUPS`), on all categories or on one.
+    """Train the networks of `group` (`models.GROUPS`), for all categories or for one, which then has its own.
 
     Those that can (`models.CONTINUED`) go on from the trained ones of the workspace `start` where it is given.
     """
@@ -139,6 +139,8 @@ class Train:
             for text in self._left_out(dataset, config):
                 observer.note(text)
             self._fitter.run(fittings, observer)
+            for text in self._own(fittings):
+                observer.note(text)
             write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
         return trained(self.workspace, fittings)
 
@@ -184,6 +186,13 @@ class Train:
                 if not part.is_enough:
                     yield f"no {model} ({part.category}): {part}, both are needed"
 
+    def _own(self, fittings: Sequence[ShapeFitting]) -> Iterator[str]:
+        """Which categories have networks of their own from another training, and so none of those that all share."""
+        for shared in (fitting for fitting in fittings if fitting.category is None):
+            own = sorted(path.parent.name for path in shared.folder.glob(f"*/{WEIGHTS}"))
+            if own:
+                yield f"{shared.model}: {', '.join(own)} go by networks of their own, in {shared.folder}"
+
     def _start_of(self, model: str) -> Weights | None:
         """The weights that a model is to go on from."""
         return None if self.start is None or model not in CONTINUED else weights_to_start_from(self.start, model)
@@ -199,14 +208,14 @@ def weights_to_start_from(start: Workspace, model: str) -> Weights:
 
 
 def _parts(dataset: Dataset, section: Any) -> list[Part]:
-    """A part for each category, where each has networks of its own, or one for all."""
+    """A part for each category, where each has networks of its own, or one for all that there are."""
     labelled = dataset.labelled
     if getattr(section, "per_category", False):
         return [
             Part(category, *(tuple(e for e in labelled[split] if e.category == category) for split in TRAINED_ON))
             for category in dataset.categories()
         ]
-    return [Part(None, *_with_some_to_choose_by(*(tuple(labelled[split]) for split in TRAINED_ON)))]
+    return [Part(dataset.category, *_with_some_to_choose_by(*(tuple(labelled[split]) for split in TRAINED_ON)))]
 
 
 def _with_some_to_choose_by(

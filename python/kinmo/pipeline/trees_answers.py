@@ -19,6 +19,8 @@ from kinmo.splits import Split
 from kinmo.store import IndexEntry, joint_from_data, joint_to_data
 from kinmo.workspace import Workspace, digest, write_text_atomically
 
+SEEDS = 1 << 32
+"""As many as scikit-learn knows."""
 MOST_SHAPES = 1000
 """The baseline is trained on no more."""
 
@@ -29,17 +31,21 @@ Answers = Mapping[int, JointEstimate]
 def trees_answers(workspace: Workspace, seed: int, observer: Observer) -> dict[str, Answers] | None:
     """The answers for every test shape, *parts given*, by the shape's file in the store.
 
-    Trained on what the networks were trained on. None without scikit-learn, which the observer is told.
+    Trained on what the networks were trained on. None without scikit-learn or any joint to learn from, which the observer is
+    told.
     """
     dataset = open_dataset(workspace)
     training, asked = evenly(dataset.labelled[Split.TRAIN], MOST_SHAPES), test_shapes(dataset)
+    if not any(entry.joint_count for entry in training):
+        observer.note("no row of boosted trees: there is no labelled shape with a joint to train them on")
+        return None
     path = workspace.evaluation / TREES
     made_from = digest([dataset.fingerprint(training), dataset.fingerprint(asked), seed, library_version(), __version__])
     known = _read(path, made_from)
     if known is not None:
         return known
     try:
-        trees = fit_trees(map(dataset.store.load, training), seed=seed)
+        trees = fit_trees(map(dataset.store.load, training), seed=seed % SEEDS)
     except ImportError as error:
         observer.note(str(error))
         return None

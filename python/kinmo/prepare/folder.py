@@ -81,10 +81,10 @@ def prepare_folder(
     """Prepares all shapes below `root` into `workspace.prepared`, and lists them in its index.
 
     Shapes that were prepared before from the same files, with the same seed, number of points and version of kinmo, are not
-    prepared again. Those below the folders of `hold_back` are held back (`store.IndexEntry`). Index and files do not depend
-    on `workers`, nor on how often a run was cut off. Of copies of one shape the first by path is taken. Raises InputError
-    if `root` or what is to be held back is no folder, nothing in `root` is a shape, or another process works in the
-    workspace; then the index stays as it was.
+    prepared again. Those at or below the folders of `hold_back` are held back (`store.IndexEntry`). Index and files do not
+    depend on `workers`, nor on how often a run was cut off. Of copies of one shape the first by path is taken. Raises
+    InputError if `root` or what is to be held back is no folder, nothing in `root` is a shape, or another process works in
+    the workspace; then the index stays as it was.
     """
     root = Path(root)
     with workspace.locked():
@@ -133,7 +133,7 @@ class _Run:
             original = Path(first.setdefault(f"{found.layout.value}/{found.id}", str(found.path)))
             if original == found.path:
                 yield found
-            elif content_digest(found) == content_digest(Found(original, found.layout, found.id)):
+            elif _are_alike(found, replace(found, path=original)):
                 self.copies.setdefault(str(original.absolute()), []).append(f"identical copy left aside: {shown(found.path)}")
             else:
                 self.done += 1
@@ -153,7 +153,8 @@ class _Run:
         if result.data is not None:
             write_bytes_atomically(job.target, result.data)
             self.made += 1
-        is_held_back = any(folder in found.path.resolve().parents for folder in self.held_back)
+        path = found.path.resolve()
+        is_held_back = any(folder in (path, *path.parents) for folder in self.held_back)
         self.entries.append(replace(result.entry, is_held_back=is_held_back))
         return found.id
 
@@ -164,6 +165,14 @@ class _Run:
             row = Entry(entry.id, shown(entry.source), entry.repairs + copies)
             (report.repaired if entry.repairs else report.taken).append(row)
         return report
+
+
+def _are_alike(one: Found, other: Found) -> bool:
+    """Whether two copies have the same contents, as far as both can be read."""
+    try:
+        return content_digest(one) == content_digest(other)
+    except InputError:
+        return False
 
 
 def _folders(paths: Sequence[Path]) -> tuple[Path, ...]:
