@@ -42,12 +42,11 @@ def parameters_by_hand(buckets: int, inner_box: int) -> int:
 
 
 def test_the_paper_network_has_the_releases_parameters() -> None:
-    config = replace(PAPER, inner_boxes=False)
-    assert count(MotionGnn(config, 10)) == parameters_by_hand(PAPER.name_buckets, inner_box=0)
+    assert count(MotionGnn(PAPER, 10)) == parameters_by_hand(PAPER.name_buckets, inner_box=0)
 
 
 def test_boxes_of_inner_parts_widen_one_layer() -> None:
-    assert count(MotionGnn(PAPER, 10)) == parameters_by_hand(PAPER.name_buckets, inner_box=100)
+    assert count(MotionGnn(replace(PAPER, inner_boxes=True), 10)) == parameters_by_hand(PAPER.name_buckets, inner_box=100)
     assert count(MotionGnn(PAPER, 10)) - count(MotionGnn(PAPER, 5)) == 5 * 129
 
 
