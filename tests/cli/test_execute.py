@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from dataclasses import dataclass
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,25 @@ def test_quiet_leaves_the_path_alone(capsys: pytest.CaptureFixture[str]) -> None
 def test_json_prints_the_result_itself(capsys: pytest.CaptureFixture[str]) -> None:
     execute(CommonOptions(json=True), Sample())
     assert json.loads(capsys.readouterr().out) == {"cups": 1}
+
+
+@pytest.mark.parametrize("dry_run", [False, True])
+def test_json_is_json_whatever_the_encoding_of_stdout(dry_run: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    @dataclass
+    class Named(Sample):
+        def plan(self) -> Plan:
+            return Plan(("Tür",), 0.0)
+
+        def run(self, observer: Observer) -> Outcome:
+            return Outcome(Path("Tür"), ["Tür"])
+
+    written = BytesIO()
+    with TextIOWrapper(written, "ascii", errors="backslashreplace") as stdout:  # as `main` sets it up
+        monkeypatch.setattr(sys, "stdout", stdout)
+        execute(CommonOptions(json=True, dry_run=dry_run), Named())
+        stdout.flush()
+        found = json.loads(written.getvalue())
+    assert (found[0]["steps"] if dry_run else found) == ["Tür"]
 
 
 def test_a_dry_run_says_what_would_run_and_runs_nothing(capsys: pytest.CaptureFixture[str]) -> None:

@@ -103,6 +103,14 @@ def test_the_file_is_what_its_schema_says(shape):
     assert list(violations(document, schema(), schema())) == []
 
 
+def test_only_bodies_whose_parts_are_all_junk_are_junk():
+    boxes = [((0, i, 0), (1, i + 1, 1)) for i in range(3)]
+    bodies = (Body(0, "base", ()), Body(1, "dirt", (1,)), Body(2, "door", (2, 3)))
+    shape = shape_of_boxes(boxes, bodies, junk=frozenset({1, 2}))
+    document = joints_document(shape, prediction_of(shape), MADE_WITH)
+    assert [body["is_junk"] for body in document["bodies"]] == [False, True, False]
+
+
 def changed(document, path, value):
     document = copy.deepcopy(document)
     place = document

@@ -1,5 +1,6 @@
 """Shapes in PartNet-Mobility's layout: the reader gets back what was written."""
 
+import json
 import math
 import re
 import xml.etree.ElementTree as ET
@@ -12,6 +13,7 @@ from hypothesis import given, settings
 from scipy.spatial.transform import Rotation
 
 from articulated import articulated_shapes, shape_of_boxes
+from kinmo.categories import canonical_category
 from kinmo.evaluation import metrics
 from kinmo.export.partnet_mobility import write_partnet_mobility
 from kinmo.export.urdf import write_urdf
@@ -37,7 +39,7 @@ def test_the_reader_gets_back_what_was_written(tmp_path_factory, shape):
     shape = around_rest(shape)
     folder = write_partnet_mobility(shape, shape.mobility, tmp_path_factory.mktemp("labels") / shape.id)
     found = read_partnet_mobility(folder)
-    assert (found.id, found.category) == (shape.id, shape.category)
+    assert (found.id, found.category) == (shape.id, canonical_category(shape.category))
     assert [(p.id, p.parent, p.children) for p in found.parts] == [(p.id, p.parent, p.children) for p in shape.parts]
     for mesh, written in zip(found.meshes(), shape.meshes(), strict=True):
         assert np.array_equal(mesh.vertices, written.vertices)
@@ -118,3 +120,24 @@ def test_junk_stays_junk(tmp_path):
     boxes = [((0, 0, 0), (1, 1, 1)), ((1, 0, 0), (2, 1, 1))]
     shape = shape_of_boxes(boxes, (Body(0, "a", (1,)), Body(1, "b", (2,))), junk=frozenset({2}))
     assert read_partnet_mobility(write_partnet_mobility(shape, shape.mobility, tmp_path / "7")).mobility.junk == {2}
+
+
+def test_a_base_without_parts_is_no_junk(tmp_path):
+    joint = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.zeros(3), 0.0, 1.0)
+    shape = shape_of_boxes([((0, 0, 0), (1, 1, 1))], (Body(0, "base", ()), Body(1, "door", (1,), 0, joint)))
+    bodies = json.loads((write_partnet_mobility(shape, shape.mobility, tmp_path / "7") / "mobility_v2.json").read_text())
+    assert [body["joint"] for body in bodies] == ["heavy", "hinge"]
+
+
+@pytest.mark.parametrize("kind", list(JointKind))
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+@pytest.mark.parametrize(("rest", "width"), [(0.0, 0.0), (0.3, 0.0), (0.0, 1e-16)])
+def test_a_joint_that_cannot_move_does_not_come_back_free(tmp_path, kind, size, rest, width):
+    boxes = [((0, 0, 0), (size, size, size)), ((size, 0, 0), (2 * size, size, size))]
+    joint = Joint(kind, np.array([0.0, 1.0, 0.0]), np.zeros(3), rest, rest + width * size, rest)
+    shape = shape_of_boxes(boxes, (Body(0, "a", (1,)), Body(1, "b", (2,), 0, joint)))
+    found = read_partnet_mobility(write_partnet_mobility(shape, shape.mobility, tmp_path / "7"))
+    read = found.mobility.bodies[1].joint
+    assert not any("joint" in repair for repair in found.repairs)
+    assert read.is_limited and read.lower <= 0.0 <= read.upper
+    assert 0.0 < read.upper - read.lower < 1e-5 * (1.0 if kind is JointKind.REVOLUTE else size)

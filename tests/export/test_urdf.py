@@ -164,6 +164,26 @@ def test_names_are_plain_and_all_different():
     assert unique_names(["a b", "a/b", "A_B", "", "<>", "x"]) == ["a_b", "a_b_2", "A_B_3", "part", "part_2", "x"]
 
 
+def test_what_is_called_after_a_link_makes_way_for_bodies_of_that_name(tmp_path):
+    screw = Joint(JointKind.SCREW, np.array([0.0, 1, 0]), np.zeros(3))
+    names = ("base", "knob", "Knob-Slide", "knob-joint")
+    bodies = [Body(i, name, (i + 1,), 0 if i else None, screw if i else None) for i, name in enumerate(names)]
+    shape = shape_of_boxes([((i, 0, 0), (i + 1, 1, 1)) for i in range(4)], bodies)
+    tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
+    links, joints = ([element.get("name") for element in tree.iter(kind) if element.get("name")] for kind in ("link", "joint"))
+    assert {*names} <= {*links}
+    assert len({name.lower() for name in links + joints}) == len(links + joints) == 2 * 3 + 1 + 2 * 3
+    assert {end.get("link") for kind in ("parent", "child") for end in tree.iter(kind)} == {*links}
+    assert sorted(end.get("link") for end in tree.iter("child")) == sorted(set(links) - {"base"}), "a tree"
+
+
+def test_a_screw_that_nothing_is_in_the_way_of_is_called_after_its_body(tmp_path):
+    shape = cabinet(Joint(JointKind.SCREW, np.array([0.0, 1, 0]), np.zeros(3)))
+    tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
+    assert [link.get("name") for link in tree.iter("link")] == ["base", "door", "door-slide"]
+    assert [joint.get("name") for joint in tree.iter("joint")] == ["door-slide-joint", "door-joint"]
+
+
 @given(rotations)
 def test_up_becomes_z_by_a_rotation(rotation):
     up = rotation[:, 1]

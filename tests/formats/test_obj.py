@@ -51,6 +51,12 @@ def test_colours_weights_comments_and_broken_lines_do_not_matter():
     np.testing.assert_array_equal(plain.vertices[plain.faces], dressed.vertices[dressed.faces])
 
 
+def test_a_byte_order_mark_hides_no_vertex():
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    plain, marked = parse(text), parse(f"\ufeff{text}")
+    np.testing.assert_array_equal(plain.vertices[plain.faces], marked.vertices[marked.faces])
+
+
 def test_vertices_that_no_face_uses_are_dropped_even_if_they_are_not_numbers():
     found = parse("v nan 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\n")
     assert len(found.vertices) == 3

@@ -8,7 +8,7 @@ import torch
 from torch import nn
 
 from kinmo.errors import InputError
-from kinmo.learning.weights import load_weights, save_weights
+from kinmo.learning.weights import load_weights, pick_device, save_weights
 
 
 @pytest.fixture
@@ -63,3 +63,14 @@ def test_a_header_of_another_schema_is_refused(saved: Path) -> None:
     saved.with_suffix(".json").write_text(json.dumps({**header, "schema": 99}))
     with pytest.raises(InputError, match="schema: expected 1, got 99"):
         load_weights(saved, "line")
+
+
+@pytest.mark.parametrize("name", ["cpu", "cpu:0", "cpu:3"])
+def test_there_is_one_cpu_whatever_its_number(name: str) -> None:
+    assert pick_device(name) == "cpu"
+
+
+@pytest.mark.parametrize("name", ["meta", "meta:0", "gpu", "cuda:99", "", "cpu:x"])
+def test_a_device_on_which_nothing_can_be_computed_is_refused(name: str) -> None:
+    with pytest.raises(InputError, match=f"--device: '{name}' is not available here"):
+        pick_device(name)

@@ -44,7 +44,7 @@ def execute(options: CommonOptions, *stages: Stage) -> None:
 
 def _print_plans(plans: list[Plan], as_json: bool) -> None:
     if as_json:
-        print(json.dumps([asdict(plan) for plan in plans], indent=1, ensure_ascii=False))
+        print(json.dumps([asdict(plan) for plan in plans], indent=1))
         return
     steps = [step for plan in plans for step in plan.steps]
     impossible = [line for plan in plans for line in plan.impossible]
@@ -59,7 +59,7 @@ def _print_plans(plans: list[Plan], as_json: bool) -> None:
 
 def _print_outcomes(outcomes: list[Outcome], options: CommonOptions) -> None:
     if options.json:
-        print(json.dumps(outcomes[-1].data if len(outcomes) == 1 else [o.data for o in outcomes], indent=1, ensure_ascii=False))
+        print(json.dumps(outcomes[-1].data if len(outcomes) == 1 else [o.data for o in outcomes], indent=1))
         return
     for outcome in outcomes:
         if outcome.text and not options.quiet:

@@ -79,7 +79,7 @@ def _body(shape: Shape, prediction: Prediction, index: int) -> dict[str, Any]:
         "name": body.name,
         "parent": body.parent,
         "parts": [{"id": part.id, "name": part.name} for part in leaves],
-        "is_junk": prediction.mobility.junk >= set(body.leaves),
+        "is_junk": bool(body.leaves) and prediction.mobility.junk >= set(body.leaves),
         "joint": None if body.joint is None else _joint(body.joint),
         "estimates": [_estimate(estimate) for estimate in prediction.estimates[index]],
         "network": _estimate(prediction.network_estimates[index]),

@@ -26,6 +26,8 @@ from kinmo.mobility import Mobility
 from kinmo.shape import Shape
 
 MESHES = "textured_objs"
+LEAST_RANGE = 1e-6
+"""Degrees of a hinge with limits, or diagonals of the object: less than anybody measures."""
 
 
 def write_partnet_mobility(shape: Shape, mobility: Mobility, folder: Path, *, meta: Mapping[str, Any] | None = None) -> Path:
@@ -90,14 +92,14 @@ def _body(shape: Shape, mobility: Mobility, index: int, rotation: NDArray[np.flo
     entry: dict[str, Any] = {
         "id": index,
         "parent": -1 if body.parent is None else body.parent,
-        "joint": _still(body.parent, mobility.junk >= set(body.leaves)),
+        "joint": _still(body.parent, bool(body.leaves) and mobility.junk >= set(body.leaves)),
         "name": body.name,
         "parts": [{"id": part.id, "name": part.name, "children": []} for part in parts],
         "jointData": {},
     }
     if body.joint is not None:
         entry["joint"] = "hinge" if body.joint.kind is JointKind.REVOLUTE else "slider"
-        entry["jointData"] = _joint_data(body.joint, rotation)
+        entry["jointData"] = _joint_data(body.joint, rotation, shape.diagonal)
     return entry
 
 
@@ -107,13 +109,8 @@ def _still(parent: int | None, is_junk: bool) -> str:
     return "heavy" if parent is None else "static"
 
 
-def _joint_data(joint: Joint, rotation: NDArray[np.float64]) -> dict[str, Any]:
-    unit = math.degrees(1.0) if joint.kind is JointKind.REVOLUTE else 1.0
-    lower, upper = (
-        (0.0, 0.0)
-        if joint.lower is None or joint.upper is None
-        else (unit * (joint.lower - joint.rest), unit * (joint.upper - joint.rest))
-    )
+def _joint_data(joint: Joint, rotation: NDArray[np.float64], diagonal: float) -> dict[str, Any]:
+    lower, upper = _limits(joint, diagonal)
     return {
         "axis": {"origin": (rotation @ joint.pivot).tolist(), "direction": (rotation @ joint.direction).tolist()},
         "limit": {
@@ -125,3 +122,15 @@ def _joint_data(joint: Joint, rotation: NDArray[np.float64]) -> dict[str, Any]:
             "rotationLimit": 0,
         },
     }
+
+
+def _limits(joint: Joint, diagonal: float) -> tuple[float, float]:
+    """Degrees of a hinge, else lengths; zeros without limits."""
+    if joint.lower is None or joint.upper is None:
+        return 0.0, 0.0
+    is_hinge = joint.kind is JointKind.REVOLUTE
+    unit, least = (math.degrees(1.0), LEAST_RANGE) if is_hinge else (1.0, LEAST_RANGE * diagonal)
+    lower, upper = unit * (joint.lower - joint.rest), unit * (joint.upper - joint.rest)
+    if upper - lower < least:  # equal limits mean none in this layout: what cannot move would come back free
+        return lower - 0.5 * least, upper + 0.5 * least
+    return lower, upper

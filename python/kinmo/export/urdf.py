@@ -8,7 +8,7 @@ limit may go the diagonal of the object either way: URDF knows no unlimited slid
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,12 +81,29 @@ def robot(
     origins = [link_origin(shape, link, rotation, metres_per_unit) for link in links]
     drawn = _Drawn(files or leaf_files(shape), rotation if files_rotation is None else files_rotation)
     root = ET.Element("robot", name=unique_names([f"{shape.category}_{shape.id}"])[0])
-    for link, origin in zip(links, origins, strict=True):
+    for link, names, origin in zip(links, _names(links), origins, strict=True):
         root.append(_link_element(shape, link, origin, rotation, metres_per_unit, drawn))
         if link.joint is not None and link.parent is not None:
-            offset = origin - origins[link.parent]
-            root.extend(_joint_elements(link, links[link.parent].name, offset, rotation, metres_per_unit, shape.diagonal))
+            offset, parent = origin - origins[link.parent], links[link.parent].name
+            root.extend(_joint_elements(link, names, parent, offset, rotation, metres_per_unit, shape.diagonal))
     return root
+
+
+@dataclass(frozen=True)
+class _Names:
+    """What is called after a link: its joint, and of a screw the link `between` its two joints and the one that slides."""
+
+    joint: str
+    between: str
+    slide: str
+
+
+def _names(links: Sequence[Link]) -> list[_Names]:
+    """Names for what belongs to each link, other ones than the links', which stay as they are, and all different."""
+    endings = ("", "-joint", "-slide", "-slide-joint")
+    names = unique_names(f"{link.name}{ending}" for ending in endings for link in links)
+    count = len(links)
+    return [_Names(*names[count + place :: count]) for place in range(count)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +162,7 @@ def _inertial(center: Vector, extents: Vector) -> ET.Element:
 
 
 def _joint_elements(
-    link: Link, parent: str, offset: Vector, rotation: NDArray[np.float64], scale: float, diagonal: float
+    link: Link, names: _Names, parent: str, offset: Vector, rotation: NDArray[np.float64], scale: float, diagonal: float
 ) -> list[ET.Element]:
     """The joint of a link, and for a screw the link between its two joints."""
     joint = link.joint
@@ -153,16 +170,16 @@ def _joint_elements(
     axis = rotation @ joint.direction
     if joint.kind is JointKind.REVOLUTE:
         kind = "revolute" if joint.is_limited else "continuous"
-        return [_joint_element(f"{link.name}-joint", kind, parent, link.name, offset, axis, _hinge_limits(joint))]
+        return [_joint_element(names.joint, kind, parent, link.name, offset, axis, _hinge_limits(joint))]
     slide = _slide_limits(joint, scale, diagonal)
     if joint.kind is JointKind.PRISMATIC:
-        return [_joint_element(f"{link.name}-joint", "prismatic", parent, link.name, offset, axis, slide)]
-    between = ET.Element("link", name=f"{link.name}-slide")
+        return [_joint_element(names.joint, "prismatic", parent, link.name, offset, axis, slide)]
+    between = ET.Element("link", name=names.between)
     between.append(_inertial(np.zeros(3), np.zeros(3)))
     return [
         between,
-        _joint_element(f"{link.name}-slide-joint", "prismatic", parent, f"{link.name}-slide", offset, axis, slide),
-        _joint_element(f"{link.name}-joint", "continuous", f"{link.name}-slide", link.name, np.zeros(3), axis, None),
+        _joint_element(names.slide, "prismatic", parent, names.between, offset, axis, slide),
+        _joint_element(names.joint, "continuous", names.between, link.name, np.zeros(3), axis, None),
     ]
 
 

@@ -7,6 +7,7 @@ line at a time: a shape of PartNet-Mobility has some fifty OBJ files.
 from __future__ import annotations
 
 import re
+from codecs import BOM_UTF8
 from itertools import chain
 from pathlib import Path
 
@@ -30,7 +31,7 @@ def read_obj(path: Path, folder: Path) -> Mesh | None:
 
 def parse_obj(data: bytes, where: Path) -> Mesh | None:
     """The triangles of an OBJ's text; None if it has no faces. `where` names the file in errors."""
-    text = b"\n" + data
+    text = b"\n" + data.removeprefix(BOM_UTF8)
     if b"\r" in text:
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if b"\\" in text:

@@ -19,6 +19,7 @@ from kinmo.errors import InputError
 from kinmo.workspace import write_bytes_atomically, write_text_atomically
 
 SCHEMA = 1
+DEVICES = ("cpu", "cuda", "mps")
 OTHER_VERSION = "; if another version of kinmo trained it, train it again"
 
 
@@ -91,12 +92,14 @@ def load_weights(path: Path, kind: str, device: str = "cpu") -> Weights:
 
 
 def pick_device(name: str) -> str:
-    """`auto` means a GPU where there is one. Raises InputError for a device that is not there."""
+    """`auto` means a GPU where there is one, `cpu:0` is `cpu`. Raises InputError for a device that is not there."""
     if name == "auto":
         return "cuda" if torch.cuda.is_available() else "mps" if torch.backends.mps.is_available() else "cpu"
     try:
-        torch.empty(0, device=name)
+        kind = torch.empty(0, device=name).device.type
     except (RuntimeError, AssertionError) as error:
         reason = str(error).splitlines()[0].split(". ")[0]
         raise InputError("--device", f"{name!r} is not available here ({reason})") from error
-    return name
+    if kind not in DEVICES:
+        raise InputError("--device", f"{name!r} is not available here (expected one of {', '.join(DEVICES)})")
+    return "cpu" if kind == "cpu" else name

@@ -32,6 +32,8 @@ VAST = 20.0
 """Metres across of what is hardly an object, but may be one in millimetres."""
 REPAIRED_LINES = 40
 """Of shapes that had to be repaired to be read; what was done to all is in their joints.json, and in what --json prints."""
+LONGEST_NAME = 150
+"""Bytes of an id or a place in the name of a folder; what comes before and after has room in the 255 that there are."""
 JOINTS = "joints.json"
 MADE_FROM = ".made_from"
 """In a shape's folder: a digest of its files and of what predicted it, to know what is done already."""
@@ -123,10 +125,10 @@ class Predict:
     def _targets(self, report: Callable[[InputError], None] = lambda error: None) -> list[tuple[Found, Path]]:
         """Every shape with its own folder, which has its id for a name.
 
-        Those that share an id are told apart by where they are below `source`, however many there are.
+        Those that share an id are told apart by where they are below `source`, however many there are. Long names are cut.
         """
         shapes = list(discover(self.source, skip=(self.out,), report=report))
-        names = [found.id for found in shapes]
+        names = [_name(found.id) for found in shapes]
         for with_endings in (False, True):
             alike = Counter(names)
             names = [
@@ -184,6 +186,9 @@ class Predicting:
                 (draft / MADE_FROM).write_text(job.made_from, encoding="ascii")
         except ValueError as error:
             return str(error) if isinstance(error, InputError) else f"{shown(job.found.path)}: {error}"
+        except OSError as error:
+            problem = f"{shown(str(error.filename or job.folder))}: {error.strerror or error}"
+            return str(InputError(job.found.path, problem))
         return None
 
 
@@ -209,7 +214,16 @@ def _document(found: Found, folder: Path) -> dict[str, Any]:
 def _joined(path: Path, source: Path, with_ending: bool) -> str:
     """The place of a shape below `source` as the name of one folder."""
     place = path.relative_to(source)
-    return clean_text(shown("__".join((place if with_ending or path.is_dir() else place.with_suffix("")).parts)))
+    return _name(shown("__".join((place if with_ending or path.is_dir() else place.with_suffix("")).parts)))
+
+
+def _name(text: str) -> str:
+    """`text` as the name of a folder: one that is too long for that is cut, and told from others by a hash of the whole."""
+    name = clean_text(text)
+    encoded = name.encode()
+    if len(encoded) <= LONGEST_NAME:
+        return name
+    return f"{encoded[:LONGEST_NAME].decode(errors='ignore')}~{digest(text)}"
 
 
 def _check_replaceable(folder: Path) -> None:

@@ -1,0 +1,82 @@
+"""Where what is predicted goes, and what is told of shapes for which that fails."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+from whole_road import Listener
+
+from datasets import write_partnet
+from kinmo import _core
+from kinmo.export.urdf import write_urdf
+from kinmo.joint import MotionType
+from kinmo.mobility import Body, Mobility
+from kinmo.pipeline import predict
+from kinmo.pipeline.predict import LONGEST_NAME, Predict
+from kinmo.prediction import JointEstimate, Prediction
+from kinmo.prepared import PreparedShape
+from kinmo.workspace import Workspace
+
+SHELF, DOOR = "棚", "扉"
+"""Three bytes each."""
+
+
+@dataclass(frozen=True)
+class Stiff:
+    """Says of every shape that nothing moves."""
+
+    method: str = "none"
+    weights: str = ""
+    config: Mapping[str, Any] = field(default_factory=dict)
+
+    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        still, bodies = JointEstimate(None, MotionType.NONE, 1.0), (Body(0, "base", shape.leaves),)
+        return Prediction(shape.id, shape.category, Mobility(bodies), ((still,),), (still,), self.method)
+
+
+@pytest.fixture
+def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Predict:
+    monkeypatch.setattr(predict, "load_predictor", lambda *_: Stiff())
+    return Predict(tmp_path / "shapes", tmp_path / "out", Workspace(tmp_path / "workspace"), "none", device="cpu")
+
+
+def test_names_too_long_for_a_folder_are_cut_and_told_apart(stage: Predict) -> None:
+    deep = stage.source / (SHELF * 80) / (SHELF * 80) / (SHELF * 80)
+    for place in (deep / DOOR / "scene", deep / f"{DOOR}{DOOR}" / "scene", stage.source / (DOOR * 84), stage.source / "door"):
+        write_partnet(place)
+    outcome = stage.run(Listener())
+    assert outcome.data["left_out"] == []
+    folders = [Path(shape["folder"]) for shape in outcome.data["shapes"]]
+    assert {path.name for path in stage.out.iterdir() if path.name != ".lock"} == {folder.name for folder in folders}
+    assert sorted(folder.name.split("~")[0] for folder in folders) == ["door", DOOR * 50, SHELF * 50, SHELF * 50]
+    assert all((folder / f"{folder.name}.urdf").is_file() for folder in folders)
+    assert stage.plan().steps == (), "it is done"
+
+
+@pytest.mark.parametrize("name", ["d" * LONGEST_NAME, DOOR * (LONGEST_NAME // 3), "Tür"])
+def test_names_that_fit_stay_as_they_are(stage: Predict, name: str) -> None:
+    write_partnet(stage.source / name)
+    assert [Path(shape["folder"]).name for shape in stage.run(Listener()).data["shapes"]] == [name]
+
+
+def test_a_result_that_cannot_be_written_is_its_shape_s_problem(stage: Predict, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(shape: Any, mobility: Any, folder: Path, **how: Any) -> Path:
+        if shape.id == "b":
+            raise OSError(28, os.strerror(28), str(folder / "b.urdf"))
+        return write_urdf(shape, mobility, folder, **how)
+
+    monkeypatch.setattr(predict, "write_urdf", full)
+    for name in "abc":
+        write_partnet(stage.source / name)
+    told = Listener()
+    outcome = stage.run(told)
+    assert [shape["id"] for shape in outcome.data["shapes"]] == ["a", "c"]
+    (line,) = outcome.data["left_out"]
+    assert line.startswith(f"{stage.source / 'b'}: ") and "b.urdf: No space left on device" in line
+    assert told.notes == [f"left out: {line}"] and outcome.failed == 1
+    assert not (stage.out / "b").exists()
