@@ -32,9 +32,8 @@ def test_precision_rises_and_recall_falls_with_a_score_that_sorts():
 
 
 def test_false_alarms_that_pass_count_against_precision():
-    shape = ShapeScore(
-        "a", "Door", (labelled(True, 0.8),), (FalseAlarm(0.7, {"feasibility": 0.7}), FalseAlarm(0.2, {"feasibility": 0.2}))
-    )
+    alarms = tuple(FalseAlarm("shelf", score, {"feasibility": score}) for score in (0.7, 0.2))
+    shape = ShapeScore("a", "Door", (labelled(True, 0.8),), alarms)
     point = curves([shape])["feasibility alone"][10]
     assert (point.threshold, point.accepted, point.refused) == (pytest.approx(0.5), 2, 1)
     assert point.precision == 0.5

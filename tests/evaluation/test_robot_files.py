@@ -5,6 +5,7 @@ import trimesh
 
 from articulated import box_mesh
 from kinmo.errors import InputError
+from kinmo.evaluation.urdf_files.mesh_files import read_triangles
 from kinmo.evaluation.urdf_files.robot import robot_bodies
 from kinmo.evaluation.urdf_files.robot_file import read_robot_file
 from kinmo.joint import JointKind
@@ -88,6 +89,19 @@ def test_all_shapes_and_meshes_of_a_urdf_are_read(tmp_path):
     assert len(body.triangles) > 24
 
 
+def test_a_sphere_of_radius_0_is_a_point(tmp_path):
+    (body,) = bodies_of(tmp_path, '<link name="a"><visual><geometry><sphere radius="0"/></geometry></visual></link>')
+    assert not body.triangles.any()
+
+
+@pytest.mark.parametrize("name", ["far.obj", "far.ply"])
+def test_meshes_with_coordinates_out_of_all_bounds_are_refused(tmp_path, name):
+    vertices, faces = _box()
+    trimesh.Trimesh(1e35 * vertices, faces, process=False).export(tmp_path / name)
+    with pytest.raises(InputError, match=rf"{name}: expected finite vertices, of at most 1e\+30"):
+        read_triangles(tmp_path / name)
+
+
 def _box():
     mesh = box_mesh((0, 0, 0), (1, 1, 1))
     return mesh.vertices, mesh.faces
@@ -95,7 +109,8 @@ def _box():
 
 CYCLE = (EMPTY.format("r"), LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b"), joint("fixed", "b", "a"))
 TWICE = (LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b"), joint("fixed", "a", "b"))
-NO_MESH = '<link name="a"><visual><geometry><mesh filename="no.obj"/></geometry></visual></link>'
+MESH = '<link name="a"><visual><geometry><mesh filename="{0}"/></geometry></visual></link>'
+ORIGIN = '<origin xyz="1e308 0 0"/>'
 
 
 @pytest.mark.parametrize(
@@ -109,7 +124,12 @@ NO_MESH = '<link name="a"><visual><geometry><mesh filename="no.obj"/></geometry>
         (CYCLE, "cycle"),
         ((LINK.format("a", "nan"),), "finite"),
         ((LINK.format("a", "1 2"),), "3 finite numbers"),
-        ((NO_MESH,), "found none"),
+        ((LINK.format("a", "1e200"),), r"3 finite numbers, of at most 1e\+30"),
+        ((LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b", ORIGIN)), r"at most 1e\+30"),
+        ((LINK.format("a", 1), LINK.format("b", 1), joint("revolute", "a", "b", '<axis xyz="0 0 1e-200"/>')), "not zero"),
+        ((MESH.format("no.obj"),), "found none"),
+        ((MESH.format(300 * "x"),), "found none"),
+        ((MESH.format("package://" + 300 * "x"),), "found none"),
         (("<!DOCTYPE x>",), "document type"),
         (("<link",), "XML"),
     ],
@@ -126,9 +146,10 @@ def test_what_is_wrong_with_a_file_is_said_in_one_line(tmp_path, elements, probl
         ("revolute", '<limit lower="2" upper="-1"/>', (-1, 2)),
         ("prismatic", '<limit lower="0" upper="0"/>', (None, None)),
         ("prismatic", "", (None, None)),
+        ("revolute", '<limit lower="-1.7976931348623157e308" upper="1.7976931348623157e308"/>', (None, None)),
         ("continuous", '<limit lower="-1" upper="2"/>', (None, None)),
     ],
 )
-def test_limits_are_put_in_order_and_equal_ones_are_none(tmp_path, kind, limit, expected):
+def test_limits_are_put_in_order_and_equal_or_boundless_ones_are_none(tmp_path, kind, limit, expected):
     body = bodies_of(tmp_path, LINK.format("a", 1), LINK.format("b", 1), joint(kind, "a", "b", limit))[1]
     assert (body.joint.lower, body.joint.upper) == expected

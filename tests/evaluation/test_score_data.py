@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -11,6 +12,8 @@ from hypothesis import strategies as st
 from kinmo.evaluation.records import FalseAlarm, JointRecord, ShapeScore
 from kinmo.evaluation.score_data import score_from_data, score_to_data
 from kinmo.joint import CoarseType, MotionType
+from kinmo.pipeline.judge import Judgement
+from kinmo.pipeline.judgements import judgement_to_data, read_judgement
 
 numbers = st.floats(allow_nan=False, allow_infinity=False)
 terms = st.dictionaries(st.text(max_size=5), numbers, max_size=3)
@@ -34,7 +37,7 @@ scores = st.builds(
     shape_id=st.text(max_size=5),
     category=st.text(max_size=5),
     records=st.lists(records, max_size=3).map(tuple),
-    false_alarms=st.lists(st.builds(FalseAlarm, score=numbers, terms=terms), max_size=2).map(tuple),
+    false_alarms=st.lists(st.builds(FalseAlarm, name=st.text(max_size=5), score=numbers, terms=terms), max_size=2).map(tuple),
     is_fine=st.booleans(),
     failure=st.none() | st.text(max_size=5),
     edges_right=st.integers(0, 9),
@@ -51,7 +54,24 @@ def test_a_score_comes_back_from_json_as_it_was(score: ShapeScore) -> None:
     ]
 
 
-@pytest.mark.parametrize("data", [{}, {"records": [{}], "false_alarms": []}, {"records": [], "false_alarms": [], "x": 1}])
+NAMELESS = {"records": [], "false_alarms": [{"score": 0.5, "terms": {}}]}
+
+
+@pytest.mark.parametrize(
+    "data", [{}, {"records": [{}], "false_alarms": []}, {"records": [], "false_alarms": [], "x": 1}, NAMELESS]
+)
 def test_anything_else_is_refused(data: dict[str, object]) -> None:
     with pytest.raises((KeyError, TypeError, ValueError)):
         score_from_data(data)
+
+
+def test_a_kept_judgement_whose_false_alarms_have_no_names_is_made_again(tmp_path: Path) -> None:
+    score = ShapeScore("a", "Door", (), (FalseAlarm("knob", 0.5),))
+    kept = {"made_from": "x", "judgement": judgement_to_data(Judgement({}, {"kinmo": score}))}
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps(kept), encoding="utf-8")
+    found = read_judgement(path, "x")
+    assert found is not None
+    assert found.hierarchy_given == {"kinmo": score}
+    path.write_text(json.dumps(kept).replace('"name": "knob", ', ""), encoding="utf-8")  # as it was before they had any
+    assert read_judgement(path, "x") is None

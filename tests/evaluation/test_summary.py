@@ -25,8 +25,8 @@ def record(shape_id="a", category="Door", body=0, *, axis=0.0, line=0.0, name="d
     return JointRecord(shape_id, category, body, name, type, 2.0, **{"predicted_type": answer, **figures, **change})
 
 
-def shape(shape_id, category, *records, alarms=0, is_fine=True):
-    return ShapeScore(shape_id, category, tuple(records), tuple(FalseAlarm(0.5) for _ in range(alarms)), is_fine)
+def shape(shape_id, category, *records, alarms=(), is_fine=True):
+    return ShapeScore(shape_id, category, tuple(records), tuple(FalseAlarm(name, 0.5) for name in alarms), is_fine)
 
 
 def doors(count, category="Door", **change):
@@ -69,7 +69,7 @@ def test_seeds_of_one_shape_are_one_object():
 
 
 def test_false_alarms_lower_precision_and_not_recall():
-    micro_figures = summarise([shape("a", "Door", record(), record(body=1, axis=None), alarms=2)]).micro
+    micro_figures = summarise([shape("a", "Door", record(), record(body=1, axis=None), alarms=("shelf", "knob"))]).micro
     assert micro_figures["precision"].value == pytest.approx(1 / 3)
     assert micro_figures["recall"].value == pytest.approx(1 / 2)
     assert micro_figures["f1"].value == pytest.approx(2 / 5)
@@ -86,6 +86,18 @@ def test_shapes_of_controls_only_leave_with_them():
     scores = [shape("a", "Toaster", record(name="Knob_1")), shape("b", "Door", record(), record(body=1, name="push button"))]
     kept = without_controls(scores)
     assert [(score.shape_id, len(score.records)) for score in kept] == [("b", 1)]
+
+
+def test_without_controls_false_alarms_of_such_names_do_not_count_either():
+    scores = [
+        shape("a", "Door", record(), record(body=1, name="knob"), alarms=("Push_Button", "light switch", "shelf")),
+        shape("b", "Toaster", record(name="knob"), alarms=("knob", "shelf")),
+    ]
+    kept = without_controls(scores)
+    assert [(score.shape_id, [alarm.name for alarm in score.false_alarms]) for score in kept] == [("a", ["shelf"])]
+    assert summarise(kept).micro["precision"].value == pytest.approx(1 / 2)
+    assert summarise(kept).micro["f1"].value == pytest.approx(2 / 3)
+    assert summarise(scores).micro["precision"].value == pytest.approx(3 / 8)
 
 
 def test_the_papers_distance_is_in_the_lengths_of_the_file():

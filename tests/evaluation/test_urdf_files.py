@@ -12,8 +12,8 @@ from whole_road import Listener
 
 from articulated import shape_of_boxes
 from kinmo.errors import InputError
-from kinmo.evaluation.tables import Caption
-from kinmo.evaluation.urdf_files import failures_table, files_table, find_urdf, score_files, score_urdf, summarise
+from kinmo.evaluation.tables import WRITERS, Caption, as_text, read_table
+from kinmo.evaluation.urdf_files import failures_table, files_table, find_urdf, score_files, score_urdf, scoring, summarise
 from kinmo.evaluation.urdf_files.alignment import align, axis_rotations
 from kinmo.evaluation.urdf_files.mesh_files import triangles_of
 from kinmo.evaluation.urdf_files.surface import Surface
@@ -172,7 +172,46 @@ def test_folders_are_scored_with_failures_and_absences_counted(tmp_path):
     assert figures["micro"]["strict_a5"]["value"] == pytest.approx(5 / 12)
     assert figures["micro"]["a5"]["value"] == pytest.approx(5 / 6)
     assert figures["micro"]["angle"]["value"] == pytest.approx(15.0)
-    assert figures["categories"]["Cabinet"]["failed"] == 1
+    assert figures["categories"]["cabinet"]["failed"] == 1
+
+
+BOX = '<link name="{0}"><visual>{1}<geometry><box size="{2}"/></geometry></visual></link>'
+MESH = '<link name="a"><visual><geometry><mesh filename="{0}" scale="{1}"/></geometry></visual></link>'
+FAR = '<origin xyz="1e308 1e308 1e308"/>'
+FASTENED = f'<joint type="fixed"><parent link="a"/><child link="b"/>{FAR}</joint>'
+BAD = {
+    "too large": (BOX.format("a", "", "1e200 1e200 1e200"), "size: expected 3 finite numbers"),
+    "too far": (BOX.format("a", FAR, "1 1 1") + BOX.format("b", FAR, "1 1 1") + FASTENED, "xyz: expected 3 finite numbers"),
+    "long name": (MESH.format(300 * "x", "1 1 1"), "expected a mesh file, found none"),
+    "point": (BOX.format("a", "", "0 0 0"), "expected a prediction with geometry"),
+    "nearly a point": (BOX.format("a", "", "1e-170 1e-170 1e-170"), "expected a prediction with geometry"),
+    "scaled to a point": (MESH.format("1/meshes/part_1.obj", "0 0 0"), "expected a prediction with geometry"),
+    "swallowed by its place": (BOX.format("a", FAR.replace("308", "29"), "1 1 1"), "expected a prediction with geometry"),
+}
+
+
+def test_whatever_is_wrong_with_a_urdf_is_its_failure_in_one_line_and_the_others_go_on(tmp_path):
+    truth, predictions = folders(tmp_path)
+    for name, (inside, _) in BAD.items():
+        write_partnet_mobility(TRUTH, TRUTH.mobility, truth / name)
+        (predictions / f"{name}.urdf").write_text(f"<robot name='r'>{inside}</robot>")
+    report = score_files(predictions, truth, ids=["1", *BAD])
+    assert {scored.id: scored.status for scored in report.objects} == {"1": "scored", **dict.fromkeys(BAD, "failed")}
+    for scored in report.objects[1:]:
+        assert BAD[scored.id][1] in scored.reason
+        assert "\n" not in scored.reason
+
+
+@pytest.mark.parametrize("error", [PermissionError(13, "no"), ValueError("a\nb"), ZeroDivisionError("no"), IndexError("no")])
+def test_what_nobody_thought_of_is_a_failure_too(tmp_path, monkeypatch, error):
+    def fail(*_):
+        raise error
+
+    monkeypatch.setattr(scoring, "robot_bodies", fail)
+    score = scored(tmp_path)
+    assert score.status == "failed"
+    assert f"model.urdf: cannot be scored ({type(error).__name__}: " in score.reason
+    assert "\n" not in score.reason
 
 
 def test_workers_change_nothing(tmp_path):
@@ -208,11 +247,25 @@ def test_a_category_that_no_truth_has_is_answered_with_those_there_are(tmp_path)
     (truth / "1" / "result.json").write_text("[")
     listener = Listener()
     stage = ScoreUrdfs(predictions, truth, Workspace(tmp_path / "w"), "cabinets")
-    with pytest.raises(InputError, match=r"no shape of cabinets \(did you mean Cabinet\?\); there are Cabinet"):
+    with pytest.raises(InputError, match=r"no shape of cabinets \(did you mean cabinet\?\); there are cabinet"):
         stage.run(listener)
     assert replace(stage, category="cabinet").run(listener).data["micro"]["objects"] == 3
     assert any("result.json" in note for note in listener.notes)
     assert any(note.startswith("failed: 3: ") for note in listener.notes)
+
+
+def test_all_tables_are_in_the_folder_that_the_stage_names(tmp_path):
+    truth, predictions = folders(tmp_path)
+    workspace = Workspace(tmp_path / "w")
+    outcome = ScoreUrdfs(predictions, truth, workspace).run(Listener())
+    assert outcome.path == workspace.evaluation / "urdf_files"
+    assert {path.name for path in outcome.path.iterdir()} == {f"{t}.{e}" for t in ("by_category", "failures") for e in WRITERS}
+    assert outcome.path.with_suffix(".json").read_text() == json.dumps(outcome.data, indent=1) + "\n"
+    by_category, failures = (read_table(outcome.path / f"{name}.json") for name in ("by_category", "failures"))
+    assert outcome.text == as_text(by_category)
+    assert (by_category.caption.shapes, by_category.caption.joints) == (4, 12)
+    assert [row[0] for row in failures.rows] == ["3", "4"]
+    assert "not scored" in failures.caption.title
 
 
 def test_urdfs_are_found_by_name_then_depth_then_path(tmp_path):
@@ -226,6 +279,7 @@ def test_urdfs_are_found_by_name_then_depth_then_path(tmp_path):
     assert find_urdf(tmp_path, "7") is None
     (tmp_path / "7.urdf").touch()
     assert find_urdf(tmp_path, "7") == tmp_path / "7.urdf"
+    assert find_urdf(tmp_path, 255 * "7") is None
 
 
 def test_the_tables_hold_every_category_and_every_failure(tmp_path):
@@ -233,8 +287,12 @@ def test_the_tables_hold_every_category_and_every_failure(tmp_path):
     report = score_files(predictions, truth)
     caption = Caption("URDF files", "synthetic", 0, 0, "all", ())
     table = files_table(summarise(report, draws=10), report, caption)
-    assert [row[0] for row in table.rows] == ["Cabinet", "all parts", "mean of categories"]
+    assert [row[0] for row in table.rows] == ["cabinet", "all parts", "mean of categories"]
     assert (table.caption.shapes, table.caption.joints) == (4, 12)
+    assert [(column.title, table.rows[1][place]) for place, column in enumerate(table.columns) if "median" in column.title] == [
+        ("median angle", pytest.approx(0, abs=1e-6)),
+        ("median line", pytest.approx(0, abs=1e-6)),
+    ]
     failures = failures_table(report, caption)
     assert [(row[0], row[2]) for row in failures.rows] == [("3", "failed"), ("4", "missing")]
     assert "link" in failures.rows[0][3]

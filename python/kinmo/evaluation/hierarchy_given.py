@@ -46,7 +46,7 @@ def hierarchy_given(
         penetration = None if penetrations is None else penetrations.get(moving)
         records.append(replace(record, parent_ok=parent_ok, penetration=penetration))
     wrong = [link.body for place, link in enumerate(links) if link.body is not None and place not in right]
-    alarms = tuple(false_alarm(_answer(prediction, body)) for body in wrong)
+    alarms = tuple(false_alarm(prediction.mobility.bodies[body].name, _answer(prediction, body)) for body in wrong)
     is_fine = not any(isinstance(answers[0].type, CoarseType) for answers in prediction.estimates if answers)
     return ShapeScore(truth.id, truth.category, tuple(records), alarms, is_fine)
 

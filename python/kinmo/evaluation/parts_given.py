@@ -37,9 +37,11 @@ def parts_given(
             typed = record if record.type_ok else joint_record(truth, index, told.get(index))
             record = replace(record, typed_axis_error=typed.axis_error)
         records.append(record)
-    still = {index for index, body in enumerate(mobility.bodies) if not body.is_movable}
+    still = {index: body.name for index, body in enumerate(mobility.bodies) if not body.is_movable}
     alarms = tuple(
-        false_alarm(estimate) for index, estimate in estimates.items() if index in still and estimate.joint is not None
+        false_alarm(still[index], estimate)
+        for index, estimate in estimates.items()
+        if index in still and estimate.joint is not None
     )
     is_fine = not any(isinstance(estimate.type, CoarseType) for estimate in estimates.values())
     return ShapeScore(truth.id, truth.category, tuple(records), alarms, is_fine)

@@ -26,6 +26,11 @@ CONTROLS = ("button", "knob", "switch")
 """Small parts that nearly any axis of their box fits: figures are also given without them."""
 
 
+def is_control(name: str) -> bool:
+    """Whether a part of this name is a button, knob or switch."""
+    return any(word in name.lower() for word in CONTROLS)
+
+
 @dataclass(frozen=True)
 class JointRecord:
     """One true joint and the answer to it.
@@ -61,7 +66,7 @@ class JointRecord:
     @property
     def is_control(self) -> bool:
         """Whether the part is a button, knob or switch by name."""
-        return any(word in self.name.lower() for word in CONTROLS)
+        return is_control(self.name)
 
     @property
     def kind(self) -> JointKind:
@@ -111,10 +116,16 @@ class JointRecord:
 
 @dataclass(frozen=True)
 class FalseAlarm:
-    """A moving body of the prediction that is no moving body of the truth."""
+    """A moving body of the prediction that is no moving body of the truth. `name` is its own, in the prediction."""
 
+    name: str
     score: float
     terms: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def is_control(self) -> bool:
+        """Whether the part is a button, knob or switch by name."""
+        return is_control(self.name)
 
 
 @dataclass(frozen=True)
@@ -135,8 +146,9 @@ class ShapeScore:
     """How many edges of the hierarchy were classed, and how many of them right; 0 where a method has none."""
 
     def without_controls(self) -> ShapeScore:
-        """The same without buttons, knobs and switches."""
-        return replace(self, records=tuple(record for record in self.records if not record.is_control))
+        """The same without buttons, knobs and switches, true ones and false alarms."""
+        records = tuple(record for record in self.records if not record.is_control)
+        return replace(self, records=records, false_alarms=tuple(alarm for alarm in self.false_alarms if not alarm.is_control))
 
 
 def annotation(truth: PreparedShape) -> tuple[Mobility, Boxes]:
@@ -159,9 +171,9 @@ def terms_of(estimate: JointEstimate) -> dict[str, float]:
     return {name: value for name, value in estimate.terms.items() if not (slides and name == "position")}
 
 
-def false_alarm(estimate: JointEstimate) -> FalseAlarm:
-    """What is remembered of a joint that there is not."""
-    return FalseAlarm(estimate.score, terms_of(estimate))
+def false_alarm(name: str, estimate: JointEstimate) -> FalseAlarm:
+    """What is remembered of a joint that there is not, of a body called `name`."""
+    return FalseAlarm(name, estimate.score, terms_of(estimate))
 
 
 def joint_record(truth: PreparedShape, body: int, estimate: JointEstimate | None) -> JointRecord:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
-from kinmo.evaluation.tables import Caption, Cell, Column, Table, as_text, write_table
-from kinmo.evaluation.urdf_files import FilesReport, score_files, summarise
-from kinmo.evaluation.urdf_files.figures import FIGURES
+from kinmo.evaluation.tables import Caption, as_text, write_table
+from kinmo.evaluation.urdf_files import failures_table, files_table, score_files, summarise
 from kinmo.evaluation.urdf_files.files import write_json
 from kinmo.formats import Layout, discover, read_found
 from kinmo.pipeline.evaluation_folder import URDF_FILES
@@ -19,8 +17,6 @@ from kinmo.wording import counted
 from kinmo.workspace import Workspace
 
 SECONDS_PER_SHAPE = 1.0
-COUNTS = ("objects", "scored", "failed", "missing", "parts", "found", "false_positives")
-DECIMALS = {"share": 3, "degrees": 2, "diagonals": 4, "length": 4}
 
 
 @dataclass(frozen=True)
@@ -56,11 +52,13 @@ class ScoreUrdfs:
             if scored.reason:
                 observer.note(f"failed: {scored.id}: {scored.reason}")
         summary = summarise(report)
-        table = self._table(report, summary)
+        caption = Caption("URDF files", str(self.predictions), 0, 0, f"{self.category or 'all'} of {self.truth}", ())
+        table = files_table(summary, report, caption)
         folder = self.workspace.evaluation / URDF_FILES
         write_table(table, folder, "by_category")
+        write_table(failures_table(report, replace(caption, title="URDF files that were not scored")), folder, "failures")
         write_json(folder.with_suffix(".json"), summary)
-        return Outcome(folder / "by_category.txt", summary, as_text(table))
+        return Outcome(folder, summary, as_text(table))
 
     def _ids(self, observer: Observer) -> list[str] | None:
         """The shapes of the category, None for all. Raises InputError if there is none."""
@@ -79,18 +77,3 @@ class ScoreUrdfs:
             near = did_you_mean(self.category, known)
             raise InputError(self.truth, f"no shape of {self.category}{near}; there are {', '.join(known) or 'none'}")
         return ids
-
-    def _table(self, report: FilesReport, summary: dict[str, Any]) -> Table:
-        columns = [Column("category"), *(Column(name.replace("_", " "), 0) for name in COUNTS)]
-        columns += [Column(figure.title, DECIMALS[figure.unit.value]) for figure in FIGURES]
-
-        def row(name: str, group: dict[str, Any]) -> tuple[Cell, ...]:
-            estimates = (group[figure.key] for figure in FIGURES)
-            return (name, *(group.get(count) for count in COUNTS), *(e and e["value"] for e in estimates))
-
-        rows = [row(name, group) for name, group in summary["categories"].items()]
-        rows += [row("mean of categories", summary["macro"]), row("all", summary["micro"])]
-        parts = summary["micro"]["parts"]
-        split = f"{self.category or 'all'} of {self.truth}"
-        caption = Caption("URDF files", str(self.predictions), len(report.objects), parts, split, ())
-        return Table(caption, tuple(columns), tuple(rows))

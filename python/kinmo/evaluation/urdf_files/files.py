@@ -15,6 +15,7 @@ from kinmo.errors import InputError
 from kinmo.evaluation.aggregate import Estimate, macro, micro, sums_of
 from kinmo.evaluation.urdf_files.figures import FIGURES, MEDIANS
 from kinmo.evaluation.urdf_files.matching import LEAST_IOU
+from kinmo.evaluation.urdf_files.mesh_files import is_file
 from kinmo.evaluation.urdf_files.scoring import FAILED, MISSING, SCORED, ObjectScore, score_urdf
 from kinmo.formats import read_partnet_mobility
 from kinmo.workers import Crashed, map_unordered
@@ -85,7 +86,7 @@ def _score_one(folder: Path, predictions: Path, least_iou: float) -> ObjectScore
 def find_urdf(predictions: Path, name: str) -> Path | None:
     """The URDF of the object `name`: `name`.urdf, else below the folder `name` the first by file name, depth and path."""
     direct = predictions / f"{name}.urdf"
-    if direct.is_file():
+    if is_file(direct):
         return direct
     choices = (f"{name}.urdf", *FIRST_CHOICES)
 
@@ -93,7 +94,7 @@ def find_urdf(predictions: Path, name: str) -> Path | None:
         rank = choices.index(path.name) if path.name in choices else len(choices)
         return rank, len(path.parts), str(path)
 
-    return min((path for path in (predictions / name).rglob("*.urdf") if path.is_file()), key=order, default=None)
+    return min((path for path in (predictions / name).rglob("*.urdf") if is_file(path)), key=order, default=None)
 
 
 def summarise(report: FilesReport, *, draws: int = 1000, seed: int = 0) -> dict[str, Any]:

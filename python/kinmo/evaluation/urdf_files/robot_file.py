@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from kinmo.errors import InputError
-from kinmo.evaluation.urdf_files.mesh_files import NO_TRIANGLES, Triangles, read_triangles
+from kinmo.evaluation.urdf_files.mesh_files import LARGEST_NUMBER, NO_TRIANGLES, Triangles, is_file, read_triangles
 
 Matrix = NDArray[np.float64]
 
@@ -69,7 +70,9 @@ def _parse(path: Path) -> ET.Element:
     return root
 
 
-def _numbers(path: Path, element: ET.Element | None, field: str, default: tuple[float, ...]) -> Matrix:
+def _numbers(
+    path: Path, element: ET.Element | None, field: str, default: tuple[float, ...], largest: float = LARGEST_NUMBER
+) -> Matrix:
     text = None if element is None else element.get(field)
     if text is None:
         return np.array(default)
@@ -77,8 +80,8 @@ def _numbers(path: Path, element: ET.Element | None, field: str, default: tuple[
         values = np.array(text.split(), float)
     except ValueError:
         values = np.array([np.nan])
-    if len(values) != len(default) or not np.isfinite(values).all():
-        raise InputError(path, f"expected {len(default)} finite numbers, found {text[:40]!r}", field)
+    if len(values) != len(default) or not np.all(np.abs(values) <= largest):
+        raise InputError(path, f"expected {len(default)} finite numbers, of at most {largest:g}, found {text[:40]!r}", field)
     return values
 
 
@@ -96,13 +99,18 @@ def _joint_element(path: Path, element: ET.Element) -> JointElement:
         raise InputError(path, "expected a parent and a child link", f"joint {element.get('name')}")
     axis = _numbers(path, element.find("axis"), "xyz", (1.0, 0.0, 0.0))
     length = float(np.linalg.norm(axis))
-    if length == 0:
+    if length < 1.0 / LARGEST_NUMBER:
         raise InputError(path, "expected an axis that is not zero", f"joint {element.get('name')}")
-    limit = element.find("limit")
-    lower, upper = sorted(float(_numbers(path, limit, field, (0.0,))[0]) for field in ("lower", "upper"))
-    limits = (lower, upper) if upper > lower and kind != "continuous" else None
+    limits = _limits(path, element.find("limit"))
     pose = _pose(path, element.find("origin"))
-    return JointElement(kind, ends[0], ends[1], pose, axis / length, limits)
+    return JointElement(kind, ends[0], ends[1], pose, axis / length, None if kind == "continuous" else limits)
+
+
+def _limits(path: Path, element: ET.Element | None) -> tuple[float, float] | None:
+    """A range, the right way round; None for an empty one, and for the largest floats, by which some writers mean no limit."""
+    ends = (float(_numbers(path, element, field, (0.0,), sys.float_info.max)[0]) for field in ("lower", "upper"))
+    lower, upper = sorted(ends)
+    return (lower, upper) if -LARGEST_NUMBER <= lower < upper <= LARGEST_NUMBER else None
 
 
 def _checked_order(path: Path, names: list[str], joints: list[JointElement]) -> tuple[str, ...]:
@@ -147,7 +155,8 @@ def _geometry(path: Path, packages: Path, piece: ET.Element) -> tuple[Triangles,
             trimesh.creation.cylinder(radius, length) if shape.tag == "cylinder" else trimesh.creation.capsule(length, radius)
         )
     elif shape.tag == "sphere":
-        mesh = trimesh.creation.icosphere(radius=float(_numbers(path, shape, "radius", (1.0,))[0]))
+        mesh = trimesh.creation.icosphere()
+        mesh.apply_scale(float(_numbers(path, shape, "radius", (1.0,))[0]))  # trimesh knows no sphere of radius 0
     else:
         raise InputError(path, f"expected mesh, box, cylinder or sphere, found {shape.tag[:40]!r}", "geometry")
     return np.asarray(mesh.triangles, float), pose
@@ -160,4 +169,4 @@ def mesh_path(name: str, urdf: Path, packages: Path) -> Path:
     inside = name.removeprefix("package://")
     folders = [folder for folder in urdf.parents if folder == urdf.parent or folder == packages or packages in folder.parents]
     places = [folder / tail for folder in folders for tail in (inside, inside.partition("/")[2])]
-    return next((place for place in places if place.is_file()), places[0])
+    return next((place for place in places if is_file(place)), places[0])

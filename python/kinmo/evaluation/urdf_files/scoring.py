@@ -11,7 +11,7 @@ from kinmo.errors import InputError
 from kinmo.evaluation import metrics
 from kinmo.evaluation.urdf_files.alignment import Similarity, align
 from kinmo.evaluation.urdf_files.matching import LEAST_IOU, Match, match
-from kinmo.evaluation.urdf_files.mesh_files import NO_TRIANGLES, Triangles, triangles_of
+from kinmo.evaluation.urdf_files.mesh_files import LARGEST_NUMBER, NO_TRIANGLES, Triangles, triangles_of
 from kinmo.evaluation.urdf_files.robot import RobotBody, robot_bodies
 from kinmo.evaluation.urdf_files.robot_file import read_robot_file
 from kinmo.evaluation.urdf_files.surface import Surface, sampled
@@ -95,6 +95,9 @@ def score_urdf(truth: Shape, urdf: Path | None, packages: Path, least_iou: float
         return _scored(nothing, parts, robot_bodies(read_robot_file(urdf, packages)), least_iou)
     except InputError as error:
         return replace(nothing, status=FAILED, reason=str(error))
+    except (OSError, ValueError, ArithmeticError, IndexError) as error:  # files and numbers go wrong in ways not thought of
+        reason = InputError(urdf, f"cannot be scored ({type(error).__name__}: {error})")
+        return replace(nothing, status=FAILED, reason=str(reason))
 
 
 def _true_parts(truth: Shape) -> list[_TruePart]:
@@ -123,7 +126,10 @@ def _scored(nothing: ObjectScore, parts: list[_TruePart], bodies: tuple[RobotBod
         raise InputError(nothing.id, "expected a prediction with geometry")
     kept = Surface(np.concatenate([part.triangles for part in parts if not part.is_junk]), SAMPLES, rng)
     everything = Surface(np.concatenate([part.triangles for part in parts]), SAMPLES, rng) if junk.any() else kept
-    frame = align(kept, everything, Surface(np.concatenate([body.triangles for body in bodies]), SAMPLES, rng))
+    predicted = Surface(np.concatenate([body.triangles for body in bodies]), SAMPLES, rng)
+    if not predicted.diagonal > 1.0 / LARGEST_NUMBER:  # squares of its lengths might vanish
+        raise InputError(nothing.id, "expected a prediction with geometry, found a point")
+    frame = align(kept, everything, predicted)
     if not frame.residual <= LARGEST_RESIDUAL:
         raise InputError(nothing.id, f"misaligned: surfaces are {100 * frame.residual:.2f} % of the diagonal apart")
     surfaces = sampled([part.triangles for part in parts], SAMPLES, LEAST_SAMPLES, rng)
