@@ -2,9 +2,10 @@
 
 Every function takes and returns NumPy arrays, in any memory layout, runs without the GIL on all threads of rayon
 (`RAYON_NUM_THREADS` bounds them), looks for Ctrl-C about every twentieth of a second (between two items of the batch, where one
-takes longer), and gives the same result for a seed whatever the number of threads. It raises ValueError, its text starting with
-the argument's name, for NaN, numbers beyond 1e60 and counts out of range, empty meshes, indices out of range and wrong shapes;
-TypeError for another type of value; MemoryError where the result would not fit. Lengths below 1e-100 may count as none.
+takes longer), and gives the same result for a seed whatever the number of threads. A process forked from one that has used them
+goes on with one thread. It raises ValueError, its text starting with the argument's name, for NaN, numbers beyond 1e60 and
+counts out of range, empty meshes, indices out of range and wrong shapes; TypeError for another type of value; MemoryError where
+the result would not fit. Lengths below 1e-100 may count as none.
 P is the number of meshes, G of groups.
 A group is a list of indices of meshes taken as one part; `groups=None` takes every mesh by itself.
 """
@@ -142,6 +143,7 @@ def move_points(
 ) -> F32:
     """Points [N, 3] moved along C candidate joints by D displacements each: [C, D, N, 3], written to `out` if given.
 
+    `out` is contiguous in the order of C and overlaps no input.
     `kinds` [C]: 0 revolute, 1 prismatic, 2 screw; `directions` [C, 3], of length 1; `pivots` [C, 3]; `angles` [C, D] in
     radians, which prismatic joints ignore together with the pivot; `shifts` [C, D] in lengths, which revolute ones ignore.
     ValueError if points can leave single precision.

@@ -78,7 +78,7 @@ def test_another_type_of_value_is_refused(name: str, argument: str) -> None:
 @pytest.mark.parametrize(("name", "argument"), ARGUMENTS)
 def test_another_shape_is_refused_by_name(name: str, argument: str) -> None:
     array = CALLS[name].arrays[argument]
-    for wrong in (array[None], np.array(array.flat[0])):
+    for wrong in (array[None], array.reshape(1, 1, *array.shape), array[(None,) * 40], np.array(array.flat[0])):
         with pytest.raises(ValueError, match=rf"^{argument}\b.*: shape "):
             CALLS[name].outcome(**{argument: wrong})
 
@@ -125,6 +125,58 @@ def test_counts_out_of_range_are_refused_by_name(count: int) -> None:
             _core.sweep(parts, [0], [1], *joint, **{name: count})  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("axes", [32, 33, 64])
+def test_arrays_of_more_axes_than_any_argument_has_are_refused_by_name(axes: int) -> None:
+    shape = ", ".join(["1"] * axes)
+    with pytest.raises(ValueError, match=rf"^points: shape \[{shape}\], expected \[F, N, 3\]$"):
+        _core.manhattan_frames(np.zeros((1,) * axes, np.float32))
+    with pytest.raises(ValueError, match=rf"^out: shape \[{shape}\], expected "):
+        CALLS["move_points"].outcome(out=np.zeros((1,) * axes, np.float32))
+
+
+@pytest.mark.parametrize("index", [-1, 2, 2**63, HUGE, -HUGE])
+def test_indices_out_of_range_are_refused_by_name(index: int) -> None:
+    parts = meshes(BOX, (BOX[0] + 4.0, BOX[1]))
+    joint = np.zeros(1, np.uint8), np.eye(3)[:1], np.zeros((1, 3)), np.zeros(1), np.ones(1)
+    pairs = np.zeros((0, 2), np.uint32)
+    for group in (
+        lambda groups: _core.fit_boxes(parts, groups),
+        lambda groups: _core.fit_aligned_boxes(parts, np.eye(3), groups),
+        lambda groups: _core.fit_symmetric_boxes(parts, groups),
+        lambda groups: _core.find_symmetries(parts, groups),
+        lambda groups: _core.part_distances(parts, groups),
+        lambda groups: _core.interaction_regions(np.zeros((2, 5, 3)), pairs, groups),
+    ):
+        with pytest.raises(ValueError, match=r"^groups\[1\]: index .* is outside 0\.\.2$"):
+            group([[0], [1, index]])
+    with pytest.raises(ValueError, match=r"^group: index .* is outside 0\.\.2$"):
+        _core.closest_points(parts, [0, index], np.zeros((1, 3)))
+    with pytest.raises(ValueError, match=r"^moving: index .* is outside 0\.\.2$"):
+        _core.sweep(parts, [index], [1], *joint)
+    with pytest.raises(ValueError, match=r"^obstacles: index .* is outside 0\.\.2$"):
+        _core.sweep(parts, [0], [index], *joint)
+
+
+def test_numbers_beyond_all_floats_are_infinite() -> None:
+    parts = meshes(BOX, (BOX[0] + 4.0, BOX[1]))
+    joint = np.zeros(1, np.uint8), np.eye(3)[:1], np.zeros((1, 3)), np.zeros(1), np.ones(1)
+    assert len(_core.part_distances(parts, max_distance=10**400)[0]) == 1
+    with pytest.raises(ValueError, match=r"^max_distance: -inf"):
+        _core.part_distances(parts, max_distance=-(10**400))
+    for find in (_core.fit_symmetric_boxes, _core.find_symmetries, _core.find_round_pieces):
+        with pytest.raises(ValueError, match=r"^tolerance: inf"):
+            find(parts, tolerance=10**400)
+    for name in ("tolerance", "ignored_share"):
+        with pytest.raises(ValueError, match=rf"^{name}: inf"):
+            _core.sweep(parts, [0], [1], *joint, **{name: 10**400})  # type: ignore[arg-type]
+    points = np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(1, np.int64)
+    with pytest.raises(ValueError, match=r"^threshold: inf"):
+        _core.find_similarities(*points, hypotheses=1, threshold=10**400, seed=0)
+    transforms = np.tile(np.eye(4), (1, 2, 1, 1))
+    with pytest.raises(ValueError, match=r"^near: .* with far inf"):
+        _core.render(parts, transforms, (4, 4), np.ones(2), np.ones(2), near=0.1, far=10**400)
+
+
 def test_many_meshes_get_fewer_points_each_at_the_most() -> None:
     parts = meshes(*[BOX] * 200)
     with pytest.raises(ValueError, match=r"^count: 1000000, expected an integer from 1 to 500000$"):
@@ -148,6 +200,10 @@ def test_a_result_without_room_is_a_memory_error() -> None:
     joints = np.zeros(many, np.uint8), np.eye(3)[np.zeros(many, int)], np.zeros((many, 3))
     with pytest.raises(MemoryError, match="Unable to allocate"):
         _core.move_points(point, *joints, np.zeros((many, many)), np.zeros((many, many)))
+    with pytest.raises(MemoryError, match="Unable to allocate"):
+        _core.nearest_neighbours(np.zeros((1, 10**7, 3), np.float32), 10**7)
+    with pytest.raises(MemoryError, match="Unable to allocate"):
+        _core.largest_neighbours(np.zeros((1, 1, 10**7), np.float32), np.zeros((1, 10**7, 1), np.int64))
 
 
 def test_no_parts_give_results_without_rows() -> None:

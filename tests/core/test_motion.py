@@ -63,6 +63,31 @@ def test_the_result_can_be_written_to_a_given_array() -> None:
         _core.move_points(cloud, *joints, out=np.zeros((3, 2, 10, 6), np.float32)[..., ::2])
 
 
+@pytest.mark.parametrize("shape", [(2, 3, 5, 3), (2, 1, 1, 3)])
+def test_a_given_array_in_fortran_order_is_refused(shape: tuple[int, ...]) -> None:
+    rng = np.random.default_rng(0)
+    cloud, joints = rng.normal(size=shape[2:]).astype(np.float32), candidates(rng, *shape[:2])
+    out = np.zeros(shape, np.float32, order="F")
+    with pytest.raises(ValueError, match=r"^out: not contiguous in the order of C$"):
+        _core.move_points(cloud, *joints, out=out)
+    assert not out.any()
+
+
+def test_a_given_array_that_has_the_points_in_it_is_refused() -> None:
+    rng = np.random.default_rng(0)
+    out = np.zeros((2, 3, 5, 3), np.float32)
+    with pytest.raises(ValueError, match=r"^out: overlaps an input"):
+        _core.move_points(out[1, 2], *candidates(rng, 2, 3), out=out)
+
+
+def test_a_given_array_that_is_not_aligned_is_refused() -> None:
+    rng = np.random.default_rng(0)
+    cloud, joints = rng.normal(size=(5, 3)).astype(np.float32), candidates(rng, 2, 3)
+    out = np.zeros(90 * 4 + 1, np.uint8)[1:].view(np.float32).reshape(2, 3, 5, 3)
+    with pytest.raises(ValueError, match=r"^out: not aligned"):
+        _core.move_points(cloud, *joints, out=out)
+
+
 def test_arguments_are_refused_by_name() -> None:
     rng = np.random.default_rng(0)
     cloud, joints = rng.normal(size=(4, 3)).astype(np.float32), candidates(rng, 3, 2)

@@ -237,3 +237,14 @@ def test_a_joint_between_two_objects_is_refused() -> None:
     poses = given_.rotations, given_.scales, given_.translations
     with pytest.raises(ValueError, match="row 0 ties parts of two frames"):
         _core.tie_poses(*given_.points, *given_.ties, *poses, frames=np.array([0, 1, 2]), threshold=0.1)
+
+
+@pytest.mark.parametrize("scale", [1e-13, 1.0, 1e13])
+def test_targets_may_be_far_smaller_or_larger_than_sources(scale: float) -> None:
+    source = np.random.default_rng(0).normal(size=(40, 3))
+    (rotations, scales, _), inliers = _core.find_similarities(
+        source, source * scale, np.array([0, 40]), hypotheses=50, threshold=0.01 * scale, seed=0
+    )
+    np.testing.assert_allclose(rotations, np.eye(3)[None], atol=1e-6)
+    np.testing.assert_allclose(scales, scale, rtol=1e-6)
+    assert inliers.all()

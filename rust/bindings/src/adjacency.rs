@@ -12,6 +12,7 @@ use crate::batches::{filter_map_in_batches, map_in_batches};
 use crate::convert::value_error;
 use crate::groups::{groups_of, pairs_of};
 use crate::meshes::Meshes;
+use crate::numbers::{Index, float};
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(part_distances, module)?)
@@ -26,9 +27,9 @@ type Distances<'py> =
 fn part_distances<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    groups: Option<Vec<Vec<i64>>>,
+    groups: Option<Vec<Vec<Index>>>,
     pairs: Option<Array<'py, u32>>,
-    max_distance: f64,
+    #[pyo3(from_py_with = float)] max_distance: f64,
 ) -> PyResult<Distances<'py>> {
     let groups = groups_of(meshes.parts.len(), groups).map_err(value_error)?;
     let pairs = pairs.map(|pairs| pairs_of(groups.len(), &pairs)).transpose().map_err(value_error)?;

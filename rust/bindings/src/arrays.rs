@@ -15,13 +15,24 @@ use pyo3::prelude::*;
 
 use crate::convert::value_error;
 
+/// More axes than these rust-numpy has no view of, NumPy has arrays.
+const MOST_AXES: usize = 32;
+
 /// An array of `T` in any memory layout.
-pub struct Array<'py, T: Element>(PyReadonlyArrayDyn<'py, T>);
+pub struct Array<'py, T: Element> {
+    values: PyReadonlyArrayDyn<'py, T>,
+    /// That of an array of too many axes, whose values are in a row.
+    shape: Option<Vec<usize>>,
+}
 
 impl<T: Element> Array<'_, T> {
     /// The values.
     pub fn view(&self) -> ArrayViewD<'_, T> {
-        self.0.as_array()
+        let values = self.values.as_array();
+        match &self.shape {
+            Some(shape) => values.into_shape_with_order(&shape[..]).expect("as many values"),
+            None => values,
+        }
     }
 }
 
@@ -39,10 +50,12 @@ impl<'py, T: Element> FromPyObject<'_, 'py> for Array<'py, T> {
             return Err(PyTypeError::new_err(format!("expected an array of {expected}, not of {found}")));
         }
         let array = object.cast::<PyArrayDyn<T>>()?;
-        if is_addressable(&array) {
-            return Ok(Self(array.try_readonly()?));
+        let copied = |method| PyResult::Ok(array.call_method0(method)?.cast_into::<PyArrayDyn<T>>()?.try_readonly()?);
+        if array.ndim() > MOST_AXES {
+            return Ok(Self { values: copied("flatten")?, shape: Some(array.shape().to_vec()) });
         }
-        Ok(Self(array.call_method0("copy")?.cast_into::<PyArrayDyn<T>>()?.try_readonly()?))
+        let values = if is_addressable(&array) { array.try_readonly()? } else { copied("copy")? };
+        Ok(Self { values, shape: None })
     }
 }
 
@@ -108,8 +121,8 @@ pub fn values_of<'a>(name: &str, array: ArrayViewD<'a, f64>, len: usize) -> Resu
 
 /// `len` truth values. Memory that others wrote may hold bytes that are no `bool` of Rust's, so they are read as numbers.
 pub fn flags_of(name: &str, array: &Array<'_, bool>, len: usize) -> PyResult<Vec<bool>> {
-    let bytes = array.0.call_method1("view", (dtype::<u8>(array.0.py()),))?.extract::<Array<'_, u8>>()?;
-    check_shape(name, &bytes.view(), &[len]).map_err(value_error)?;
+    check_shape(name, &array.view(), &[len]).map_err(value_error)?;
+    let bytes = array.values.call_method1("view", (dtype::<u8>(array.values.py()),))?.extract::<Array<'_, u8>>()?;
     Ok(bytes.view().iter().map(|byte| *byte != 0).collect())
 }
 

@@ -1,5 +1,6 @@
 //! Work done a few items at a time: in parallel, without the GIL, and with a look for Ctrl-C after each batch.
 
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
@@ -11,6 +12,8 @@ const BATCH_TIME: Duration = Duration::from_millis(50);
 const FIRST_ITEMS_PER_THREAD: usize = 1;
 /// A batch has at most so many times the items of the one before: those to come may take longer.
 const LARGEST_GROWTH: f64 = 16.0;
+/// The process whose threads rayon's are: none of them is there in a forked one, which would wait for them forever.
+static PROCESS: OnceLock<u32> = OnceLock::new();
 
 /// What `work` makes of every item, in order.
 pub fn map_in_batches<I: Send, T: Send>(
@@ -27,7 +30,7 @@ pub fn filter_map_in_batches<I: Send, T: Send>(
     items: impl IntoIterator<Item = I>,
     work: impl Fn(I) -> Option<T> + Sync,
 ) -> PyResult<Vec<T>> {
-    let threads = rayon::current_num_threads();
+    let threads = threads();
     let mut items = items.into_iter().peekable();
     let mut results = Vec::with_capacity(items.size_hint().0);
     let mut size = FIRST_ITEMS_PER_THREAD * threads;
@@ -35,7 +38,7 @@ pub fn filter_map_in_batches<I: Send, T: Send>(
         let batch: Vec<I> = items.by_ref().take(size).collect();
         let started = Instant::now();
         results.extend(py.detach(|| match threads {
-            // On this thread: waking the only other one takes as long as many an item.
+            // On this thread: waking the only other one takes as long as many an item, and a forked process has none.
             1 => batch.into_iter().filter_map(&work).collect::<Vec<T>>(),
             _ => batch.into_par_iter().filter_map(&work).collect(),
         }));
@@ -44,4 +47,10 @@ pub fn filter_map_in_batches<I: Send, T: Send>(
         size = ((size as f64 * growth.min(LARGEST_GROWTH)) as usize).max(threads);
     }
     Ok(results)
+}
+
+/// How many threads share the work.
+fn threads() -> usize {
+    let process = std::process::id();
+    if *PROCESS.get_or_init(|| process) == process { rayon::current_num_threads() } else { 1 }
 }

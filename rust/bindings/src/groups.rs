@@ -5,21 +5,22 @@ use std::ops::Range;
 use kinmo_geometry::{GeometryError, Result};
 
 use crate::arrays::{Array, check_shape, rows_of};
+use crate::numbers::Index;
 
 /// The indices of the meshes of every group, checked; without groups, every mesh by itself.
-pub fn groups_of(meshes: usize, groups: Option<Vec<Vec<i64>>>) -> Result<Vec<Vec<usize>>> {
+pub fn groups_of(meshes: usize, groups: Option<Vec<Vec<Index>>>) -> Result<Vec<Vec<usize>>> {
     let Some(groups) = groups else { return Ok((0..meshes).map(|mesh| vec![mesh]).collect()) };
     groups.iter().enumerate().map(|(index, group)| members_of(&format!("groups[{index}]"), meshes, group)).collect()
 }
 
 /// A checked list of indices of meshes: not empty, none out of range.
-pub fn members_of(name: &str, meshes: usize, members: &[i64]) -> Result<Vec<usize>> {
+pub fn members_of(name: &str, meshes: usize, members: &[Index]) -> Result<Vec<usize>> {
     if members.is_empty() {
         return Err(GeometryError::new(name, "empty, expected at least one mesh"));
     }
     let index = |mesh: i64| usize::try_from(mesh).ok().filter(|&mesh| mesh < meshes);
     let outside = |mesh: i64| GeometryError::new(name, format!("index {mesh} is outside 0..{meshes}"));
-    members.iter().map(|&mesh| index(mesh).ok_or_else(|| outside(mesh))).collect()
+    members.iter().map(|&Index(mesh)| index(mesh).ok_or_else(|| outside(mesh))).collect()
 }
 
 /// Pairs [E, 2] of different groups.

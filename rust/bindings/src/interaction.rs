@@ -11,6 +11,7 @@ use crate::arrays::{Array, check_finite};
 use crate::batches::map_in_batches;
 use crate::convert::value_error;
 use crate::groups::{groups_of, pairs_of};
+use crate::numbers::Index;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<InteractionRegions>()?;
@@ -69,7 +70,7 @@ fn interaction_regions<'py>(
     py: Python<'py>,
     #[pyo3(from_py_with = Samples::of)] points: Samples,
     pairs: Array<'py, u32>,
-    groups: Option<Vec<Vec<i64>>>,
+    groups: Option<Vec<Vec<Index>>>,
 ) -> PyResult<InteractionRegions> {
     let groups = groups_of(points.meshes(), groups).map_err(value_error)?;
     let pairs = pairs_of(groups.len(), &pairs).map_err(value_error)?;

@@ -3,7 +3,7 @@
 use kinmo_geometry::GeometryError;
 use kinmo_geometry::motion::{PointBlocks, RigidMotion};
 use numpy::ndarray::Axis;
-use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{BorrowError, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays::{Array, check_finite, check_shape, rows_of, zeros};
@@ -63,8 +63,16 @@ fn move_points<'py>(
         let problem = format!("shape {:?}, expected {shape:?}", out.shape());
         return Err(value_error(GeometryError::new("out", problem)));
     }
-    let mut writable = out.try_readwrite().map_err(|_| value_error(GeometryError::new("out", "not writable")))?;
-    let moved = writable.as_slice_mut().map_err(|_| value_error(GeometryError::new("out", "not contiguous")))?;
+    let refused = |problem: &str| value_error(GeometryError::new("out", problem));
+    // Fortran order has no gaps either, and would be written to in the order of C.
+    if !out.is_c_contiguous() {
+        return Err(refused("not contiguous in the order of C"));
+    }
+    let mut writable = out.try_readwrite().map_err(|error| match error {
+        BorrowError::AlreadyBorrowed => refused("overlaps an input, or is in use"),
+        _ => refused("not writable"),
+    })?;
+    let moved = writable.as_slice_mut().map_err(|_| refused("not aligned"))?;
     let blocks = PointBlocks::new(&points);
     let rows = moved.chunks_mut((points.len() * 3).max(1)).zip(&motions);
     map_in_batches(py, rows, |(moved, motion)| blocks.moved_into(motion, moved))?;

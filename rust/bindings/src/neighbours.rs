@@ -2,10 +2,10 @@
 
 use kinmo_geometry::GeometryError;
 use kinmo_geometry::neighbours::{largest_neighbours as largest_of_rows, nearest_neighbours as nearest_of_all};
-use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::{Array, check_finite, shape_error, stacks_of};
+use crate::arrays::{Array, check_finite, shape_error, stacks_of, zeros};
 use crate::batches::map_in_batches;
 use crate::convert::value_error;
 use crate::numbers::{count_of, integer};
@@ -23,18 +23,22 @@ fn nearest_neighbours<'py>(
     py: Python<'py>,
     points: Array<'py, f32>,
     #[pyo3(from_py_with = integer)] count: i64,
-) -> PyResult<Bound<'py, PyArray3<i64>>> {
+) -> PyResult<Bound<'py, PyArrayDyn<i64>>> {
     let count = count_of("count", count, MOST_NEIGHBOURS).map_err(value_error)?;
     let points = points.view();
     check_finite("points", &points).map_err(value_error)?;
     let clouds = stacks_of("points", points, 3).map_err(value_error)?;
     let [batch, size, _] = *clouds.shape() else { unreachable!("a stack has three axes") };
-    let rows = clouds
-        .outer_iter()
-        .map(|cloud| cloud.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>());
-    let found = map_in_batches(py, rows, |points| nearest_of_all(&points, count))?;
-    let numbers = found.into_iter().flatten().map(i64::from);
-    PyArray1::from_iter(py, numbers).reshape([batch, size, count.min(size)])
+    let nearest = zeros(py, &[batch, size, count.min(size)])?;
+    {
+        let mut found = nearest.readwrite();
+        let rows = clouds
+            .outer_iter()
+            .map(|cloud| cloud.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>())
+            .zip(found.as_slice_mut()?.chunks_mut((size * count.min(size)).max(1)));
+        map_in_batches(py, rows, |(points, found)| nearest_of_all(&points, count, found))?;
+    }
+    Ok(nearest)
 }
 
 #[pyfunction]
@@ -42,7 +46,7 @@ fn largest_neighbours<'py>(
     py: Python<'py>,
     features: Array<'py, f32>,
     index: Array<'py, i64>,
-) -> PyResult<Bound<'py, PyArray3<i64>>> {
+) -> PyResult<Bound<'py, PyArrayDyn<i64>>> {
     let (features, index) = (features.view(), index.view());
     let [batch, size, width] = *features.shape() else {
         return Err(value_error(shape_error("features", &features, "[B, N, C]")));
@@ -54,14 +58,21 @@ fn largest_neighbours<'py>(
     if !index.iter().all(|number| (0..size as i64).contains(number)) {
         return Err(value_error(GeometryError::new("index", format!("expected integers from 0, below {size}"))));
     }
-    let features = features.as_standard_layout();
-    let Some(values) = features.as_slice() else { unreachable!("the standard layout has no gaps") };
-    let numbers: Vec<u32> = index.iter().map(|&number| number as u32).collect();
-    let clouds = values.chunks((size * width).max(1)).zip(numbers.chunks((rows * count).max(1)));
-    let found = map_in_batches(py, clouds, |(features, index)| largest_of_rows(features, width, index, count))?;
-    let mut largest = Vec::with_capacity(batch * rows * width);
-    for cloud in found {
-        largest.extend(cloud.into_iter().map(i64::from));
+    let (features, index) = (features.as_standard_layout(), index.as_standard_layout());
+    let (Some(values), Some(numbers)) = (features.as_slice(), index.as_slice()) else {
+        unreachable!("the standard layout has no gaps")
+    };
+    let largest = zeros(py, &[batch, rows, width])?;
+    {
+        let mut found = largest.readwrite();
+        let clouds = values
+            .chunks((size * width).max(1))
+            .zip(numbers.chunks((rows * count).max(1)))
+            .zip(found.as_slice_mut()?.chunks_mut((rows * width).max(1)));
+        map_in_batches(py, clouds, |((features, index), found)| {
+            let index: Vec<u32> = index.iter().map(|&number| number as u32).collect();
+            largest_of_rows(features, width, &index, count, found);
+        })?;
     }
-    PyArray1::from_vec(py, largest).reshape([batch, rows, width])
+    Ok(largest)
 }

@@ -1,4 +1,4 @@
-//! Whole numbers as arguments: what is out of range is a `ValueError` that names it, however large it is.
+//! Numbers as arguments: what is out of range is a `ValueError` that names it, however large it is.
 
 use kinmo_geometry::{GeometryError, Result};
 use pyo3::exceptions::PyOverflowError;
@@ -11,6 +11,28 @@ pub fn integer(object: &Bound<'_, PyAny>) -> PyResult<i64> {
     match object.extract::<i64>() {
         Err(error) if error.is_instance_of::<PyOverflowError>(object.py()) => {
             Ok(if object.lt(0)? { i64::MIN } else { i64::MAX })
+        }
+        value => value,
+    }
+}
+
+/// An index of many, see [`integer`].
+#[derive(Clone, Copy)]
+pub struct Index(pub i64);
+
+impl<'py> FromPyObject<'_, 'py> for Index {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        integer(&object).map(Self)
+    }
+}
+
+/// A Python number, or infinity where it is larger than every `f64`.
+pub fn float(object: &Bound<'_, PyAny>) -> PyResult<f64> {
+    match object.extract::<f64>() {
+        Err(error) if error.is_instance_of::<PyOverflowError>(object.py()) => {
+            Ok(if object.lt(0)? { f64::NEG_INFINITY } else { f64::INFINITY })
         }
         value => value,
     }

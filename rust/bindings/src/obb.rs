@@ -12,6 +12,7 @@ use crate::boxes::{Boxes, is_orthonormal, to_arrays};
 use crate::convert::value_error;
 use crate::groups::groups_of;
 use crate::meshes::Meshes;
+use crate::numbers::Index;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit_boxes, module)?)?;
@@ -20,7 +21,7 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 
 #[pyfunction]
 #[pyo3(signature = (meshes, groups=None))]
-fn fit_boxes<'py>(py: Python<'py>, meshes: &Meshes, groups: Option<Vec<Vec<i64>>>) -> PyResult<Boxes<'py>> {
+fn fit_boxes<'py>(py: Python<'py>, meshes: &Meshes, groups: Option<Vec<Vec<Index>>>) -> PyResult<Boxes<'py>> {
     fit_each(py, meshes, groups, minimum_volume_box)
 }
 
@@ -30,7 +31,7 @@ fn fit_aligned_boxes<'py>(
     py: Python<'py>,
     meshes: &Meshes,
     frame: Array<'py, f64>,
-    groups: Option<Vec<Vec<i64>>>,
+    groups: Option<Vec<Vec<Index>>>,
 ) -> PyResult<Boxes<'py>> {
     let axes = right_handed_rows(&frame).map_err(value_error)?;
     fit_each(py, meshes, groups, |points| aligned_box(points, axes))
@@ -39,7 +40,7 @@ fn fit_aligned_boxes<'py>(
 fn fit_each<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    groups: Option<Vec<Vec<i64>>>,
+    groups: Option<Vec<Vec<Index>>>,
     fit: impl Fn(&[Point3<f64>]) -> OrientedBox + Sync,
 ) -> PyResult<Boxes<'py>> {
     let groups = groups_of(meshes.parts.len(), groups).map_err(value_error)?;

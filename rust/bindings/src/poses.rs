@@ -18,7 +18,7 @@ use crate::boxes::is_orthonormal;
 use crate::convert::value_error;
 use crate::groups::{pairs_of, ranges_of};
 use crate::joints::{kinds_of, unit_vectors_of};
-use crate::numbers::{count_of, integer, seed as seed_of};
+use crate::numbers::{count_of, float, integer, seed as seed_of};
 
 /// Hypotheses of a search.
 const MOST_HYPOTHESES: usize = 10_000_000;
@@ -44,7 +44,7 @@ fn find_similarities<'py>(
     target: Array<'py, f64>,
     starts: Array<'py, i64>,
     hypotheses: Bound<'py, PyAny>,
-    threshold: f64,
+    #[pyo3(from_py_with = float)] threshold: f64,
     seed: Bound<'py, PyAny>,
 ) -> PyResult<(Poses<'py>, Bound<'py, PyArray1<bool>>)> {
     let parts = Parts::of(&source, &target, &starts).map_err(value_error)?;
@@ -74,7 +74,7 @@ fn tie_poses<'py>(
     scales: Array<'py, f64>,
     translations: Array<'py, f64>,
     frames: Array<'py, i64>,
-    threshold: f64,
+    #[pyo3(from_py_with = float)] threshold: f64,
 ) -> PyResult<Poses<'py>> {
     check_threshold(threshold).map_err(value_error)?;
     let parts = Parts::of(&source, &target, &starts).map_err(value_error)?;
@@ -102,7 +102,7 @@ fn find_tied_poses<'py>(
     directions: Array<'py, f64>,
     scales: Array<'py, f64>,
     hypotheses: Bound<'py, PyAny>,
-    threshold: f64,
+    #[pyo3(from_py_with = float)] threshold: f64,
     seed: Bound<'py, PyAny>,
 ) -> PyResult<(Poses<'py>, Poses<'py>)> {
     let parts = Parts::of(&source, &target, &starts).map_err(value_error)?;
@@ -136,7 +136,7 @@ fn settle_poses<'py>(
     scales: Array<'py, f64>,
     translations: Array<'py, f64>,
     frames: Array<'py, i64>,
-    threshold: f64,
+    #[pyo3(from_py_with = float)] threshold: f64,
 ) -> PyResult<Poses<'py>> {
     check_threshold(threshold).map_err(value_error)?;
     let parts = Parts::of(&source, &target, &starts).map_err(value_error)?;
@@ -159,7 +159,7 @@ fn ties_by_frame(frames: &[Range<usize>], ties: &[Tie]) -> Result<Vec<Vec<usize>
     let mut rows: Vec<Vec<usize>> = vec![Vec::new(); frames.len()];
     for (row, tie) in ties.iter().enumerate() {
         let [first, second] = tie.parts;
-        let frame = frames.iter().position(|frame| frame.contains(&first)).unwrap_or(0);
+        let frame = frames.partition_point(|frame| frame.end <= first);
         if !frames[frame].contains(&second) {
             return Err(GeometryError::new("pairs", format!("row {row} ties parts of two frames")));
         }

@@ -12,6 +12,7 @@ use crate::batches::map_in_batches;
 use crate::convert::value_error;
 use crate::groups::members_of;
 use crate::meshes::Meshes;
+use crate::numbers::Index;
 
 /// Points handed to a thread at a time.
 const CHUNK: usize = 256;
@@ -27,7 +28,7 @@ type Found<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'
 fn closest_points<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    group: Vec<i64>,
+    group: Vec<Index>,
     points: Array<'py, f64>,
 ) -> PyResult<Found<'py>> {
     let group = members_of("group", meshes.parts.len(), &group).map_err(value_error)?;

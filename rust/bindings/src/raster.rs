@@ -11,7 +11,7 @@ use crate::arrays::{Array, check_finite, check_shape, values_of, zeros};
 use crate::batches::map_in_batches;
 use crate::convert::value_error;
 use crate::meshes::Meshes;
-use crate::numbers::{count_of, integer};
+use crate::numbers::{count_of, float, integer};
 
 /// Pixels of a side.
 const LARGEST: usize = 1 << 14;
@@ -33,8 +33,8 @@ fn render<'py>(
     size: (Bound<'py, PyAny>, Bound<'py, PyAny>),
     focal: Array<'py, f64>,
     center: Array<'py, f64>,
-    near: f64,
-    far: f64,
+    #[pyo3(from_py_with = float)] near: f64,
+    #[pyo3(from_py_with = float)] far: f64,
 ) -> PyResult<Images<'py>> {
     let side = |of: &Bound<'py, PyAny>| count_of("size", integer(of)?, LARGEST).map_err(value_error);
     let (width, height) = (side(&size.0)?, side(&size.1)?);

@@ -13,7 +13,7 @@ use crate::convert::value_error;
 use crate::groups::members_of;
 use crate::joints::joints_of;
 use crate::meshes::Meshes;
-use crate::numbers::{count_of, integer};
+use crate::numbers::{Index, count_of, float, integer};
 
 /// Most probes of a body, and most steps of a motion.
 const MOST_PROBES: usize = 100_000;
@@ -35,8 +35,8 @@ type Travels<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound
 fn sweep<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    moving: Vec<i64>,
-    obstacles: Vec<i64>,
+    moving: Vec<Index>,
+    obstacles: Vec<Index>,
     kinds: Array<'py, u8>,
     directions: Array<'py, f64>,
     pivots: Array<'py, f64>,
@@ -45,8 +45,8 @@ fn sweep<'py>(
     pitches: Option<Array<'py, f64>>,
     #[pyo3(from_py_with = integer)] probes: i64,
     #[pyo3(from_py_with = integer)] steps: i64,
-    tolerance: f64,
-    ignored_share: f64,
+    #[pyo3(from_py_with = float)] tolerance: f64,
+    #[pyo3(from_py_with = float)] ignored_share: f64,
 ) -> PyResult<Travels<'py>> {
     let (moving, obstacles) = bodies_of(meshes, &moving, &obstacles).map_err(value_error)?;
     let options = options_of(probes, steps, tolerance, ignored_share).map_err(value_error)?;
@@ -70,7 +70,7 @@ fn sweep<'py>(
 }
 
 /// The meshes of the two bodies, which must not share any.
-fn bodies_of(meshes: &Meshes, moving: &[i64], obstacles: &[i64]) -> Result<(Vec<usize>, Vec<usize>)> {
+fn bodies_of(meshes: &Meshes, moving: &[Index], obstacles: &[Index]) -> Result<(Vec<usize>, Vec<usize>)> {
     let moving = members_of("moving", meshes.parts.len(), moving)?;
     let obstacles = members_of("obstacles", meshes.parts.len(), obstacles)?;
     match moving.iter().find(|mesh| obstacles.contains(mesh)) {

@@ -15,7 +15,7 @@ use crate::boxes::to_arrays;
 use crate::convert::value_error;
 use crate::groups::groups_of;
 use crate::meshes::Meshes;
-use crate::numbers::{count_of, integer, seed};
+use crate::numbers::{Index, count_of, float, integer, seed};
 
 /// Most samples of a part.
 const MOST_SAMPLES: usize = 1_000_000;
@@ -35,10 +35,10 @@ type SymmetricBoxes<'py> =
 fn fit_symmetric_boxes<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    groups: Option<Vec<Vec<i64>>>,
+    groups: Option<Vec<Vec<Index>>>,
     #[pyo3(from_py_with = seed)] seed: u64,
     #[pyo3(from_py_with = integer)] samples: i64,
-    tolerance: f64,
+    #[pyo3(from_py_with = float)] tolerance: f64,
 ) -> PyResult<SymmetricBoxes<'py>> {
     let found = test_each_part(py, meshes, groups, seed, samples, tolerance, symmetric_box)?;
     let (boxes, planes): (Vec<OrientedBox>, Vec<u8>) = found.into_iter().unzip();
@@ -61,10 +61,10 @@ type Symmetries<'py> = (
 fn py_find_symmetries<'py>(
     py: Python<'py>,
     meshes: &Meshes,
-    groups: Option<Vec<Vec<i64>>>,
+    groups: Option<Vec<Vec<Index>>>,
     #[pyo3(from_py_with = seed)] seed: u64,
     #[pyo3(from_py_with = integer)] samples: i64,
-    tolerance: f64,
+    #[pyo3(from_py_with = float)] tolerance: f64,
 ) -> PyResult<Symmetries<'py>> {
     let found = test_each_part(py, meshes, groups, seed, samples, tolerance, find_symmetries)?;
     let rows: Vec<(u32, Symmetry)> =
@@ -97,7 +97,7 @@ fn find_round_pieces<'py>(
     meshes: &Meshes,
     #[pyo3(from_py_with = seed)] seed: u64,
     #[pyo3(from_py_with = integer)] samples: i64,
-    tolerance: f64,
+    #[pyo3(from_py_with = float)] tolerance: f64,
 ) -> PyResult<RoundPieces<'py>> {
     let options = options_of(seed, samples, tolerance)?;
     let found = map_in_batches(py, &meshes.parts, |mesh| round_pieces(mesh, &options))?;
@@ -116,7 +116,7 @@ fn find_round_pieces<'py>(
 fn test_each_part<T: Send>(
     py: Python<'_>,
     meshes: &Meshes,
-    groups: Option<Vec<Vec<i64>>>,
+    groups: Option<Vec<Vec<Index>>>,
     seed: u64,
     samples: i64,
     tolerance: f64,

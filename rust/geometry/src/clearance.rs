@@ -1,5 +1,7 @@
 //! A coarse map of how far away a surface is.
 
+use std::ops::Range;
+
 use nalgebra::{Point3, Vector3};
 
 use crate::aabb::Aabb;
@@ -65,16 +67,22 @@ impl ClearanceGrid {
         let last = [0, 1, 2].map(|axis| place(bounds.high[axis], axis) as usize);
         let normal = (triangle[1] - triangle[0]).cross(&(triangle[2] - triangle[0]));
         let reach = 0.5 * self.cell * normal.abs().sum() * (1.0 + 1e-9);
+        let sign = 1f64.copysign(normal.x);
+        let (low, cell) = (self.low, self.cell);
         for z in first[2]..=last[2] {
             for y in first[1]..=last[1] {
-                for x in first[0]..=last[0] {
+                // Of the plane, along a row: it does not fall, as no rounding turns round which of two sums is larger.
+                let height = |x: usize| {
                     let corner = Vector3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5);
-                    let center = self.low + corner * self.cell;
-                    if (center - triangle[0]).dot(&normal).abs() <= reach {
-                        let index = self.index([x, y, z]);
-                        self.steps[index] = 0;
-                    }
-                }
+                    (low + corner * cell - triangle[0]).dot(&normal) * sign
+                };
+                let (start, rise) = (height(first[0]), cell * normal.x.abs());
+                let crossing = |height: f64| ((height - start) / rise).clamp(0.0, (last[0] - first[0]) as f64) as usize;
+                let within = first[0]..last[0] + 1;
+                let from = first_where(&within, first[0] + crossing(-reach), |x| height(x) >= -reach);
+                let to = first_where(&within, first[0] + crossing(reach), |x| height(x) > reach);
+                let row = self.index([0, y, z]);
+                self.steps[row + from..row + to].fill(0);
             }
         }
     }
@@ -111,6 +119,19 @@ impl ClearanceGrid {
     }
 }
 
+/// The first number for which `holds`, as it then does for all that follow, looked for from a `guess` on; the end if it does
+/// for none.
+fn first_where(numbers: &Range<usize>, guess: usize, holds: impl Fn(usize) -> bool) -> usize {
+    let mut first = guess;
+    while first > numbers.start && holds(first - 1) {
+        first -= 1;
+    }
+    while first < numbers.end && !holds(first) {
+        first += 1;
+    }
+    first
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -141,6 +162,50 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// Cells by themselves, without their rows.
+    fn mark_one_by_one(grid: &mut ClearanceGrid, triangle: &[Point3<f64>; 3]) {
+        let bounds = Aabb::of(triangle);
+        let place =
+            |value: f64, axis: usize| ((value - grid.low[axis]) / grid.cell).clamp(1.0, (grid.size[axis] - 2) as f64);
+        let first = [0, 1, 2].map(|axis| place(bounds.low[axis], axis) as usize);
+        let last = [0, 1, 2].map(|axis| place(bounds.high[axis], axis) as usize);
+        let normal = (triangle[1] - triangle[0]).cross(&(triangle[2] - triangle[0]));
+        let reach = 0.5 * grid.cell * normal.abs().sum() * (1.0 + 1e-9);
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                for x in first[0]..=last[0] {
+                    let corner = Vector3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5);
+                    if (grid.low + corner * grid.cell - triangle[0]).dot(&normal).abs() <= reach {
+                        let index = grid.index([x, y, z]);
+                        grid.steps[index] = 0;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Round numbers too: planes along the axes, through middles and corners of cells, and triangles without area.
+    fn corners() -> impl Strategy<Value = [Point3<f64>; 3]> {
+        let round = (-8..=8i8).prop_map(|eighths| f64::from(eighths) / 8.0);
+        let coordinate = prop_oneof![round, -1.0..1.0f64, Just(0.0), Just(1.0 / 64.0)];
+        let corner = prop::array::uniform3(coordinate).prop_map(Point3::from);
+        (prop::array::uniform3(corner), prop_oneof![Just(1.0), Just(1e-9), Just(1e-60)])
+            .prop_map(|(corners, size)| corners.map(|corner: Point3<f64>| corner * size + Vector3::repeat(1e-3)))
+    }
+
+    proptest! {
+        #[test]
+        fn rows_have_the_marks_of_their_cells(triangle in corners(), size in prop::array::uniform3(0.0..1.0f64)) {
+            let bounds = Aabb { low: Point3::from(size.map(|x| -x)), high: Point3::from(size) };
+            let mut grid = ClearanceGrid::new(&[], &bounds);
+            grid.steps.fill(FAR);
+            let mut expected = ClearanceGrid { steps: grid.steps.clone(), ..grid };
+            grid.mark(&Aabb::of(&triangle), &triangle);
+            mark_one_by_one(&mut expected, &triangle);
+            prop_assert_eq!(grid.steps, expected.steps);
         }
     }
 

@@ -3,19 +3,18 @@
 /// Points that are compared at a time.
 const LANES: usize = 8;
 
-/// For every point the numbers of its `count` nearest ones, itself among them, the nearest first; row after row.
+/// For every point the numbers of its `count` nearest ones, itself among them, the nearest first; row after row, to `found`.
 ///
 /// Of points that are equally far those with lower numbers come first. A cloud of fewer than `count` points gives rows that
 /// are as long as it. Every pair is looked at, which for some hundreds of points takes less time than a search tree does.
-pub fn nearest_neighbours(points: &[[f32; 3]], count: usize) -> Vec<u32> {
+pub fn nearest_neighbours(points: &[[f32; 3]], count: usize, found: &mut [i64]) {
     let count = count.min(points.len());
     let columns = Columns::new(points);
     let mut squared = vec![[0.0; LANES]; columns.chunks.len()];
     let mut least = Vec::with_capacity(squared.len());
     let mut ordered = Vec::with_capacity(squared.len());
     let mut near: Vec<(f32, u32)> = Vec::with_capacity(points.len());
-    let mut found = Vec::with_capacity(points.len() * count);
-    for point in points {
+    for (point, found) in points.iter().zip(found.chunks_exact_mut(count.max(1))) {
         columns.squared_distances(point, &mut squared);
         least.clear();
         least.extend(squared.iter().map(least_of));
@@ -28,27 +27,32 @@ pub fn nearest_neighbours(points: &[[f32; 3]], count: usize) -> Vec<u32> {
             }
         }
         near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        found.extend(near[..count].iter().map(|&(_, number)| number));
+        for (found, &(_, number)) in found.iter_mut().zip(&near) {
+            *found = i64::from(number);
+        }
     }
-    found
 }
 
 /// Which row of `features`, each of `width`, has the largest of every column, among the `count` rows that a row of `index`
-/// names; row after row. Of equal ones it is the one named first; what is no number counts as larger than all that are.
+/// names; row after row, to `found`. Of equal ones it is the one named first; what is no number counts as larger than all that
+/// are.
 ///
 /// # Panics
 ///
 /// If a row is named that there is none of.
-pub fn largest_neighbours(features: &[f32], width: usize, index: &[u32], count: usize) -> Vec<u32> {
-    let mut found = vec![0; index.len() / count.max(1) * width];
+pub fn largest_neighbours(features: &[f32], width: usize, index: &[u32], count: usize, found: &mut [i64]) {
+    // As wide as features: wider numbers would make the compiler compare half as many at a time.
+    let mut row = vec![0; width];
     for (named, found) in index.chunks_exact(count.max(1)).zip(found.chunks_exact_mut(width.max(1))) {
-        for (start, found) in (0..).step_by(LANES).zip(found.chunks_mut(LANES)) {
+        for (start, row) in (0..).step_by(LANES).zip(row.chunks_mut(LANES)) {
             let columns_of = |number: u32| lanes_of(&features[number as usize * width..][start..width]);
             let at = largest_of_lanes(named, columns_of);
-            found.copy_from_slice(&at[..found.len()]);
+            row.copy_from_slice(&at[..row.len()]);
+        }
+        for (found, &at) in found.iter_mut().zip(&row) {
+            *found = i64::from(at);
         }
     }
-    found
 }
 
 /// Which of the numbers has the largest value, lane by lane. Lanes are compared without branches, so that all are at once.
@@ -119,9 +123,10 @@ mod tests {
             points in prop::collection::vec(prop::array::uniform3(-1.0..1.0f32), 1..80),
             count in 1..20usize,
         ) {
-            let found = nearest_neighbours(&points, count);
-            let count = count.min(points.len());
-            prop_assert_eq!(found.len(), points.len() * count);
+            let kept = count.min(points.len());
+            let mut found = vec![-1; points.len() * kept];
+            nearest_neighbours(&points, count, &mut found);
+            let count = kept;
             let exact: Vec<Point3<f64>> = points.iter().map(|&point| Point3::from(point).cast()).collect();
             let tree = PointTree::new(&exact);
             let mut nearest = Vec::new();
@@ -145,15 +150,15 @@ mod tests {
             values in prop::collection::vec(prop_oneof![(-3..3i8).prop_map(f32::from), Just(f32::NAN)], 12),
             index in prop::collection::vec(0..4u32, 15),
         ) {
-            let found = largest_neighbours(&values, 3, &index, 5);
-            prop_assert_eq!(found.len(), 9);
+            let mut found = [-1; 9];
+            largest_neighbours(&values, 3, &index, 5, &mut found);
             for (named, row) in index.chunks(5).zip(found.chunks(3)) {
                 for (column, &at) in row.iter().enumerate() {
                     let of = |number: u32| values[number as usize * 3 + column];
                     let is_nan = named.iter().find(|&&number| of(number).is_nan());
                     let most = named.iter().map(|&number| of(number)).fold(f32::NEG_INFINITY, f32::max);
                     let first = is_nan.or_else(|| named.iter().find(|&&number| of(number) == most));
-                    prop_assert_eq!(Some(&at), first);
+                    prop_assert_eq!(Some(at), first.map(|&number| i64::from(number)));
                 }
             }
         }
@@ -162,6 +167,8 @@ mod tests {
     #[test]
     fn of_points_at_one_place_those_with_lower_numbers_are_nearest() {
         let points = [[1.0, 2.0, 3.0]; 5];
-        assert_eq!(nearest_neighbours(&points, 2), [0, 1].repeat(5));
+        let mut found = [-1; 10];
+        nearest_neighbours(&points, 2, &mut found);
+        assert_eq!(found, [[0, 1]; 5].concat()[..]);
     }
 }

@@ -1,6 +1,6 @@
 //! Poses of parts, brought into line with what is known of the object.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Point3, Rotation3, Unit, UnitQuaternion, Vector3};
 
@@ -70,7 +70,8 @@ pub fn settled(
                 turned_if_it_fits(pairs, &pose, along * pose.rotation, threshold)
             }
             (_, Some(range)) => {
-                let hinge = Hinge { rotation: settled[first].rotation, direction: tie.direction, range: *range };
+                let hinge =
+                    Hinge { rotation: settled[first].rotation, direction: tie.direction, range: within_reach(*range) };
                 let found = hinge.best(&pose.rotation, place);
                 let turned = facing.turned_about(second, found.pose.rotation, &tie.direction);
                 let faced = place(turned);
@@ -81,6 +82,19 @@ pub fn settled(
         };
     }
     settled
+}
+
+/// A range of the same turns, of none of them twice, that [`Hinge::angle`] comes to by one turn at most.
+fn within_reach(range: [f64; 2]) -> [f64; 2] {
+    let [low, high] = range;
+    if high - low > TAU + ROUNDING {
+        return [-PI, PI];
+    }
+    if -3.0 * PI <= low && high <= 3.0 * PI {
+        return range;
+    }
+    let turns = ((low + high) / (2.0 * TAU)).round();
+    range.map(|angle| angle - turns * TAU)
 }
 
 /// What a part hangs by: the rotation of the part before it, the direction in that, and how far it turns.
@@ -231,6 +245,27 @@ mod tests {
         assert_eq!(found(slider)[1].rotation, found(slider)[0].rotation);
         assert_eq!(found(slider)[1].translation, Vector3::z());
         assert_eq!(found(hinge)[1], pose(2.0));
+    }
+
+    #[test]
+    fn more_than_a_turn_is_one_turn_and_whole_turns_change_no_range() {
+        let pose = |angle| Similarity {
+            rotation: Rotation3::from_axis_angle(&Vector3::z_axis(), angle),
+            scale: 1.0,
+            translation: Vector3::x(),
+        };
+        let places = [[0.0, 0.0, 0.0], [1.0, 0.2, 0.0], [0.3, 0.6, 0.1], [0.5, 0.1, 0.9]].map(Point3::from);
+        let pairs = places.map(|place| (place, pose(1.2).apply(&place) + Vector3::new(0.02, 0.01, 0.0) * place.x));
+        let tie = Tie { parts: [0, 1], kind: JointKind::Revolute, direction: Vector3::z_axis() };
+        let found =
+            |range, now| settled(&[&[], &pairs], &[tie], &[Some(range)], &[false; 2], &[pose(0.0), pose(now)], 0.3)[1];
+        for now in [-3.0, 0.3, 1.2, 3.1] {
+            assert_eq!(found([-1000.0, 1000.0], now), found([-PI, PI], now));
+            for turns in [-150.0, -2.0, 2.0, 150.0] {
+                let (near, far) = (found([1.0, 2.0], now), found([1.0, 2.0].map(|angle| angle + turns * TAU), now));
+                assert!((near.rotation.matrix() - far.rotation.matrix()).norm() < 1e-9, "{now} {turns}");
+            }
+        }
     }
 
     #[test]

@@ -53,8 +53,9 @@ impl Similarity {
         let mirrored = (mixed.m11 - mixed.m22, mixed.m21 + mixed.m12);
         let (as_turned, as_mirrored) = (turned.0.hypot(turned.1), mirrored.0.hypot(mirrored.1));
         let largest = as_turned.max(as_mirrored);
-        let spread: f64 = from.corners.iter().map(|p| p.norm_squared()).sum();
-        if largest <= NEGLIGIBLE * spread.max(f64::MIN_POSITIVE) {
+        let [spread, spread_of_target] = [&from, &to].map(Frame::spread);
+        // Roots of either: the product of both may leave what numbers there are.
+        if largest <= NEGLIGIBLE * (spread.sqrt() * spread_of_target.sqrt()).max(f64::MIN_POSITIVE) {
             return None;
         }
         // Mirrored within the plane, the other side of it is up.
@@ -184,6 +185,11 @@ impl Frame {
             corners: [within(a), within(b), within(c)],
         })
     }
+
+    /// Sum of the squared distances of the corners from their middle.
+    fn spread(&self) -> f64 {
+        self.corners.iter().map(|corner| corner.norm_squared()).sum()
+    }
 }
 
 #[cfg(test)]
@@ -280,6 +286,19 @@ mod tests {
             let pairs: Vec<_> = corners.map(|corner| (corner, turn * corner)).collect();
             let found = Similarity::fit(&pairs).expect("determined");
             assert!(angle_between(&found.rotation, &turn) < 1e-15 / (thickness * thickness), "{thickness}");
+        }
+    }
+
+    #[test]
+    fn exact_triangles_give_the_similarity_back_whatever_the_scale() {
+        let source = [[0.0, 0.0, 0.0], [1.0, 0.2, 0.1], [0.3, 0.8, -0.2]].map(Point3::from);
+        for scale in [1e-60, 1e-13, 1e-6, 1.0, 1e13, 1e60] {
+            let rotation = Rotation3::new(Vector3::new(0.4, -0.3, 0.9));
+            let true_one = Similarity { rotation, scale, translation: Vector3::new(1.0, 2.0, 3.0) * scale };
+            let found = Similarity::of_triangles(&source, &source.map(|corner| true_one.apply(&corner)));
+            let found = found.expect("determined");
+            assert!(angle_between(&found.rotation, &rotation) < 1e-9, "{scale}");
+            assert!((found.scale / scale - 1.0).abs() < 1e-9, "{scale}");
         }
     }
 
