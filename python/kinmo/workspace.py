@@ -25,8 +25,8 @@ from kinmo.errors import InputError, KinmoError
 
 _TEMPORARY = ".{name}.tmp~"
 _REPLACED = ".{name}.old~"
-_LONGEST_NAME = 150
-"""What comes before and after it has room in the 255 bytes that there are."""
+LONGEST_NAME = 150
+"""Bytes of a name on disk: what comes before and after it has room in the 255 that there are."""
 DEFAULT_METHOD = "kinmo"
 """Whose pseudo labels are meant where nothing is said."""
 _SETTLED = 2_000_000_000
@@ -126,8 +126,13 @@ def remove_leftovers(folder: Path) -> None:
 
 def name_on_disk(text: str) -> str:
     """A name for a file or folder, without ending, with nothing in it that a file system minds: another one for other text."""
-    name = quote(text, safe=" ")
-    return name if len(name) <= _LONGEST_NAME else f"{name[:_LONGEST_NAME]}~{digest(text)}"
+    return short_name(quote(text, safe=" "), text)
+
+
+def short_name(name: str, text: str) -> str:
+    """`name`, for a file or folder, which stands for `text`: if it is too long it is cut, and told from others by a hash."""
+    encoded = name.encode()
+    return name if len(encoded) <= LONGEST_NAME else f"{encoded[:LONGEST_NAME].decode(errors='ignore')}~{digest(text)}"
 
 
 def digest(value: object) -> str:

@@ -17,10 +17,10 @@ from kinmo.export.urdf import write_urdf
 from kinmo.joint import MotionType
 from kinmo.mobility import Body, Mobility
 from kinmo.pipeline import predict
-from kinmo.pipeline.predict import LONGEST_NAME, Predict
+from kinmo.pipeline.predict import Predict
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.prepared import PreparedShape
-from kinmo.workspace import Workspace
+from kinmo.workspace import LONGEST_NAME, Workspace
 
 SHELF, DOOR = "棚", "扉"
 """Three bytes each."""

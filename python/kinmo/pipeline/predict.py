@@ -25,15 +25,13 @@ from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.prepare import prepare_shape
 from kinmo.wording import counted
 from kinmo.workers import Crashed
-from kinmo.workspace import Workspace, digest, locked
+from kinmo.workspace import Workspace, digest, locked, short_name
 
 SECONDS_PER_SHAPE = 3.0
 VAST = 20.0
 """Metres across of what is hardly an object, but may be one in millimetres."""
 REPAIRED_LINES = 40
 """Of shapes that had to be repaired to be read; what was done to all is in their joints.json, and in what --json prints."""
-LONGEST_NAME = 150
-"""Bytes of an id or a place in the name of a folder; what comes before and after has room in the 255 that there are."""
 JOINTS = "joints.json"
 MADE_FROM = ".made_from"
 """In a shape's folder: a digest of its files and of what predicted it, to know what is done already."""
@@ -128,7 +126,7 @@ class Predict:
         Those that share an id are told apart by where they are below `source`, however many there are. Long names are cut.
         """
         shapes = list(discover(self.source, skip=(self.out,), report=report))
-        names = [_name(found.id) for found in shapes]
+        names = [short_name(found.id, found.id) for found in shapes]
         for with_endings in (False, True):
             alike = Counter(names)
             names = [
@@ -214,16 +212,8 @@ def _document(found: Found, folder: Path) -> dict[str, Any]:
 def _joined(path: Path, source: Path, with_ending: bool) -> str:
     """The place of a shape below `source` as the name of one folder."""
     place = path.relative_to(source)
-    return _name(shown("__".join((place if with_ending or path.is_dir() else place.with_suffix("")).parts)))
-
-
-def _name(text: str) -> str:
-    """`text` as the name of a folder: one that is too long for that is cut, and told from others by a hash of the whole."""
-    name = clean_text(text)
-    encoded = name.encode()
-    if len(encoded) <= LONGEST_NAME:
-        return name
-    return f"{encoded[:LONGEST_NAME].decode(errors='ignore')}~{digest(text)}"
+    text = shown("__".join((place if with_ending or path.is_dir() else place.with_suffix("")).parts))
+    return short_name(clean_text(text), text)
 
 
 def _check_replaceable(folder: Path) -> None:

@@ -68,7 +68,7 @@ class Prepare:
     def _warn_of_held_back(self, observer: Observer) -> None:
         """Of labels that kinmo synth has written to be held back, where nothing holds them back."""
         for folder in filter(Path.is_dir, [*self.root.glob(HELD_BACK), *self.root.glob(f"*/{HELD_BACK}")]):
-            if not any(given.resolve() in (folder.resolve(), *folder.resolve().parents) for given in self.hold_back):
+            if not any(folder.resolve().is_relative_to(given.resolve()) for given in self.hold_back):
                 observer.note(f"{folder}: taken as labelled shapes; --hold-back {folder} keeps their labels from all networks")
 
     def _tell_of_nothing_held_back(self, observer: Observer) -> None:
@@ -76,7 +76,7 @@ class Prepare:
         entries = PreparedStore(self.workspace.prepared).entries
         held_back = [Path(entry.source).resolve() for entry in entries if entry.is_held_back]
         for folder in self.hold_back:
-            if not any(folder.resolve() in (path, *path.parents) for path in held_back):
+            if not any(path.is_relative_to(folder.resolve()) for path in held_back):
                 observer.note(f"{shown(folder)}: no shape at or below it was prepared, so none is held back")
 
 

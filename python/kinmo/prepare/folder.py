@@ -153,8 +153,7 @@ class _Run:
         if result.data is not None:
             write_bytes_atomically(job.target, result.data)
             self.made += 1
-        path = found.path.resolve()
-        is_held_back = any(folder in (path, *path.parents) for folder in self.held_back)
+        is_held_back = any(found.path.resolve().is_relative_to(folder) for folder in self.held_back)
         self.entries.append(replace(result.entry, is_held_back=is_held_back))
         return found.id
 
