@@ -1,7 +1,7 @@
 """Table 2 on real categories: what pseudo labels are worth for partial scans where most labels of real objects are hidden.
 
     python bench/real_scans.py DATA... --cache DIR [--from WORKSPACE] [--category NAME ...] [--share 0.3]
-                                [--seeds 1] [--method kinmo paper]
+                                [--seeds 1] [--method kinmo paper] [--config small]
 
 DATA are folders of PartNet-Mobility objects. Of each category, of its objects to train on, `--share` keep their joints; the
 others are shown without, as PartNet has them, and their joints are held back for the row with true labels. Objects of all other
@@ -81,6 +81,7 @@ def main() -> None:
     parser.add_argument("--method", nargs="+", choices=METHODS, help="all; with --from, kinmo, as others cannot start from it")
     parser.add_argument("--share", type=float, default=0.3)
     parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--config", default="small")
     parser.add_argument("--hours", type=float)
     parser.add_argument("--quick", action="store_true", help="only arrange and prepare")
     options = parser.parse_args()
@@ -94,7 +95,7 @@ def main() -> None:
     methods = tuple(options.method or (METHODS if start is None else (DEFAULT_METHOD,)))
     for category in () if options.quick else options.category:
         table = MakeTable(
-            "2", workspace, "small", methods, category, options.seeds, options.hours, workers=workers, start=start
+            "2", workspace, options.config, methods, category, options.seeds, options.hours, workers=workers, start=start
         )
         print(table.run(observer).text)
 

@@ -217,7 +217,8 @@ class ScansConfig:
     `test_states` and from `test_views`. The states are shared out among `variants` of an object to train on: itself, and
     others like it (`scans.variants`), up to `stretch` times as long or as short in each direction; only objects that are
     `closed` have such. `sampling`: every joint has a value of its own out of its range, or all go through theirs in
-    `lockstep`, or as in the `release` all through the same angles. Pictures have `size` pixels a side, frames `points` points;
+    `lockstep`, or as in the `release` all through the same angles. `cameras` stand about the object as it is in each `state`,
+    or as in the release about what it is at `rest`. Pictures have `size` pixels a side, frames `points` points;
     a frame in which a part has fewer than `least_pixels` is refused. A part smaller than `smallest_part` diagonals goes with
     what it moves against. Networks learn objects with the `joints` that are named, part by part as tables do (`R on 0`), or if
     none are, with those that most labelled ones have. They learn the `canonical` state of objects: `closed` (`scans.closing`),
@@ -232,6 +233,7 @@ class ScansConfig:
     test_states: Count = 31
     test_views: Count = 6
     sampling: Literal["independent", "lockstep", "release"] = "independent"
+    cameras: Literal["state", "rest"] = "state"
     size: Annotated[int, Within(1, 16384)] = 512
     points: Annotated[int, Within(1, 1_000_000)] = 1024
     least_pixels: Number = 10
@@ -267,19 +269,20 @@ class AncshConfig:
     """The networks of ANCSH (the paper, section 3.4; Li 2020).
 
     `centers`, `radii` and `neighbours` of the two levels of PointNet++, and the `width` of its layers over the printed ones;
-    features are interpolated with weights 1 / distance ** `distance_power`. `normalised`: scans are brought to the true size
-    of the whole `object`, as in the release, or to that of the visible `scan`, which is all that a user has. `axes`: they are
-    seen along those of the `camera`, as in the release, along those that most surfaces face (`manhattan`), or twice, the
-    second time along those that the surfaces of the `base` face. `maps`: NPCS of a part are a linear map of the points, told
-    of the scan as a whole, and what every point adds; or as in the release what every point says alone. `layout`: of the scan
-    as a whole is asked what is the same for all points, the proportions of the parts' boxes and the places of the joints'
-    axes, which in the release follow from what every point says. `joint_labels`: a point near to two joints tells of the
-    `nearest`, or as in the `release` of the last, where joints without a place have one too. An epoch has `batches_per_epoch`
-    batches of `batch_frames` scans of `points` points; validation sees `validation_frames` an object. `ties`: predicted
-    joints tie the poses of all parts of the `tree` together, and what is typical of the objects trained on narrows these
-    down; or as in the release joints tie two parts at a time (`pairs`), or `none`. `boxes` of parts are as `said`, or have
-    their sides where these are `seen`. What networks say of a scan is a label for others where of every part at least the
-    share `confidence` of its points agrees on where that is. Objects with true labels have the share `trusted` of all
+    features are interpolated with weights 1 / distance ** `distance_power`. `norms`: running statistics of batch norms move by
+    a tenth a step, or as in the `release` by half, and half as much whenever the rate falls. `normalised`: scans are brought to
+    the true size of the whole `object`, as in the release, or to that of the visible `scan`, which is all that a user has.
+    `axes`: they are seen along those of the `camera`, as in the release, along those that most surfaces face (`manhattan`), or
+    twice, the second time along those that the surfaces of the `base` face. `maps`: NPCS of a part are a linear map of the
+    points, told of the scan as a whole, and what every point adds; or as in the release what every point says alone. `layout`:
+    of the scan as a whole is asked what is the same for all points, the proportions of the parts' boxes and the places of the
+    joints' axes, which in the release follow from what every point says. `joint_labels`: a point near to two joints tells of
+    the `nearest`, or as in the `release` of the last, where joints without a place have one too. An epoch has
+    `batches_per_epoch` batches of `batch_frames` scans of `points` points; validation sees `validation_frames` an object.
+    `ties`: predicted joints tie the poses of all parts of the `tree` together, and what is typical of the objects trained on
+    narrows these down; or as in the release joints tie two parts at a time (`pairs`), or `none`. `boxes` of parts are as
+    `said`, or have their sides where these are `seen`. What networks say of a scan is a label for others where of every part at
+    least the share `confidence` of its points agrees on where that is. Objects with true labels have the share `trusted` of all
     scans that are drawn at least (0: all objects have equal odds), or `trusted_in_semi` beside those that networks labelled.
     """
 
@@ -292,6 +295,7 @@ class AncshConfig:
     width: Annotated[float, Within(sys.float_info.min, 64.0)] = 1.0
     distance_power: Annotated[int, Within(1, 2)] = 2
     dropout: Share = 0.5
+    norms: Literal["steady", "release"] = "steady"
     normalised: Literal["object", "scan"] = "scan"
     axes: Literal["camera", "manhattan", "base"] = "base"
     maps: bool = True

@@ -12,8 +12,9 @@ from kinmo.config import ScansConfig
 from kinmo.evaluation.ancsh_protocol import box_overlap, score_as_ancsh
 from kinmo.evaluation.scan_metrics import score_frame
 from kinmo.joint import JointKind
+from kinmo.scans.articulated_object import articulated_object
 from kinmo.scans.scan import scan
-from scanned import cupboard_object, true_estimate
+from scanned import cupboard, cupboard_object, true_estimate
 
 CONFIG = ScansConfig(states=1, views=3, size=96, points=256, least_pixels=1, smallest_part=0.05)
 
@@ -119,6 +120,18 @@ def test_states_are_left_out_where_no_point_is_said_to_be_of_a_slider(seen):
         score = score_as_ancsh(found, truths[0], target.structure, points, parts)
         assert np.isnan(score.state).all()
         assert np.isnan(score.rotation).all() == np.isnan(scale)
+
+
+def test_joints_are_left_out_where_what_one_of_them_hangs_by_is_lost():
+    target = articulated_object(cupboard(), smallest=0.0)
+    scans = scan(target, replace(CONFIG, least_pixels=0), seed=1)
+    true = true_estimate(target, scans, 0)
+    (row,) = (row for row, parent in enumerate(target.structure.parents) if parent)
+    scales, directions, pivots = true.poses.scales.copy(), true.directions.copy(), true.pivots.copy()
+    scales[target.structure.parents[row]] = directions[row] = pivots[row] = np.nan
+    lost = replace(true, poses=replace(true.poses, scales=scales), directions=directions, pivots=pivots)
+    score = score_as_ancsh(lost, true, target.structure, scans.points[0].astype(float), scans.parts[0])
+    assert np.isnan(score.axis).all() and np.isnan(score.line).all()
 
 
 def test_a_joint_that_no_point_tells_of_counts_as_right(seen):

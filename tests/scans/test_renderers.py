@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
 
 from kinmo.kinematics import forward
 from kinmo.scans.articulation import articulations
 from kinmo.scans.camera import Camera, Viewpoints
 from kinmo.scans.renderers import NOTHING, open_renderer
 from kinmo.shape import Mesh
-from scanned import cupboard_object
+from scanned import UP, cupboard_object
 
 CAMERA = Camera(160, 120, np.array([110.0, 115.0]), np.array([77.0, 66.0]), 0.01, 10.0)
 
@@ -28,6 +29,20 @@ def test_pybullet_and_the_z_buffer_give_equal_pictures() -> None:
     assert np.abs(mine.depths - reference.depths)[both].max() < 1e-4 * (CAMERA.far - CAMERA.near)
     assert (mine.depths[mine.parts == NOTHING] == 0.0).all()
     assert {int(part) for part in np.unique(mine.parts)} == {NOTHING, 0, 1, 2, 3}
+
+
+def test_they_agree_on_thousands_of_small_triangles_too_where_one_of_them_sees_something() -> None:
+    rng = np.random.default_rng(1)
+    round_things = trimesh.creation.icosphere(4, 0.3), trimesh.creation.torus(0.4, 0.08, 64, 48)
+    meshes = [Mesh(np.asarray(each.vertices), np.asarray(each.faces, np.uint32)) for each in round_things]
+    cameras = np.stack([Viewpoints().draw(rng, np.zeros(3), 0.5, UP) for _ in range(6)])
+    poses = np.repeat(cameras[:, None], len(meshes), axis=1)
+    with open_renderer("raster", meshes) as ours, open_renderer("pybullet", meshes) as theirs:
+        mine, reference = ours.render(poses, CAMERA), theirs.render(poses, CAMERA)
+    are_equal, seen = mine.parts == reference.parts, (mine.parts != NOTHING) | (reference.parts != NOTHING)
+    assert seen.mean() > 0.2
+    assert are_equal[seen].mean() >= 0.999
+    assert np.abs(mine.depths - reference.depths)[are_equal & seen].max() < 1e-4 * (CAMERA.far - CAMERA.near)
 
 
 def test_triangles_are_seen_from_both_sides() -> None:

@@ -50,6 +50,23 @@ def test_frames_in_which_a_part_is_not_seen_are_refused_and_counted() -> None:
     assert all("fewer than 100000 pixels" in reason for reason in scans.refused)
 
 
+def test_cameras_stand_about_the_object_in_its_state_or_as_in_the_release_at_rest() -> None:
+    target = cupboard_object()
+    low = np.min([mesh.vertices.min(axis=0) for mesh in target.meshes], axis=0)
+    high = np.max([mesh.vertices.max(axis=0) for mesh in target.meshes], axis=0)
+    unit = 0.5 * np.linalg.norm(high - low) * np.tan(np.radians(37.5))
+    options = replace(OPTIONS, states=2, views=40, size=16, least_pixels=0, sampling="lockstep")
+    places = {}
+    for cameras in ("rest", "state"):
+        poses = scan(target, replace(options, cameras=cameras), seed=5).poses[:, 0]
+        places[cameras] = -np.einsum("fji,fj->fi", poses[:, :3, :3], poses[:, :3, 3])
+    reach = {name: np.linalg.norm(eyes - 0.5 * (low + high), axis=1).max() / unit for name, eyes in places.items()}
+    farthest = 3.3 + 0.4 * np.sqrt(3.0)  # 2.8 and a half; the target is .4 off along each axis at most
+    assert reach["rest"] < farthest < reach["state"]
+    closed = slice(0, 40)
+    np.testing.assert_allclose(places["rest"][closed], places["state"][closed], atol=1e-9, err_msg="closed is at rest")
+
+
 @pytest.mark.parametrize(
     ("sensor", "moves"),
     [

@@ -39,6 +39,7 @@ def score_as_ancsh(
     has_poses, has_boxes, has_states = (
         bool(np.isfinite(values).all()) for values in (found.poses.scales, found.half_extents, found.states)
     )
+    has_parents = bool(np.isfinite(found.poses.scales[list(structure.parents)]).all())
     clouds = [points[parts == row + 1] for row in range(len(structure.kinds))]
     are_seen = all(len(cloud) or kind is JointKind.REVOLUTE for cloud, kind in zip(clouds, structure.kinds, strict=True))
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -57,8 +58,8 @@ def score_as_ancsh(
         _only_if(has_poses and has_boxes, np.array(overlap)),
         _only_if(has_poses and has_boxes and has_states and are_seen, np.nan_to_num(np.array(state))),
         np.full(len(structure.kinds), np.nan),
-        np.nan_to_num(np.array(axis)),
-        np.nan_to_num(np.array(lines)),
+        _only_if(has_parents, np.nan_to_num(np.array(axis))),
+        _only_if(has_parents, np.nan_to_num(np.array(lines))),
     )
 
 

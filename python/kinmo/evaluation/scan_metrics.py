@@ -41,8 +41,8 @@ class FrameScore:
 
     @property
     def is_whole(self) -> bool:
-        """Whether every part was found."""
-        return bool(np.isfinite(self.rotation).all())
+        """Whether every part and the axis of every joint was found."""
+        return bool(np.isfinite(self.rotation).all() and np.isfinite(self.axis).all())
 
     @property
     def turned_right(self) -> F64:

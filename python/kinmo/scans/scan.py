@@ -90,6 +90,8 @@ def _frames_in_state(
 ) -> Iterator[_Frame | str]:
     moved = forward(target.mobility, state.values, state.turns)
     low, high, floor = _bounds(target, moved)
+    if config.cameras == "rest":
+        low, high, _ = _bounds(target, np.broadcast_to(np.eye(4), moved.shape))
     center, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
     cameras = np.stack([VIEWPOINTS.draw(rng, center, radius, target.up) for _ in range(views)])
     poses = cameras[:, None] @ moved

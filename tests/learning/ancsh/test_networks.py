@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ from kinmo.learning.ancsh.network import (
 )
 from kinmo.learning.ancsh.predict import Ancsh, to_naocs
 from kinmo.learning.ancsh.targets import layout
-from kinmo.learning.ancsh.train import train_ancsh
+from kinmo.learning.ancsh.train import AncshLearner, train_ancsh
 from kinmo.learning.weights import save_weights
 from kinmo.scans.input_frame import InputFrame, base_axes, scan_rotations
 from kinmo.scans.scan import scan
@@ -250,6 +251,25 @@ def test_the_paper_networks_take_a_step(file: ScanFile) -> None:
     assert torch.isfinite(loss)
     still = {name for name, parameters in network.named_parameters() if torch.equal(before[name], parameters)}
     assert still == UNUSED
+
+
+def test_the_paper_networks_drop_after_each_layer_that_only_joints_have() -> None:
+    layers = AncshNetwork(load_config("paper").ancsh, 3, 3).near_joints
+    assert [layer.p for layer in layers if isinstance(layer, torch.nn.Dropout)] == [0.5, 0.5]
+    assert isinstance(layers[-1], torch.nn.Dropout)
+
+
+@pytest.mark.parametrize(("norms", "momenta"), [("release", [0.5, 0.25, 0.01]), ("steady", [0.1, 0.1, 0.1])])
+def test_norms_move_slower_as_the_rate_falls_in_the_release(
+    norms: Literal["steady", "release"], momenta: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = replace(TINY, norms=norms, training=replace(TINY.training, decay_epochs=10))
+    learner = AncshLearner(config, "npcs", 2, 2)
+    for epoch, momentum in zip((9, 10, 100), momenta, strict=True):
+        monkeypatch.setattr(AncshLearner, "current_epoch", epoch)
+        learner.on_train_epoch_start()
+        found = {layer.momentum for layer in learner.modules() if isinstance(layer, torch.nn.BatchNorm1d)}
+        assert found == {momentum}
 
 
 def losses_on(device: str, file: ScanFile, config: AncshConfig, batch: ScanBatch) -> dict[str, float | None]:

@@ -135,7 +135,10 @@ class AncshNetwork(PartNetwork):
         features = self.backbone.features
         self.scale = nn.Linear(features, parts)
         self.shift = nn.Linear(features, 3 * parts)
-        self.near_joints = nn.Sequential(SharedLayers((features, features, features)), nn.Dropout(config.dropout))
+        wide = (features, features)
+        self.near_joints = nn.Sequential(
+            SharedLayers(wide), nn.Dropout(config.dropout), SharedLayers(wide), nn.Dropout(config.dropout)
+        )
         self.axis = nn.Linear(features, 3)
         self.toward = nn.Linear(features, 3)
         self.heatmap = nn.Linear(features, 1)

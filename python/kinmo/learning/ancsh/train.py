@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from torch import nn
 
 from kinmo.config import AncshConfig, AncshNetworkName
 from kinmo.errors import InputError
@@ -77,6 +78,10 @@ def structure_of(files: Sequence[ScanFile]) -> Structure:
     return files[0].structure
 
 
+FIRST_MOMENTUM, LEAST_MOMENTUM = 0.5, 0.01
+"""By how much the running statistics of batch norms move a step, as the release trains (`AncshConfig.norms`)."""
+
+
 class AncshLearner(Learner):
     """The weighted sum of the losses, which is the error on validation, too."""
 
@@ -84,6 +89,13 @@ class AncshLearner(Learner):
         super().__init__(config.training)
         self.config, self.classes = config, classes
         self.network = (AncshNetwork if which == "ancsh" else PartNetwork)(config, parts, classes)
+
+    def on_train_epoch_start(self) -> None:
+        if self.config.norms == "release":
+            halved = self.current_epoch // self.config.training.decay_epochs if self.config.training.decay_epochs else 0
+            for layer in self.modules():
+                if isinstance(layer, nn.BatchNorm1d):
+                    layer.momentum = max(FIRST_MOMENTUM * 0.5**halved, LEAST_MOMENTUM)
 
     def training_step(self, batch: ScanBatch, index: int) -> torch.Tensor:
         loss = total(self._losses(batch), self.config)
