@@ -22,8 +22,9 @@ def wall(cosine: float, frames: int = 20) -> DepthImages:
     return DepthImages(np.stack([depths] * frames), np.stack([parts] * frames))
 
 
-def sensed(images: DepthImages, sensor: SensorConfig) -> DepthImages:
-    floors = np.tile([0.0, 1.0, 0.0, 1.0], (len(images.depths), 1))
+def sensed(images: DepthImages, sensor: SensorConfig, floor: float = 1.0) -> DepthImages:
+    """By a level camera that stands so high above a floor."""
+    floors = np.tile([0.0, -1.0, 0.0, -floor], (len(images.depths), 1))
     return sense(images, sensor, CAMERA, floors, np.random.default_rng(0))
 
 
@@ -83,6 +84,17 @@ def test_faults_do_not_depend_on_where_in_the_picture_the_object_is() -> None:
     here, there = sensed(DepthImages(depths, parts), sensor), sensed(far, sensor)
     np.testing.assert_array_equal(np.roll(here.parts, (60, 40), (1, 2)), there.parts)
     np.testing.assert_array_equal(np.roll(here.depths, (60, 40), (1, 2)), there.depths)
+
+
+@pytest.mark.parametrize("floor", [0.3, -0.3])
+def test_a_floor_is_seen_by_cameras_above_it_alone(floor: float) -> None:
+    depths, parts = np.zeros((1, 120, 120), np.float32), np.full((1, 120, 120), NOTHING, np.int32)
+    depths[0, 40:80, 40:80], parts[0, 40:80, 40:80] = 2.0, 0
+    found = sensed(DepthImages(depths, parts), SensorConfig(floor=True), floor)
+    np.testing.assert_array_equal(found.parts, parts)
+    is_floor = (found.depths > 0.0) & (parts == NOTHING)
+    assert is_floor.any() == (floor > 0.0)
+    assert not is_floor[0, :60].any(), "none above the horizon"
 
 
 def test_a_picture_of_nothing_stays_one() -> None:

@@ -28,8 +28,8 @@ def sense(
 ) -> DepthImages:
     """The pictures as the sensor takes them.
 
-    `floors` [F, 4] are the planes below the object in the camera's frame: n . x = d for (n, d). What stands there is the part
-    `NOTHING`, as what is not seen is; that one has no depth.
+    `floors` [F, 4] are the planes below the object in the camera's frame: n . x = d for (n, d), n being up. What stands there
+    is the part `NOTHING`, as what is not seen is; that one has no depth.
     """
     if sensor == SensorConfig():
         return images
@@ -75,9 +75,9 @@ def _patches(shape: tuple[int, ...], pixels: float, rng: np.random.Generator) ->
 
 
 def _put_floor(depth: F32, part: NDArray[np.int32], rays: F32, camera: Camera, floor: NDArray[np.float64]) -> None:
-    """Fill in the plane near to the object, where it is seen and nothing is before it."""
+    """Fill in the plane near to the object, where it is seen and nothing is before it; a camera below it sees none."""
     on_object = part != NOTHING
-    if not on_object.any():
+    if not on_object.any() or floor[3] > 0.0:
         return
     middle = np.median(rays[on_object] * depth[on_object, None], axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
