@@ -74,4 +74,9 @@ def test_hinges_that_nothing_stops_open_as_far_as_others_do() -> None:
         opened = opened_as_usual(mobility, np.pi / 2, (turn,), np.random.default_rng(0))
         uppers = [body.joint.upper for body in opened.bodies if body.joint is not None]
         assert uppers == [pytest.approx(expected), 1.0, slider().upper]
+    swinging = replace(free, lower=-np.pi / 2, upper=np.pi / 2, rest=0.0)
+    two = Mobility((bodies[0], replace(bodies[1], joint=swinging)))
+    joint = opened_as_usual(two, np.pi / 2, (0.3,), np.random.default_rng(0)).bodies[1].joint
+    assert joint is not None
+    assert (joint.lower, joint.rest, joint.upper) == (-0.3, 0.0, 0.3), "to both sides of where it is closed"
     assert opened_as_usual(mobility, np.pi / 2, (), np.random.default_rng(0)) is mobility

@@ -13,7 +13,7 @@ from kinmo.kinematics import forward
 from kinmo.mobility import Body
 from kinmo.scans.articulated_object import articulated_object
 from kinmo.shape import Mesh, Shape
-from scanned import UP, hinge, slider
+from scanned import RIGHT, UP, hinge, slider
 
 
 def cabinet(knob: Joint | None = None) -> Shape:
@@ -56,6 +56,44 @@ def test_an_object_is_the_same_however_its_file_shows_it(values, reverse):
         if one.has_pivot:
             off = one.pivot - other.pivot
             np.testing.assert_allclose(off - off @ one.direction * one.direction, 0.0, atol=1e-9)
+
+
+STACKED = [
+    ((-1.0, 0.0, -1.0), (1.0, 2.0, 1.0)),
+    ((-1.0, 1.0, 1.0), (1.0, 2.0, 1.1)),
+    ((-1.0, 0.0, 1.0), (1.0, 1.0, 1.1)),
+]
+
+
+@pytest.mark.parametrize("values", [(1.0, 1.0), (1.0, 0.9), (0.9, 0.9), (0.6, 0.6)])
+@pytest.mark.parametrize("joint", [hinge((-1.0, 0.0, 1.0), -UP, 0.0, 1.5), slider(upper=1.0)])
+def test_what_stands_open_beside_a_part_does_not_keep_it_open(joint, values):
+    bodies = [Body(0, "body", (1,)), *(Body(index, "front", (index + 1,), 0, joint) for index in (1, 2))]
+    shape = shape_of_boxes(STACKED, bodies)
+    shown = opened(shape, {index + 1: share * joint.upper for index, share in enumerate(values)})
+    expected, found = articulated_object(shape), articulated_object(shown)
+    for one, other in zip(found.meshes, expected.meshes, strict=True):
+        np.testing.assert_allclose(one.vertices, other.vertices, atol=1e-9)
+
+
+def spout(joint: Joint) -> Shape:
+    """A tap whose spout turns as far to either side, on a round foot."""
+    boxes = [((-0.5, 0.0, -0.5), (0.5, 0.2, 0.5)), ((-0.1, 0.2, -0.1), (0.1, 0.4, 1.0))]
+    return shape_of_boxes(boxes, [Body(0, "foot", (1,)), Body(1, "spout", (2,), 0, joint)])
+
+
+@pytest.mark.parametrize("joint", [hinge((0.0, 0.0, 0.0), UP, -1.2, 1.2), replace(slider(RIGHT), lower=-0.3, upper=0.3)])
+def test_what_moves_as_far_to_either_side_is_closed_between_and_has_its_usual_direction_in_the_mirror_too(joint):
+    mirror = np.diag([-1.0, 1.0, 1.0])
+    for target in (
+        articulated_object(spout(joint)),
+        articulated_object(spout(joint.reversed())),
+        articulated_object(spout(joint), change=mirror),
+    ):
+        (found,) = target.joints
+        np.testing.assert_allclose(found.direction, joint.direction, atol=1e-12)
+        assert found.rest - found.lower == pytest.approx(found.upper - found.rest)
+        assert target.meshes[1].vertices.mean(axis=0)[0] == pytest.approx(0.0, abs=1e-9), "it points to the front"
 
 
 def test_with_the_files_state_as_canonical_nothing_is_moved():

@@ -15,6 +15,7 @@ from kinmo.joint import Joint, JointKind
 from kinmo.kinematics import joint_motion
 from kinmo.mobility import Body, Mobility
 from kinmo.scans.articulated_object import articulated_object
+from kinmo.scans.articulation import opened_as_usual
 from kinmo.scans.likely_closed import PULLED_OUT, likely_closed
 from kinmo.shape import Mesh, join
 from scanned import FRONT, UP, cupboard
@@ -65,6 +66,13 @@ def test_a_door_is_closed_where_it_lies_before_the_body_however_far_the_file_sho
     lower, upper = ends_of(likely_closed(mobility, meshes, QUARTER), side)
     assert lower == pytest.approx(-open_by, abs=1e-3)
     assert upper - lower == pytest.approx(min(forth + open_by, QUARTER), abs=2e-3)
+
+
+def test_an_end_that_is_known_stays_so_where_it_is_farther_than_guesses_go() -> None:
+    mobility, meshes = hinged(door(1.9, 0.1), 0.7, -0.7, 1.3, 1.0)
+    opened = opened_as_usual(likely_closed(mobility, meshes, QUARTER), QUARTER, (0.3,), np.random.default_rng(0))
+    lower, upper = ends_of(opened, 1.0)
+    assert upper - lower == pytest.approx(QUARTER, abs=1e-3), "not .3, as of hinges without an end"
 
 
 @pytest.mark.parametrize("tip", [[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]])

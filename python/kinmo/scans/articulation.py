@@ -60,7 +60,9 @@ def opened_as_usual(mobility: Mobility, endless: float, openings: Sequence[float
         if joint is not None and joint.kind is JointKind.REVOLUTE and joint.lower is not None and joint.upper is not None:
             wanted = openings[int(rng.integers(len(openings)))]
             if joint.upper - joint.lower >= endless - ROUNDING:
-                joint = replace(joint, upper=joint.lower + wanted)
+                # one that is closed between its ends opens to both sides
+                lower = joint.rest - wanted if joint.rest > joint.lower + ROUNDING else joint.lower
+                joint = replace(joint, lower=lower, upper=joint.rest + wanted)
         bodies.append(replace(body, joint=joint))
     return replace(mobility, bodies=tuple(bodies))
 

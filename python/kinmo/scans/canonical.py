@@ -28,10 +28,13 @@ def canonical(mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_
 
     `meshes` are those of the bodies; `smallest` and `to_z_up` are as in `with_visible_base`.
     """
-    parts: Parts = closed(mobility, meshes) if closes else (mobility, tuple(meshes))
-    mobility, meshes, _ = with_visible_base(*parts, smallest, to_z_up)
+    visible = with_visible_base(mobility, meshes, smallest, to_z_up)
+    if not closes:
+        return visible[:2]
+    shut = closed(mobility, meshes, base_is_seen=visible[2] is None)
+    mobility, meshes, _ = with_visible_base(*shut, smallest, to_z_up)
     # once more: of parts that open the same way the one that is a base now does not close
-    return open_to_the_front(*closed(mobility, meshes), to_z_up) if closes else (mobility, tuple(meshes))
+    return open_to_the_front(*closed(mobility, meshes), to_z_up)
 
 
 def likely_canonical(mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: F64, widest: float) -> Parts:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -22,17 +22,19 @@ SWINGS, INSIDE = math.radians(40.0), 0.75
 takes up less than this share of the room there that it does at either end."""
 
 
-def closed(mobility: Mobility, meshes: Sequence[Mesh]) -> tuple[Mobility, tuple[Mesh, ...]]:
+def closed(mobility: Mobility, meshes: Sequence[Mesh], base_is_seen: bool = True) -> tuple[Mobility, tuple[Mesh, ...]]:
     """The object with every joint closed, and with directions that point from there to the open end of its range.
 
     `meshes` are those of the bodies. Of the two ends that one is the closed one at which the object takes up less room, by the
-    volume of its box along the axes of the frame, the other joints as they are; where both take up as much, the one that the
-    file's state is nearer to. A hinge that swings both ways (`SWINGS`) is closed where its part lies straight between them. A
-    joint without limits stays, and its direction has its largest coordinate positive.
+    volume of its box along the axes of the frame, the other joints as they are; where both take up as much, since another part
+    stands open as far, at which its part does with all that it hangs by, if its `base_is_seen`; and else the one that the
+    file's state is nearer to. A hinge that swings both ways (`SWINGS`) is closed where its part lies straight between them, and
+    what the file shows half way between ends that nothing tells apart stays there, again if its base is seen. A joint without
+    limits stays, and the direction of what opens to neither side more has its largest coordinate positive.
     """
     clouds = [mesh.vertices[np.unique(mesh.faces)] for mesh in meshes]
     joints = {index: body.joint for index, body in mobility.movable() if body.joint is not None}
-    found = {index: _closed(index, joint, mobility, meshes[index], clouds) for index, joint in joints.items()}
+    found = {index: _closed(index, joint, mobility, meshes[index], clouds, base_is_seen) for index, joint in joints.items()}
     mobility = _with_joints(mobility, {index: joint for index, (joint, _) in found.items()})
     poses = forward(mobility, {index: value for index, (_, value) in found.items()})
     placed = {}
@@ -46,42 +48,70 @@ def closed(mobility: Mobility, meshes: Sequence[Mesh]) -> tuple[Mobility, tuple[
 
 
 def _closed(
-    index: int, joint: Joint, mobility: Mobility, mesh: Mesh, clouds: Sequence[NDArray[np.float64]]
+    index: int, joint: Joint, mobility: Mobility, mesh: Mesh, clouds: Sequence[NDArray[np.float64]], base_is_seen: bool
 ) -> tuple[Joint, float]:
     """The joint, pointed from closed to open, and its value where it is closed."""
     if joint.lower is None or joint.upper is None:
         return pointed_as_usual(joint), joint.rest
 
-    def room(value: float) -> float:
-        return _room(forward(mobility, {index: value}), clouds)
+    def room(value: float, bodies: Iterable[int] = range(len(clouds))) -> float:
+        return _room(forward(mobility, {index: value}), clouds, bodies)
 
     low, high = room(joint.lower), room(joint.upper)
     if joint.kind is JointKind.REVOLUTE:
         inside = min(straight_values(joint, mesh, joint.lower + SWINGS, joint.upper - SWINGS), key=room, default=None)
         if inside is not None and room(inside) < INSIDE * min(low, high):
             return _from_within(joint, float(inside), inside - joint.lower, joint.upper - inside)
-    if abs(low - high) <= ALIKE * max(low, high):
-        is_reversed = joint.rest - joint.lower > joint.upper - joint.rest
-    else:
-        is_reversed = high < low
-    return (joint.reversed(), -joint.upper) if is_reversed else (joint, joint.lower)
+    if base_is_seen and _alike(low, high):
+        own = (index, *_above(index, mobility))
+        low, high = room(joint.lower, own), room(joint.upper, own)
+    if not _alike(low, high):
+        return _from_end(joint, joint.upper if high < low else joint.lower)
+    if base_is_seen and is_midway(joint):
+        return _from_within(joint, joint.rest, joint.rest - joint.lower, joint.upper - joint.rest)
+    return _from_end(joint, joint.upper if joint.rest - joint.lower > joint.upper - joint.rest else joint.lower)
+
+
+def _from_end(joint: Joint, value: float) -> tuple[Joint, float]:
+    """A joint that is closed at one of its ends, pointed to the other."""
+    return (joint.reversed(), -value) if value == joint.upper != joint.lower else (joint, value)
 
 
 def _from_within(joint: Joint, value: float, to_lower: float, to_upper: float) -> tuple[Joint, float]:
     """A joint that is closed at a value inside its range, pointed to the farther end, or as usual where both are as far."""
-    are_alike = abs(to_upper - to_lower) <= ALIKE * (to_upper + to_lower)
-    is_reversed = pointed_as_usual(joint) is not joint if are_alike else to_lower > to_upper
+    is_reversed = pointed_as_usual(joint) is not joint if _alike_far(to_lower, to_upper) else to_lower > to_upper
     return (joint.reversed(), -value) if is_reversed else (joint, value)
 
 
+def is_midway(joint: Joint) -> bool:
+    """Whether a joint with limits rests half way between them, so that neither end is the open one."""
+    if joint.lower is None or joint.upper is None:
+        return False
+    return _alike_far(joint.rest - joint.lower, joint.upper - joint.rest)
+
+
+def _alike_far(to_lower: float, to_upper: float) -> bool:
+    return abs(to_upper - to_lower) <= ALIKE * (to_upper + to_lower)
+
+
 def pointed_as_usual(joint: Joint) -> Joint:
-    """A joint without limits, with that direction of the two whose largest coordinate is positive."""
+    """A joint that opens to neither side more, with that direction of the two whose largest coordinate is positive."""
     return joint if joint.direction[np.argmax(np.abs(joint.direction))] > 0.0 else joint.reversed()
 
 
-def _room(poses: Pose, clouds: Sequence[NDArray[np.float64]]) -> float:
-    moved = np.concatenate([moved_by(pose, cloud) for pose, cloud in zip(poses, clouds, strict=True)])
-    return room_of(moved)
+def _above(index: int, mobility: Mobility) -> Iterator[int]:
+    """What a body hangs by, and what that does, up to the base."""
+    while (parent := mobility.bodies[index].parent) is not None:
+        yield parent
+        index = parent
+
+
+def _alike(one: float, other: float) -> bool:
+    return abs(one - other) <= ALIKE * max(one, other)
+
+
+def _room(poses: Pose, clouds: Sequence[NDArray[np.float64]], bodies: Iterable[int]) -> float:
+    return room_of(np.concatenate([moved_by(poses[body], clouds[body]) for body in bodies]))
 
 
 def room_of(points: NDArray[np.float64]) -> float:

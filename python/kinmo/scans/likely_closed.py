@@ -92,7 +92,7 @@ def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float) -> Join
     opens = _opens(joint, cloud, base, closed, ways)
     end = joint.upper if opens > 0.0 else joint.lower
     is_known = abs(end - joint.rest) < widest - ROUNDING and ways[opens] > OPENING
-    width = min(ways[opens], widest) if is_known else widest
+    width = min(ways[opens], widest - 2.0 * ROUNDING) if is_known else widest  # as wide as that, its end is not known
     ends = sorted((joint.rest + closed, joint.rest + closed + opens * width))
     return replace(joint, lower=ends[0], upper=ends[1])
 

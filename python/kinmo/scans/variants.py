@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kinmo.frames import z_up_rotation
 from kinmo.joint import Joint, JointKind
 from kinmo.mobility import Mobility
-from kinmo.scans.closing import pointed_as_usual
+from kinmo.scans.closing import is_midway, pointed_as_usual
 from kinmo.shape import Mesh
 from kinmo.vector import Vector
 
@@ -51,4 +51,4 @@ def _joint(joint: Joint, change: F64, is_mirrored: bool) -> Joint:
     if joint.kind is not JointKind.REVOLUTE:
         lower, upper = (None if limit is None else limit * length for limit in (joint.lower, joint.upper))
         moved = replace(moved, lower=lower, upper=upper, rest=joint.rest * length)
-    return moved if joint.is_limited else pointed_as_usual(moved)
+    return pointed_as_usual(moved) if is_midway(moved) or not joint.is_limited else moved
