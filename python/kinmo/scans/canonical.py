@@ -28,10 +28,10 @@ def canonical(mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_
 
     `meshes` are those of the bodies; `smallest` and `to_z_up` are as in `with_visible_base`.
     """
-    visible = with_visible_base(mobility, meshes, smallest, to_z_up)
+    open_parts, open_meshes, hung_by = with_visible_base(mobility, meshes, smallest, to_z_up)
     if not closes:
-        return visible[:2]
-    shut = closed(mobility, meshes, base_is_seen=visible[2] is None)
+        return open_parts, open_meshes
+    shut = closed(mobility, meshes, base_is_seen=hung_by is None)
     mobility, meshes, _ = with_visible_base(*shut, smallest, to_z_up)
     # once more: of parts that open the same way the one that is a base now does not close
     return open_to_the_front(*closed(mobility, meshes), to_z_up)
