@@ -151,7 +151,8 @@ def moved(before: F64, after: F64) -> F64:
     Told by as many of the last ones as move as one: a pin's come first, and may go another way, or with another part.
     """
     common = min(len(before), len(after))
-    for count in range(common, max(common // 16, LEAST_POINTS - 1), -max(common // 16, 1)):
+    least = max(common // 16, min(common, LEAST_POINTS) - 1)
+    for count in range(common, least, -max(common // 16, 1)):
         pose, residual = fitted(before[-count:], after[-count:])
         if residual < 1e-6:
             return pose
