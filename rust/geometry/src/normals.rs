@@ -22,9 +22,18 @@ pub struct Normal {
 ///
 /// A point that is there several times is one.
 pub fn normals(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal> {
+    normals_at(points, 1, neighbours)
+}
+
+/// Those at every `step`-th of `points`, from the first on, told by all.
+pub(crate) fn normals_at(points: &[Point3<f64>], step: usize, neighbours: usize) -> Vec<Normal> {
+    if points.is_empty() {
+        return Vec::new();
+    }
     let (distinct, places) = distinct(points);
-    let found = normals_of_distinct(&distinct, neighbours);
-    places.into_iter().map(|place| found[place]).collect()
+    let mut found = vec![None; distinct.len()];
+    let mut normal_at = normals_of_distinct(&distinct, neighbours);
+    places.into_iter().step_by(step).map(|place| *found[place].get_or_insert_with(|| normal_at(place))).collect()
 }
 
 /// The points without those that are there before, and the place of each among them.
@@ -46,14 +55,12 @@ fn compare(a: &Point3<f64>, b: &Point3<f64>) -> Ordering {
     a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
 }
 
-fn normals_of_distinct(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal> {
-    if points.is_empty() {
-        return Vec::new();
-    }
+/// Tells the normal at the point of a number. There must be points.
+fn normals_of_distinct(points: &[Point3<f64>], neighbours: usize) -> impl FnMut(usize) -> Normal {
     let tree = PointTree::new(points);
     let mut near = Vec::new();
-    let one = |point: &Point3<f64>| {
-        tree.nearest(point, neighbours + 1, &mut near);
+    move |number| {
+        tree.nearest(&points[number], neighbours + 1, &mut near);
         let corners = || near.iter().map(|neighbour| points[neighbour.point as usize].coords);
         let middle = corners().sum::<Vector3<f64>>() / near.len() as f64;
         let spread: Matrix3<f64> = corners().map(|corner| (corner - middle) * (corner - middle).transpose()).sum();
@@ -64,8 +71,7 @@ fn normals_of_distinct(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal>
         let is_line = across <= NEGLIGIBLE * along;
         let flat = if is_line { 0.0 } else { 1.0 - eigen.eigenvalues[least].max(0.0) / across };
         Normal { direction: eigen.eigenvectors.column(least).into(), weight: flat * flat }
-    };
-    points.iter().map(one).collect()
+    }
 }
 
 #[cfg(test)]
