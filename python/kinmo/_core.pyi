@@ -229,6 +229,18 @@ def largest_neighbours(features: F32, index: NDArray[np.int64]) -> NDArray[np.in
     Of equal ones it is the first of `index`; NaN counts as larger than all numbers.
     """
 
+def group_points(
+    points: F32, centers: int, radius: float, members: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], F32]:
+    """How a PointNet++ groups the points of clouds [B, n, 3] (Qi et al., 2017), about m of them, as many as `centers` if there are.
+
+    Returns `(chosen [B, m], groups [B, m, k], nearest [B, n, i], distances [B, n, i])`, all but the last indices. Of the centers
+    `chosen` the first is the first point, and every other one is farthest from those before. `groups` are the first k points,
+    `members` if there are as many, within `radius` of each center; where there are fewer, the first one is repeated. `nearest`
+    are the three centers (or all, if there are fewer) that are nearest to every point, the nearest first, indices into
+    `chosen`.
+    """
+
 def closest_points(meshes: Meshes, group: Sequence[int], points: F64) -> tuple[F64, F64, F64]:
     """Where the surfaces of the meshes `group` are nearest to points [N, 3].
 
@@ -254,8 +266,8 @@ Poses = tuple[F64, F64, F64]
 def manhattan_frames(points: NDArray[np.float32]) -> F64:
     """Rotations [F, 3, 3] whose columns are the axes that most surfaces of scans [F, n, 3] face, of no order and no sign.
 
-    Normals are those of the twelve nearest points. What shows one flat side alone has its other axes along the rectangle of
-    least area about it. Straub et al., The Manhattan Frame Model, 2018.
+    Normals are those of 256 points, from the twelve nearest of all. What shows one flat side alone has its other axes along
+    the rectangle of least area about it. Straub et al., The Manhattan Frame Model, 2018.
     """
 
 def find_similarities(

@@ -45,6 +45,7 @@ calls = {
     "largest_neighbours": lambda: _core.largest_neighbours(
         np.zeros((200, 100, 1024), np.float32), np.zeros((200, 100, 256), np.int64)
     ),
+    "group_points": lambda: _core.group_points(rng.uniform(size=(4_000, 1000, 3)).astype(np.float32), 300, 0.2, 32),
     "find_similarities": lambda: _core.find_similarities(cloud, cloud, rows, **search),
     "tie_poses": lambda: _core.tie_poses(cloud, cloud[::-1].copy(), rows, *ties, *poses, frames=objects, threshold=9.0),
     "settle_poses": lambda: _core.settle_poses(cloud, cloud, rows, *ties, *known, *poses, frames=objects, threshold=9.0),
@@ -116,6 +117,7 @@ def outcomes() -> dict[str, str]:
         "manhattan_frames",
         "nearest_neighbours",
         "largest_neighbours",
+        "group_points",
         "find_similarities",
         "tie_poses",
         "settle_poses",

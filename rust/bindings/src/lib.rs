@@ -6,6 +6,7 @@ mod arrays;
 mod batches;
 mod boxes;
 mod convert;
+mod grouping;
 mod groups;
 mod interaction;
 mod iou;
@@ -32,6 +33,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<meshes::Meshes>()?;
     for register in [
         adjacency::register,
+        grouping::register,
         interaction::register,
         iou::register,
         manhattan::register,

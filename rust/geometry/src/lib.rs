@@ -14,6 +14,7 @@ pub mod coupled_rotations;
 mod delaunay;
 pub mod error;
 mod facing;
+pub mod grouping;
 pub mod hull;
 pub mod interaction;
 pub mod iou;

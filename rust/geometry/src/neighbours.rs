@@ -1,7 +1,7 @@
 //! The nearest points of every point of a small cloud, and which of them has the most of a feature.
 
 /// Points that are compared at a time.
-const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 
 /// For every point the numbers of its `count` nearest ones, itself among them, the nearest first; row after row, to `found`.
 ///
@@ -10,7 +10,7 @@ const LANES: usize = 8;
 pub fn nearest_neighbours(points: &[[f32; 3]], count: usize, found: &mut [i64]) {
     let count = count.min(points.len());
     let columns = Columns::new(points);
-    let mut squared = vec![[0.0; LANES]; columns.chunks.len()];
+    let mut squared = columns.lanes();
     let mut least = Vec::with_capacity(squared.len());
     let mut ordered = Vec::with_capacity(squared.len());
     let mut near: Vec<(f32, u32)> = Vec::with_capacity(points.len());
@@ -76,7 +76,7 @@ fn lanes_of(values: &[f32]) -> [f32; LANES] {
     values.first_chunk().copied().unwrap_or_else(padded)
 }
 
-fn least_of(lanes: &[f32; LANES]) -> f32 {
+pub(crate) fn least_of(lanes: &[f32; LANES]) -> f32 {
     lanes.iter().fold(f32::INFINITY, |least, &lane| if lane < least { lane } else { least })
 }
 
@@ -87,19 +87,24 @@ fn bound_of(least: &mut [f32], count: usize) -> f32 {
 }
 
 /// Points coordinate by coordinate, the last lanes filled with what is infinitely far.
-struct Columns {
+pub(crate) struct Columns {
     chunks: Vec<[[f32; LANES]; 3]>,
 }
 
 impl Columns {
-    fn new(points: &[[f32; 3]]) -> Self {
+    pub(crate) fn new(points: &[[f32; 3]]) -> Self {
         let chunk_of = |chunk: &[[f32; 3]]| {
             [0, 1, 2].map(|axis| std::array::from_fn(|lane| chunk.get(lane).map_or(f32::INFINITY, |point| point[axis])))
         };
         Self { chunks: points.chunks(LANES).map(chunk_of).collect() }
     }
 
-    fn squared_distances(&self, point: &[f32; 3], squared: &mut [[f32; LANES]]) {
+    /// Room for a value of each point, and of what fills up the last lanes.
+    pub(crate) fn lanes(&self) -> Vec<[f32; LANES]> {
+        vec![[0.0; LANES]; self.chunks.len()]
+    }
+
+    pub(crate) fn squared_distances(&self, point: &[f32; 3], squared: &mut [[f32; LANES]]) {
         for (squared, [x, y, z]) in squared.iter_mut().zip(&self.chunks) {
             *squared = std::array::from_fn(|lane| {
                 let [dx, dy, dz] = [x[lane] - point[0], y[lane] - point[1], z[lane] - point[2]];

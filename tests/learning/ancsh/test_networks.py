@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ import torch
 
 from kinmo.config import AncshConfig, AncshNetworkName, Precision, ScansConfig, TrainingConfig, load_config
 from kinmo.errors import InputError
+from kinmo.learning.ancsh import point_sets
 from kinmo.learning.ancsh.data import ScanData, least_trusted, odds
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
 from kinmo.learning.ancsh.network import (
@@ -25,6 +26,7 @@ from kinmo.learning.ancsh.network import (
     PartMaps,
     PartNetwork,
 )
+from kinmo.learning.ancsh.point_sets import Level, levels_of
 from kinmo.learning.ancsh.predict import Ancsh, to_naocs
 from kinmo.learning.ancsh.targets import layout
 from kinmo.learning.ancsh.train import AncshLearner, train_ancsh
@@ -293,8 +295,16 @@ def losses_on(device: str, file: ScanFile, config: AncshConfig, batch: ScanBatch
 
 
 @pytest.mark.parametrize("name", ["small", "paper"])
-def test_networks_and_losses_are_worked_out_where_their_tensors_are(file: ScanFile, name: str) -> None:
+def test_networks_and_losses_are_worked_out_where_their_tensors_are(
+    file: ScanFile, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """On the device `meta`, which has no values, so that whatever were made on the CPU would not fit."""
+
+    def levels_there(points: torch.Tensor, *grouping: Any) -> tuple[Level, ...]:
+        levels = levels_of(torch.rand(points.shape), *grouping)  # of some points, as those on `meta` have no places
+        return tuple(Level(*(each.to(points.device) for each in vars(level).values())) for level in levels)
+
+    monkeypatch.setattr(point_sets, "levels_of", levels_there)
     losses_on("meta", file, load_config(name).ancsh, two_scans(file))
 
 

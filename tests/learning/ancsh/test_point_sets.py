@@ -5,14 +5,7 @@ from __future__ import annotations
 import numpy as np
 import torch
 
-from kinmo.learning.ancsh.point_sets import (
-    FeaturePropagation,
-    PointNetPlusPlus,
-    SetAbstraction,
-    farthest_points,
-    interpolated,
-    within_radius,
-)
+from kinmo.learning.ancsh.point_sets import FeaturePropagation, Level, PointNetPlusPlus, SetAbstraction, levels_of
 from kinmo.learning.layers import gather_points
 
 
@@ -20,53 +13,63 @@ def clouds(count: int, size: int, seed: int = 0) -> torch.Tensor:
     return torch.rand(count, size, 3, generator=torch.Generator().manual_seed(seed))
 
 
-def test_each_sampled_point_is_the_one_farthest_from_those_before() -> None:
+def level_of(points: torch.Tensor, centers: int, radius: float = 0.5, neighbours: int = 7, power: int = 2) -> Level:
+    (level,) = levels_of(points, (centers,), (radius,), neighbours, power)
+    return level
+
+
+def test_centers_are_points_and_those_of_each_level_are_among_those_of_the_one_before() -> None:
     points = clouds(3, 60)
-    chosen = farthest_points(points, 10)
-    for cloud, indices in zip(points, chosen, strict=True):
-        assert indices[0] == 0
-        for step in range(1, 10):
-            nearest = torch.cdist(cloud, cloud[indices[:step]]).min(1).values
-            assert nearest[indices[step]] == nearest.max()
+    near, far = levels_of(points, (20, 6), (0.3, 0.6), 8, 2)
+    for before, level in ((points, near), (near.places, far)):
+        assert (level.places.unsqueeze(2) == before.unsqueeze(1)).all(-1).any(-1).all()
+        assert torch.equal(level.places[:, 0], points[:, 0])
+    assert [level.places.shape[1] for level in (near, far)] == [20, 6]
 
 
-def test_groups_hold_the_first_points_within_the_radius_and_repeat_the_first() -> None:
+def test_groups_hold_points_within_the_radius_of_their_centers() -> None:
     points = clouds(2, 50)
-    centers = points[:, :7]
-    index = within_radius(points, centers, 0.3, 12)
-    for cloud, middles, groups in zip(points, centers, index, strict=True):
-        for middle, group in zip(middles, groups, strict=True):
-            inside = torch.nonzero((cloud - middle).norm(dim=1) <= 0.3).squeeze(1)[:12]
-            expected = torch.cat([inside, inside[:1].expand(12 - len(inside))])
-            assert torch.equal(group, expected)
+    level = level_of(points, 7, radius=0.3)
+    apart = (gather_points(points, level.groups) - level.places.unsqueeze(2)).norm(dim=-1)
+    assert level.groups.shape == (2, 7, 7)
+    assert apart.max() <= 0.3 + 1e-6
 
 
-def test_interpolation_gives_the_feature_of_a_point_at_that_point_and_means_between() -> None:
-    places = torch.tensor([[[0.0, 0, 0], [1, 0, 0], [0, 5, 0], [0, 0, 9]]])
-    features = torch.tensor([[[1.0], [3.0], [100.0], [1000.0]]])
-    assert interpolated(features, places, places[:, :1], 2).item() == np.float32(1.0)
-    at = torch.tensor([[[0.5, 0.0, 0.0]]])
-    weights = np.array([0.5, 0.5, np.hypot(0.5, 5.0)]) ** -2
-    assert interpolated(features, places, at, 2).item() == np.float32(weights @ [1, 3, 100] / weights.sum())
+def test_interpolation_gives_the_feature_of_a_center_there_and_means_between() -> None:
+    points = torch.tensor([[[0.0, 0, 0], [0, 0, 9], [0, 5, 0], [1, 0, 0], [0.25, 0, 0]]])
+    level = level_of(points, 4)
+    assert level.places[0].tolist() == points[0, :4].tolist()
+    found = level.interpolated(torch.tensor([[[1.0], [1000.0], [100.0], [3.0]]]))
+    np.testing.assert_allclose(found[0, :4, 0], [1.0, 1000.0, 100.0, 3.0], rtol=1e-6)
+    weights = np.array([0.25, 0.75, np.hypot(0.25, 5.0)]) ** -2
+    np.testing.assert_allclose(found[0, 4], weights @ [1, 3, 100] / weights.sum(), rtol=1e-6)
 
 
 def test_groups_are_seen_from_their_centres_with_their_features_joined() -> None:
     torch.manual_seed(0)
-    layer = SetAbstraction(5, (8, 6), centers=9, radius=0.5, neighbours=7)
+    layer = SetAbstraction(5, (8, 6))
     points, features = clouds(2, 40), torch.randn(2, 40, 5)
-    places, found = layer(points, features)
-    index = within_radius(points, places, 0.5, 7)
-    joined = torch.cat([gather_points(points, index) - places.unsqueeze(2), gather_points(features, index)], -1)
-    torch.testing.assert_close(found, layer.layers(joined).amax(2), rtol=1e-4, atol=1e-5)
+    level = level_of(points, 9)
+    around = gather_points(points, level.groups) - level.places.unsqueeze(2)
+    joined = torch.cat([around, gather_points(features, level.groups)], -1)
+    torch.testing.assert_close(layer(points, features, level), layer.layers(joined).amax(2), rtol=1e-4, atol=1e-5)
 
 
 def test_interpolated_features_are_joined_with_a_point_s_own() -> None:
     torch.manual_seed(0)
-    layer = FeaturePropagation(5 + 4, (8, 6), power=2)
-    points, own, features = clouds(2, 40), torch.randn(2, 40, 4), torch.randn(2, 10, 5)
-    places = points[:, :10]
-    joined = torch.cat([interpolated(features, places, points, 2), own], -1)
-    torch.testing.assert_close(layer(points, own, places, features), layer.layers(joined), rtol=1e-4, atol=1e-5)
+    layer = FeaturePropagation(5 + 4, (8, 6))
+    own, features = torch.randn(2, 40, 4), torch.randn(2, 10, 5)
+    level = level_of(clouds(2, 40), 10)
+    joined = torch.cat([level.interpolated(features), own], -1)
+    torch.testing.assert_close(layer(own, features, level), layer.layers(joined), rtol=1e-4, atol=1e-5)
+
+
+def test_what_is_known_of_all_points_together_is_joined_with_each_one_s_own() -> None:
+    torch.manual_seed(0)
+    layer = FeaturePropagation(5 + 4, (8, 6))
+    own, whole = torch.randn(2, 40, 4), torch.randn(2, 1, 5)
+    joined = torch.cat([whole.expand(-1, 40, -1), own], -1)
+    torch.testing.assert_close(layer(own, whole, None), layer.layers(joined), rtol=1e-4, atol=1e-5)
 
 
 def test_every_point_gets_features_and_their_order_follows_that_of_the_points() -> None:

@@ -1,56 +1,56 @@
-"""PointNet++ (Qi 2017) in plain torch: points are sampled, grouped and interpolated without compiled extensions."""
+"""PointNet++ (Qi 2017) in plain torch: who is in which group is found by the core, as it depends on places alone."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import torch
 from torch import Tensor, nn
 from torch.nn.functional import linear
 
+from kinmo import _core
 from kinmo.learning.layers import channel_norm, gather_points, max_over_points
 
-INTERPOLATED = 3
-"""Nearest points that features are interpolated from."""
+LEAST_DISTANCE = 1e-6
+"""From which on distances tell weights."""
 
 
-def farthest_points(points: Tensor, count: int) -> Tensor:
-    """Indices [B, count] of points of `points` [B, n, 3], from the first on always the one farthest from those before."""
-    x, y, z = points.permute(2, 0, 1).contiguous()  # sums over an axis of three are slow
-    last = torch.zeros(len(points), 1, dtype=torch.long, device=points.device)
-    nearest = torch.full_like(x, torch.inf)
-    chosen = [last]
-    for _ in range(1, count):
-        apart = sum((each - each.gather(1, last)).square() for each in (x, y, z))
-        nearest = torch.minimum(nearest, apart)
-        last = nearest.argmax(1, keepdim=True)
-        chosen.append(last)
-    return torch.cat(chosen, 1)
+@dataclass(frozen=True, eq=False)
+class Level:
+    """Groups of the n points of B clouds, about m of them.
 
-
-def within_radius(points: Tensor, centers: Tensor, radius: float, count: int) -> Tensor:
-    """Indices [B, m, count] of the first points of `points` [B, n, 3] within `radius` of each of `centers` [B, m, 3].
-
-    Where there are fewer the first one is repeated; where there is none it is the last point.
+    `places` [B, m, 3] are those of the centers, `groups` [B, m, k] the points in each group. Of the centers, the `nearest`
+    [B, n, i] are those that features of every point are interpolated from, with `weights` [B, n, i] that add up to 1.
     """
-    size = points.shape[1]
-    near = torch.cdist(centers, points) <= radius
-    order = torch.arange(size, dtype=torch.int32, device=points.device)
-    first = torch.where(near, order, size).topk(min(count, size), dim=-1, largest=False).values.long()
-    return torch.where(first == size, first[..., :1], first).clamp(max=size - 1)
+
+    places: Tensor
+    groups: Tensor
+    nearest: Tensor
+    weights: Tensor
+
+    def interpolated(self, features: Tensor) -> Tensor:
+        """Features [B, n, C] of the points, from those [B, m, C] of the centers."""
+        shape = (*self.nearest.shape[:2], features.shape[1])
+        spread = torch.zeros(shape, dtype=features.dtype, device=features.device)
+        return spread.scatter_(-1, self.nearest, self.weights.to(features.dtype)) @ features
 
 
-def interpolated(features: Tensor, places: Tensor, at: Tensor, power: int) -> Tensor:
-    """Features [B, n, C] at `at` [B, n, 3], of the nearest of `features` [B, m, C] at `places` [B, m, 3].
+def levels_of(points: Tensor, centers: Sequence[int], radii: Sequence[float], neighbours: int, power: int) -> tuple[Level, ...]:
+    """Levels of `points` [B, n, 3], each of the centers of the one before, so many and with these radii.
 
-    Their weights are 1 / distance ** `power`.
+    Groups have as many members as `neighbours`, and weights are 1 / distance ** `power`. All is found before a network runs, as
+    a GPU would have to wait for it else.
     """
-    distances = torch.cdist(at, places)
-    nearest, index = distances.topk(min(INTERPOLATED, places.shape[1]), dim=-1, largest=False)
-    weights = nearest.clamp(min=1e-6) ** -power
-    weights = weights / weights.sum(-1, keepdim=True)
-    return torch.zeros_like(distances).scatter_(-1, index, weights) @ features
+    here, found = points.detach().float().cpu(), []
+    for count, radius in zip(centers, radii, strict=True):
+        chosen, *indices, distances = map(torch.from_numpy, _core.group_points(here.numpy(), count, radius, neighbours))
+        here = here.gather(1, chosen.unsqueeze(-1).expand(-1, -1, 3))
+        weights = distances.clamp(min=LEAST_DISTANCE) ** -power
+        weights = weights / weights.sum(-1, keepdim=True)
+        found.append(Level(*(each.to(points.device) for each in (here, *indices, weights))))
+    return tuple(found)
 
 
 class SharedLayers(nn.Sequential):
@@ -88,40 +88,36 @@ class SharedLayers(nn.Sequential):
 
 
 class SetAbstraction(nn.Module):
-    """Features of `centers` points from those of their surroundings; of all points together if `centers` is 0."""
+    """Features of groups of points, from those of the points and where these lie."""
 
-    def __init__(self, before: int, widths: Sequence[int], centers: int = 0, radius: float = 0.0, neighbours: int = 0) -> None:
+    def __init__(self, before: int, widths: Sequence[int]) -> None:
         super().__init__()
-        self.centers, self.radius, self.neighbours = centers, radius, neighbours
         self.layers = SharedLayers((3 + before, *widths))
 
-    def forward(self, points: Tensor, features: Tensor | None) -> tuple[Tensor, Tensor]:
-        """`points` [B, n, 3], `features` [B, n, C] -> places [B, m, 3] and features [B, m, C']."""
-        if not self.centers:
+    def forward(self, points: Tensor, features: Tensor | None, level: Level | None) -> Tensor:
+        """`points` [B, n, 3], `features` [B, n, C] -> [B, m, C'], of the groups of a level, or else of all points together."""
+        if level is None:
             seen = self.layers.first(points if features is None else torch.cat([points, features], -1))
-            return torch.zeros_like(points[:, :1]), self.layers.maxima_after_first(seen.unsqueeze(1))
-        chosen = farthest_points(points, min(self.centers, points.shape[1]))
-        places = torch.gather(points, 1, chosen.unsqueeze(-1).expand(-1, -1, 3))
-        index = within_radius(points, places, self.radius, self.neighbours)
+            return self.layers.maxima_after_first(seen.unsqueeze(1))
         if features is None:
-            seen = self.layers.first(gather_points(points, index) - places.unsqueeze(2))
+            seen = self.layers.first(gather_points(points, level.groups) - level.places.unsqueeze(2))
         else:  # W [x - c, f] = W [x, f] - W [c, 0]
-            seen = gather_points(self.layers.first(torch.cat([points, features], -1)), index)
-            seen = seen - self.layers.first(places).unsqueeze(2)
-        return places, self.layers.maxima_after_first(seen)
+            seen = gather_points(self.layers.first(torch.cat([points, features], -1)), level.groups)
+            seen = seen - self.layers.first(level.places).unsqueeze(2)
+        return self.layers.maxima_after_first(seen)
 
 
 class FeaturePropagation(nn.Module):
-    """Features of many points from their own and from those of few, interpolated with weights 1 / distance ** `power`."""
+    """Features of many points, from their own and from those of the centers of a level, or of all points together."""
 
-    def __init__(self, before: int, widths: Sequence[int], power: int) -> None:
+    def __init__(self, before: int, widths: Sequence[int]) -> None:
         super().__init__()
-        self.power = power
         self.layers = SharedLayers((before, *widths))
 
-    def forward(self, points: Tensor, own: Tensor, places: Tensor, features: Tensor) -> Tensor:
-        """`own` [B, n, C] at `points` [B, n, 3], `features` [B, m, D] at `places` [B, m, 3] -> [B, n, C']."""
-        spread = interpolated(self.layers.first(features), places, points, self.power)
+    def forward(self, own: Tensor, features: Tensor, level: Level | None) -> Tensor:
+        """`own` [B, n, C], `features` [B, m, D] of the centers, or [B, 1, D] without a level -> [B, n, C']."""
+        spread = self.layers.first(features)
+        spread = spread if level is None else level.interpolated(spread)
         return self.layers.after_first(spread + self.layers.first(own, start=features.shape[-1]))
 
 
@@ -139,21 +135,23 @@ class PointNetPlusPlus(nn.Module):
         def wide(*widths: int) -> tuple[int, ...]:
             return tuple(max(1, round(width * each)) for each in widths)
 
+        self.grouping = tuple(centers), tuple(radii), neighbours, power
         near, far, whole = wide(64, 64, 128), wide(128, 128, 256), wide(256, 512, 1024)
-        self.near = SetAbstraction(0, near, centers[0], radii[0], neighbours)
-        self.far = SetAbstraction(near[-1], far, centers[1], radii[1], neighbours)
+        self.near = SetAbstraction(0, near)
+        self.far = SetAbstraction(near[-1], far)
         self.whole = SetAbstraction(far[-1], whole)
         to_far, to_near, to_all = wide(256, 256), wide(256, 128), wide(128, 128, 128)
-        self.to_far = FeaturePropagation(whole[-1] + far[-1], to_far, power)
-        self.to_near = FeaturePropagation(to_far[-1] + near[-1], to_near, power)
-        self.to_all = FeaturePropagation(to_near[-1] + 3, to_all, power)
+        self.to_far = FeaturePropagation(whole[-1] + far[-1], to_far)
+        self.to_near = FeaturePropagation(to_far[-1] + near[-1], to_near)
+        self.to_all = FeaturePropagation(to_near[-1] + 3, to_all)
         self.features, self.whole_features = to_all[-1], whole[-1]
         self.last = nn.Sequential(SharedLayers((self.features, self.features)), nn.Dropout(dropout))
 
     def forward(self, points: Tensor) -> tuple[Tensor, Tensor]:
-        near, near_features = self.near(points, None)
-        far, far_features = self.far(near, near_features)
-        whole, whole_features = self.whole(far, far_features)
-        far_features = self.to_far(far, far_features, whole, whole_features)
-        near_features = self.to_near(near, near_features, far, far_features)
-        return self.last(self.to_all(points, points, near, near_features)), whole_features
+        near, far = levels_of(points, *self.grouping)
+        near_features = self.near(points, None, near)
+        far_features = self.far(near.places, near_features, far)
+        whole_features = self.whole(far.places, far_features, None)
+        far_features = self.to_far(far_features, whole_features, None)
+        near_features = self.to_near(near_features, far_features, far)
+        return self.last(self.to_all(points, near_features, near)), whole_features
