@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from kinmo.scans.camera import Viewpoints
-from kinmo.scans.input_frame import LEAST_BASE_POINTS, InputFrame, base_axes, manhattan_axes, scan_rotations
+from kinmo.scans.input_frame import LEAST_BASE_POINTS, InputFrame, base_axes, looks, manhattan_axes, scan_rotations
 
 UP = np.array([0.0, 1.0, 0.0])
 
@@ -73,3 +73,15 @@ def test_of_a_box_behind_a_large_open_door_the_box_tells_the_axes():
     assert np.abs(turn.T @ base_axes(points, is_base, first)).max(axis=0).min() > 0.999
     few = np.arange(len(points)) < LEAST_BASE_POINTS - 1
     np.testing.assert_array_equal(base_axes(points, few, first), first)
+
+
+def test_scans_are_looked_at_as_a_whole_and_then_along_the_axes_of_their_base():
+    points = np.stack([seen_box((0.6, 1.0, 0.5), seed)[0] for seed in range(3)])
+    parts = np.zeros((3, 1024), np.int16)
+    parts[0, 100:] = 1
+    parts[1] = 1
+    found = looks(points, parts)
+    first = manhattan_axes(points)
+    np.testing.assert_array_equal(found[:, 0], first)
+    np.testing.assert_array_equal(found[:, 1], [base_axes(*each) for each in zip(points, parts == 0, first, strict=True)])
+    assert looks(points[:0], parts[:0]).shape == (0, 2, 3, 3)

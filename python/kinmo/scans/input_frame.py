@@ -79,6 +79,15 @@ def base_axes(points: NDArray[np.floating], is_base: NDArray[np.bool_], first: F
     return np.asarray(manhattan_axes(own[None])[0]) if len(own) >= LEAST_BASE_POINTS else first
 
 
+def looks(points: NDArray[np.floating], parts: NDArray[np.integer]) -> F64:
+    """The axes [F, 2, 3, 3] that networks see scans [F, n, 3] along at first sight, and then if they take `parts` [F, n] for
+    those that points are of, the base being 0.
+    """
+    first = manhattan_axes(points)
+    second = [base_axes(*each) for each in zip(points, parts == 0, first, strict=True)]
+    return np.stack([first, np.reshape(second, first.shape)], axis=1)
+
+
 def manhattan_axes(points: NDArray[np.floating]) -> F64:
     """The axes [F, 3, 3] that most surfaces of scans [F, n, 3] face, in the order of a camera's as far as can be told.
 

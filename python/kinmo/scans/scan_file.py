@@ -17,13 +17,14 @@ from safetensors.numpy import save
 from kinmo.errors import InputError
 from kinmo.joint import Joint
 from kinmo.scans.articulated_object import Extents, Structure
+from kinmo.scans.input_frame import looks
 from kinmo.scans.scan import Scans
 from kinmo.store import joint_from_data, joint_to_data
 from kinmo.workspace import kept_while_unchanged, write_bytes_atomically
 
 F64 = NDArray[np.float64]
 
-FORMAT = 3
+FORMAT = 4
 _HEADER_KEY = "kinmo"
 _ARRAYS = tuple(field.name for field in fields(Scans) if field.name != "refused")
 
@@ -71,7 +72,9 @@ class ScanFile:
     provenance: Provenance
 
     def read(self, name: str, frames: slice | int = slice(None)) -> NDArray[Any]:
-        """The array of that name of `Scans`, of all `frames` or of some."""
+        """The array of that name of `Scans`, of all `frames` or of some; or their `looks` (`kinmo.scans.input_frame`), which
+        take longer to find than all else that a training needs of a frame.
+        """
         try:
             array: NDArray[Any] = self._tensors.get_slice(name)[frames]
             return array
@@ -122,6 +125,7 @@ class Described(Protocol):
 def write_scans(path: Path, target: Described, scans: Scans, provenance: Provenance) -> None:
     """Write the frames of `target`, whole or not at all; the same frames give the same bytes."""
     tensors = {name: np.ascontiguousarray(getattr(scans, name)) for name in _ARRAYS}
+    tensors["looks"] = looks(scans.points, scans.parts)
     tensors |= {"centers": target.part_extents.centers, "sizes": target.part_extents.sizes, "facing": target.facing}
     header = {
         "format": FORMAT,

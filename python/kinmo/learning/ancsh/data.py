@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kinmo.config import AncshConfig
 from kinmo.learning.ancsh.loss import ScanBatch
 from kinmo.learning.ancsh.targets import canonical_coordinates, layout, surroundings
-from kinmo.scans.input_frame import InputFrame, base_axes, scan_rotations
+from kinmo.scans.input_frame import InputFrame
 from kinmo.scans.scan_file import ScanFile
 
 F64 = NDArray[np.float64]
@@ -31,9 +31,6 @@ class ScanData:
         self.training, self.validation, self.config = list(training), list(validation), config
         trusted = [file.provenance.has_true_labels for file in training]
         self._odds = odds([file.object for file in training], trusted, least_trusted(training, config))
-        # places for all from the beginning: small arrays that come one by one, and stay, would break up the memory that batches
-        # need again and again
-        self._looks = {file: np.full((file.frames, 2, 3, 3), np.nan) for file in {*training, *validation}}
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[ScanBatch]:
         size = self.config.batch_frames
@@ -60,19 +57,8 @@ class ScanData:
         if self.config.axes == "camera":
             return np.eye(3)
         is_first = self.config.axes != "base" or rng.random() < FIRST_LOOKS
-        return self._look(file, row, is_first)
-
-    def _look(self, file: ScanFile, row: int, is_first: bool) -> F64:
-        """The axes [3, 3] of a frame at the first look or at the second: found when they are asked for, which takes longer than
-        all else, and kept.
-        """
-        axes: F64 = self._looks[file][row, int(is_first)]
-        if np.isnan(axes[0, 0]):
-            if is_first:
-                axes[:] = scan_rotations(file.read("points", slice(row, row + 1)), self.config.axes)[0]
-            else:
-                axes[:] = base_axes(file.read("points", row), file.read("parts", row) == 0, self._look(file, row, True))
-        return axes
+        look: F64 = file.read("looks", row)[0 if is_first else 1]
+        return look
 
 
 def least_trusted(training: Sequence[ScanFile], config: AncshConfig) -> float:
