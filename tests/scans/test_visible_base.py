@@ -49,6 +49,16 @@ def test_one_leg_of_scissors_moves_against_the_other_as_far_as_both_against_thei
     np.testing.assert_allclose(abs(joint.direction @ FRONT), 1.0)
 
 
+def test_of_equal_legs_the_left_one_stands_still_in_the_mirror_too() -> None:
+    as_it_is, mirrored = (articulated_object(scissors(), change=change) for change in (None, np.diag([-1.0, 1.0, 1.0])))
+    for found in (as_it_is, mirrored):
+        assert found.part_extents.centers[0, 0] < found.part_extents.centers[1, 0]
+    (here,), (there,) = as_it_is.joints, mirrored.joints
+    # both legs go the same way seen from each other, which in the mirror is the other way round, and so is who sees
+    np.testing.assert_allclose(there.direction, here.direction, atol=1e-12)
+    assert (there.lower, there.upper) == pytest.approx((here.lower, here.upper))
+
+
 def test_a_base_that_is_large_enough_stays() -> None:
     assert str(articulated_object(scissors(pin=0.4)).structure) == "3 parts (R on 0, R on 0)"
     assert str(articulated_object(scissors(), smallest=0.0).structure) == "4 parts (R on 0, R on 0, R on 1)"

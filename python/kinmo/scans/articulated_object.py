@@ -20,6 +20,7 @@ from kinmo.normalisation import Normalisation
 from kinmo.scans.canonical import canonical, likely_canonical
 from kinmo.scans.part_order import canonical_order
 from kinmo.scans.variants import changed
+from kinmo.scans.visible_base import with_first_base
 from kinmo.shape import Mesh, Shape, join
 from kinmo.vector import Vector
 
@@ -154,9 +155,9 @@ def articulated_object(
     parts = Mobility(tuple(Body(i, link.name, link.leaves, link.parent, link.joint) for i, link in enumerate(links)))
     to_z_up = z_up_rotation(up)
     if closes and guessed_within is not None:
-        parts, joined = likely_canonical(parts, joined, smallest, to_z_up, guessed_within)
+        parts, joined, has_new_base = likely_canonical(parts, joined, smallest, to_z_up, guessed_within)
     else:
-        parts, joined = canonical(parts, joined, smallest, to_z_up, closes)
+        parts, joined, has_new_base = canonical(parts, joined, smallest, to_z_up, closes)
     if not parts.bodies[0].leaves:
         raise InputError(shape.source, "nothing stands still that its parts could move against")
     if change is not None:
@@ -164,6 +165,9 @@ def articulated_object(
     if closes or change is not None:
         frame = Normalisation.about(joined)
         parts, joined = frame.mobility(parts), tuple(map(frame.mesh, joined))
+    if has_new_base and change is not None and np.linalg.det(change) < 0.0:
+        # of equal halves the one that came first in a row comes last in the mirror
+        parts, joined = with_first_base(parts, joined, smallest, to_z_up)
     order = canonical_order(parts.bodies, _extents(mesh.vertices for mesh in joined).centers @ to_z_up.T)
     place = {index: position for position, index in enumerate(order)}
     bodies = (parts.bodies[index] for index in order)
