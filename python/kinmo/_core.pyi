@@ -232,10 +232,10 @@ def largest_neighbours(features: F32, index: NDArray[np.int64]) -> NDArray[np.in
 def group_points(
     points: F32, centers: int, radius: float, members: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], F32]:
-    """How a PointNet++ groups the points of clouds [B, n, 3] (Qi et al., 2017), about m of them, as many as `centers` if there are.
+    """How a PointNet++ groups the points of clouds [B, n, 3] (Qi et al., 2017), about m `centers`, or fewer of fewer points.
 
-    Returns `(chosen [B, m], groups [B, m, k], nearest [B, n, i], distances [B, n, i])`, all but the last indices. Of the centers
-    `chosen` the first is the first point, and every other one is farthest from those before. `groups` are the first k points,
+    Returns `(chosen [B, m], groups [B, m, k], nearest [B, n, i], distances [B, n, i])`, all but the last indices. The first
+    point is the first center `chosen`, and every other one is farthest from those before. `groups` are the first k points,
     `members` if there are as many, within `radius` of each center; where there are fewer, the first one is repeated. `nearest`
     are the three centers (or all, if there are fewer) that are nearest to every point, the nearest first, indices into
     `chosen`.
