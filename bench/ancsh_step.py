@@ -1,8 +1,9 @@
 """A training step of both networks of ANCSH, on one thread: forward, losses, backward and Adam, without reading scans.
 
-    python bench/ancsh_step.py [--config small] [--repeats 20] [--memory kept|returned]
+    python bench/ancsh_step.py [--config small] [--repeats 20] [--memory kept|returned] [--device cpu]
 
-Prints the least processor time of a step and the frames a second that it makes. Memory that a step frees is kept for the next
+Prints the least processor time of a step and the frames a second that it makes; on another device than the processor, the least
+time until that has done it, the batch's way there included. Memory that a step frees is kept for the next
 one, as `kinmo train` has it where networks are trained side by side; `returned` is what malloc does by itself. To compare two
 states of the code, run it in both, one after the other.
 """
@@ -47,19 +48,22 @@ def random_batch(config: AncshConfig) -> ScanBatch:
     )
 
 
-def step_seconds(config: AncshConfig, which: AncshNetworkName, repeats: int) -> float:
-    """The least processor time of a step."""
+def step_seconds(config: AncshConfig, which: AncshNetworkName, repeats: int, device: str) -> float:
+    """The least processor time of a step, or on another device the least time until that has done it."""
     torch.manual_seed(0)
-    learner, batch = AncshLearner(config, which, PARTS, PARTS), random_batch(config)
+    learner, batch = AncshLearner(config, which, PARTS, PARTS).to(device), random_batch(config)
+    now = time.process_time if device == "cpu" else time.perf_counter
     learner.log = lambda *_, **__: None  # type: ignore[method-assign] # what is logged goes to a trainer, and here is none
     optimizer = torch.optim.Adam(learner.network.parameters(), **adam_options(config.training))
     times = []
     for _ in range(repeats):
-        start = time.process_time()
+        start = now()
         optimizer.zero_grad()
-        learner.training_step(batch, 0).backward()
+        loss = learner.training_step(batch.to(device), 0)
+        loss.backward()
         optimizer.step()
-        times.append(time.process_time() - start)
+        loss.item()  # waits for the device
+        times.append(now() - start)
     return min(times)
 
 
@@ -69,6 +73,7 @@ def main() -> None:
     parser.add_argument("--config", default="small")
     parser.add_argument("--repeats", type=int, default=20)
     parser.add_argument("--memory", choices=("kept", "returned"), default="kept")
+    parser.add_argument("--device", default="cpu")
     arguments = parser.parse_args()
     wanted = KEPT if arguments.memory == "kept" else ""
     if os.environ.get(TUNABLES) != wanted:  # it is read when a process starts
@@ -76,8 +81,9 @@ def main() -> None:
     torch.set_num_threads(1)
     config = load_config(arguments.config).ancsh
     for which in NETWORKS:
-        seconds = step_seconds(config, which, arguments.repeats)
-        how = f"{arguments.config}, {config.batch_frames} frames of {config.points} points, memory {arguments.memory}"
+        seconds = step_seconds(config, which, arguments.repeats, arguments.device)
+        where = f"memory {arguments.memory}" if arguments.device == "cpu" else arguments.device
+        how = f"{arguments.config}, {config.batch_frames} frames of {config.points} points, {where}"
         claim = f"a step of {which} ({how}), ms"
         print(f"{claim}: {1e3 * seconds:.0f}, {config.batch_frames / seconds:.0f} frames a second")
         print(json.dumps({"claim": claim, "ours": 1e3 * seconds, "peer": None, "ratio": None, "goal": None, "met": None}))
