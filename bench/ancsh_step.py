@@ -3,9 +3,9 @@
     python bench/ancsh_step.py [--config small] [--repeats 20] [--memory kept|returned] [--device cpu]
 
 Prints the least processor time of a step and the frames a second that it makes; on another device than the processor, the least
-time until that has done it, the batch's way there included. Memory that a step frees is kept for the next
-one, as `kinmo train` has it where networks are trained side by side; `returned` is what malloc does by itself. To compare two
-states of the code, run it in both, one after the other.
+time until that has done it, the batch's way there included. Memory that a step frees is kept for the next one, as `kinmo train`
+has it where networks are trained side by side; `returned` is what malloc does by itself. To compare two states of the code, run
+it in both, one after the other.
 """
 
 from __future__ import annotations
@@ -76,8 +76,8 @@ def main() -> None:
     parser.add_argument("--device", default="cpu")
     arguments = parser.parse_args()
     wanted = KEPT if arguments.memory == "kept" else ""
-    if os.environ.get(TUNABLES) != wanted:  # it is read when a process starts
-        os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | {TUNABLES: wanted})
+    if os.environ.get(TUNABLES) != wanted:  # it is read when a process starts, as is how many threads the core has
+        os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | {TUNABLES: wanted, "RAYON_NUM_THREADS": "1"})
     torch.set_num_threads(1)
     config = load_config(arguments.config).ancsh
     for which in NETWORKS:

@@ -60,7 +60,7 @@ def test_scissors_are_closed_where_their_blades_meet_and_lie_along_an_axis(
     opening: float, middle: float, way: float, tail: float
 ) -> None:
     shown = scissors(opening, middle - 0.5 * opening, way, tail)
-    mobility, meshes, _ = likely_canonical(*shown, 0.15, SAME, WIDEST)
+    mobility, meshes = likely_canonical(*shown, 0.15, SAME, WIDEST)
     (joint,) = [body.joint for _, body in mobility.movable() if body.joint is not None]
     assert joint.lower is not None
     assert joint.upper is not None

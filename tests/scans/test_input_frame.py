@@ -76,12 +76,13 @@ def test_of_a_box_behind_a_large_open_door_the_box_tells_the_axes():
 
 
 def test_scans_are_looked_at_as_a_whole_and_then_along_the_axes_of_their_base():
-    points = np.stack([seen_box((0.6, 1.0, 0.5), seed)[0] for seed in range(3)])
-    parts = np.zeros((3, 1024), np.int16)
-    parts[0, 100:] = 1
-    parts[1] = 1
-    found = looks(points, parts)
-    first = manhattan_axes(points)
-    np.testing.assert_array_equal(found[:, 0], first)
-    np.testing.assert_array_equal(found[:, 1], [base_axes(*each) for each in zip(points, parts == 0, first, strict=True)])
-    assert looks(points[:0], parts[:0]).shape == (0, 2, 3, 3)
+    box, turn = seen_box((0.6, 1.0, 0.5), 3)
+    about_up = Rotation.from_rotvec(0.5 * turn @ UP).as_matrix()
+    door = (box - box.mean(axis=0)) @ about_up.T + box.mean(axis=0) - 2.0 * turn[:, 0]
+    scan, parts = np.concatenate([box[:300], door]), (np.arange(300 + len(door)) >= 300).astype(np.int16)
+    (first, second), (alike, still) = looks(np.stack([scan, scan]), np.stack([parts, np.ones_like(parts)]))
+    assert np.abs(turn.T @ first).max(axis=0).min() < 0.95, "the door decides"
+    assert np.abs(turn.T @ second).max(axis=0).min() > 0.999, "the box does"
+    np.testing.assert_array_equal(alike, first)
+    np.testing.assert_array_equal(still, first)
+    assert looks(scan[None][:0], parts[None][:0]).shape == (0, 2, 3, 3)

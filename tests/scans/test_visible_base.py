@@ -49,14 +49,22 @@ def test_one_leg_of_scissors_moves_against_the_other_as_far_as_both_against_thei
     np.testing.assert_allclose(abs(joint.direction @ FRONT), 1.0)
 
 
-def test_of_equal_legs_the_left_one_stands_still_in_the_mirror_too() -> None:
-    as_it_is, mirrored = (articulated_object(scissors(), change=change) for change in (None, np.diag([-1.0, 1.0, 1.0])))
+@pytest.mark.parametrize("legs", [2, 3])
+@pytest.mark.parametrize("limits", [(0.0, 0.5), (None, None)])
+def test_of_equal_legs_the_left_one_is_the_base_in_the_mirror_too(legs: int, limits: tuple[float | None, float | None]) -> None:
+    places = [-0.3, 0.3, 0.0][:legs]
+    boxes = [((-0.02, -0.02, -0.02), (0.02, 0.02, 0.02)), *(((x - 0.1, -1.0, 0.0), (x + 0.1, 1.0, 0.05)) for x in places)]
+    joint = Joint(JointKind.REVOLUTE, FRONT, np.zeros(3), *limits)
+    bodies = [Body(0, "pin", (1,)), *(Body(i, "leg", (i + 1,), 0, joint) for i in range(1, legs + 1))]
+    shape = shape_of_boxes(boxes, bodies)
+    as_it_is, mirrored = (articulated_object(shape, change=change) for change in (None, np.diag([-1.0, 1.0, 1.0])))
+    assert mirrored.structure == as_it_is.structure
+    assert str(mirrored.structure) == f"{legs} parts ({', '.join(['R on 0'] * (legs - 1))})"
     for found in (as_it_is, mirrored):
-        assert found.part_extents.centers[0, 0] < found.part_extents.centers[1, 0]
-    (here,), (there,) = as_it_is.joints, mirrored.joints
-    # both legs go the same way seen from each other, which in the mirror is the other way round, and so is who sees
-    np.testing.assert_allclose(there.direction, here.direction, atol=1e-12)
-    assert (there.lower, there.upper) == pytest.approx((here.lower, here.upper))
+        assert found.part_extents.centers[0, 0] < found.part_extents.centers[1:, 0].min()
+        assert 1 in found.mobility.bodies[0].leaves, "the pin is where the base is"
+        np.testing.assert_allclose([joint.direction for joint in found.joints], [as_it_is.joints[0].direction] * (legs - 1))
+    assert [joint.lower for joint in mirrored.joints] == pytest.approx([joint.lower for joint in as_it_is.joints])
 
 
 def test_a_base_that_is_large_enough_stays() -> None:

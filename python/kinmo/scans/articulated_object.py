@@ -19,8 +19,7 @@ from kinmo.mobility import Body, Mobility
 from kinmo.normalisation import Normalisation
 from kinmo.scans.canonical import canonical, likely_canonical
 from kinmo.scans.part_order import canonical_order
-from kinmo.scans.variants import changed
-from kinmo.scans.visible_base import with_first_base
+from kinmo.scans.variants import SIDEWAYS, changed
 from kinmo.shape import Mesh, Shape, join
 from kinmo.vector import Vector
 
@@ -154,10 +153,12 @@ def articulated_object(
     joined = tuple(join(*(meshes[leaf] for leaf in link.leaves)) for link in links)
     parts = Mobility(tuple(Body(i, link.name, link.leaves, link.parent, link.joint) for i, link in enumerate(links)))
     to_z_up = z_up_rotation(up)
+    is_mirrored = change is not None and bool(np.linalg.det(change) < 0.0)
+    in_the_end = SIDEWAYS @ to_z_up if is_mirrored else to_z_up  # where equal parts are told apart by how they will lie
     if closes and guessed_within is not None:
-        parts, joined, has_new_base = likely_canonical(parts, joined, smallest, to_z_up, guessed_within)
+        parts, joined = likely_canonical(parts, joined, smallest, in_the_end, guessed_within)
     else:
-        parts, joined, has_new_base = canonical(parts, joined, smallest, to_z_up, closes)
+        parts, joined = canonical(parts, joined, smallest, in_the_end, closes)
     if not parts.bodies[0].leaves:
         raise InputError(shape.source, "nothing stands still that its parts could move against")
     if change is not None:
@@ -165,9 +166,6 @@ def articulated_object(
     if closes or change is not None:
         frame = Normalisation.about(joined)
         parts, joined = frame.mobility(parts), tuple(map(frame.mesh, joined))
-    if has_new_base and change is not None and np.linalg.det(change) < 0.0:
-        # of equal halves the one that came first in a row comes last in the mirror
-        parts, joined = with_first_base(parts, joined, smallest, to_z_up)
     order = canonical_order(parts.bodies, _extents(mesh.vertices for mesh in joined).centers @ to_z_up.T)
     place = {index: position for position, index in enumerate(order)}
     bodies = (parts.bodies[index] for index in order)

@@ -23,26 +23,22 @@ OPENED = 0.5
 """Radians by which hinges are opened to see whereto they open."""
 
 
-def canonical(
-    mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: F64, closes: bool
-) -> tuple[Mobility, tuple[Mesh, ...], bool]:
+def canonical(mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: F64, closes: bool) -> Parts:
     """The object with a base that can be seen (`visible_base`); closed (`closing`), and open to the front, if it `closes`.
 
-    `meshes` are those of the bodies; `smallest` and `to_z_up` are as in `with_visible_base`. With it comes whether the base is
-    another one than in the file.
+    `meshes` are those of the bodies; `smallest` and `to_z_up` are as in `with_visible_base`. `to_z_up` may also take
+    left for right, for the base that the object would have in the mirror.
     """
     open_parts, open_meshes, hung_by = with_visible_base(mobility, meshes, smallest, to_z_up)
     if not closes:
-        return open_parts, open_meshes, hung_by is not None
+        return open_parts, open_meshes
     shut = closed(mobility, meshes, base_is_seen=hung_by is None)
     mobility, meshes, _ = with_visible_base(*shut, smallest, to_z_up)
     # once more: of parts that open the same way the one that is a base now does not close
-    return *open_to_the_front(*closed(mobility, meshes), to_z_up), hung_by is not None
+    return open_to_the_front(*closed(mobility, meshes), to_z_up)
 
 
-def likely_canonical(
-    mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: F64, widest: float
-) -> tuple[Mobility, tuple[Mesh, ...], bool]:
+def likely_canonical(mobility: Mobility, meshes: Sequence[Mesh], smallest: float, to_z_up: F64, widest: float) -> Parts:
     """The same of an object whose limits are guesses: closed as is likely (`likely_closed`), hinges opening to `widest`.
 
     What hangs by something that cannot be seen is closed where it folds together, and lies straight then (`folding`).
@@ -55,7 +51,7 @@ def likely_canonical(
     parts = closed(likely_closed(mobility, meshes, widest, folds), meshes)
     if hung_by is not None:
         parts = with_first_base(*parts, smallest, to_z_up)
-    return *open_to_the_front(*parts, to_z_up), hung_by is not None
+    return open_to_the_front(*parts, to_z_up)
 
 
 def open_to_the_front(mobility: Mobility, meshes: Sequence[Mesh], to_z_up: F64) -> Parts:

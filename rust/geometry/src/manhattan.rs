@@ -10,7 +10,7 @@ use crate::similarity::nearest_rotation;
 
 /// Points that tell the normal at each.
 pub(crate) const NEIGHBOURS: usize = 12;
-/// Points whose normals are looked at, of scans that have more.
+/// Most points whose normals are looked at: every second, third or so of a scan that has more.
 const NORMALS: usize = 256;
 /// Frames that are tried, each through two normals drawn at random.
 const HYPOTHESES: usize = 200;

@@ -83,6 +83,15 @@ mod tests {
 
     proptest! {
         #[test]
+        fn normals_at_some_points_are_those_of_all_there(
+            places in prop::collection::vec(prop::array::uniform3(-1.0..1.0), 1..40), step in 1..9usize
+        ) {
+            let points: Vec<_> = places.into_iter().map(Point3::from).collect();
+            let all: Vec<_> = normals(&points, 5).into_iter().step_by(step).collect();
+            prop_assert_eq!(normals_at(&points, step, 5), all);
+        }
+
+        #[test]
         fn points_of_a_plane_have_its_normal(
             places in prop::collection::vec(prop::array::uniform2(-1.0..1.0), 20..60),
             turn in prop::array::uniform3(-3.0..3.0),

@@ -384,6 +384,16 @@ def test_half_of_the_scans_to_train_on_are_seen_along_the_axes_of_the_base(file:
     assert all(torch.allclose(cloud, others[0], atol=1e-5) for cloud in others)
 
 
+def test_networks_that_look_once_see_scans_along_the_axes_of_all_that_is_seen(file: ScanFile) -> None:
+    row = turned_apart(file)
+    config = replace(SCAN_ALONE, axes="manhattan", points=len(file.read("points", row)))
+    batch = ScanData([file], [file], config).batch([(file, row)], np.random.default_rng(0))
+    whole = file.read("points", row)
+    (first,) = scan_rotations(whole[None], "manhattan")
+    seen = InputFrame.of(whole, "scan", rotation=first).apply(whole)
+    np.testing.assert_allclose(np.sort(batch.points[0].numpy(), axis=0), np.sort(seen, axis=0), atol=1e-5)
+
+
 def test_networks_look_again_along_the_axes_of_what_they_say_is_base(file: ScanFile, monkeypatch: pytest.MonkeyPatch) -> None:
     row, count = turned_apart(file), file.structure.part_count
     network = AncshNetwork(TINY, count, count).eval()

@@ -32,7 +32,7 @@ from kinmo.pipeline.scans.rendered import in_words, summary
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.articulation import opening
-from kinmo.scans.scan_file import ROLES, Role, ScanFile, open_scans
+from kinmo.scans.scan_file import FORMAT, ROLES, Role, ScanFile, open_scans
 from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
@@ -202,7 +202,7 @@ class Render:
     def _objects(self, config: ScansConfig, has_labels: bool) -> Iterator[Job]:
         whole = open_dataset(Workspace(self.workspace.root), self.category)
         own = open_dataset(self.workspace, self.category)
-        way = {"scans": to_table(config), "seed": self.seed, "kinmo": __version__}
+        way = {"scans": to_table(config), "seed": self.seed, "kinmo": __version__, "format": FORMAT}
         roles: dict[Role, Sequence[IndexEntry]] = {split.value: whole.labelled[split] for split in Split}
         roles["hidden"] = whole.hidden
         labelled = {role: _chosen(entries, self.category) for role, entries in roles.items()}
