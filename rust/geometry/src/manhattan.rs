@@ -4,16 +4,16 @@ use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::normals::{Normal, normals_at};
+use crate::normals::{Normal, normals};
 use crate::rectangle::{flush_axes, perpendicular_basis};
 use crate::similarity::nearest_rotation;
 
 /// Points that tell the normal at each.
 pub(crate) const NEIGHBOURS: usize = 12;
-/// Most points whose normals are looked at: every second, third or so of a scan that has more.
-const NORMALS: usize = 256;
 /// Frames that are tried, each through two normals drawn at random.
 const HYPOTHESES: usize = 200;
+/// Of the normals that judge them.
+const JUDGES: usize = 256;
 /// Normals count that are off an axis by less than the sine of these: first all that may be meant, then those that are.
 const REACHES: [f64; 7] = [0.4, 0.3, 0.2, 0.15, 0.1, 0.1, 0.1];
 /// A scan of which less than this share (of what faces the first axis) faces the others shows one side alone.
@@ -26,7 +26,7 @@ const SEED: u64 = 1;
 /// What shows one flat side alone has its other axes along the rectangle of least area about it. Straub et al., The Manhattan
 /// Frame Model, 2018, define the frame; it is looked for among pairs of normals, and fitted to those that are near to an axis.
 pub fn manhattan_frame(points: &[Point3<f64>]) -> Rotation3<f64> {
-    let normals = normals_at(points, points.len().div_ceil(NORMALS).max(1), NEIGHBOURS);
+    let normals = normals(points, NEIGHBOURS);
     let Some(found) = through_two_normals(&normals) else { return Rotation3::identity() };
     let found = fitted(found, &normals, &REACHES);
     let faced = faced(&found, &normals, REACHES[REACHES.len() - 1]);
@@ -80,6 +80,7 @@ fn through_two_normals(normals: &[Normal]) -> Option<Rotation3<f64>> {
         return None;
     }
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let step = normals.len().div_ceil(JUDGES);
     let mut best: Option<(f64, Rotation3<f64>)> = None;
     for _ in 0..HYPOTHESES {
         let [first, second] = [0; 2].map(|_| normals[rng.random_range(0..normals.len())].direction);
@@ -88,7 +89,7 @@ fn through_two_normals(normals: &[Normal]) -> Option<Rotation3<f64>> {
         let across = across.try_normalize(0.2).unwrap_or_else(|| perpendicular_basis(first).0);
         let axes = [first, across, first.cross(&across)];
         let frame = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&axes));
-        let score: f64 = normals.iter().map(|normal| faced_axis(&frame, normal, REACHES[1]).2).sum();
+        let score: f64 = normals.iter().step_by(step).map(|normal| faced_axis(&frame, normal, REACHES[1]).2).sum();
         if best.as_ref().is_none_or(|(highest, _)| score > *highest) {
             best = Some((score, frame));
         }

@@ -22,18 +22,9 @@ pub struct Normal {
 ///
 /// A point that is there several times is one.
 pub fn normals(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal> {
-    normals_at(points, 1, neighbours)
-}
-
-/// Those at every `step`-th of `points`, from the first on, told by all.
-pub(crate) fn normals_at(points: &[Point3<f64>], step: usize, neighbours: usize) -> Vec<Normal> {
-    if points.is_empty() {
-        return Vec::new();
-    }
     let (distinct, places) = distinct(points);
-    let mut found = vec![None; distinct.len()];
-    let mut normal_at = normals_of_distinct(&distinct, neighbours);
-    places.into_iter().step_by(step).map(|place| *found[place].get_or_insert_with(|| normal_at(place))).collect()
+    let found = normals_of_distinct(&distinct, neighbours);
+    places.into_iter().map(|place| found[place]).collect()
 }
 
 /// The points without those that are there before, and the place of each among them.
@@ -55,12 +46,14 @@ fn compare(a: &Point3<f64>, b: &Point3<f64>) -> Ordering {
     a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
 }
 
-/// Tells the normal at the point of a number. There must be points.
-fn normals_of_distinct(points: &[Point3<f64>], neighbours: usize) -> impl FnMut(usize) -> Normal {
+fn normals_of_distinct(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal> {
+    if points.is_empty() {
+        return Vec::new();
+    }
     let tree = PointTree::new(points);
     let mut near = Vec::new();
-    move |number| {
-        tree.nearest(&points[number], neighbours + 1, &mut near);
+    let one = |point: &Point3<f64>| {
+        tree.nearest(point, neighbours + 1, &mut near);
         let corners = || near.iter().map(|neighbour| points[neighbour.point as usize].coords);
         let middle = corners().sum::<Vector3<f64>>() / near.len() as f64;
         let spread: Matrix3<f64> = corners().map(|corner| (corner - middle) * (corner - middle).transpose()).sum();
@@ -71,7 +64,8 @@ fn normals_of_distinct(points: &[Point3<f64>], neighbours: usize) -> impl FnMut(
         let is_line = across <= NEGLIGIBLE * along;
         let flat = if is_line { 0.0 } else { 1.0 - eigen.eigenvalues[least].max(0.0) / across };
         Normal { direction: eigen.eigenvectors.column(least).into(), weight: flat * flat }
-    }
+    };
+    points.iter().map(one).collect()
 }
 
 #[cfg(test)]
@@ -82,15 +76,6 @@ mod tests {
     use super::*;
 
     proptest! {
-        #[test]
-        fn normals_at_some_points_are_those_of_all_there(
-            places in prop::collection::vec(prop::array::uniform3(-1.0..1.0), 1..40), step in 1..9usize
-        ) {
-            let points: Vec<_> = places.into_iter().map(Point3::from).collect();
-            let all: Vec<_> = normals(&points, 5).into_iter().step_by(step).collect();
-            prop_assert_eq!(normals_at(&points, step, 5), all);
-        }
-
         #[test]
         fn points_of_a_plane_have_its_normal(
             places in prop::collection::vec(prop::array::uniform2(-1.0..1.0), 20..60),
