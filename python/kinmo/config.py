@@ -263,6 +263,9 @@ class AncshWeights:
 AncshNetworkName = Literal["ancsh", "npcs"]
 """The one with all heads, and that with those of parts and NPCS alone."""
 
+MeanOver = Literal["parts", "points"]
+"""What losses of NPCS and NAOCS are means over (`AncshConfig.mean_over`)."""
+
 
 @dataclass(frozen=True)
 class AncshConfig:
@@ -277,13 +280,15 @@ class AncshConfig:
     points, told of the scan as a whole, and what every point adds; or as in the release what every point says alone. `layout`:
     of the scan as a whole is asked what is the same for all points, the proportions of the parts' boxes and the places of the
     joints' axes, which in the release follow from what every point says. `joint_labels`: a point near to two joints tells of
-    the `nearest`, or as in the `release` of the last, where joints without a place have one too. An epoch has
-    `batches_per_epoch` batches of `batch_frames` scans of `points` points; validation sees `validation_frames` an object.
-    `ties`: predicted joints tie the poses of all parts of the `tree` together, and what is typical of the objects trained on
-    narrows these down; or as in the release joints tie two parts at a time (`pairs`), or `none`. `boxes` of parts are as
-    `said`, or have their sides where these are `seen`. What networks say of a scan is a label for others where of every part at
-    least the share `confidence` of its points agrees on where that is. Objects with true labels have the share `trusted` of all
-    scans that are drawn at least (0: all objects have equal odds), or `trusted_in_semi` beside those that networks labelled.
+    the `nearest`, or as in the `release` of the last, where joints without a place have one too. `mean_over`: losses of NPCS
+    and NAOCS are means over the `parts` that scans show, however few points each, or as in the release over all `points`. An
+    epoch has `batches_per_epoch` batches of `batch_frames` scans of `points` points, drawn with odds that fall with the number
+    of points of a part to the power `balance`; validation sees `validation_frames` an object. `ties`: predicted joints tie the
+    poses of all parts of the `tree` together, and what is typical of the objects trained on narrows these down; or as in the
+    release joints tie two parts at a time (`pairs`), or `none`. `boxes` of parts are as `said`, or have their sides where these
+    are `seen`. What networks say of a scan is a label for others where of every part at least the share `confidence` of its
+    points agrees on where that is. Objects with true labels have the share `trusted` of all scans that are drawn at least (0:
+    all objects have equal odds), or `trusted_in_semi` beside those that networks labelled.
     """
 
     training: TrainingConfig
@@ -301,8 +306,10 @@ class AncshConfig:
     maps: bool = True
     layout: bool = True
     joint_labels: Literal["nearest", "release"] = "nearest"
+    mean_over: MeanOver = "parts"
     batch_frames: Count = 16
     batches_per_epoch: Count = 100
+    balance: Share = 0.5
     validation_frames: Count = 4
     ties: Literal["tree", "pairs", "none"] = "tree"
     boxes: Literal["seen", "said"] = "seen"

@@ -5,16 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 import pytest
 import torch
+from hypothesis import given
+from hypothesis import strategies as st
 
-from kinmo.config import AncshConfig, AncshNetworkName, Precision, ScansConfig, TrainingConfig, load_config
+from kinmo.config import AncshConfig, AncshNetworkName, MeanOver, Precision, ScansConfig, TrainingConfig, load_config
 from kinmo.errors import InputError
 from kinmo.learning.ancsh import point_sets
-from kinmo.learning.ancsh.data import ScanData, least_trusted, odds
+from kinmo.learning.ancsh.data import ScanData, drawn, least_trusted, odds
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
 from kinmo.learning.ancsh.network import (
     KIND,
@@ -107,8 +109,9 @@ def test_the_loss_of_right_answers_is_zero(file: ScanFile) -> None:
     batch = two_scans(file)
     said, joints = right_answers(file, batch)
     assert set(batch.joints.unique().tolist()) == set(range(file.structure.part_count)), "what does not occur has no IoU"
-    for name, loss in (part_losses(said, batch) | joint_losses(said, joints, batch)).items():
-        assert loss.item() == pytest.approx(0.0, abs=1e-5), name
+    for mean_over in get_args(MeanOver):
+        for name, loss in (part_losses(said, batch, mean_over) | joint_losses(said, joints, batch, mean_over)).items():
+            assert loss.item() == pytest.approx(0.0, abs=1e-5), name
 
 
 def test_the_papers_losses_are_weighed_distances_over_all_points(file: ScanFile) -> None:
@@ -127,7 +130,7 @@ def test_the_papers_losses_are_weighed_distances_over_all_points(file: ScanFile)
         layout=None,
     )
     away = replace(said, npcs=said.npcs + shift)
-    found = part_losses(away, batch) | joint_losses(said, off, batch)
+    found = part_losses(away, batch, "points") | joint_losses(said, off, batch, "points")
     del found["parts"], found["joints"]
     expected = {"npcs": 0.5, "naocs": 0.5, "heatmap": 0.2 * hinged, "toward": 0.5 * hinged, "axes": 0.5 * near}
     assert {name: loss.item() for name, loss in found.items()} == pytest.approx(expected, abs=1e-4)
@@ -159,19 +162,40 @@ def test_the_relaxed_iou_is_that_of_sets_for_sure_answers() -> None:
     assert relaxed_iou_loss(said, truth).item() == pytest.approx(1.0 - 0.5 * (2 / 3 + 1 / 2), abs=1e-5)
 
 
+def labelled(points: torch.Tensor, labels: torch.Tensor) -> ScanBatch:
+    """A scan whose `points` [1, n, 3] are of the parts `labels` [1, n], all in one place and near to no joint."""
+    nowhere, never = torch.zeros_like(points), torch.zeros(labels.shape)
+    whole = torch.ones(1, 2, 3), torch.zeros(1, 1, 3), torch.ones(1, 1, dtype=torch.bool)
+    return ScanBatch(points, labels, nowhere, nowhere, never.long(), never, nowhere, nowhere, never > 0, *whole)
+
+
 def test_points_of_no_part_teach_nothing_but_that() -> None:
     torch.manual_seed(0)
     network = PartNetwork(TINY, 2, 3)
     points = torch.rand(1, 64, 3)
     answers = network(points)
-    labels = torch.full((1, 64), 2)
-    nowhere = torch.zeros(1, 64, 3)
-    none, never = torch.zeros(1, 64, dtype=torch.long), torch.zeros(1, 64)
-    whole = torch.ones(1, 2, 3), torch.zeros(1, 1, 3), torch.ones(1, 1, dtype=torch.bool)
-    batch = ScanBatch(points, labels, nowhere, nowhere, none, never, nowhere, nowhere, never > 0, *whole)
-    losses = part_losses(answers, batch)
-    assert losses["npcs"].item() == 0.0
-    assert losses["parts"].item() > 0.0
+    batch = labelled(points, torch.full((1, 64), 2))
+    for mean_over in get_args(MeanOver):
+        losses = part_losses(answers, batch, mean_over)
+        assert losses["npcs"].item() == 0.0
+        assert losses["parts"].item() > 0.0
+
+
+@pytest.mark.parametrize("lost", range(3))
+def test_places_on_a_part_count_however_few_of_its_points_are_seen(lost: int) -> None:
+    points = torch.rand(1, 8, 3)
+    labels = torch.tensor([[0, 0, 0, 0, 0, 1, 1, 3]])  # nothing is seen of part 2, and a point is of none
+    batch = replace(labelled(points, labels), npcs=points, naocs=points)
+    npcs = points.unsqueeze(2).repeat(1, 1, 3, 1)
+    npcs[..., lost, 0] += 0.6
+    said = PartAnswers(torch.zeros(1, 8, 4), npcs)
+    scales, shifts, joints = torch.ones(1, 8, 3), torch.zeros(1, 8, 3, 3), torch.zeros(1, 8, 3)
+    answers = JointAnswers(scales, shifts, joints, heatmap=joints[..., 0], toward=joints, axes=joints)
+    expected = {"parts": (0.3, 0.3, 0.0), "points": (0.6 * 5 / 8, 0.6 * 2 / 8, 0.0)}
+    for mean_over in get_args(MeanOver):
+        losses = part_losses(said, batch, mean_over) | joint_losses(said, answers, batch, mean_over)
+        for name in ("npcs", "naocs"):
+            assert losses[name].item() == pytest.approx(expected[mean_over][lost], abs=1e-6), (name, mean_over)
 
 
 def test_training_makes_the_loss_smaller_and_what_is_written_answers_scans(file: ScanFile, tmp_path: Path) -> None:
@@ -246,7 +270,8 @@ def test_the_paper_networks_take_a_step(file: ScanFile) -> None:
     before = {name: p.detach().clone() for name, p in network.named_parameters()}
     for _ in range(2):
         parts, joints = network.forward_all(batch.points)
-        loss = total(part_losses(parts, batch) | joint_losses(parts, joints, batch), config)
+        losses = part_losses(parts, batch, config.mean_over) | joint_losses(parts, joints, batch, config.mean_over)
+        loss = total(losses, config)
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
@@ -283,10 +308,10 @@ def losses_on(device: str, file: ScanFile, config: AncshConfig, batch: ScanBatch
         network, seen = kind(config, parts, parts).to(device), batch.to(device)
         if isinstance(network, AncshNetwork):
             said, joints = network.forward_all(seen.points)
-            found |= part_losses(said, seen) | joint_losses(said, joints, seen)
+            found |= part_losses(said, seen, config.mean_over) | joint_losses(said, joints, seen, config.mean_over)
             total(found, config).backward()
         else:
-            found |= part_losses(network(seen.points), seen)
+            found |= part_losses(network(seen.points), seen, config.mean_over)
             total(found, config).backward()
         gradients = [own.grad for name, own in network.named_parameters() if name not in UNUSED]
         assert all(each is not None and each.device.type == device for each in gradients)
@@ -347,6 +372,23 @@ def test_objects_with_true_labels_have_their_share_of_a_batch() -> None:
 def test_what_networks_labelled_themselves_is_trusted_less(file: ScanFile, beside: Role, least: float) -> None:
     other = replace(file, provenance=replace(file.provenance, role=beside))
     assert least_trusted([file, other], replace(TINY, trusted=0.2, trusted_in_semi=0.5)) == least
+
+
+@pytest.mark.parametrize(("balance", "shares"), [(0.0, (0.09, 0.9, 0.01)), (0.5, (0.222, 0.703, 0.074)), (1.0, (1 / 3,) * 3)])
+def test_of_parts_that_scans_show_little_of_more_points_are_drawn(balance: float, shares: tuple[float, ...]) -> None:
+    rng = np.random.default_rng(0)
+    parts = rng.permutation(np.repeat([0, 1, -1], [900, 9000, 100]))
+    found = [np.bincount(parts[drawn(parts, 20, balance, rng)] + 1, minlength=3) for _ in range(500)]
+    none, first, second = np.sum(found, axis=0) / (20 * 500)
+    assert (first, second, none) == pytest.approx(shares, abs=0.02)
+
+
+@given(st.lists(st.integers(-1, 3), min_size=1, max_size=40), st.integers(1, 60), st.floats(0.0, 1.0), st.integers(0, 99))
+def test_points_are_drawn_once_where_there_are_as_many(parts: list[int], count: int, balance: float, seed: int) -> None:
+    found = drawn(np.array(parts), count, balance, np.random.default_rng(seed))
+    assert len(found) == count
+    assert set(found) <= set(range(len(parts)))
+    assert count > len(parts) or len(set(found)) == count
 
 
 def test_an_object_is_drawn_as_often_in_few_files_as_in_many() -> None:

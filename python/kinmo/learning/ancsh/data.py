@@ -82,14 +82,28 @@ def odds(objects: Sequence[Hashable], trusted: Sequence[bool], least: float) -> 
     return np.asarray(weights)
 
 
+def drawn(parts: NDArray[np.int64], count: int, balance: float, rng: np.random.Generator) -> NDArray[np.int64]:
+    """Indices [count] of points of `parts` [n] (below 0: of none), each but once where there are as many.
+
+    Of m points of a part about m ** (1 - `balance`) are drawn for every one of a part with a single point: 0 draws all points
+    with equal odds, 1 as many of every part.
+    """
+    weights = np.bincount(parts + 1)[parts + 1] ** -balance
+    if len(parts) < count:
+        return rng.choice(len(parts), count, p=weights / weights.sum())
+    times = rng.exponential(size=len(parts)) / weights  # which of them come first is a draw by weights (Efraimidis 2006)
+    return np.argpartition(times, count - 1)[:count]
+
+
 def _seen_and_said(
     file: ScanFile, row: int, rotation: F64, config: AncshConfig, rng: np.random.Generator
 ) -> tuple[NDArray[np.generic], ...]:
     """What a network sees of a frame and what it is to say, in the order of `ScanBatch`."""
     points, parts, places = (file.read(name, row) for name in ("points", "parts", "places"))
     frame = InputFrame.of(points, config.normalised, rotation=rotation)  # of all, as of a scan that is asked about
-    chosen = rng.choice(len(points), config.points, replace=len(points) < config.points)
-    points, parts, places = points[chosen], parts[chosen].astype(np.int64), places[chosen].astype(np.float64)
+    parts = parts.astype(np.int64)
+    chosen = drawn(parts, config.points, config.balance, rng)
+    points, parts, places = points[chosen], parts[chosen], places[chosen].astype(np.float64)
     npcs, naocs = canonical_coordinates(places, parts, file.extents)
     near = surroundings(
         places,

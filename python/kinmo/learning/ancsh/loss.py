@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from kinmo.config import AncshConfig
+from kinmo.config import AncshConfig, MeanOver
 from kinmo.learning.ancsh.network import JointAnswers, PartAnswers
 
 
@@ -47,22 +47,22 @@ def relaxed_iou_loss(logarithms: Tensor, truth: Tensor) -> Tensor:
     return 1.0 - (shared / (union + 1e-6)).mean()
 
 
-def part_losses(answers: PartAnswers, batch: ScanBatch) -> dict[str, Tensor]:
+def part_losses(answers: PartAnswers, batch: ScanBatch, mean_over: MeanOver) -> dict[str, Tensor]:
     """`parts` and `npcs`."""
     return {
         "parts": relaxed_iou_loss(answers.parts, batch.parts),
-        "npcs": _apart(answers.npcs, batch.npcs, batch.parts),
+        "npcs": _apart(answers.npcs, batch.npcs, batch.parts, mean_over),
     }
 
 
-def joint_losses(parts: PartAnswers, answers: JointAnswers, batch: ScanBatch) -> dict[str, Tensor]:
+def joint_losses(parts: PartAnswers, answers: JointAnswers, batch: ScanBatch, mean_over: MeanOver) -> dict[str, Tensor]:
     """`naocs`, `joints`, `heatmap`, `toward` and `axes`, the last three over all points though few are near to a joint; and
     `sizes` and `pivots`, where scans are asked as wholes.
     """
     near = (batch.joints > 0).to(batch.points.dtype)
     placed = near * batch.has_pivot
     losses = {
-        "naocs": _apart(answers.naocs(parts.npcs), batch.naocs, batch.parts),
+        "naocs": _apart(answers.naocs(parts.npcs), batch.naocs, batch.parts, mean_over),
         "joints": relaxed_iou_loss(answers.joints, batch.joints),
         "heatmap": ((answers.heatmap - batch.heatmap).abs() * placed).mean(),
         "toward": (torch.linalg.vector_norm(answers.toward - batch.toward, dim=-1) * placed).mean(),
@@ -81,10 +81,19 @@ def total(losses: dict[str, Tensor], config: AncshConfig) -> Tensor:
     return torch.stack([getattr(config.weights, name) * loss for name, loss in losses.items()]).sum()
 
 
-def _apart(found: Tensor, truth: Tensor, parts: Tensor) -> Tensor:
-    """Mean distance of `found` [B, n, K, 3], at the true part, from `truth` [B, n, 3]; points of no part count as zero."""
-    known = parts < found.shape[2]
-    index = torch.where(known, parts, 0).view(*parts.shape, 1, 1).expand(-1, -1, 1, 3)
-    own = torch.gather(found, 2, index).squeeze(2)
-    distances: Tensor = torch.linalg.vector_norm(own - truth, dim=-1)
-    return (distances * known).mean()
+def _apart(found: Tensor, truth: Tensor, parts: Tensor, mean_over: MeanOver) -> Tensor:
+    """Mean distance of `found` [B, n, K, 3], at the true part, from `truth` [B, n, 3].
+
+    Over all points, those of no part counting as zero; or over those of each part that a scan shows, and then over these parts.
+    """
+    count = found.shape[2]
+    known = parts < count
+    own = torch.where(known, parts, 0)
+    index = own.view(*parts.shape, 1, 1).expand(-1, -1, 1, 3)
+    distances: Tensor = torch.linalg.vector_norm(torch.gather(found, 2, index).squeeze(2) - truth, dim=-1) * known
+    if mean_over == "points":
+        return distances.mean()
+    marked = torch.nn.functional.one_hot(own, count).to(distances.dtype) * known.unsqueeze(-1)
+    shown = marked.sum(1)
+    means = (distances.unsqueeze(-1) * marked).sum(1) / shown.clamp(min=1)
+    return means.sum() / (shown > 0).sum().clamp(min=1)

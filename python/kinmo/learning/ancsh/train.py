@@ -109,7 +109,8 @@ class AncshLearner(Learner):
         self.log_dict(logged, batch_size=len(batch.points))
 
     def _losses(self, batch: ScanBatch) -> dict[str, torch.Tensor]:
+        mean_over = self.config.mean_over
         if isinstance(self.network, AncshNetwork):
             parts, joints = self.network.forward_all(batch.points)
-            return part_losses(parts, batch) | joint_losses(parts, joints, batch)
-        return part_losses(self.network(batch.points), batch)
+            return part_losses(parts, batch, mean_over) | joint_losses(parts, joints, batch, mean_over)
+        return part_losses(self.network(batch.points), batch, mean_over)
