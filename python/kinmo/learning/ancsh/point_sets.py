@@ -101,9 +101,9 @@ class SetAbstraction(nn.Module):
             return self.layers.maxima_after_first(seen.unsqueeze(1))
         if features is None:
             seen = self.layers.first(gather_points(points, level.groups) - level.places.unsqueeze(2))
-        else:  # W [x - c, f] = W [x, f] - W [c, 0]
+        else:  # W [x - c, f] = W [x, f] + W [-c, 0], a sum rather than a difference, which would go backward through a negation
             seen = gather_points(self.layers.first(torch.cat([points, features], -1)), level.groups)
-            seen = seen - self.layers.first(level.places).unsqueeze(2)
+            seen = seen + self.layers.first(-level.places).unsqueeze(2)
         return self.layers.maxima_after_first(seen)
 
 
