@@ -10,13 +10,11 @@ from typing import Any, Literal, get_args
 import numpy as np
 import pytest
 import torch
-from hypothesis import given
-from hypothesis import strategies as st
 
 from kinmo.config import AncshConfig, AncshNetworkName, MeanOver, Precision, ScansConfig, TrainingConfig, load_config
 from kinmo.errors import InputError
 from kinmo.learning.ancsh import point_sets
-from kinmo.learning.ancsh.data import ScanData, drawn, least_trusted, odds
+from kinmo.learning.ancsh.data import ScanData, least_trusted
 from kinmo.learning.ancsh.loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
 from kinmo.learning.ancsh.network import (
     KIND,
@@ -361,39 +359,10 @@ def test_a_part_map_is_linear_the_same_for_all_points_and_nothing_before_it_has_
     assert not torch.allclose(found[:, :, 0], found[:, :, 1])
 
 
-def test_objects_with_true_labels_have_their_share_of_a_batch() -> None:
-    np.testing.assert_allclose(odds("abcd", [True, False, False, False], 0.5), [1 / 2, 1 / 6, 1 / 6, 1 / 6])
-    for trusted in ([True, True, True, False], [True, True], [False, False]):
-        np.testing.assert_allclose(odds(range(len(trusted)), trusted, 0.5), 1 / len(trusted))
-    np.testing.assert_allclose(odds("abcd", [True, False, False, False], 0.0), 1 / 4)
-
-
 @pytest.mark.parametrize(("beside", "least"), [("pseudo", 0.2), ("hidden", 0.2), ("unlabelled", 0.5)])
 def test_what_networks_labelled_themselves_is_trusted_less(file: ScanFile, beside: Role, least: float) -> None:
     other = replace(file, provenance=replace(file.provenance, role=beside))
     assert least_trusted([file, other], replace(TINY, trusted=0.2, trusted_in_semi=0.5)) == least
-
-
-@pytest.mark.parametrize(("balance", "shares"), [(0.0, (0.09, 0.9, 0.01)), (0.5, (0.222, 0.703, 0.074)), (1.0, (1 / 3,) * 3)])
-def test_of_parts_that_scans_show_little_of_more_points_are_drawn(balance: float, shares: tuple[float, ...]) -> None:
-    rng = np.random.default_rng(0)
-    parts = rng.permutation(np.repeat([0, 1, -1], [900, 9000, 100]))
-    found = [np.bincount(parts[drawn(parts, 20, balance, rng)] + 1, minlength=3) for _ in range(500)]
-    none, first, second = np.sum(found, axis=0) / (20 * 500)
-    assert (first, second, none) == pytest.approx(shares, abs=0.02)
-
-
-@given(st.lists(st.integers(-1, 3), min_size=1, max_size=40), st.integers(1, 60), st.floats(0.0, 1.0), st.integers(0, 99))
-def test_points_are_drawn_once_where_there_are_as_many(parts: list[int], count: int, balance: float, seed: int) -> None:
-    found = drawn(np.array(parts), count, balance, np.random.default_rng(seed))
-    assert len(found) == count
-    assert set(found) <= set(range(len(parts)))
-    assert count > len(parts) or len(set(found)) == count
-
-
-def test_an_object_is_drawn_as_often_in_few_files_as_in_many() -> None:
-    np.testing.assert_allclose(odds("aab", [True] * 3, 0.5), [1 / 4, 1 / 4, 1 / 2])
-    np.testing.assert_allclose(odds("aabb", [True, True, False, False], 0.8), [0.4, 0.4, 0.1, 0.1])
 
 
 def turned_apart(file: ScanFile) -> int:
