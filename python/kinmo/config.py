@@ -296,7 +296,7 @@ class AncshConfig:
     points: Count = 1024
     centers: Annotated[tuple[Count, ...], Within(2, 2)] = (512, 128)
     radii: Annotated[tuple[Positive, ...], Within(2, 2)] = (0.2, 0.4)
-    neighbours: Count = 64
+    neighbours: Annotated[tuple[Count, ...], Within(2, 2)] = (64, 64)
     width: Annotated[float, Within(sys.float_info.min, 64.0)] = 1.0
     distance_power: Annotated[int, Within(1, 2)] = 2
     dropout: Share = 0.5

@@ -27,7 +27,7 @@ SCANS = """
 [ancsh]
 points = 128
 centers = [32, 8]
-neighbours = 8
+neighbours = [8, 8]
 width = 0.125
 batch_frames = 4
 batches_per_epoch = 2

@@ -42,7 +42,7 @@ TINY = AncshConfig(
     training=TrainingConfig(epochs=2, learning_rate=3e-3, weight_decay=0.0, decay_epochs=0, threads=1),
     points=128,
     centers=(32, 16),
-    neighbours=8,
+    neighbours=(8, 8),
     width=0.125,
     dropout=0.0,
     batch_frames=8,

@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import torch
 
-from kinmo.learning.ancsh.point_sets import FeaturePropagation, Level, PointNetPlusPlus, SetAbstraction, levels_of
+from kinmo.learning.ancsh.point_sets import (
+    MANY_ROWS,
+    FeaturePropagation,
+    Level,
+    PointNetPlusPlus,
+    SetAbstraction,
+    levels_of,
+    product,
+)
 from kinmo.learning.layers import gather_points
 
 
@@ -14,16 +23,17 @@ def clouds(count: int, size: int, seed: int = 0) -> torch.Tensor:
 
 
 def level_of(points: torch.Tensor, centers: int, radius: float = 0.5, neighbours: int = 7, power: int = 2) -> Level:
-    (level,) = levels_of(points, (centers,), (radius,), neighbours, power)
+    (level,) = levels_of(points, (centers,), (radius,), (neighbours,), power)
     return level
 
 
 def test_centers_are_points_and_those_of_each_level_are_among_those_of_the_one_before() -> None:
     points = clouds(3, 60)
-    near, far = levels_of(points, (20, 6), (0.3, 0.6), 8, 2)
+    near, far = levels_of(points, (20, 6), (0.3, 0.6), (8, 5), 2)
     for before, level in ((points, near), (near.places, far)):
         assert (level.places.unsqueeze(2) == before.unsqueeze(1)).all(-1).any(-1).all()
         assert torch.equal(level.places[:, 0], points[:, 0])
+    assert [level.groups.shape[1:] for level in (near, far)] == [(20, 8), (6, 5)]
     assert [level.places.shape[1] for level in (near, far)] == [20, 6]
 
 
@@ -43,6 +53,18 @@ def test_interpolation_gives_the_feature_of_a_center_there_and_means_between() -
     np.testing.assert_allclose(found[0, :4, 0], [1.0, 1000.0, 100.0, 3.0], rtol=1e-6)
     weights = np.array([0.25, 0.75, np.hypot(0.25, 5.0)]) ** -2
     np.testing.assert_allclose(found[0, 4], weights @ [1, 3, 100] / weights.sum(), rtol=1e-6)
+
+
+@pytest.mark.parametrize("groups", [1, MANY_ROWS // 8, MANY_ROWS])
+def test_products_of_few_groups_and_of_many_are_the_same_and_go_backward_alike(groups: int) -> None:
+    torch.manual_seed(0)
+    weight, x = torch.randn(6, 7)[:, 2:].requires_grad_(), torch.randn(2, groups, 4, 5, requires_grad=True)
+    answers = torch.randn(2, groups, 4, 6)
+    found, expected = product(x, weight), x @ weight.t()
+    torch.testing.assert_close(found, expected, rtol=1e-5, atol=1e-5)
+    assert found.is_contiguous()
+    gradients = [torch.autograd.grad(each, (x, weight), answers, retain_graph=True) for each in (found, expected)]
+    torch.testing.assert_close(*gradients, rtol=1e-4, atol=1e-3)
 
 
 def test_groups_are_seen_from_their_centres_with_their_features_joined() -> None:
@@ -74,7 +96,7 @@ def test_what_is_known_of_all_points_together_is_joined_with_each_one_s_own() ->
 
 def test_every_point_gets_features_and_their_order_follows_that_of_the_points() -> None:
     torch.manual_seed(0)
-    network = PointNetPlusPlus((32, 8), (0.3, 0.6), 8, 0.25, 2, 0.5).eval()
+    network = PointNetPlusPlus((32, 8), (0.3, 0.6), (8, 6), 0.25, 2, 0.5).eval()
     points = clouds(2, 80)
     features, whole = network(points)
     assert whole.shape == (2, 1, network.whole_features)

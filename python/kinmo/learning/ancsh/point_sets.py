@@ -8,13 +8,18 @@ from itertools import pairwise
 
 import torch
 from torch import Tensor, nn
-from torch.nn.functional import linear
+from torch.nn.functional import conv2d, linear
 
 from kinmo import _core
 from kinmo.learning.layers import channel_norm, gather_points, max_over_points
 
 LEAST_DISTANCE = 1e-6
 """From which on distances tell weights."""
+
+MANY_ROWS = 8192
+"""Of few features, from which on a CPU's convolutions beat its products."""
+
+HAS_ONEDNN: bool = torch.backends.mkldnn.is_available()  # type: ignore[no-untyped-call]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,20 +42,44 @@ class Level:
         return spread.scatter_(-1, self.nearest, self.weights.to(features.dtype)) @ features
 
 
-def levels_of(points: Tensor, centers: Sequence[int], radii: Sequence[float], neighbours: int, power: int) -> tuple[Level, ...]:
-    """Levels of `points` [B, n, 3], each of the centers of the one before, so many and with these radii.
+def levels_of(
+    points: Tensor, centers: Sequence[int], radii: Sequence[float], neighbours: Sequence[int], power: int
+) -> tuple[Level, ...]:
+    """Levels of `points` [B, n, 3], each of the centers of the one before, so many, with these radii and with groups of so many
+    `neighbours`.
 
-    Groups have as many members as `neighbours`, and weights are 1 / distance ** `power`. All is found before a network runs, as
-    a GPU would have to wait for it else.
+    Weights are 1 / distance ** `power`. All is found before a network runs, as a GPU would have to wait for it else.
     """
     here, found = points.detach().float().cpu(), []
-    for count, radius in zip(centers, radii, strict=True):
-        chosen, *indices, distances = map(torch.from_numpy, _core.group_points(here.numpy(), count, radius, neighbours))
+    for count, radius, size in zip(centers, radii, neighbours, strict=True):
+        chosen, *indices, distances = map(torch.from_numpy, _core.group_points(here.numpy(), count, radius, size))
         here = here.gather(1, chosen.unsqueeze(-1).expand(-1, -1, 3))
         weights = distances.clamp(min=LEAST_DISTANCE) ** -power
         weights = weights / weights.sum(-1, keepdim=True)
         found.append(Level(*(each.to(points.device) for each in (here, *indices, weights))))
     return tuple(found)
+
+
+def product(x: Tensor, weight: Tensor) -> Tensor:
+    """`x` [..., C] times the transpose of `weight` [C', C].
+
+    Of many groups [B, m, k, C] on a CPU it is asked for as a convolution: for many rows of few features oneDNN's kernels are
+    faster than those for products.
+    """
+    is_many = x.dim() == 4 and x.shape[:3].numel() > MANY_ROWS
+    if is_many and x.is_cpu and x.dtype == torch.float32 and HAS_ONEDNN:
+        return conv2d(x.permute(0, 3, 1, 2), weight[:, :, None, None]).permute(0, 2, 3, 1)
+    return linear(x, weight)
+
+
+class SharedLinear(nn.Linear):
+    """A linear layer without a bias over the last axis."""
+
+    def __init__(self, before: int, after: int) -> None:
+        super().__init__(before, after, bias=False)
+
+    def forward(self, x: Tensor) -> Tensor:
+        return product(x, self.weight)
 
 
 class SharedLayers(nn.Sequential):
@@ -63,13 +92,13 @@ class SharedLayers(nn.Sequential):
     def __init__(self, widths: Sequence[int]) -> None:
         layers: list[nn.Module] = []
         for before, after in pairwise(widths):
-            layers += [nn.Linear(before, after, bias=False), channel_norm("batch", after), nn.ReLU()]
+            layers += [SharedLinear(before, after), channel_norm("batch", after), nn.ReLU()]
         super().__init__(*layers)
 
     def first(self, x: Tensor, start: int = 0) -> Tensor:
         """The first layer's share [..., C'] of those of its channels that `x` [..., C] has, which are those from `start` on."""
         weight: Tensor = self[0].weight  # type: ignore[assignment]
-        return linear(x, weight[:, start : start + x.shape[-1]])
+        return product(x, weight[:, start : start + x.shape[-1]])
 
     def after_first(self, x: Tensor) -> Tensor:
         """What the other layers make of [..., C']."""
@@ -128,14 +157,20 @@ class PointNetPlusPlus(nn.Module):
     """
 
     def __init__(
-        self, centers: Sequence[int], radii: Sequence[float], neighbours: int, width: float, power: int, dropout: float
+        self,
+        centers: Sequence[int],
+        radii: Sequence[float],
+        neighbours: Sequence[int],
+        width: float,
+        power: int,
+        dropout: float,
     ) -> None:
         super().__init__()
 
         def wide(*widths: int) -> tuple[int, ...]:
             return tuple(max(1, round(width * each)) for each in widths)
 
-        self.grouping = tuple(centers), tuple(radii), neighbours, power
+        self.grouping = tuple(centers), tuple(radii), tuple(neighbours), power
         near, far, whole = wide(64, 64, 128), wide(128, 128, 256), wide(256, 512, 1024)
         self.near = SetAbstraction(0, near)
         self.far = SetAbstraction(near[-1], far)
