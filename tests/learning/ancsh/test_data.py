@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinmo.learning.ancsh.data import drawn, odds
+from kinmo.learning.ancsh.data import ScanData, drawn, least_trusted, odds
+from kinmo.scans.input_frame import InputFrame, scan_rotations
+from kinmo.scans.scan_file import Role, ScanFile
+from tiny_ancsh import SCAN_ALONE, TINY, turned_apart
 
 
 def test_objects_with_true_labels_have_their_share_of_a_batch() -> None:
@@ -37,3 +43,41 @@ def test_points_are_drawn_once_where_there_are_as_many(parts: list[int], count: 
     assert len(found) == count
     assert set(found) <= set(range(len(parts)))
     assert count > len(parts) or len(set(found)) == count
+
+
+@pytest.mark.parametrize(("beside", "least"), [("pseudo", 0.2), ("hidden", 0.2), ("unlabelled", 0.5)])
+def test_what_networks_labelled_themselves_is_trusted_less(file: ScanFile, beside: Role, least: float) -> None:
+    other = replace(file, provenance=replace(file.provenance, role=beside))
+    assert least_trusted([file, other], replace(TINY, trusted=0.2, trusted_in_semi=0.5)) == least
+
+
+@pytest.mark.parametrize("points", [32, 128, 256])
+def test_few_points_of_a_scan_are_seen_where_and_as_large_as_all_of_them_are(file: ScanFile, points: int) -> None:
+    config = replace(SCAN_ALONE, points=points)
+    batch = ScanData([file], [file], config).batch([(file, row) for row in range(8)], np.random.default_rng(0))
+    for row in range(8):
+        whole = file.read("points", row)
+        seen = InputFrame.of(whole, "scan").apply(whole)
+        each = np.abs(batch.points[row].numpy()[:, None] - seen[None]).max(axis=-1).min(axis=1)
+        np.testing.assert_allclose(each, 0.0, atol=1e-6)
+
+
+def test_half_of_the_scans_to_train_on_are_seen_along_the_axes_of_the_base(file: ScanFile) -> None:
+    row = turned_apart(file)
+    data = ScanData([file], [file], replace(TINY, axes="base", points=256))
+    rng = np.random.default_rng(0)
+    seen = [data.batch([(file, row)], rng).points[0].sort(dim=0).values for _ in range(40)]
+    likeness = np.array([torch.allclose(cloud, seen[0], atol=1e-5) for cloud in seen])
+    assert 0.25 < likeness.mean() < 0.75
+    others = [cloud for cloud, alike in zip(seen, likeness, strict=True) if not alike]
+    assert all(torch.allclose(cloud, others[0], atol=1e-5) for cloud in others)
+
+
+def test_networks_that_look_once_see_scans_along_the_axes_of_all_that_is_seen(file: ScanFile) -> None:
+    row = turned_apart(file)
+    config = replace(SCAN_ALONE, axes="manhattan", points=len(file.read("points", row)))
+    batch = ScanData([file], [file], config).batch([(file, row)], np.random.default_rng(0))
+    whole = file.read("points", row)
+    (first,) = scan_rotations(whole[None], "manhattan")
+    seen = InputFrame.of(whole, "scan", rotation=first).apply(whole)
+    np.testing.assert_allclose(np.sort(batch.points[0].numpy(), axis=0), np.sort(seen, axis=0), atol=1e-5)

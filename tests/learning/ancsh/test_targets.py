@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from kinmo.joint import Joint, JointKind
-from kinmo.learning.ancsh.targets import REACH, surroundings
+from kinmo.learning.ancsh.targets import REACH, layout, surroundings
 from kinmo.scans.articulated_object import Structure
+from kinmo.scans.scan_file import ScanFile
 
 UP, AHEAD = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 STRUCTURE = Structure((JointKind.REVOLUTE, JointKind.REVOLUTE, JointKind.PRISMATIC), (0, 0, 0))
@@ -39,3 +40,12 @@ def test_a_slider_is_told_of_by_all_of_its_part_and_has_a_place_in_the_release_a
     release = surroundings(PLACES, PARTS, JOINTS, STRUCTURE, nearest=False, lines_only=True)
     assert release.has_pivot.tolist() == [True, True, True, False]
     assert release.heatmap[2] == pytest.approx(1.0), "on the line through its stored origin"
+
+
+def test_a_layout_has_boxes_of_diagonal_one_and_the_pivots_next_to_the_parts_that_move(file: ScanFile) -> None:
+    half_sizes, pivots, is_line = layout(file.extents, file.joints)
+    np.testing.assert_allclose(np.linalg.norm(half_sizes, axis=1), 0.5, atol=1e-3)
+    assert is_line.tolist() == [joint.has_pivot for joint in file.joints]
+    for joint, pivot, middle in zip(file.joints, pivots - 0.5, file.extents.centers[1:], strict=True):
+        np.testing.assert_allclose(np.cross(pivot - joint.pivot, joint.direction), 0.0, atol=1e-6)
+        assert (middle - pivot) @ joint.direction == pytest.approx(0.0, abs=1e-6)
