@@ -10,10 +10,10 @@ import numpy as np
 from articulated import shape_of_boxes
 from kinmo.evaluation.scan_metrics import truth
 from kinmo.joint import Joint, JointKind
-from kinmo.learning.ancsh.targets import REACH, canonical_coordinates, surroundings
+from kinmo.learning.ancsh.targets import REACH, JointAxes, canonical_coordinates, layout, surroundings
 from kinmo.mobility import Body
-from kinmo.scans.answers import PointAnswers
-from kinmo.scans.articulated_object import ArticulatedObject, articulated_object
+from kinmo.scans.answers import Layout, PointAnswers
+from kinmo.scans.articulated_object import ArticulatedObject, Extents, articulated_object
 from kinmo.scans.estimate import ScanEstimate
 from kinmo.scans.input_frame import InputFrame
 from kinmo.scans.scan import Scans
@@ -76,9 +76,10 @@ def true_answers(target: ArticulatedObject, scans: Scans, row: int, frame: Input
     frame = frame or InputFrame(np.zeros(3), 1.0)
     parts, places = scans.parts[row].astype(np.int64), scans.places[row].astype(np.float64)
     npcs, naocs = canonical_coordinates(places, parts, target.part_extents)
-    near = surroundings(places, parts, target.joints, target.structure)
+    near = surroundings(places[None], parts[None], JointAxes.of([target.joints]), target.structure)
+    joints, heatmap, toward, axes = (each[0] for each in (near.joints, near.heatmap, near.toward, near.axes))
     extents = target.part_extents
-    pivots = naocs + near.toward * ((1.0 - near.heatmap) * REACH)[:, None]
+    pivots = naocs + toward * ((1.0 - heatmap) * REACH)[:, None]
     return PointAnswers(
         frame,
         frame.apply(scans.points[row]).astype(np.float64),
@@ -86,7 +87,13 @@ def true_answers(target: ArticulatedObject, scans: Scans, row: int, frame: Input
         npcs.astype(np.float64),
         extents.diagonals,
         extents.centers + 0.5 - 0.5 * extents.diagonals[:, None],
-        near.joints,
-        near.axes.astype(np.float64),
+        joints,
+        axes.astype(np.float64),
         pivots.astype(np.float64),
     )
+
+
+def true_layout(target: ArticulatedObject) -> Layout:
+    """What there is to say of scans as wholes."""
+    half_sizes, pivots = layout(Extents.stack([target.part_extents]), JointAxes.of([target.joints]))
+    return Layout(half_sizes[0].astype(np.float64), pivots[0].astype(np.float64))

@@ -7,14 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from kinmo.config import ScansConfig
-from kinmo.learning.ancsh.targets import layout
-from kinmo.scans.answers import MIDDLE, Layout, said_half_sizes, said_joints
+from kinmo.scans.answers import MIDDLE, said_half_sizes, said_joints
 from kinmo.scans.scan import scan
-from scanned import cupboard_object, true_answers
+from scanned import cupboard_object, true_answers, true_layout
 
 TARGET = cupboard_object()
 SCANS = scan(TARGET, ScansConfig(states=1, views=1, size=160, points=600, least_pixels=150), 0)
-HALF_SIZES, PIVOTS, _ = (values.astype(np.float64) for values in layout(TARGET.part_extents, TARGET.joints))
+LAYOUT = true_layout(TARGET)
 
 
 def test_boxes_hold_what_is_seen_about_the_middle_and_are_unknown_of_what_is_not() -> None:
@@ -23,7 +22,7 @@ def test_boxes_hold_what_is_seen_about_the_middle_and_are_unknown_of_what_is_not
     found = said_half_sizes(replace(answer, parts=np.where(answer.parts == lost, -1, answer.parts)))
     assert np.isnan(found[lost]).all()
     seen = np.arange(len(found)) != lost
-    assert (found[seen] <= HALF_SIZES[seen] + 1e-6).all()
+    assert (found[seen] <= LAYOUT.half_sizes[seen] + 1e-6).all()
     npcs, points = answer.on_part(2)
     assert len(npcs) == len(points) == (answer.parts == 2).sum()
     assert (np.abs(npcs - MIDDLE) <= found[2]).all()
@@ -31,10 +30,10 @@ def test_boxes_hold_what_is_seen_about_the_middle_and_are_unknown_of_what_is_not
 
 def test_what_is_said_of_the_whole_counts_before_what_points_say() -> None:
     answer = true_answers(TARGET, SCANS, 0)
-    answer = replace(answer, pivots=answer.pivots + 1.0, npcs=answer.npcs * 0.5, layout=Layout(HALF_SIZES, PIVOTS))
-    np.testing.assert_array_equal(said_half_sizes(answer), HALF_SIZES)
+    answer = replace(answer, pivots=answer.pivots + 1.0, npcs=answer.npcs * 0.5, layout=LAYOUT)
+    np.testing.assert_array_equal(said_half_sizes(answer), LAYOUT.half_sizes)
     directions, pivots = said_joints(answer, TARGET.structure)
-    np.testing.assert_array_equal(pivots, PIVOTS)
+    np.testing.assert_array_equal(pivots, LAYOUT.pivots)
     for joint, direction, pivot in zip(TARGET.joints, directions, pivots, strict=True):
         np.testing.assert_allclose(np.abs(direction @ joint.direction), 1.0, atol=1e-6)
         if joint.has_pivot:

@@ -13,15 +13,13 @@ from scipy.spatial.transform import Rotation
 from articulated import shape_of_boxes
 from kinmo.config import ScansConfig
 from kinmo.evaluation.scan_metrics import score_frame
-from kinmo.learning.ancsh.targets import layout
 from kinmo.mobility import Body
-from kinmo.scans.answers import Layout
 from kinmo.scans.articulated_object import ArticulatedObject, articulated_object
 from kinmo.scans.estimate import PoseOptions, estimate, turn_about
 from kinmo.scans.input_frame import InputFrame
 from kinmo.scans.scan import scan
 from kinmo.scans.typical import Typical
-from scanned import UP, cupboard_object, hinge, screw, slider, true_answers, true_estimate
+from scanned import UP, cupboard_object, hinge, screw, slider, true_answers, true_estimate, true_layout
 
 OPTIONS = ScansConfig(states=3, views=4, size=160, points=600, least_pixels=150)
 SEARCH = PoseOptions(hypotheses=300, pair_hypotheses=100)
@@ -141,9 +139,8 @@ def test_what_is_typically_along_an_axis_and_said_to_be_nearly_is_along_it() -> 
 def test_what_is_said_of_the_whole_makes_boxes_whole_and_places_axes_in_the_camera_s_frame() -> None:
     target = cupboard_object()
     scans = scan(target, OPTIONS, 0)
-    half_sizes, pivots, _ = layout(target.part_extents, target.joints)
     answers = true_answers(target, scans, 0)
-    answers = replace(answers, pivots=answers.pivots + 1.0, layout=Layout(half_sizes.astype(float), pivots.astype(float)))
+    answers = replace(answers, pivots=answers.pivots + 1.0, layout=true_layout(target))
     (found,) = estimate([answers], target.structure, replace(SEARCH, boxes="said"))
     score = score_frame(found, true_estimate(target, scans, 0), target.structure)
     assert score.iou.min() > 0.999
@@ -154,9 +151,9 @@ def test_what_is_said_of_the_whole_makes_boxes_whole_and_places_axes_in_the_came
 def test_boxes_that_are_said_too_small_or_too_large_have_sides_where_these_are_seen(said) -> None:
     target = cupboard_object()
     scans = scan(target, OPTIONS, 0)
-    half_sizes, pivots, _ = layout(target.part_extents, target.joints)
+    true = true_layout(target)
     answers = [
-        replace(true_answers(target, scans, row), layout=Layout(said * half_sizes.astype(float), pivots.astype(float)))
+        replace(true_answers(target, scans, row), layout=replace(true, half_sizes=said * true.half_sizes))
         for row in range(len(scans))
     ]
     overlaps = {}

@@ -9,6 +9,7 @@ import pytest
 
 from kinmo.config import ScansConfig
 from kinmo.learning.ancsh.targets import canonical_coordinates
+from kinmo.scans.articulated_object import Extents
 from kinmo.scans.estimate import PoseOptions, estimate
 from kinmo.scans.scan import scan
 from kinmo.scans.self_label import UNSURE, self_labelled
@@ -33,8 +34,8 @@ def test_what_networks_say_without_error_is_the_true_label(seen):
     said, labelled = made
     assert len(labelled) == len(scans)
     assert (labelled.parts == scans.parts).all()
-    true = canonical_coordinates(scans.places, scans.parts.astype(int), target.part_extents)
-    own = canonical_coordinates(labelled.places, labelled.parts.astype(int), said.part_extents)
+    true = canonical_coordinates(scans.places, scans.parts.astype(int), Extents.stack([target.part_extents]))
+    own = canonical_coordinates(labelled.places, labelled.parts.astype(int), Extents.stack([said.part_extents]))
     for mine, right in zip(own, true, strict=True):
         np.testing.assert_allclose(mine, right, atol=2e-3)
     for mine, right in zip(said.joints, target.joints, strict=True):

@@ -71,15 +71,20 @@ class Structure:
 
 @dataclass(frozen=True, eq=False)
 class Extents:
-    """Axis-aligned boxes of N things in the normalised frame: middles `centers` and `sizes`, both [N, 3]."""
+    """Axis-aligned boxes of N things in the normalised frame: middles `centers` and `sizes`, both [..., N, 3]."""
 
     centers: F64
     sizes: F64
 
+    @classmethod
+    def stack(cls, extents: Sequence[Extents]) -> Extents:
+        """Those of many objects of equally many parts, [len(extents), N]."""
+        return cls(np.stack([each.centers for each in extents]), np.stack([each.sizes for each in extents]))
+
     @cached_property
     def diagonals(self) -> F64:
-        """[N]."""
-        return np.asarray(np.linalg.norm(self.sizes, axis=1))
+        """[..., N]."""
+        return np.asarray(np.linalg.norm(self.sizes, axis=-1))
 
 
 @dataclass(frozen=True, eq=False)

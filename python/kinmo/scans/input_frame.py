@@ -45,8 +45,8 @@ class InputFrame:
         rotation = np.eye(3) if rotation is None else rotation
         if normalised == "object":
             return cls(np.zeros(3), 1.0 / diagonal, rotation)
-        turned = points @ rotation
-        low, high = turned.min(axis=0), turned.max(axis=0)
+        turned = rotation.T @ points.T  # NumPy is faster along rows
+        low, high = turned.min(axis=1), turned.max(axis=1)
         center = 0.5 * rotation @ (low + high).astype(np.float64)
         return cls(center, 1.0 / max(float(np.linalg.norm(high - low)), 1e-9), rotation)
 

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from kinmo.config import AncshConfig
 from kinmo.learning.ancsh.loss import ScanBatch
-from kinmo.learning.ancsh.targets import canonical_coordinates, layout, surroundings
+from kinmo.learning.ancsh.targets import JointAxes, canonical_coordinates, layout, surroundings
+from kinmo.scans.articulated_object import Extents
 from kinmo.scans.input_frame import InputFrame
 from kinmo.scans.scan_file import ScanFile
 
+F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 FIRST_LOOKS = 0.5
@@ -48,9 +50,29 @@ class ScanData:
             yield self.batch(frames[start : start + self.config.batch_frames], np.random.default_rng(0))
 
     def batch(self, frames: Sequence[tuple[ScanFile, int]], rng: np.random.Generator) -> ScanBatch:
-        """Frames, each given as a row of a file."""
-        columns = [_seen_and_said(file, row, self._rotation(file, row, rng), self.config, rng) for file, row in frames]
-        return ScanBatch(*(torch.from_numpy(np.stack(column)) for column in zip(*columns, strict=True)))
+        """Frames, each given as a row of a file; of objects of one structure."""
+        files = [file for file, _ in frames]
+        points, parts, places = map(np.stack, zip(*(self._drawn(file, row, rng) for file, row in frames), strict=True))
+        structure, labels = files[0].structure, self.config.joint_labels
+        extents, axes = Extents.stack([file.extents for file in files]), JointAxes.of([file.joints for file in files])
+        near = surroundings(places, parts, axes, structure, nearest=labels == "nearest", lines_only=labels == "release")
+        said = (
+            np.where(parts < 0, structure.part_count, parts),
+            *canonical_coordinates(places, parts, extents),
+            *(near.joints, near.heatmap, near.toward, near.axes, near.has_pivot),
+            *layout(extents, axes),
+            axes.has_pivot,
+        )
+        return ScanBatch(*map(torch.from_numpy, (points, *said)))
+
+    def _drawn(self, file: ScanFile, row: int, rng: np.random.Generator) -> tuple[F32, NDArray[np.int64], F64]:
+        """Of points that are drawn from a frame: what a network sees of them [n, 3], their parts [n], their places [n, 3]."""
+        rotation = self._rotation(file, row, rng)
+        points, parts, places = (file.read(name, row) for name in ("points", "parts", "places"))
+        frame = InputFrame.of(points, self.config.normalised, rotation=rotation)  # of all, as of a scan that is asked about
+        parts = parts.astype(np.int64)
+        chosen = drawn(parts, self.config.points, self.config.balance, rng)
+        return frame.apply(points[chosen]), parts[chosen], places[chosen].astype(np.float64)
 
     def _rotation(self, file: ScanFile, row: int, rng: np.random.Generator) -> F64:
         """The axes [3, 3] that a frame is seen along."""
@@ -88,31 +110,8 @@ def drawn(parts: NDArray[np.int64], count: int, balance: float, rng: np.random.G
     Of m points of a part about m ** (1 - `balance`) are drawn for every one of a part with a single point: 0 draws all points
     with equal odds, 1 as many of every part.
     """
-    weights = np.bincount(parts + 1)[parts + 1] ** -balance
+    weights = (np.maximum(np.bincount(parts + 1), 1) ** -balance)[parts + 1]
     if len(parts) < count:
         return rng.choice(len(parts), count, p=weights / weights.sum())
     times = rng.exponential(size=len(parts)) / weights  # which of them come first is a draw by weights (Efraimidis 2006)
     return np.argpartition(times, count - 1)[:count]
-
-
-def _seen_and_said(
-    file: ScanFile, row: int, rotation: F64, config: AncshConfig, rng: np.random.Generator
-) -> tuple[NDArray[np.generic], ...]:
-    """What a network sees of a frame and what it is to say, in the order of `ScanBatch`."""
-    points, parts, places = (file.read(name, row) for name in ("points", "parts", "places"))
-    frame = InputFrame.of(points, config.normalised, rotation=rotation)  # of all, as of a scan that is asked about
-    parts = parts.astype(np.int64)
-    chosen = drawn(parts, config.points, config.balance, rng)
-    points, parts, places = points[chosen], parts[chosen], places[chosen].astype(np.float64)
-    npcs, naocs = canonical_coordinates(places, parts, file.extents)
-    near = surroundings(
-        places,
-        parts,
-        file.joints,
-        file.structure,
-        nearest=config.joint_labels == "nearest",
-        lines_only=config.joint_labels == "release",
-    )
-    classes = np.where(parts < 0, file.structure.part_count, parts)
-    whole = layout(file.extents, file.joints)
-    return frame.apply(points), classes, npcs, naocs, near.joints, near.heatmap, near.toward, near.axes, near.has_pivot, *whole

@@ -23,8 +23,28 @@ LEAST_SIZE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
+class JointAxes:
+    """Those of J joints of B objects: `directions` and `pivots` [B, J, 3] in the normalised frame; `has_pivot` [B, J]."""
+
+    directions: F64
+    pivots: F64
+    has_pivot: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, joints: Sequence[Sequence[Joint]]) -> JointAxes:
+        """For the joints of each object."""
+        directions, pivots, has_pivot = (
+            np.array([[getattr(joint, name) for joint in each] for each in joints])
+            for name in ("direction", "pivot", "has_pivot")
+        )
+        return cls(directions, pivots, has_pivot)
+
+
+@dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Of n points: `joints` [n] (0: none near), `heatmap` [n], `toward` and `axes` [n, 3] in NAOCS, `has_pivot` [n]."""
+    """Of n points of B scans: `joints` [B, n] (0: none near), `heatmap` [B, n], `toward` and `axes` [B, n, 3] in NAOCS,
+    `has_pivot` [B, n].
+    """
 
     joints: NDArray[np.int64]
     heatmap: F32
@@ -34,66 +54,60 @@ class Surroundings:
 
 
 def canonical_coordinates(places: NDArray[np.floating], parts: NDArray[np.integer], extents: Extents) -> tuple[F32, F32]:
-    """NPCS and NAOCS [n, 3] of `places` [n, 3] of the normalised frame on `parts` [n] (below 0: none).
+    """NPCS and NAOCS [..., n, 3] of `places` [..., n, 3] of the normalised frame on `parts` [..., n] (below 0: none) with these
+    `extents` [..., K].
 
     Of the object in NAOCS, as of every part in NPCS, the axis-aligned box has its middle at (0.5, 0.5, 0.5) and the diagonal 1.
     """
-    own = np.maximum(parts, 0)
-    npcs = (places - extents.centers[own]) / extents.diagonals[own, None] + 0.5
-    return npcs.astype(np.float32), np.asarray(places + 0.5, np.float32)
+    own = np.maximum(parts, 0)[..., None]
+    centers, diagonals = (np.take_along_axis(each, own, -2) for each in (extents.centers, extents.diagonals[..., None]))
+    return ((places - centers) / diagonals + 0.5).astype(np.float32), np.asarray(places + 0.5, np.float32)
 
 
 def surroundings(
     places: NDArray[np.floating],
     parts: NDArray[np.integer],
-    joints: Sequence[Joint],
+    axes: JointAxes,
     structure: Structure,
     *,
     nearest: bool = True,
     lines_only: bool = False,
 ) -> Surroundings:
-    """Which joint every point is near to, and where its axis lies from there.
+    """Which joint every point of B scans is near to, and where its axis lies from there: of `places` [B, n, 3] of the
+    normalised frame on `parts` [B, n].
 
     A joint with a pivot is told of by points of the part that it moves and of the one that this moves against, within `REACH`
     of its axis; one without by all points of the part that it moves. Near to several, a point tells of the `nearest`, else, as
     in the release, of the last. With `lines_only`, as there too, a joint without a pivot is one about its stored origin.
     """
-    count = len(places)
-    found = Surroundings(
-        np.zeros(count, np.int64),
-        np.zeros(count, np.float32),
-        np.zeros((count, 3), np.float32),
-        np.zeros((count, 3), np.float32),
-        np.zeros(count, bool),
+    is_line = axes.has_pivot | lines_only
+    offsets, directions = axes.pivots[:, :, None] - places[:, None], axes.directions[:, :, None]
+    offsets -= np.einsum("bjnk,bjok->bjn", offsets, directions)[..., None] * directions
+    distances = np.linalg.norm(offsets, axis=-1)
+    moved, parents = np.arange(1, len(structure.parents) + 1)[:, None], np.array(structure.parents)[:, None]
+    is_moved, is_parent = parts[:, None] == moved, parts[:, None] == parents
+    near = np.where(is_line[..., None], (is_moved | is_parent) & (distances < REACH), is_moved)  # [B, J, n]
+    distances = np.where(is_line[..., None], distances, REACH)
+    if nearest:
+        chosen = np.where(near, distances, np.inf).argmin(axis=1)
+    else:
+        chosen = len(structure.parents) - 1 - near[:, ::-1].argmax(axis=1)
+    scans, points = np.arange(len(places))[:, None], np.arange(places.shape[1])
+    distances, offsets = distances[scans, chosen, points], offsets[scans, chosen, points]
+    is_near, placed = near.any(axis=1), near.any(axis=1) & is_line[scans, chosen]
+    return Surroundings(
+        np.where(is_near, chosen + 1, 0),
+        np.where(placed, 1.0 - distances / REACH, 0.0).astype(np.float32),
+        np.where(placed[..., None], offsets / np.maximum(distances, 1e-9)[..., None], 0.0).astype(np.float32),
+        np.where(is_near[..., None], axes.directions[scans, chosen], 0.0).astype(np.float32),
+        placed,
     )
-    closest = np.full(count, np.inf)
-    for number, (joint, parent) in enumerate(zip(joints, structure.parents, strict=True), start=1):
-        is_line = joint.has_pivot or lines_only
-        if is_line:
-            offsets = joint.pivot - places
-            offsets = offsets - (offsets @ joint.direction)[:, None] * joint.direction
-            distances = np.linalg.norm(offsets, axis=1)
-            near = ((parts == number) | (parts == parent)) & (distances < REACH)
-        else:
-            offsets, distances = np.zeros((count, 3)), np.full(count, REACH)
-            near = parts == number
-        if nearest:
-            near &= distances < closest
-        closest[near] = distances[near]
-        found.joints[near] = number
-        found.heatmap[near] = 1.0 - distances[near] / REACH
-        found.toward[near] = offsets[near] / np.maximum(distances[near, None], 1e-9)
-        found.axes[near] = joint.direction
-        found.has_pivot[near] = is_line
-    return found
 
 
-def layout(extents: Extents, joints: Sequence[Joint]) -> tuple[F32, F32, NDArray[np.bool_]]:
-    """Half of the sides [K, 3] of the parts' boxes in NPCS; pivots [K - 1, 3] in NAOCS, those next to the middles of the parts
-    that move; and whether a joint has one [K - 1].
+def layout(extents: Extents, axes: JointAxes) -> tuple[F32, F32]:
+    """Half of the sides [B, K, 3] of the parts' boxes in NPCS, and pivots [B, K - 1, 3] in NAOCS: those next to the middles of
+    the parts that move. Of B objects with `extents` [B, K].
     """
-    half_sizes = np.maximum(0.5 * extents.sizes / extents.diagonals[:, None], LEAST_SIZE)
-    directions, pivots = (np.array([getattr(joint, name) for joint in joints]) for name in ("direction", "pivot"))
-    along = np.sum((extents.centers[1:] - pivots) * directions, axis=1, keepdims=True)
-    nearest = pivots + along * directions + 0.5
-    return half_sizes.astype(np.float32), nearest.astype(np.float32), np.array([joint.has_pivot for joint in joints])
+    half_sizes = np.maximum(0.5 * extents.sizes / extents.diagonals[..., None], LEAST_SIZE)
+    along = np.sum((extents.centers[:, 1:] - axes.pivots) * axes.directions, axis=-1, keepdims=True)
+    return half_sizes.astype(np.float32), (axes.pivots + along * axes.directions + 0.5).astype(np.float32)
