@@ -94,7 +94,8 @@ def surroundings(
         chosen = len(structure.parents) - 1 - near[:, ::-1].argmax(axis=1)
     scans, points = np.arange(len(places))[:, None], np.arange(places.shape[1])
     distances, offsets = distances[scans, chosen, points], offsets[scans, chosen, points]
-    is_near, placed = near.any(axis=1), near.any(axis=1) & is_line[scans, chosen]
+    is_near = near.any(axis=1)
+    placed = is_near & is_line[scans, chosen]
     return Surroundings(
         np.where(is_near, chosen + 1, 0),
         np.where(placed, 1.0 - distances / REACH, 0.0).astype(np.float32),
