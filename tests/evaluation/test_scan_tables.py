@@ -12,6 +12,7 @@ from kinmo.evaluation.scan_records import ACCURACIES, ObjectScans, read_scores, 
 from kinmo.evaluation.scan_summary import measure_titles, summary
 from kinmo.evaluation.scan_tables import (
     NOT_RUN,
+    OUTDATED,
     ScanRow,
     by_part,
     over_categories,
@@ -115,14 +116,15 @@ def test_categories_count_alike_and_only_in_what_they_have():
     two = np.array([0.4, 0.4])
     drawer = FrameScore(two, two, two, np.array([0.2]), np.array([np.nan]), np.array([0.1]), np.array([np.nan]))
     drawers = [ObjectScans("drawer", (drawer,))]
-    run = {"one": (doors, drawers), "two": (doors, ()), "three": ((), ())}
+    run = {"one": (doors, drawers), "two": (doors, ()), "three": ((), ()), "four": ((), ())}
     rows = {
         name: {"Door": ScanRow(name, tuple(those)), "Table": ScanRow(name, tuple(these))}
         for name, (those, these) in run.items()
     }
+    rows["four"]["Table"] = ScanRow("four", (), absent=OUTDATED)
     table = over_categories(rows, {"Door": STRUCTURE, "Table": slides}, CAPTION)
     found = [dict(zip([column.title for column in table.columns], row, strict=True)) for row in table.rows]
-    assert [row["categories"] for row in found] == [2, 1, NOT_RUN]
+    assert [row["categories"] for row in found] == [2, 1, NOT_RUN, OUTDATED]
     assert found[0]["rotation (deg)"] == pytest.approx(np.degrees(0.3))
     assert found[1]["rotation (deg)"] == pytest.approx(np.degrees(0.2))
     alone = summary(doors, STRUCTURE)[measure_titles(STRUCTURE).index("state (deg)")]

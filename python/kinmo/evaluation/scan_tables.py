@@ -109,7 +109,8 @@ def over_categories(rows: Mapping[str, Mapping[str, ScanRow]], structures: Mappi
             found = zip(measures_of(structure), summary(objects, structure), strict=True)
             values.append({measure: estimate.value for measure, estimate in found if estimate is not None})
         lost = [share for objects in run.values() if (share := failures(objects)) is not None]
-        lines.append((name, len(run) or NOT_RUN, *_means(values, measures), sum(lost) / len(lost) if lost else None))
+        absent = OUTDATED if any(row.absent == OUTDATED for row in by_category.values()) else NOT_RUN
+        lines.append((name, len(run) or absent, *_means(values, measures), sum(lost) / len(lost) if lost else None))
         printed = [row for row in by_category.values() if row.printed is not None]
         if printed:
             own = [printed_means(row.printed) for row in printed if row.printed is not None]

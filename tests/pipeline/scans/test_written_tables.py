@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from collections import Counter
 from dataclasses import fields
@@ -14,7 +15,7 @@ from whole_road import Listener
 from kinmo.evaluation.scan_tables import NOT_RUN
 from kinmo.evaluation.scan_tables import OUTDATED as OUTDATED_ROW
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of, training_data
+from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of, training_data, unfinished
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.judged import JudgedScans
 from kinmo.pipeline.scans.make_table import MakeTable
@@ -22,7 +23,7 @@ from kinmo.pipeline.scans.networks import NETWORKS, PROTOCOLS, Cell
 from kinmo.pipeline.scans.refusal import REFUSED
 from kinmo.pipeline.scans.settings import SETTINGS
 from kinmo.pipeline.scans.table_rows import TABLES, printed_row
-from kinmo.pipeline.scans.written_tables import WrittenTables
+from kinmo.pipeline.scans.written_tables import AUTHORS_MEASURE, WrittenTables
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan import Scans
 from kinmo.scans.scan_file import count_objects, open_scans, write_scans
@@ -59,7 +60,7 @@ def test_a_table_says_how_right_pseudo_labels_are_where_true_ones_are_held_back(
     written, cell = WrittenTables(judged, "2"), Cell(CATEGORY, "semi-weakly", 0)
 
     def shown() -> str:
-        written.write({CATEGORY: [0]})
+        written.write({CATEGORY: [0, 1]})
         return " ".join((written.folder / CATEGORY / "means.md").read_text(encoding="utf-8").split())
 
     assert "Pseudo labels (" not in shown()
@@ -75,6 +76,51 @@ def test_a_table_says_how_right_pseudo_labels_are_where_true_ones_are_held_back(
         judged.write_record(cell.stage(network), StageRecord({**record.inputs, "data": data}))
     count = count_objects(dataset.files["hidden"])
     assert f"Of {count} objects that pseudo labels give these joints {count} truly have them, {count} with all axes" in shown()
+    taken_for(judged, cell.setting, 1)
+    assert "are others now than those that networks of seeds 1 were trained on." in shown()
+
+
+def test_held_back_objects_are_counted_where_pseudo_labels_could_tell_their_joints(judged: Workspace) -> None:
+    for setting, table in (("semi-weakly", "2"), ("dsg-net", "4")):
+        taken_for(judged, setting, 0)  # type: ignore[arg-type]
+        text = " ".join(WrittenTables(judged, table).write({CATEGORY: [0]}).text.split())
+        own = count_objects(open_scan_dataset(judged, CATEGORY).files["hidden"]) if setting == "semi-weakly" else 0
+        assert "Of 0 objects that pseudo labels give these joints 0 truly have them" in text
+        assert f"In all, {own} do." in text, "unlabelled shapes are in PartNet's layout"
+
+
+def test_what_is_told_of_a_row_is_told_of_all_its_seeds(judged: Workspace) -> None:
+    def shown() -> tuple[str, str]:
+        made = WrittenTables(judged, "2").write({CATEGORY: [0, 1, 2]})
+        return str(made.data[CATEGORY]["means"]["rows"][0][1]), " ".join(made.text.split())
+
+    for seed, reason in ((1, "of haste"), (2, "of a reason")):
+        JudgedScans(judged, Cell(CATEGORY, "supervised", seed)).leave_out(reason)
+    assert "Not run: supervised: seeds 1: of haste; seeds 2: of a reason." in shown()[1]
+    taken_for(judged, "supervised", 1)
+    trained, text = shown()
+    assert "Not run: supervised: seeds 2: of a reason." in text
+    weights = Cell(CATEGORY, "supervised", 1).weights(judged)
+    assert weights is not None
+    header = weights[0].with_suffix(".json")
+    facts = json.loads(header.read_text(encoding="utf-8"))
+    facts["facts"]["objects"] += 3
+    header.write_text(json.dumps(facts), encoding="utf-8")
+    assert shown()[0] == f"{trained} or {trained} + 3"
+    judged.forget(JudgedScans(judged, Cell(CATEGORY, "supervised", 1)).stage)
+    assert "Not run: supervised: seeds 2: of a reason." in shown()[1], "seed 1 is outdated, for no reason that was told"
+    assert shown()[0] == trained
+
+
+def test_where_scanning_was_stopped_no_figures_of_before_are_left_and_no_authors_are_claimed(judged: Workspace) -> None:
+    written = WrittenTables(judged, "2")
+    folder = written.folder / CATEGORY
+    written.write({CATEGORY: [0]})
+    assert (folder / "parts.md").exists() and AUTHORS_MEASURE not in (folder / "means.md").read_text(encoding="utf-8")
+    unfinished(judged, CATEGORY, "test").touch()
+    text = " ".join(written.write({CATEGORY: [0]}).text.split())
+    assert "scanning was stopped before all was done: run kinmo render again." in text
+    assert {path.stem for path in folder.iterdir()} == {"means", "means_ancsh"}
 
 
 def test_what_is_left_out_of_a_layout_is_counted_with_the_setting_that_learns_from_it(judged: Workspace) -> None:
@@ -115,7 +161,7 @@ def test_rows_say_which_seeds_they_are_of_and_gaps_are_over_those_that_all_have(
     written.write({CATEGORY: [0, 1, 2]})
     text = (written.folder / CATEGORY / "means.md").read_text(encoding="utf-8")
     assert "seeds 0, 1, 2." in text
-    assert "Not run: semi-weakly: seeds 0, 2: of a reason." in " ".join(text.split())
+    assert "Not run: semi-weakly: seeds 2: of a reason." in " ".join(text.split())
     assert "Share of the gap" not in text, "of the seed that all have, all are equal"
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from kinmo.evaluation.scan_records import read_scores
 from kinmo.evaluation.scan_tables import NOT_RUN, OUTDATED, ScanRow
 from kinmo.pipeline.model_files import trained_on
+from kinmo.pipeline.scans.judged import JudgedScans
 from kinmo.pipeline.scans.networks import Protocol
 from kinmo.pipeline.scans.table_rows import TABLES, RowOf, printed_row
 from kinmo.workspace import Workspace
@@ -42,18 +43,14 @@ class CategoryRows:
         seeds = tuple(seed for seed, held in self.held.items() if held[row.title] is not None)
         objects = tuple(read_scores([judged[seed].scores(self.protocol) for seed in seeds]))
         is_outdated = any(each.scores(self.protocol).exists() for each in judged.values())
-        missing = [seed for seed in self.held if seed not in seeds]
-        reason = next((reason for seed in missing if (reason := judged[seed].reason())), None)
-        if reason and objects:
-            reason = f"seeds {', '.join(map(str, missing))}: {reason}"
         return ScanRow(
             row.title,
             objects,
             printed_row(self.name, self.category, row.printed),
             seeds,
             OUTDATED if is_outdated else NOT_RUN,
-            self._trained_on(row, seeds[0]) if objects else None,
-            None if is_outdated and not objects else reason,
+            self._trained_on(row, seeds),
+            self._why_not_run([judged[seed] for seed in self.held if seed not in seeds]),
         )
 
     def alike(self, titles: Sequence[str]) -> list[ScanRow]:
@@ -66,10 +63,20 @@ class CategoryRows:
         """The same, one seed at a time."""
         return [replace(self, held={seed: held}) for seed, held in self.held.items()]
 
-    def _trained_on(self, row: RowOf, seed: int) -> str | None:
-        """How many labelled objects networks were trained on, and how many that a setting has beside them."""
-        weights = row.cell(self.category, seed).weights(row.workspace(self.workspace))
-        if weights is None:
-            return None
-        labelled, others = trained_on(weights[0])
-        return f"{labelled} + {others}" if others else str(labelled)
+    def _why_not_run(self, missing: Sequence[JudgedScans]) -> str | None:
+        """Why there are no judgements, as far as that was told, of those that are `missing` and not outdated."""
+        seeds: dict[str, list[str]] = {}
+        for each in missing:
+            if not each.scores(self.protocol).exists() and (reason := each.reason()):
+                seeds.setdefault(reason, []).append(str(each.cell.seed))
+        told = (reason if len(own) == len(self.held) else f"seeds {', '.join(own)}: {reason}" for reason, own in seeds.items())
+        return "; ".join(told) or None
+
+    def _trained_on(self, row: RowOf, seeds: Sequence[int]) -> str | None:
+        """How many labelled objects networks were trained on, and how many that a setting has beside them; where these are
+        others from seed to seed, all that there are.
+        """
+        place = row.workspace(self.workspace)
+        pairs = (row.cell(self.category, seed).weights(place) for seed in seeds)
+        counts = dict.fromkeys(trained_on(weights[0]) for weights in pairs if weights)
+        return " or ".join(f"{labelled} + {others}" if others else str(labelled) for labelled, others in counts) or None

@@ -11,10 +11,10 @@ from kinmo.evaluation.scan_tables import ScanRow
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.scans.category_rows import CategoryRows
 from kinmo.pipeline.scans.dataset import NO_FRAME, NO_SCAN, ScanDataset, open_scan_dataset, training_data
-from kinmo.pipeline.scans.settings import PSEUDO_LABELLED
+from kinmo.pipeline.scans.settings import PSEUDO_LABELLED, Setting, is_pseudo_labelled_for
 from kinmo.pipeline.scans.table_rows import TABLES
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.scan_file import Role, count_objects
+from kinmo.scans.scan_file import Role, ScanFile, count_objects
 from kinmo.splits import Split
 from kinmo.wording import counted
 from kinmo.workspace import Workspace
@@ -84,11 +84,22 @@ def pseudo_labels(rows: CategoryRows, shown: Sequence[ScanRow]) -> Iterator[str]
             place = row.workspace(rows.workspace)
             dataset = open_scan_dataset(place, rows.category)
             labelled = training_data(dataset, dataset.beside(row.setting))
-            if not row.cell(rows.category, its.seeds[0]).has_seen(place, labelled):
-                yield f"Pseudo labels ({row.title}) are others now than those that the networks were trained on."
+            others = [seed for seed in its.seeds if not row.cell(rows.category, seed).has_seen(place, labelled)]
+            if others:
+                which = "the networks" if len(others) == len(its.seeds) else f"networks of seeds {', '.join(map(str, others))}"
+                yield f"Pseudo labels ({row.title}) are others now than those that {which} were trained on."
                 continue
-            others = counted(dataset.left_out(row.setting), "object")
-            left_out = f"left out: {others} that they give other joints, or none that can be seen."
-            hidden, truths = dataset.files["hidden"], dataset.truths
-            counts = count_labels(dataset.beside(row.setting), hidden, truths) if truths else ""
+            unlike = counted(dataset.left_out(row.setting), "object")
+            left_out = f"left out: {unlike} that they give other joints, or none that can be seen."
+            counts = ""
+            if dataset.truths:
+                counts = str(count_labels(dataset.beside(row.setting), _to_label(place, dataset, row.setting), dataset.truths))
             yield f"Pseudo labels ({row.title}) are by --method {row.method}; {left_out} {counts}".rstrip()
+
+
+def _to_label(workspace: Workspace, dataset: ScanDataset, setting: Setting) -> list[ScanFile]:
+    """Hidden objects that a setting's shapes without labels are, or are copies of."""
+    unlabelled = open_dataset(workspace, dataset.category).unlabelled
+    shapes = [(entry.id, entry.layout) for entry in unlabelled if is_pseudo_labelled_for(setting, entry.layout)]
+    originals = {dataset.truths.get(shape) for shape in shapes}
+    return [file for file in dataset.files["hidden"] if file.id in originals]

@@ -67,6 +67,8 @@ class WrittenTables:
                         name: {"columns": [column.title for column in table.columns], "rows": table.rows}
                         for name, table in tables.items()
                     }
+            for old in {*(self.folder / place).iterdir()}.difference(paths):
+                old.unlink()
             outputs = tuple(str(path.relative_to(self.workspace.path)) for path in paths)
             self.workspace.write_record(self._stage(place), StageRecord(_inputs(held), outputs))
         return Outcome(self.folder, data, "\n".join(texts))
@@ -89,16 +91,18 @@ class WrittenTables:
         run = _seeds(shown)
         dataset = self._dataset(category)
         reasons = [f"Not run: {row.name}: {row.reason}." for row in shown if row.reason]
-        if dataset is None:
-            caption = self._caption(category, "nothing is scanned yet", run, protocol)
-            caption = caption.noting(*reasons)
+        has_printed = any(row.printed is not None for row in shown)
+        if isinstance(dataset, InputError):
+            caption = self._caption(category, "no scans to judge by", run, protocol, has_printed)
+            caption = caption.noting(f"{dataset.problem}.", *reasons)
             printed = next((row.printed for row in shown if row.printed is not None), None)
             if printed is None:
                 return {"means": of_nothing(shown, caption)}
             structure = printed_structure(printed)
             return {"means": over_parts(shown, structure, caption), "parts": by_part(shown, structure, caption, more)}
         structure = dataset.structure
-        caption = self._caption(str(structure), objects_in_words(self.workspace, dataset), run, protocol)
+        of = objects_in_words(self.workspace, dataset)
+        caption = self._caption(str(structure), of, run, protocol, has_printed)
         pairs = [rows.alike(titles) for titles in TABLES[self.name].compared]
         compared = [(pair[0], pair[1]) for pair in pairs if pair]
         notes = (*gaps(rows, structure), *seed_by_seed(rows, structure), *pseudo_labels(rows, shown), *reasons)
@@ -110,20 +114,21 @@ class WrittenTables:
 
     def _over_categories(self, held: Held, protocol: Protocol) -> dict[str, Table]:
         """Means over categories. (The paper's own average degrees together with lengths.)"""
-        structures = {name: dataset.structure for name in held if (dataset := self._dataset(name)) is not None}
+        datasets = {name: self._dataset(name) for name in held}
+        structures = {name: found.structure for name, found in datasets.items() if isinstance(found, ScanDataset)}
         of_each = {name: CategoryRows(self.workspace, self.name, name, own, protocol) for name, own in held.items()}
         rows = {row.title: {category: own.row(row) for category, own in of_each.items()} for row in TABLES[self.name].rows}
-        run = _seeds([row for by_category in rows.values() for row in by_category.values()])
-        caption = self._caption("means over categories", ", ".join(held), run, protocol)
+        every = [row for by_category in rows.values() for row in by_category.values()]
+        has_printed = any(row.printed is not None for row in every)
+        caption = self._caption("means over categories", ", ".join(held), _seeds(every), protocol, has_printed)
         labelled = open_dataset(self.workspace).categories()
         absent = [name for name in TABLES[self.name].categories if not any(same_category(name, there) for there in labelled)]
         if absent:
             caption = caption.noting(f"Not run: {', '.join(absent)}: there are no labelled shapes.")
         return {"means": over_categories(rows, structures, caption)}
 
-    def _caption(self, what: str, of: str, seeds: tuple[int, ...], protocol: Protocol) -> Caption:
+    def _caption(self, what: str, of: str, seeds: tuple[int, ...], protocol: Protocol, has_printed: bool) -> Caption:
         table = TABLES[self.name]
-        is_printed = any(row.printed for row in table.rows)
         caption = Caption(
             title=f"{table.title}{WAYS[protocol]}: {what}",
             data=f"{of} of workspace {self.workspace.root.absolute().name}",
@@ -132,14 +137,14 @@ class WrittenTables:
             split="test split by hashed id",
             seeds=seeds,
         )
-        return caption.noting(table.note, AUTHORS_MEASURE if protocol == "kinmo" and is_printed else "")
+        return caption.noting(table.note, AUTHORS_MEASURE if protocol == "kinmo" and has_printed else "")
 
-    def _dataset(self, category: str) -> ScanDataset | None:
-        """The scans of a category; None before there are any."""
+    def _dataset(self, category: str) -> ScanDataset | InputError:
+        """The scans of a category, or what is wrong with them: before there are any, or where scanning was stopped."""
         try:
             return open_scan_dataset(self.workspace, category)
-        except InputError:
-            return None
+        except InputError as error:
+            return error
 
     def _stage(self, place: str) -> str:
         return f"table-{self.name}-{place}"
