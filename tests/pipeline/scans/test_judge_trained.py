@@ -16,8 +16,9 @@ from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.evaluate_all import EvaluateAll
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.scans.judge_trained import JudgeTrained
-from kinmo.pipeline.scans.networks import Cell
+from kinmo.pipeline.scans.networks import NETWORKS, Cell, trained_cells
 from kinmo.pipeline.scans.table_rows import printed_row
+from kinmo.pipeline.scans.train import TrainAncsh
 from kinmo.pipeline.synth import Synth
 from kinmo.workspace import Workspace
 
@@ -47,6 +48,22 @@ def test_networks_that_cannot_be_judged_are_a_failure(scanned: Scanned, tmp_path
     (Cell(CATEGORY, "supervised", 0).folder(workspace, "npcs") / "weights.safetensors").write_bytes(b"cut off")
     assert JudgeTrained(workspace, FAMILY, device="cpu").run(told).failed == 1
     assert [note for note in told.notes if note.startswith(f"not judged: {CATEGORY}, supervised, seed 0: ")]
+
+
+def test_scans_and_networks_of_shapes_that_were_prepared_before_are_passed_over(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    known, gone = Cell(CATEGORY, "supervised", 0), Cell("Gone", "supervised", 0)
+    shutil.copytree(workspace.scans / CATEGORY, workspace.scans / "Gone")
+    for network in NETWORKS:
+        shutil.copytree(known.folder(workspace, network), gone.folder(workspace, network))
+        record = workspace.record(known.stage(network))
+        assert record is not None
+        workspace.write_record(gone.stage(network), record)
+    assert gone in trained_cells(workspace)
+    found = JudgeTrained(workspace, device="cpu").run(Listener())
+    assert (list(found.data["table-2"]), found.failed) == ([CATEGORY], 0)
+    assert TrainAncsh(workspace, scanned.config, setting="supervised", device="cpu").plan().steps == ()
 
 
 def test_of_a_category_of_the_paper_its_tables_are_shown_with_their_figures_before_anything_is_trained(tmp_path: Path) -> None:

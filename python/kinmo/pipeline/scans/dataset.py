@@ -16,6 +16,7 @@ from kinmo.pipeline.scans.settings import PSEUDO_LABELLED, Setting, is_pseudo_la
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import ROLES, Role, ScanFile, open_scans
 from kinmo.splits import Split, kept_to_choose_by
+from kinmo.store import PreparedStore
 from kinmo.workspace import Workspace, digest
 
 PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
@@ -79,8 +80,10 @@ def training_data(dataset: ScanDataset, beside: Sequence[ScanFile]) -> dict[str,
 
 
 def scanned_categories(workspace: Workspace) -> tuple[str, ...]:
-    """Categories of which there are scans."""
-    return tuple(sorted(path.name for path in workspace.scans.glob("*") if path.is_dir()))
+    """Categories of prepared shapes of which there are scans. Scans of what was prepared before stay where they are."""
+    prepared = {entry.category for entry in PreparedStore(workspace.prepared).entries}
+    scanned = sorted(path.name for path in workspace.scans.glob("*") if path.is_dir())
+    return tuple(name for name in scanned if any(same_category(name, category) for category in prepared))
 
 
 def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:

@@ -10,6 +10,7 @@ from itertools import product
 from kinmo.categories import same_category
 from kinmo.errors import InputError
 from kinmo.pipeline.dataset import open_dataset
+from kinmo.pipeline.scans.dataset import scanned_categories
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.judged import NothingToJudgeBy
 from kinmo.pipeline.scans.networks import Cell, Protocol, trained_cells
@@ -91,5 +92,5 @@ class JudgeTrained:
 
     def _can_be_judged(self, row: RowOf, cell: Cell, table: str) -> bool:
         is_there = table == next(iter(TABLES)) or has_figures(table, cell.category)
-        scanned = Workspace(self.workspace.root, is_rough=row.on_rough).scans / cell.category
-        return is_there and scanned.is_dir()
+        scanned = scanned_categories(Workspace(self.workspace.root, is_rough=row.on_rough))
+        return is_there and cell.category in scanned
