@@ -8,7 +8,7 @@ from kinmo.categories import same_category
 from kinmo.errors import InputError
 from kinmo.pipeline.evaluate import Evaluate
 from kinmo.pipeline.scans.judge_trained import JudgeTrained
-from kinmo.pipeline.scans.networks import trained_cells
+from kinmo.pipeline.scans.networks import trained_by_all_methods
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 
 
@@ -42,8 +42,8 @@ class EvaluateAll:
         try:
             self.shapes.plan()
         except InputError as error:
-            cells = trained_cells(self.scans.workspace)
-            if not any(category is None or same_category(cell.category, category) for cell in cells):
+            trained = trained_by_all_methods(self.scans.workspace)
+            if not any(category is None or same_category(cell.category, category) for _, cell in trained):
                 raise
             return error
         return None

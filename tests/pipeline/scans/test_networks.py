@@ -31,5 +31,14 @@ def test_networks_that_are_not_trained_to_the_end_are_said_to_be_so(judged: Work
     shutil.copytree(cell.folder(judged, "npcs"), judged.training / cell.folder(judged, "npcs").relative_to(judged.models))
     assert networks_for(judged, FAMILY, None, 0)[1] == cell, "while others are trained those that are there answer"
     judged.forget(cell.stage("npcs"))
-    with pytest.raises(InputError, match="are not trained to the end: the same kinmo train goes on"):
+    not_done = "are not trained to the end: the same kinmo train goes on"
+    with pytest.raises(InputError, match=not_done):
         networks_for(judged, FAMILY, None, 0)
+    with pytest.raises(InputError, match=f"no networks that find a {FAMILY} in scans.*--method paper"):
+        networks_for(judged, FAMILY, "paper", 0)
+    by_paper = judged.by("paper")
+    shutil.copytree(cell.folder(judged, "npcs"), Cell(CATEGORY, "semi-weakly", 0).folder(by_paper, "npcs"))
+    begun = Cell(CATEGORY, "semi-weakly", 0).folder(by_paper, "npcs")
+    shutil.move(begun, by_paper.training / begun.relative_to(by_paper.models))
+    with pytest.raises(InputError, match=not_done):
+        networks_for(judged, FAMILY, "paper", 0)

@@ -15,7 +15,7 @@ from kinmo.categories import same_category
 from kinmo.errors import InputError, did_you_mean
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.model_files import networks_digest
-from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods, unfinished_cells
+from kinmo.pipeline.scans.networks import Cell, trained_by_all_methods, unfinished_by_all_methods
 from kinmo.pipeline.scans.settings import PSEUDO_LABELLED
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.estimate import ScanEstimate
@@ -116,12 +116,15 @@ def _some_of(points: NDArray[np.floating], count: int, seed: int) -> F64:
 
 def networks_for(workspace: Workspace, category: str, method: str | None, seed: int) -> tuple[Workspace, Cell]:
     """Those that answer for a category, and the workspace that they are in. Raises InputError if nothing was trained for it."""
-    trained = trained_by_all_methods(workspace)
+    trained, unfinished = trained_by_all_methods(workspace), unfinished_by_all_methods(workspace)
     if method is not None:
-        trained = [(place, cell) for place, cell in trained if place.method == method and cell.setting in PSEUDO_LABELLED]
+        trained, unfinished = (
+            [(place, cell) for place, cell in found if place.method == method and cell.setting in PSEUDO_LABELLED]
+            for found in (trained, unfinished)
+        )
     fitting = [(place, cell) for place, cell in trained if same_category(cell.category, category)]
     if not fitting:
-        if any(same_category(cell.category, category) for cell in unfinished_cells(workspace)):
+        if any(same_category(cell.category, category) for _, cell in unfinished):
             problem = (
                 f"networks that find a {category} in scans are not trained to the end: the same kinmo train goes on with it"
             )

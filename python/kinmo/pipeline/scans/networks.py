@@ -62,9 +62,9 @@ def trained_cells(workspace: Workspace) -> list[Cell]:
     return [cell for cell in _cells_in(workspace.models) if cell.weights(workspace)]
 
 
-def unfinished_cells(workspace: Workspace) -> list[Cell]:
-    """Those whose networks were begun to be trained, perhaps anew, and are not trained to the end."""
-    return _cells_in(workspace.training)
+def unfinished_by_all_methods(workspace: Workspace) -> list[tuple[Workspace, Cell]]:
+    """Those whose networks were begun to be trained, perhaps anew, and are not trained to the end, with their workspace."""
+    return [(place, cell) for place in map(workspace.by, METHOD_MODELS) for cell in _cells_in(place.training)]
 
 
 def _cells_in(models: Path) -> list[Cell]:
