@@ -12,7 +12,7 @@ from kinmo.evaluation.scan_records import write_scores
 from kinmo.learning.ancsh.predict import Ancsh
 from kinmo.pipeline.journal import seconds_per_unit, timed
 from kinmo.pipeline.scans.judged import JudgedScans
-from kinmo.pipeline.scans.networks import PROTOCOLS, Cell, Protocol, pictures_path, scores_path
+from kinmo.pipeline.scans.networks import PROTOCOLS, Cell, Protocol, pictures_path
 from kinmo.pipeline.scans.pictures import JudgedFrame, PictureBook, common_frames, write_pictures
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.scans.scan_file import ScanFile
@@ -44,7 +44,7 @@ class EvaluateScans:
         )
 
     def run(self, observer: Observer) -> Outcome:
-        path = scores_path(self.workspace, self.cell, self.on_rough)
+        path = self._scans.scores("kinmo")
         with self.workspace.locked():
             if self._scans.held():
                 observer.note(f"{self._title}: judged already")
@@ -57,23 +57,26 @@ class EvaluateScans:
             network = Ancsh.load(*weights, device=self.device)
             with timed(self.workspace, self._scans.stage) as watch:
                 scores: dict[Protocol, list[tuple[str, FrameScore]]] = {protocol: [] for protocol in PROTOCOLS}
-                book = PictureBook(network.structure, common_frames(files))
+                book = None if self.on_rough else PictureBook(network.structure, common_frames(files))
                 for done, file in enumerate(files, start=1):
                     for frame in judged(file, network, self.cell.seed):
-                        book.offer(frame)
+                        if book is not None:
+                            book.offer(frame)
                         scores["kinmo"].append((file.id, frame.score))
                         coded = score_as_ancsh(frame.found, frame.true, network.structure, frame.points, frame.said_parts)
                         scores["ancsh"].append((file.id, coded))
                     observer.progress(f"judging {self._title}", done, len(files), file.id)
                 watch.amount = len(scores["kinmo"])
                 watch.what = f"{counted(watch.amount, 'scan')} of {self.cell.category}"
-            write_pictures(pictures_path(self.workspace, self.cell, self.on_rough), book.pictures())
-            outputs = [str(pictures_path(self.workspace, self.cell, self.on_rough).relative_to(self.workspace.path))]
+            written = []
+            if book is not None:
+                written.append(pictures_path(self.workspace, self.cell))
+                write_pictures(written[-1], book.pictures())
             for protocol, some in scores.items():
-                written = scores_path(self.workspace, self.cell, self.on_rough, protocol)
-                write_scores(written, some)
-                outputs.append(str(written.relative_to(self.workspace.path)))
-            self.workspace.write_record(self._scans.stage, StageRecord(inputs, tuple(outputs)))
+                written.append(self._scans.scores(protocol))
+                write_scores(written[-1], some)
+            outputs = tuple(str(each.relative_to(self.workspace.path)) for each in written)
+            self.workspace.write_record(self._scans.stage, StageRecord(inputs, outputs))
         return Outcome(path)
 
     @property

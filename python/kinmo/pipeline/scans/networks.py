@@ -86,9 +86,9 @@ Protocol = Literal["kinmo", "ancsh"]
 PROTOCOLS: tuple[Protocol, ...] = ("kinmo", "ancsh")
 
 
-def pictures_path(workspace: Workspace, cell: Cell, on_rough: bool) -> Path:
-    """Where pictures of a cell on test scans are written."""
-    return _judged(workspace, on_rough) / "pictures" / f"{cell.key}.jsonl"
+def pictures_path(workspace: Workspace, cell: Cell) -> Path:
+    """Where pictures of a cell on test scans are written; there are none of rough ones."""
+    return _judged(workspace, on_rough=False) / "pictures" / f"{cell.key}.jsonl"
 
 
 def scores_path(workspace: Workspace, cell: Cell, on_rough: bool, protocol: Protocol = "kinmo") -> Path:

@@ -51,7 +51,7 @@ def picture_sections(workspace: Workspace) -> Iterator[Section]:
         own = [(place, cell) for place, cell in judged if cell.category == category]
         first = min(cell.seed for _, cell in own)
         pictures = {
-            by_method(cell.setting, place.method): read_pictures(pictures_path(place, cell, on_rough=False))
+            by_method(cell.setting, place.method): read_pictures(pictures_path(place, cell))
             for place, cell in own
             if cell.seed == first
         }
