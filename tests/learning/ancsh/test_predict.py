@@ -10,7 +10,7 @@ import pytest
 import torch
 
 from kinmo.errors import InputError
-from kinmo.learning.ancsh.network import KIND, AncshNetwork
+from kinmo.learning.ancsh.network import KIND, AncshNetwork, PartNetwork
 from kinmo.learning.ancsh.predict import Ancsh, to_naocs
 from kinmo.learning.weights import save_weights
 from kinmo.scans.input_frame import base_axes, scan_rotations
@@ -80,11 +80,12 @@ def test_weights_that_do_not_say_how_many_classes_they_tell_apart_are_refused_in
     count, structure = file.structure.part_count, file.structure
     facts = {"kinds": [kind.value for kind in structure.kinds], "parents": list(structure.parents)}
     facts["typical"] = Typical.unknown(structure).to_data()
-    whole, broken = tmp_path / "whole.safetensors", tmp_path / "broken.safetensors"
-    network = AncshNetwork(TINY, count, count)
+    whole, other, broken = (tmp_path / f"{name}.safetensors" for name in ("whole", "other", "broken"))
+    network, parts = AncshNetwork(TINY, count, count), PartNetwork(TINY, count, count)
     save_weights(whole, network, KIND, to_table(TINY), facts | {"classes": count})
+    save_weights(other, parts, KIND, to_table(TINY), facts | {"classes": count})
     save_weights(broken, network, KIND, to_table(TINY), facts if classes is None else facts | {"classes": classes})
-    for paths in ((broken, None), (whole, broken)):
+    for paths in ((broken, other), (whole, broken)):
         with pytest.raises(InputError, match=rf"broken\.json: facts\.classes: expected {count} or {count + 1}, got"):
             Ancsh.load(*paths, "cpu")
-    Ancsh.load(whole, None, "cpu")
+    Ancsh.load(whole, other, "cpu")

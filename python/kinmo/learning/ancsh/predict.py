@@ -31,7 +31,7 @@ POINTS_TO_ASK_ABOUT = 1024
 
 @dataclass(frozen=True, eq=False)
 class Ancsh:
-    """Both networks of one kind of object; the one called `npcs` has the say on parts, where there is one."""
+    """Both networks of one kind of object; the one called `npcs`, of which the parts are, has the say on these."""
 
     joints: AncshNetwork
     parts: PartNetwork
@@ -41,7 +41,7 @@ class Ancsh:
     device: str
 
     @classmethod
-    def load(cls, weights: Path, part_weights: Path | None = None, device: str = "auto") -> Ancsh:
+    def load(cls, weights: Path, part_weights: Path, device: str = "auto") -> Ancsh:
         """Read what `train_ancsh` wrote. Raises InputError if it is not that, not whole, or the two do not go together."""
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
@@ -49,13 +49,11 @@ class Ancsh:
         typical = _typical_of(loaded, structure)
         joints = AncshNetwork(config, structure.part_count, _classes_of(loaded, structure))
         loaded.fill(joints)
-        parts: PartNetwork = joints
-        if part_weights is not None:
-            own = load_weights(part_weights, KIND)
-            if (_seen_as(_config_of(own)), _structure_of(own)) != (_seen_as(config), structure):
-                raise InputError(part_weights, f"is for other objects than {weights}")
-            parts = PartNetwork(_config_of(own), structure.part_count, _classes_of(own, structure))
-            own.fill(parts)
+        own = load_weights(part_weights, KIND)
+        if (_seen_as(_config_of(own)), _structure_of(own)) != (_seen_as(config), structure):
+            raise InputError(part_weights, f"is for other objects than {weights}")
+        parts = PartNetwork(_config_of(own), structure.part_count, _classes_of(own, structure))
+        own.fill(parts)
         return cls(joints.to(device).eval(), parts.to(device).eval(), config, structure, typical, device)
 
     @property
@@ -104,7 +102,7 @@ class Ancsh:
 
     def _answer(self, seen: torch.Tensor, frames: Sequence[InputFrame]) -> list[PointAnswers]:
         own, joints = self.joints.forward_all(seen)
-        parts = own if self.parts is self.joints else self.parts(seen)
+        parts = self.parts(seen)
         naocs = joints.naocs(own.npcs)
         said = parts.parts.argmax(-1)
         home = own.parts.argmax(-1)
