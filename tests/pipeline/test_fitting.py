@@ -47,7 +47,7 @@ class GoesOn:
     def fit(self, folder: Path, on_progress: Callable[[Progress], None]) -> FitResult:
         for epoch in range(self.done_before, EPOCHS):
             on_progress(Progress(epoch + 1, EPOCHS, {}))
-        folder.mkdir(parents=True)
+        folder.mkdir(parents=True, exist_ok=True)
         for name in OUTPUTS:
             (folder / name).write_text(f"{name} of {self.name}", encoding="utf-8")
         return FitResult(0, 0.0, ({},) * EPOCHS)
@@ -138,3 +138,13 @@ def test_what_was_begun_and_is_not_wanted_any_more_goes(tmp_path: Path) -> None:
     (workspace.training / "it").mkdir(parents=True)
     Fitter(workspace, "cpu", 1).run([fitting], Listener())
     assert not workspace.training.exists()
+
+
+def test_what_was_begun_of_a_category_stays_when_what_lies_above_it_is_done(tmp_path: Path) -> None:
+    workspace = Workspace(tmp_path)
+    begun = workspace.training / "it" / "Laptop" / "last.ckpt"
+    begun.parent.mkdir(parents=True)
+    begun.write_bytes(b"a checkpoint")
+    for _ in range(2):  # trained, and trained already
+        Fitter(workspace, "cpu", 1).run([GoesOn(workspace.models / "it", 0)], Listener())
+        assert [path for path in workspace.training.rglob("*") if path.is_file()] == [begun]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -135,12 +134,16 @@ class Fitter:
         self._clear(fitting)
 
     def _clear(self, fitting: Fitting) -> None:
-        """Drop what only an unfinished training needs, several times as large as the weights."""
+        """Drop what only an unfinished training needs, several times as large as the weights.
+
+        Trainings of single categories lie below that of all, and stay.
+        """
         made = self.place_of(fitting)
-        if made.exists():
-            shutil.rmtree(made)
-            with suppress(OSError):  # not empty
-                os.removedirs(made.parent)
+        for path in made.glob("*"):
+            if not path.is_dir():
+                path.unlink()
+        with suppress(OSError):  # not empty, or not there
+            os.removedirs(made)
 
     def _at_once(self, works: Sequence[Work]) -> int:
         threads = [each.schedule.threads for each in works]
