@@ -58,6 +58,16 @@ def test_names_too_long_for_a_folder_are_cut_and_told_apart(stage: Predict) -> N
     assert stage.plan().steps == (), "it is done"
 
 
+def test_what_cannot_be_looked_at_is_told(stage: Predict, tmp_path: Path) -> None:
+    write_partnet(stage.source / "door")
+    (tmp_path / "elsewhere").mkdir()
+    (stage.source / "link").symlink_to(tmp_path / "elsewhere", target_is_directory=True)
+    told = Listener()
+    outcome = stage.run(told)
+    assert outcome.failed == len(outcome.data["left_out"]) == 1
+    assert [note for note in told.notes if note == f"left out: {outcome.data['left_out'][0]}"]
+
+
 @pytest.mark.parametrize("name", ["d" * LONGEST_NAME, DOOR * (LONGEST_NAME // 3), "Tür"])
 def test_names_that_fit_stay_as_they_are(stage: Predict, name: str) -> None:
     write_partnet(stage.source / name)

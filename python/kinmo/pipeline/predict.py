@@ -62,16 +62,21 @@ class Predict:
         return Plan((step,) if count else (), count * SECONDS_PER_SHAPE / self.workers)
 
     def run(self, observer: Observer) -> Outcome:
-        unread: list[str] = []
-        targets = self._targets(lambda error: unread.append(str(error)))
-        if not targets and not unread:
+        left_out: list[str] = []
+
+        def leave_out(error: InputError) -> None:
+            left_out.append(str(error))
+            observer.note(f"left out: {error}")
+
+        targets = self._targets(leave_out)
+        if not targets and not left_out:
             if self.out.resolve() == self.source.resolve():
                 raise InputError("--out", "is the folder with the shapes: name another")
             raise InputError(self.source, "expected at least one shape at or below it")
         predicting = self._predicting()
         with locked(self.out):
             problems = self._predict(targets, predicting, observer)
-        documents, left_out = [], unread
+        documents = []
         for found, folder in targets:
             try:
                 if folder in problems:
@@ -79,7 +84,7 @@ class Predict:
                 else:
                     documents.append(_document(found, folder))
             except InputError as error:
-                left_out.append(str(error))
+                leave_out(error)
         data = {"shapes": documents, "left_out": left_out}
         joints = sum(document["joints"] for document in documents)
         repaired = [document for document in documents if document["repairs"]]
