@@ -126,7 +126,7 @@ class Report:
         charts: list[str] = []
         for path in sorted(self.workspace.models.rglob(METRICS)):
             parts = path.parent.relative_to(self.workspace.models).parts
-            name = " ".join(parts[1:] or parts)  # the last part of a cell's folder says what network it is
+            name = " ".join(parts[1:] if parts[0] == "ancsh" else parts)  # the last part of a cell's folder says what it is
             with expecting("one entry an epoch", path):
                 charts += _training_charts(name, _json(path) or [])
         charts = [chart for chart in charts if chart]
