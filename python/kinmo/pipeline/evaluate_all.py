@@ -34,7 +34,7 @@ class EvaluateAll:
             return self.scans.run(observer)
         first, second = self.shapes.run(observer), self.scans.run(observer)
         text = "\n".join(filter(None, [first.text, second.text]))
-        return Outcome(first.path, {**first.data, **second.data}, text, first.failed + second.failed)
+        return Outcome(second.path, {**first.data, **second.data}, text, first.failed + second.failed)
 
     def _problem(self) -> InputError | None:
         """Why there can be no Table 1. Raised if there are no networks for scans of what is asked for either."""
