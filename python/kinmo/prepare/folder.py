@@ -16,7 +16,6 @@ from kinmo.store import FORMAT, INDEX, IndexEntry, file_name, index_text, read_h
 from kinmo.workers import Crashed, map_unordered
 from kinmo.workspace import Workspace, digest, remove_leftovers, write_bytes_atomically, write_text_atomically
 
-STAGE = "prepare"
 Progress = Callable[[int, int, str], None]
 """Called with the number of shapes done so far, the number there are, and the last one's id."""
 

@@ -9,15 +9,12 @@ from torch import Tensor
 from torch.nn.functional import cross_entropy
 
 from kinmo.errors import InputError
-from kinmo.joint import CoarseType, JointKind, MotionType
+from kinmo.joint import JointKind, MotionType
 from kinmo.learning.layers import scatter_mean
 from kinmo.learning.motion_gnn.network import EdgeOutput
 
 COARSE_OF_FINE = torch.tensor([t.coarse.value for t in MotionType])
 """The coarse class of each fine one."""
-
-NO_MOTION = {10: MotionType.FIXED.value, 5: CoarseType.FIXED.value}
-"""The first class that is no motion, by the number of classes; FIXED and NONE are the last two of both."""
 
 _SLIDES_ONLY = torch.tensor([t.kind is JointKind.PRISMATIC for t in MotionType])
 
