@@ -31,7 +31,7 @@ POINTS_TO_ASK_ABOUT = 1024
 
 @dataclass(frozen=True, eq=False)
 class Ancsh:
-    """Both networks of one kind of object; the one called `npcs`, of which the parts are, has the say on these."""
+    """Both networks of one kind of object; the one called `npcs` has the say on parts."""
 
     joints: AncshNetwork
     parts: PartNetwork
