@@ -15,7 +15,7 @@ from kinmo.normalisation import Normalisation
 from kinmo.part_geometry import interaction_centroid, part_geometries, symmetric_box
 from kinmo.prediction import Prediction
 from kinmo.prepared import PreparedShape
-from kinmo.refinement import Refiner, accepted
+from kinmo.refinement import Refiner
 from small_shapes import cabinet, cabinet_shape
 from test_mobility_tree import told
 
@@ -160,15 +160,6 @@ def test_without_a_selector_consistency_decides() -> None:
     index, _ = next(shape.mobility.movable())
     assert set(prediction.estimates[index][0].terms) == {"direction", "position"}
     assert max(axis_errors(shape, prediction, refined=True)) < 1e-6
-
-
-def test_only_joints_above_the_threshold_are_accepted() -> None:
-    shape = cabinet(0)
-    prediction = Refiner(shape, CONFIG).refine(given_tree(shape, told(shape)))
-    best = prediction.estimates[1][0].score
-    assert accepted(prediction.estimates[1], best - 0.01)
-    assert not accepted(prediction.estimates[1], best)
-    assert not accepted(prediction.estimates[0], 0.0)
 
 
 def test_boxes_of_groups_are_those_of_parts_bodies_or_their_own() -> None:

@@ -91,7 +91,7 @@ def test_an_index_is_sorted_and_comes_back(tmp_path):
     (tmp_path / INDEX).write_text(text, encoding="utf-8")
     store = PreparedStore(tmp_path)
     assert sorted(entries, key=lambda e: (e.layout, e.id)) == list(store.entries)
-    assert len(store.in_category("Box")) == len(store) == 4
+    assert len(store) == 4
 
 
 @pytest.mark.parametrize("text", ["{", "[1]\n", '{"id": "a"}\n', "\xff"])

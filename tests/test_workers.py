@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -12,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from kinmo import workers
-from kinmo.workers import Crashed, map_unordered, may_be_cut_off, tell
+from kinmo.errors import InputError
+from kinmo.workers import Crashed, map_unordered, may_be_cut_off, or_crashed, tell
 
 
 def square(number: int) -> int:
@@ -41,6 +43,22 @@ def test_every_job_is_answered_once(workers):
 def test_a_job_that_kills_its_worker_is_answered_and_the_others_are_done():
     answers = dict(map_unordered(square_or_die, iter(range(12)), 2))
     assert answers == {n: Crashed() if n % 7 == 3 else n * n for n in range(12)}
+
+
+def test_what_a_job_was_not_built_for_is_its_answer_but_not_what_is_the_users_to_mend():
+    def panic(error: BaseException) -> None:
+        raise error
+
+    class PanicError(BaseException):
+        """As one of a Rust core: no Exception."""
+
+    answer = or_crashed(panic, PanicError("index out of bounds"))
+    assert isinstance(answer, Crashed)
+    assert re.fullmatch(r"PanicError at test_workers.py:[0-9]+: index out of bounds", answer.why)
+    assert or_crashed(square, 3) == 9
+    for error in (InputError("shape", "expected more"), KeyboardInterrupt(), SystemExit(1)):
+        with pytest.raises(type(error)):
+            or_crashed(panic, error)
 
 
 def die_or_name(path: Path) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -169,8 +168,3 @@ def _subset(candidates: Candidates, rows: NDArray[np.intp]) -> Candidates:
         candidates.pivots[rows],
         tuple(candidates.sources[index] for index in rows),
     )
-
-
-def accepted(estimates: Sequence[JointEstimate], threshold: float) -> bool:
-    """Whether a body's best answer may become a pseudo label: it moves, and its score is above tau (paper, section 3.4)."""
-    return bool(estimates) and estimates[0].joint is not None and estimates[0].score > threshold

@@ -218,10 +218,6 @@ class PreparedStore:
         """The shape of an entry."""
         return read_prepared(self.folder / entry.file)
 
-    def in_category(self, category: str) -> tuple[IndexEntry, ...]:
-        """The entries of a category in its canonical spelling (`kinmo.categories`)."""
-        return tuple(entry for entry in self.entries if entry.category == category)
-
 
 def index_text(entries: Sequence[IndexEntry]) -> str:
     """The text of an index, sorted, so that it does not depend on the order in which shapes were done."""

@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import signal
 import threading
+import traceback
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -15,8 +16,11 @@ from itertools import islice
 from multiprocessing import connection
 from multiprocessing.context import SpawnContext
 from multiprocessing.synchronize import Lock
+from pathlib import Path
 from types import FrameType
 from typing import Any, TypeVar
+
+from kinmo.errors import KinmoError
 
 Job = TypeVar("Job")
 Answer = TypeVar("Answer")
@@ -25,7 +29,23 @@ _QUEUED_PER_WORKER = 4
 
 @dataclass(frozen=True)
 class Crashed:
-    """The answer to a job at which the worker process died."""
+    """The answer to a job that nobody foresaw the failure of, and `why` it failed."""
+
+    why: str = "its process died (too little memory?)"
+
+
+def or_crashed(function: Callable[[Job], Answer], job: Job) -> Answer | Crashed:
+    """`function` of a job, or `Crashed`: for whatever else it raises than a KinmoError and what ends the program.
+
+    A panic of the Rust core counts too; it is no Exception.
+    """
+    try:
+        return function(job)
+    except (KinmoError, KeyboardInterrupt, SystemExit):
+        raise
+    except BaseException as error:
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        return Crashed(f"{type(error).__name__} at {Path(where.filename).name}:{where.lineno}: {error}")
 
 
 def map_unordered(

@@ -19,6 +19,7 @@ from kinmo.mobility import Body, Mobility
 from kinmo.pipeline import predict
 from kinmo.pipeline.predict import Predict
 from kinmo.prediction import JointEstimate, Prediction
+from kinmo.prepare import prepare_shape
 from kinmo.prepared import PreparedShape
 from kinmo.workspace import LONGEST_NAME, Workspace
 
@@ -90,3 +91,21 @@ def test_a_result_that_cannot_be_written_is_its_shape_s_problem(stage: Predict, 
     assert line.startswith(f"{stage.source / 'b'}: ") and "b.urdf: No space left on device" in line
     assert told.notes == [f"left out: {line}"] and outcome.failed == 1
     assert not (stage.out / "b").exists()
+
+
+def test_a_shape_that_nobody_foresaw_does_not_keep_others_from_being_predicted(
+    stage: Predict, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unforeseen(shape: Any, **how: Any) -> PreparedShape:
+        if shape.id == "b":
+            raise RuntimeError("no such axis")
+        return prepare_shape(shape, **how)
+
+    monkeypatch.setattr(predict, "prepare_shape", unforeseen)
+    for name in "abc":
+        write_partnet(stage.source / name)
+    outcome = stage.run(Listener())
+    assert [shape["id"] for shape in outcome.data["shapes"]] == ["a", "c"]
+    (line,) = outcome.data["left_out"]
+    assert line.startswith(f"{stage.source / 'b'}: cannot be predicted: RuntimeError at test_predict.py:")
+    assert line.endswith(": no such axis") and outcome.failed == 1

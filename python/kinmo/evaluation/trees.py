@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -39,16 +38,12 @@ def _classifier(seed: int, iterations: int, leaves: int) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Ranker:
-    """Picks one candidate a body: the one most likely to be right."""
+    """Tells which of a body's candidates are likely to be right."""
 
     model: Any
 
-    def pick(self, features: F64, groups: I64) -> dict[int, int]:
-        """The row of every body's best candidate, by body; `features` [R, F] of R candidates, `groups` [R] their bodies."""
-        return choices(groups, self.likelihoods(features))
-
     def likelihoods(self, features: F64) -> F64:
-        """How likely each candidate is to be right, [R] in [0, 1]."""
+        """How likely each of R candidates is to be right, [R] in [0, 1], from `features` [R, F]."""
         return _column(self.model, features, 1)
 
 
@@ -86,12 +81,3 @@ def _column(model: Any, features: F64, label: int) -> F64:
     """The likelihood of a class; 0 if training had none of it."""
     where = np.flatnonzero(model.classes_ == label)
     return np.asarray(model.predict_proba(features)[:, where[0]]) if len(where) else np.zeros(len(features))
-
-
-def choices(groups: NDArray[np.int64], values: F64) -> dict[int, int]:
-    """For every group (a body), the row [R] with the largest value; `groups` and `values` are [R]."""
-    order: Sequence[int] = np.lexsort((-values, groups)).tolist()
-    best: dict[int, int] = {}
-    for row in order:
-        best.setdefault(int(groups[row]), row)
-    return best

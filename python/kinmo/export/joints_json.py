@@ -22,6 +22,7 @@ from kinmo.joint import CoarseType, Joint, JointKind, MotionType
 from kinmo.mobility import Body, Mobility, has_cycle
 from kinmo.prediction import JointEstimate, Prediction
 from kinmo.shape import Shape
+from kinmo.workspace import write_text_atomically
 
 SCHEMA_VERSION = 1
 
@@ -66,9 +67,8 @@ def joints_document(shape: Shape, prediction: Prediction, provenance: Provenance
 def write_joints_json(path: Path, shape: Shape, prediction: Prediction, provenance: Provenance) -> Path:
     """Write joints.json at `path`, as a whole or not at all; returns `path`."""
     text = json.dumps(joints_document(shape, prediction, provenance), indent=1, ensure_ascii=False, allow_nan=False)
-    draft = path.with_name(f".{path.name}.part")
-    draft.write_text(text + "\n", encoding="utf-8")
-    return draft.replace(path)
+    write_text_atomically(path, text + "\n")
+    return path
 
 
 def _body(shape: Shape, prediction: Prediction, index: int) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import TypeVar
 import torch
 
 from kinmo.learning.weights import pick_device
-from kinmo.workers import Crashed, map_unordered
+from kinmo.workers import Crashed, map_unordered, or_crashed
 
 Job = TypeVar("Job")
 Answer = TypeVar("Answer")
@@ -25,6 +25,8 @@ def each_shape(
 ) -> Iterator[tuple[Job, Answer | Crashed]]:
     """`work` of every job, as the answers come (`workers.map_unordered`); `work` must be fit to be pickled.
 
+    What it raises at one job, but for a KinmoError, ends that job alone.
+
     Networks get one thread a process, in this one too, so that answers do not depend on `workers`.
     """
     if pick_device(device) != "cpu":
@@ -36,6 +38,6 @@ def each_shape(
         torch.set_num_threads(threads)
 
 
-def _on_one_thread(work: Callable[[Job], Answer], job: Job) -> Answer:
+def _on_one_thread(work: Callable[[Job], Answer], job: Job) -> Answer | Crashed:
     torch.set_num_threads(1)
-    return work(job)
+    return or_crashed(work, job)

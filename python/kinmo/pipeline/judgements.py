@@ -82,7 +82,7 @@ def judgements(
             found[entry.file] = kept
     for job, data in each_shape(judging, missing, workers, device):
         if isinstance(data, Crashed):
-            raise InputError(job.entry.source, "the process that judged it died: is there enough memory?")
+            raise InputError(job.entry.source, f"cannot be judged: {data.why}")
         text = json.dumps({"made_from": job.made_from, "judgement": data}, ensure_ascii=False)
         write_text_atomically(_path(workspace, job.entry), text + "\n")
         found[job.entry.file] = judgement_from_data(data)

@@ -113,7 +113,7 @@ class Predict:
         done = len(targets) - len(jobs)
         for job, problem in each_shape(predicting, jobs, self.workers, self.device):
             if isinstance(problem, Crashed):
-                problem = f"{shown(job.found.path)}: the process that predicted it died"
+                problem = f"{shown(job.found.path)}: cannot be predicted: {problem.why}"
             if problem is not None:
                 problems[job.folder] = problem
                 observer.note(f"left out: {problem}")

@@ -150,7 +150,7 @@ class PseudoLabel:
         with timed(self.workspace, LABELLING) as watch:
             for job, judgement in each_shape(labelling, jobs, self.workers, self.device):
                 if isinstance(judgement, Crashed):
-                    failures.append(f"{job.entry.source}: the process that labelled it died (too little memory?)")
+                    failures.append(f"{job.entry.source}: cannot be labelled: {judgement.why}")
                 elif isinstance(judgement, str):
                     failures.append(judgement)
                 else:

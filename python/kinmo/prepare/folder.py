@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from kinmo.formats import Found, discover, read_found
 from kinmo.formats.sources import content_digest, fingerprint, shown
 from kinmo.prepare.shape import POINTS, prepare_shape
 from kinmo.store import FORMAT, INDEX, IndexEntry, file_name, index_text, read_header, to_bytes
-from kinmo.workers import Crashed, map_unordered
+from kinmo.workers import Crashed, map_unordered, or_crashed
 from kinmo.workspace import Workspace, digest, remove_leftovers, write_bytes_atomically, write_text_atomically
 
 Progress = Callable[[int, int, str], None]
@@ -102,7 +103,7 @@ def prepare_folder(
         jobs = (
             Job(found, store / file_name(found.layout.value, found.id), points, seed) for found in run.choose(root, workspace)
         )
-        for job, result in map_unordered(work, jobs, workers):
+        for job, result in map_unordered(partial(or_crashed, work), jobs, workers):
             name = run.settle(job, result)
             on_progress(run.done, total, name)
         write_text_atomically(store / INDEX, index_text(run.entries))
@@ -144,7 +145,7 @@ class _Run:
         self.done += 1
         found = job.found
         if isinstance(result, Crashed):
-            result = Result(job, problem=f"{shown(found.path)}: the process that prepared it died")
+            result = Result(job, problem=str(InputError(shown(found.path), f"cannot be prepared: {result.why}")))
         if result.entry is None:
             self.left_out.append(Entry(found.id, shown(found.path), (result.problem,)))
             job.target.unlink(missing_ok=True)
@@ -199,11 +200,6 @@ def work(job: Job) -> Result:
         prepared = prepare_shape(shape, points=job.points, seed=job.seed)
     except InputError as error:
         return Result(job, problem=str(error))
-    except (KeyboardInterrupt, SystemExit):
-        raise
-    except BaseException as error:  # also a panic of the Rust core, which is no Exception: one shape must not end the run
-        text = f"cannot be prepared: {error or type(error).__name__}"
-        return Result(job, problem=str(InputError(shown(job.found.path), text)))
     entry = IndexEntry(
         id=shape.id,
         layout=shape.layout,

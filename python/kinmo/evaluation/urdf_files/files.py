@@ -18,7 +18,7 @@ from kinmo.evaluation.urdf_files.matching import LEAST_IOU
 from kinmo.evaluation.urdf_files.mesh_files import is_file
 from kinmo.evaluation.urdf_files.scoring import FAILED, MISSING, SCORED, ObjectScore, score_urdf
 from kinmo.formats import read_partnet_mobility
-from kinmo.workers import Crashed, map_unordered
+from kinmo.workers import Crashed, map_unordered, or_crashed
 from kinmo.workspace import write_text_atomically
 
 FIRST_CHOICES = ("model.urdf", "mobility.urdf")
@@ -60,14 +60,14 @@ def score_files(
         raise InputError(truth, f"expected a shape {unknown[0]!r}, found none", "ids")
     if not any(find_urdf(predictions, name) for name in wanted):
         raise InputError(predictions, f"expected URDFs called after shapes below {truth}, say {wanted[0]}.urdf, found none")
-    score = partial(_score_one, predictions=predictions, least_iou=least_iou)
+    score = partial(or_crashed, partial(_score_one, predictions=predictions, least_iou=least_iou))
     scores: dict[str, ObjectScore] = {}
     unreadable: dict[str, str] = {}
     for done, (folder, found) in enumerate(map_unordered(score, (folders[name] for name in wanted), workers), start=1):
         if isinstance(found, ObjectScore):
             scores[folder.name] = found
         else:
-            unreadable[folder.name] = f"{folder}: the process that scored it died" if isinstance(found, Crashed) else found
+            unreadable[folder.name] = f"{folder}: cannot be scored: {found.why}" if isinstance(found, Crashed) else found
         if progress is not None:
             progress(done, len(wanted))
     ordered = tuple(scores[name] for name in wanted if name in scores)

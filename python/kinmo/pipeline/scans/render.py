@@ -6,6 +6,7 @@ import os
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -37,7 +38,7 @@ from kinmo.splits import Split
 from kinmo.store import IndexEntry
 from kinmo.typed_tables import to_table
 from kinmo.wording import counted
-from kinmo.workers import Crashed, map_unordered
+from kinmo.workers import Crashed, map_unordered, or_crashed
 from kinmo.workspace import Workspace, digest, name_on_disk, remove_leftovers, write_text_atomically
 
 STAGE = "render"
@@ -50,7 +51,6 @@ USED = 0.4
 labels: .38, .37, .48, .29 and .55 in five families).
 """
 WAITING = "{} with pseudo labels: without scans of {}, which could not be made, it is not known how far hinges open"
-DIED = "{}: the process that scanned it died (too little memory?)"
 
 
 @dataclass(frozen=True)
@@ -128,8 +128,10 @@ class Render:
             total = count_objects_of(pending)
             with timed(self.workspace, STAGE) as watch:
                 for done, (own, problem) in enumerate(self._scanned(config, jobs, structure), start=1):
+                    if isinstance(problem, Crashed):
+                        problem = f"{own[0].found.path}: cannot be scanned: {problem.why}"
                     if problem is not None:
-                        failed.append((own[0], DIED.format(own[0].found.path) if isinstance(problem, Crashed) else problem))
+                        failed.append((own[0], problem))
                         _remove(path for job in own for path in job.files)  # of earlier ways: nothing may take them for these
                     observer.progress("scanning objects", done, max(done, total), own[0].found.id)
                 watch.amount = sum(frames_of(config, job) for job in pending)
@@ -161,7 +163,7 @@ class Render:
         Objects to train on come first, as they decide which structure others must have; pseudo-labelled ones last, as those
         with true labels show how far hinges open.
         """
-        scan_all = Rendering(config, self.seed)
+        scan_all = partial(or_crashed, Rendering(config, self.seed))
         yield from map_unordered(scan_all, _pending(job for job in jobs if job.role == "train"), self.workers)
         jobs = _wanting(jobs, structure)
         yield from map_unordered(scan_all, _pending(job for job in jobs if job.role not in ("train", "pseudo")), self.workers)

@@ -73,7 +73,7 @@ class SelfLabel:
                 labelled = each_shape(labelling, pending, self.workers, self.device)
                 for done, (job, answer) in enumerate(labelled, start=1 + len(files) - len(pending)):
                     if isinstance(answer, Crashed):
-                        raise ChildProcessError(f"the process that labelled {job.scans} died: too little memory?")
+                        raise InputError(job.scans, f"cannot be labelled: {answer.why}")
                     observer.progress("labelling scans", done, len(files), job.scans.stem)
                 watch.amount = sum(frames[job.scans] for job in pending)
                 watch.what = f"{counted(watch.amount, 'scan')} of {dataset.category}"
