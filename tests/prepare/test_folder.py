@@ -55,6 +55,17 @@ def test_every_shape_is_taken_repaired_or_left_out_with_a_reason(dataset, tmp_pa
     json.dumps(report)
 
 
+def test_pseudo_labels_are_not_taken_for_truth(dataset, tmp_path):
+    prepare(dataset, tmp_path / "w")
+    write_partnet_mobility(dataset / "mobility" / "100", meta={"pseudo_label": {"method": "kinmo"}})
+    report = prepare(dataset, tmp_path / "w").as_data()
+    (entry,) = [entry for entry in report["left_out"] if entry["id"] == "100"]
+    assert entry["reasons"][0].startswith(
+        f"{dataset / 'mobility' / '100' / 'meta.json'}: pseudo_label: these joints were predicted"
+    )
+    assert len(PreparedStore(tmp_path / "w" / "prepared")) == SHAPES + 1
+
+
 def test_the_store_holds_all_that_was_taken(dataset, tmp_path):
     prepare(dataset, tmp_path / "w")
     store = PreparedStore(tmp_path / "w" / "prepared")

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from kinmo.export.folders import whole_folder
 from kinmo.export.obj import write_obj
 from kinmo.export.urdf import robot, write_robot
+from kinmo.formats.annotation import META
 from kinmo.frames import Y_UP_TO_Z_UP, z_up_rotation
 from kinmo.joint import Joint, JointKind
 from kinmo.links import links_of
@@ -46,7 +47,7 @@ def write_partnet_mobility(shape: Shape, mobility: Mobility, folder: Path, *, me
             mesh = shape.parts[leaf].mesh
             assert mesh is not None, "a leaf carries a mesh: readers make sure of it"
             write_obj(draft / MESHES / f"{_mesh_name(leaf)}.obj", mesh.turned(rotation))
-        _write(draft / "meta.json", {key: value for key, value in facts.items() if value is not None})
+        _write(draft / META, {key: value for key, value in facts.items() if value is not None})
         _write(draft / "result.json", [_node(shape, 0)])
         bodies = [_body(shape, mobility, i, rotation) for i in range(len(mobility.bodies))]
         _write(draft / "mobility_v2.json", bodies)

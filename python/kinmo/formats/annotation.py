@@ -16,6 +16,9 @@ from kinmo.shape import Mesh, join
 
 UNKNOWN_CATEGORY = "unknown"
 MESH_FOLDERS = ("textured_objs", "objs")
+META = "meta.json"
+PSEUDO_LABEL = "pseudo_label"
+"""A field of meta.json: what the joints were predicted by, where nobody annotated them."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,7 @@ def _mesh_name(field: Field) -> str:
 
 def read_meta(folder: Path, root_name: str) -> Meta:
     """Category and annotation. meta.json decides, without it the name of the root part; without both it is unknown."""
-    file = folder / "meta.json"
+    file = folder / META
     if not file.exists() and not file.is_symlink():
         category, repair = _category_of_root(root_name, "meta.json is missing")
         return Meta(category, None, (repair,))
@@ -94,6 +97,15 @@ def read_meta(folder: Path, root_name: str) -> Meta:
         if other and not same_category(name, other):
             repairs.append(f"category {canonical_category(name)} taken from meta.json, {place} says {other}")
     return Meta(canonical_category(name), number, tuple(repairs))
+
+
+def check_annotated(folder: Path) -> None:
+    """Raises InputError if the joints of a shape are pseudo labels, and so nothing to learn from as truth or to judge by."""
+    file = folder / META
+    if file.is_file() and not Field(file, read_json(file, folder))[PSEUDO_LABEL].is_absent:
+        raise InputError(
+            file, "these joints were predicted and not annotated: no truth to train on or to judge by", PSEUDO_LABEL
+        )
 
 
 def _category_of_root(name: str, reason: str) -> tuple[str, str]:

@@ -14,6 +14,7 @@ from kinmo import __version__
 from kinmo.errors import expecting
 from kinmo.export.partnet_mobility import write_partnet_mobility
 from kinmo.formats import Found, Layout, read_found
+from kinmo.formats.annotation import PSEUDO_LABEL
 from kinmo.pipeline.dataset import Dataset, open_dataset
 from kinmo.pipeline.each_shape import each_shape
 from kinmo.pipeline.journal import seconds_per_unit, timed
@@ -205,7 +206,7 @@ class Labelling:
                 "method": prediction.method,
                 "weights": self.predictor.weights,
             }
-            write_partnet_mobility(shape, prediction.mobility, job.folder, meta={"pseudo_label": made_by})
+            write_partnet_mobility(shape, prediction.mobility, job.folder, meta={PSEUDO_LABEL: made_by})
         else:
             shutil.rmtree(job.folder, ignore_errors=True)
         return judgement

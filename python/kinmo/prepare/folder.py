@@ -10,7 +10,8 @@ from typing import Any
 
 from kinmo import __version__
 from kinmo.errors import InputError
-from kinmo.formats import Found, discover, read_found
+from kinmo.formats import Found, Layout, discover, read_found
+from kinmo.formats.annotation import check_annotated
 from kinmo.formats.sources import content_digest, fingerprint, shown
 from kinmo.prepare.shape import POINTS, prepare_shape
 from kinmo.store import FORMAT, INDEX, IndexEntry, file_name, index_text, read_header, to_bytes
@@ -185,6 +186,8 @@ def _folders(paths: Sequence[Path]) -> tuple[Path, ...]:
 def work(job: Job) -> Result:
     """Reads and prepares one shape. What is wrong with the shape becomes the result's `problem`."""
     try:
+        if job.found.layout is Layout.PARTNET_MOBILITY:
+            check_annotated(job.found.path)
         made_from = {
             "files": fingerprint(job.found),
             "points": job.points,
