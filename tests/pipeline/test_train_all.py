@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,10 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
     assert [note for note in told.notes if note.startswith(f"{CATEGORY}: no scan is by a pseudo label")]
     assert {"gnn_fine", f"ancsh ({CATEGORY}, supervised, seed 0)"} <= found.data.keys()
     assert (stage.plan().steps, stage.plan().seconds) == ((), 0.0)
+    surer = tmp_path / "surer.toml"
+    words = Path(scanned.config).read_text(encoding="utf-8")
+    surer.write_text(words.replace("[refinement]\n", "[refinement]\nchance = 0.9\n"), encoding="utf-8")
+    assert any(step.startswith("label ") for step in replace(stage, config=str(surer)).plan().steps)
     before = contents(tmp_path / "workspace")
     stage.run(Listener())
     assert contents(tmp_path / "workspace") == before

@@ -8,8 +8,10 @@ from itertools import chain
 from typing import Any
 
 from kinmo.categories import same_category
+from kinmo.config import load_config
 from kinmo.errors import InputError, did_you_mean
 from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo.pipeline.model_files import trained_config
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, open_scan_dataset
 from kinmo.pipeline.scans.render import Render
@@ -46,7 +48,8 @@ class TrainAll:
     def plan(self) -> Plan:
         """What is still to do; of a stage whose input is not made yet, or will change, a guess."""
         plans = [self._motion.plan()]
-        labels_change = is_changed = plans[0].seconds > 0.0
+        retold = load_config(self.config).refinement != trained_config(self.workspace).refinement
+        labels_change = is_changed = retold or plans[0].seconds > 0.0
         for stage in self._later(open_dataset(self.workspace)):
             try:
                 is_guess = labels_change if isinstance(stage, Render) else is_changed
