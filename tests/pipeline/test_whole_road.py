@@ -22,6 +22,7 @@ from kinmo.pipeline.evaluation_folder import SETTINGS
 from kinmo.pipeline.examples import read_examples
 from kinmo.pipeline.journal import runs
 from kinmo.pipeline.label_decisions import LABELS, decision_path, folder_name
+from kinmo.pipeline.model_files import CONFIG
 from kinmo.pipeline.predict import Predict
 from kinmo.pipeline.predictors import leaf_meshes, load_predictor
 from kinmo.pipeline.prepare import Prepare
@@ -361,6 +362,19 @@ def test_a_run_for_one_category_leaves_the_report_of_the_others(road: Road, tmp_
     assert before.plan().steps == ()
     shutil.rmtree(next(workspace.pseudo.glob(f"*/{LABELS}")).parent)
     assert [step.split(" by ")[0] for step in before.plan().steps] == ["label 1 shape"], "what was accepted is gone"
+
+
+def test_labels_of_other_categories_that_would_be_others_now_are_said_to_be_so(road: Road, tmp_path: Path) -> None:
+    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+    workspace = Workspace(tmp_path / "workspace")
+    config = workspace.models / CONFIG
+    table = json.loads(config.read_text(encoding="utf-8"))
+    table["refinement"]["doubt"] += 0.01
+    config.write_text(json.dumps(table), encoding="utf-8")
+    others = sorted({row[0] for row in road.outcomes["pseudo-label"].data["tables"][0]["rows"]} - {"Laptop", "all"})
+    text = PseudoLabel(workspace, "laptop", device="cpu").run(Listener()).text
+    assert f" Those of {', '.join(others)} would be labelled otherwise now" in text
+    assert "otherwise" not in PseudoLabel(workspace, device="cpu").run(Listener()).text
 
 
 def test_tables_say_how_far_predicted_motions_run_into_the_rest(road: Road) -> None:

@@ -55,10 +55,11 @@ def read_decision(path: Path) -> Decision | None:
         return None
 
 
-def acceptance(decisions: Sequence[Decision], method: str, copies: int) -> dict[str, Any]:
+def acceptance(decisions: Sequence[Decision], method: str, copies: int, outdated: Sequence[str] = ()) -> dict[str, Any]:
     """The acceptance report, of decisions by a method, as plain data.
 
-    It has `text`, `tables` (as `kinmo.report.page.Table` takes them) and every refusal.
+    `outdated` are categories whose labels are of before: by other networks, say. It has `text`, `tables` (as
+    `kinmo.report.page.Table` takes them) and every refusal.
     """
     judgements = [decision.judgement for decision in decisions]
     ways = sorted({f"all joints above {decision.threshold:g}, by {method}" for decision in decisions})
@@ -73,6 +74,8 @@ def acceptance(decisions: Sequence[Decision], method: str, copies: int) -> dict[
         f"{whole.accepted} of {whole.shapes} shapes were accepted ({'; or '.join(ways) or 'there are none'}), with "
         f"{whole.accepted_joints} of {whole.joints} joints; {copies} copies of labelled shapes were left alone."
     )
+    if outdated:
+        text += f" Those of {', '.join(outdated)} would be labelled otherwise now: kinmo pseudo-label brings them up to date."
     return {
         "text": text,
         "ways": ways,

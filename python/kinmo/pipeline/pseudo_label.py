@@ -91,7 +91,7 @@ class PseudoLabel:
                 self._remove_stale(whole)
                 failures = self._label(jobs, len(dataset.unlabelled), predictor, way, observer)
                 decisions = [decision for decision in self._decisions(whole.unlabelled) if decision is not None]
-                report = acceptance(decisions, self.workspace.method, len(whole.copies))
+                report = acceptance(decisions, self.workspace.method, len(whole.copies), self._outdated(whole, way))
                 write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
                 outputs = [str(self._report.relative_to(self.workspace.path))]
                 self.workspace.write_record(LABELLING, StageRecord(self._reported(way), tuple(outputs)))
@@ -125,11 +125,21 @@ class PseudoLabel:
         """The shapes on which nothing has been decided from the same files in the same way, or whose labels are gone."""
         jobs = []
         for entry, known in zip(dataset.unlabelled, self._decisions(dataset.unlabelled), strict=True):
-            job = Job(entry, self.workspace.pseudo / folder_name(entry), digest([dataset.fingerprint([entry]), way]))
+            job = Job(entry, self.workspace.pseudo / folder_name(entry), _made_from(dataset, entry, way))
             is_there = known is not None and (not known.judgement.is_accepted or (job.folder / LABELS).exists())
             if known is None or known.made_from != job.made_from or not is_there:
                 jobs.append(job)
         return jobs
+
+    def _outdated(self, whole: Dataset, way: dict[str, Any]) -> list[str]:
+        """Categories with labels that something else than the threshold of `way` would make others of now."""
+        return sorted(
+            {
+                entry.category
+                for entry, known in zip(whole.unlabelled, self._decisions(whole.unlabelled), strict=True)
+                if known is not None and known.made_from != _made_from(whole, entry, way | {"threshold": known.threshold})
+            }
+        )
 
     def _remove_stale(self, whole: Dataset) -> None:
         """Remove folders and decisions that belong to none of the unlabelled shapes that there are."""
@@ -164,6 +174,10 @@ class PseudoLabel:
             others = f", and so {len(failures) - 1} more" if len(failures) > 1 else ""
             observer.note(f"failed: {failures[0]}{others}")
         return failures
+
+
+def _made_from(dataset: Dataset, entry: IndexEntry, way: dict[str, Any]) -> str:
+    return digest([dataset.fingerprint([entry]), way])
 
 
 @dataclass(frozen=True)
