@@ -80,6 +80,49 @@ def test_a_lid_without_thickness_stops_at_a_wall() -> None:
     assert upper[0] == pytest.approx(0.4, abs=1e-9)
 
 
+@pytest.mark.parametrize("gap", [0.05, 0.19, 0.21, 0.4])
+def test_how_far_it_is_to_a_wall_does_not_depend_on_how_far_it_may_go(gap: float) -> None:
+    lid = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]], [[0, 1, 2], [0, 2, 3]])
+    wall = trimesh.Trimesh([[0.2, gap, 0], [0.9, gap, 0], [0.9, gap, 1], [0.2, gap, 1]], [[0, 1, 2], [0, 2, 3]])
+    for reach in (gap + 0.01, 0.5, 1.0, 3.0):
+        _, upper, _ = sweep(meshes_of(lid, wall), [(PRISMATIC, (0, 1, 0), (0, 0, 0))], reach)
+        assert upper[0] == pytest.approx(gap, abs=1e-9)
+
+
+@pytest.mark.parametrize("angle", [0.05, 0.14, 0.3])
+def test_a_door_without_thickness_stops_at_a_wall_that_is_near(angle: float) -> None:
+    door = np.array([[0, 0, 0], [1, 0, 0], [1, 2, 0], [0, 2, 0]], float)
+    wall = trimesh.transform_points(door[[0, 1, 2, 3]], trimesh.transformations.rotation_matrix(-angle, (0, 1, 0)))
+    faces = [[0, 1, 2], [0, 2, 3]]
+    solids = meshes_of(trimesh.Trimesh(door, faces), trimesh.Trimesh(wall, faces))
+    lower, upper, _ = sweep(solids, [(REVOLUTE, (0, -1, 0), (0, 0, 0))], np.pi)
+    assert upper[0] == pytest.approx(angle, abs=0.02)
+    assert lower[0] == -np.pi
+
+
+def twice(solid: trimesh.Trimesh) -> trimesh.Trimesh:
+    """With every face there for either side, as most meshes of PartNet-Mobility have it."""
+    return trimesh.Trimesh(solid.vertices, np.concatenate([solid.faces, solid.faces[:, ::-1]]), process=False)
+
+
+def test_faces_that_are_there_twice_change_nothing() -> None:
+    bar, box = block((0.2, 0.2, 2), (0, 0, 0)), block((1, 1, 0.5), (0, 0, 0))
+    pulled = (PRISMATIC, (0, 0, 1), (0, 0, 0))
+    for solids, joints in (([bar, box], [pulled]), (cabinet(), [pulled, (PRISMATIC, (1, 0, 0), (0, 0, 0))])):
+        once = sweep(meshes_of(*solids), joints, 0.5)
+        both = sweep(meshes_of(*map(twice, solids)), joints, 0.5)
+        for known, found in zip(once, both, strict=True):
+            np.testing.assert_allclose(found, known, atol=0.05)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_what_slides_in_the_plane_of_a_side_of_a_wall_meets_it(side: int) -> None:
+    lid = trimesh.Trimesh([[0, 1, 0], [0.1, 1, 0], [0.1, 1, 1], [0, 1, 1]], [[0, 1, 2], [0, 2, 3]])
+    wall = block((0.02, 1, 1), (0.56, 1 + 0.5 * side, 0.5))
+    _, upper, _ = sweep(meshes_of(lid, wall), [(PRISMATIC, (1, 0, 0), (0, 0, 0))], 1.0)
+    assert upper[0] == pytest.approx(0.45, abs=0.01)
+
+
 @pytest.mark.parametrize("scale", [1e-8, 1e8])
 @pytest.mark.parametrize("offset", [0.0, 1e6])
 def test_travel_scales_with_the_shape_and_moves_with_it(scale: float, offset: float) -> None:

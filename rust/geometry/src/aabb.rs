@@ -85,11 +85,11 @@ impl Aabb {
     pub fn meets_ray(&self, origin: &Point3<f64>, inverse: &Vector3<f64>, limit: f64) -> bool {
         let (mut enter, mut leave) = (0.0f64, limit);
         for axis in 0..3 {
-            let (a, b) =
-                ((self.low[axis] - origin[axis]) * inverse[axis], (self.high[axis] - origin[axis]) * inverse[axis]);
+            let (low, high) = (self.low[axis] - origin[axis], self.high[axis] - origin[axis]);
+            let (near, far) = if inverse[axis] < 0.0 { (high, low) } else { (low, high) };
             // In this order, the NaN of a ray inside a face's plane is passed over.
-            enter = greater(enter, lesser(a, b));
-            leave = lesser(leave, greater(a, b));
+            enter = greater(enter, near * inverse[axis]);
+            leave = lesser(leave, far * inverse[axis]);
         }
         enter <= leave
     }

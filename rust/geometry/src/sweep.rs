@@ -102,23 +102,26 @@ impl<'a> Side<'a> {
     }
 
     fn collision(&self, grid: &ClearanceGrid, probe: &Probe, stride: f64, motions: &[RigidMotion]) -> Option<f64> {
-        let last = motions.len() - 1;
-        let mut at = if probe.grace > 0.0 { (probe.grace / stride).ceil().min(last as f64) as usize } else { 0 };
-        let mut point = motions[at] * probe.point;
+        let last = (motions.len() - 1) as f64;
+        let on_way = |at: f64| motions[at as usize] * probe.point;
+        let mut at = if probe.grace > 0.0 { (probe.grace / stride).min(last) } else { 0.0 };
+        let mut point = on_way(at.floor());
+        if at.fract() > 0.0 {
+            point += (on_way(at.ceil()) - point) * at.fract();
+        }
         while at < last {
-            let clear = (grid.clearance(&point) / stride).min(last as f64) as usize;
-            if clear > 0 {
-                at = (at + clear).min(last);
-                point = motions[at] * probe.point;
+            let clear = (at + grid.clearance(&point) / stride).min(last).floor();
+            if clear > at {
+                (at, point) = (clear, on_way(clear));
                 continue;
             }
-            let next = motions[at + 1] * probe.point;
+            let end = at.floor() + 1.0;
+            let next = on_way(end);
             let met = self.trees.iter().filter_map(|tree| tree.first_crossing(&point, &next)).min_by(f64::total_cmp);
             if let Some(share) = met {
-                return Some(at as f64 + share);
+                return Some(at + share * (end - at));
             }
-            at += 1;
-            point = next;
+            (at, point) = (end, next);
         }
         None
     }

@@ -5,6 +5,9 @@ use nalgebra::{Point3, Vector3};
 use super::Bvh;
 use crate::triangle::ray_triangle;
 
+/// What is met closer behind each other, in units of the surface's diagonal, is met at one place.
+const ONE_PLACE: f64 = 1e-9;
+
 impl Bvh {
     /// Share in [0, 1] of the way from `start` to `end` at which the surface is first met.
     pub fn first_crossing(&self, start: &Point3<f64>, end: &Point3<f64>) -> Option<f64> {
@@ -16,14 +19,19 @@ impl Bvh {
         first
     }
 
-    /// How often the ray from `origin` along `direction` meets the surface.
+    /// At how many places the ray from `origin` along the unit vector `direction` meets the surface.
+    ///
+    /// Triangles that lie on each other, as where files have every face once for either side, are met once.
     pub fn count_crossings(&self, origin: &Point3<f64>, direction: &Vector3<f64>) -> usize {
-        let mut count = 0;
-        self.visit_crossings(origin, direction, f64::INFINITY, |_| {
-            count += 1;
+        let mut met = Vec::new();
+        self.visit_crossings(origin, direction, f64::INFINITY, |t| {
+            met.push(t);
             f64::INFINITY
         });
-        count
+        met.sort_unstable_by(f64::total_cmp);
+        let apart = ONE_PLACE * self.bounds().squared_diagonal().sqrt();
+        met.dedup_by(|next, last| *next - *last <= apart);
+        met.len()
     }
 
     /// Calls `found` with the parameter of every crossing below a limit, which `found` gives anew.
@@ -62,6 +70,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::Mesh;
     use crate::soup::soup;
 
     proptest! {
@@ -74,8 +83,38 @@ mod tests {
                 .min_by(f64::total_cmp);
             let tree = Bvh::new(&mesh);
             prop_assert_eq!(tree.first_crossing(&start, &end), expected);
-            let rays = (0..40).filter_map(|face| ray_triangle(&start, &(end - start), &mesh.triangle(face)));
-            prop_assert_eq!(tree.count_crossings(&start, &(end - start)), rays.count());
+            let direction = (end - start).normalize();
+            let rays = (0..40).filter_map(|face| ray_triangle(&start, &direction, &mesh.triangle(face)));
+            prop_assert_eq!(tree.count_crossings(&start, &direction), rays.count());
+        }
+
+        #[test]
+        fn faces_that_are_there_twice_are_met_once(mesh in soup(40), to in prop::array::uniform3(-2.0..2.0f64)) {
+            let (start, direction) = (Point3::new(-3.0, 0.1, 0.2), Vector3::from(to).normalize());
+            let both = mesh.faces().iter().flat_map(|&[a, b, c]| [[a, b, c], [c, b, a]]).collect();
+            let doubled = Mesh::new(mesh.vertices().to_vec(), both).expect("finite");
+            let count = |mesh: &Mesh| Bvh::new(mesh).count_crossings(&start, &direction);
+            prop_assert_eq!(count(&doubled), count(&mesh));
+        }
+
+        #[test]
+        fn a_ray_in_the_plane_of_a_box_s_side_meets_what_is_there(
+            place in prop::array::uniform3(-2i32..3), at in 0i32..4, backward in any::<bool>(), axis in 0usize..3,
+        ) {
+            // A wall across the axis, from 0 to 2 along the others, and a ray along the axis through any whole place.
+            let corner = |u: f64, v: f64| {
+                let mut corner = Point3::new(u, u, u);
+                (corner[axis], corner[(axis + 1) % 3], corner[(axis + 2) % 3]) = (f64::from(at), u, v);
+                corner
+            };
+            let corners = vec![corner(0.0, 0.0), corner(2.0, 0.0), corner(2.0, 2.0), corner(0.0, 2.0)];
+            let wall = Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).expect("finite");
+            let mut start = Point3::from(place.map(f64::from));
+            start[axis] = if backward { 9.0 } else { -9.0 };
+            let mut end = start;
+            end[axis] = -start[axis];
+            let is_met = [1, 2].iter().all(|other| (0..=2).contains(&place[(axis + other) % 3]));
+            prop_assert_eq!(Bvh::new(&wall).first_crossing(&start, &end).is_some(), is_met);
         }
     }
 }
