@@ -113,6 +113,14 @@ def test_pairs_beyond_the_largest_distance_are_left_out() -> None:
     np.testing.assert_allclose(distances, [3.5, 0.5], atol=1e-15)
 
 
+def test_what_touches_but_for_rounding_is_near_enough_for_the_least_distance() -> None:
+    plate = np.array([[0, 0, 1], [1, 0, 1], [0, 1, 1]], float)
+    raised = plate + [0, 0, 2.0**-52]
+    meshes = _core.Meshes([plate, raised], [np.array([[0, 1, 2]], np.uint32)] * 2)
+    assert _core.part_distances(meshes)[1].tolist() == [0.0]
+    assert _core.part_distances(meshes, max_distance=0.0)[1].tolist() == [0.0]
+
+
 def test_arguments_are_refused_by_name() -> None:
     meshes = meshes_of(block((1, 1, 1), (0, 0, 0)), block((1, 1, 1), (2, 0, 0)))
     with pytest.raises(ValueError, match=r"^pairs: row 0 has an index outside 0..2"):

@@ -41,8 +41,9 @@ def test_no_clouds_and_no_points_have_no_groups() -> None:
         (np.full((1, 4, 3), np.nan, np.float32), 2, 0.1, 2, "points: not finite"),
         (np.zeros((1, 4, 3), np.float32), 0, 0.1, 2, "centers: 0, expected an integer from 1 to 4294967295"),
         (np.zeros((1, 4, 3), np.float32), 2, 0.1, -1, "members: -1, expected an integer from 1 to 4294967295"),
-        (np.zeros((1, 4, 3), np.float32), 2, -0.1, 2, "radius: -0.1, expected at least 0"),
-        (np.zeros((1, 4, 3), np.float32), 2, np.nan, 2, "radius: NaN, expected at least 0"),
+        (np.zeros((1, 4, 3), np.float32), 2, -0.1, 2, "radius: -0.1, expected 0 to"),
+        (np.zeros((1, 4, 3), np.float32), 2, np.nan, 2, "radius: NaN, expected 0 to"),
+        (np.zeros((1, 4, 3), np.float32), 2, 10**400, 2, "radius: inf, expected 0 to"),
     ],
 )
 def test_bad_arguments_are_refused_by_name(points: np.ndarray, centers: int, radius: float, members: int, problem: str) -> None:

@@ -103,6 +103,8 @@ def test_arguments_are_refused_by_name() -> None:
         changed = [bad[name] if i == index else value for i, value in enumerate(joints)]
         with pytest.raises(ValueError, match=rf"^{name}: "):
             _core.move_points(cloud, *changed)
+    with pytest.raises(ValueError, match=r"^angles: shape \[3\], expected \[3, D\]"):
+        _core.move_points(cloud, *joints[:3], np.zeros(3), joints[4])
     with pytest.raises(ValueError, match=r"^points: shape"):
         _core.move_points(cloud[:, :2], *joints)
     with pytest.raises(ValueError, match=r"^points: not finite"):

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use crate::arrays::{Array, check_finite, stacks_of, zeros};
 use crate::batches::map_in_batches;
 use crate::convert::value_error;
-use crate::numbers::{count_of, integer};
+use crate::numbers::{count_of, float, integer};
 
 /// Most that may be asked for; there are no more than points.
 const MOST: usize = u32::MAX as usize;
@@ -32,14 +32,15 @@ fn group_points<'py>(
     py: Python<'py>,
     points: Array<'py, f32>,
     #[pyo3(from_py_with = integer)] centers: i64,
-    radius: f32,
+    #[pyo3(from_py_with = float)] radius: f64,
     #[pyo3(from_py_with = integer)] members: i64,
 ) -> PyResult<Grouped<'py>> {
     let centers = count_of("centers", centers, MOST).map_err(value_error)?;
     let members = count_of("members", members, MOST).map_err(value_error)?;
-    if radius.is_nan() || radius < 0.0 {
-        return Err(value_error(GeometryError::new("radius", format!("{radius}, expected at least 0"))));
+    if !(0.0..=f64::from(f32::MAX)).contains(&radius) {
+        return Err(value_error(GeometryError::new("radius", format!("{radius}, expected 0 to {}", f32::MAX))));
     }
+    let radius = radius as f32;
     let points = points.view();
     check_finite("points", &points).map_err(value_error)?;
     let clouds = stacks_of("points", points, 3).map_err(value_error)?;

@@ -39,7 +39,10 @@ fn move_points<'py>(
     }
     let joints = joints_of(&kinds, &directions, &pivots).map_err(value_error)?;
     let (angles, shifts) = (angles.view(), shifts.view());
-    let displacements = angles.shape().get(1).copied().unwrap_or(0);
+    let &[_, displacements] = angles.shape() else {
+        let problem = format!("shape {:?}, expected [{}, D]", angles.shape(), joints.len());
+        return Err(value_error(GeometryError::new("angles", problem)));
+    };
     for (name, array) in [("angles", &angles), ("shifts", &shifts)] {
         check_shape(name, array, &[joints.len(), displacements]).map_err(value_error)?;
         check_finite(name, array).map_err(value_error)?;

@@ -37,14 +37,14 @@ impl<'a> Part<'a> {
     ///
     /// It is the distance of *surfaces*: a closed part wholly inside another is as far away as its surface is.
     pub fn distance(&self, other: &Self, max_distance: f64) -> Option<PartDistance> {
-        if self.bounds.squared_distance(&other.bounds).sqrt() > max_distance {
-            return None;
-        }
         let corners = [self.bounds.low, self.bounds.high, other.bounds.low, other.bounds.high];
         let largest = corners.iter().fold(0.0f64, |largest, corner| largest.max(corner.coords.amax()));
         let touching = (TOUCHING_ULPS * f64::EPSILON * largest).powi(2);
         // The least upward step keeps pairs at exactly `max_distance`.
         let mut bound = (max_distance * max_distance).max(touching).next_up();
+        if self.bounds.squared_distance(&other.bounds) >= bound {
+            return None;
+        }
         let mut best: Option<ClosestPoints> = None;
         for (squared, a, b) in self.pairs_by_distance_of_boxes(other) {
             if squared >= bound || bound <= touching {

@@ -10,8 +10,8 @@
 //! The score of a sample is the sum over its triangles; the region is what has a score; its centroid is the mean of the
 //! moving part's samples, weighted by score.
 //!
-//! The power makes all but the nearest ridges vanish, so only cells near the other part are built, each cut out of a small
-//! box by the bisectors of its neighbours; a cell corner is final once no sample is nearer to it than the cell's own.
+//! The power makes all but the nearest ridges vanish, so only samples near the other part are triangulated (Delaunay): the
+//! ridge of two of them has a corner for each of the tetrahedra that stand in a ring about their edge.
 
 use std::f64::consts::{FRAC_PI_3, PI};
 use std::sync::LazyLock;

@@ -6,7 +6,7 @@ const LANES: usize = 4;
 
 type Lane = [f64; LANES];
 
-/// Many vectors. The last lane is filled up by repeating the last vector given, or with zeros.
+/// Many vectors. What is left of the last lane is filled up with a vector that is given.
 pub struct VectorLanes {
     chunks: Vec<[Lane; 3]>,
 }

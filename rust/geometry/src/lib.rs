@@ -1,7 +1,7 @@
 //! Geometry of articulated objects, one algorithm a file.
 //!
-//! Everything works on [`mesh::Mesh`], a validated triangle mesh with `f64` coordinates. Every function is deterministic:
-//! random draws come from a seed, and the result does not depend on the number of threads.
+//! What has a surface is a [`mesh::Mesh`], a validated triangle mesh with `f64` coordinates; scans are points. Every function
+//! is deterministic: random draws come from a seed, and the result does not depend on the number of threads.
 
 pub mod aabb;
 pub mod adjacency;
@@ -10,7 +10,7 @@ mod box_search;
 pub mod bvh;
 mod clearance;
 mod convex;
-pub mod coupled_rotations;
+mod coupled_rotations;
 mod delaunay;
 pub mod error;
 mod facing;
@@ -23,7 +23,7 @@ pub mod manhattan;
 pub mod mesh;
 pub mod motion;
 pub mod neighbours;
-pub mod normals;
+mod normals;
 pub mod obb;
 pub mod oriented_box;
 pub mod parry;
