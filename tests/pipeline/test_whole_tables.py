@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +12,14 @@ from whole_road import Listener
 
 from kinmo.config import ScansConfig
 from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.model_files import WEIGHTS
+from kinmo.pipeline.model_files import WEIGHTS, networks_digest
 from kinmo.pipeline.scans.make_table import MakeTable
 from kinmo.pipeline.scans.table_rows import SHARES, TABLES
+from kinmo.pipeline.train_all import TrainAll
 from kinmo.scans.scan import scan
 from kinmo.scans.scan_file import open_scans, write_scans
 from kinmo.splits import Split
+from kinmo.store import IndexEntry
 from kinmo.workspace import Workspace
 from scanned import cupboard_object
 
@@ -48,6 +51,41 @@ def test_two_trainings_are_judged_on_the_scans_of_both_sensors(scanned: Scanned,
         provenance, target = open_scans(path).provenance, cupboard_object()
         write_scans(path, target, scan(target, ScansConfig(states=1, views=4, size=64, points=64), 0), provenance)
     assert not any(row.judged(root, CATEGORY, 0).held() for row in TABLES["sensors"].rows)
+
+
+def sure_of_hinges(scanned: Scanned, folder: Path) -> str:
+    """The configuration with a ranking that is trained until it knows laptops, whose answers are all taken, in a file there."""
+    text = Path(scanned.config).read_text(encoding="utf-8").replace("members = 3", "members = 1")
+    text = text.replace("[refinement]\n", "[refinement]\nchance = 0.0\ndoubt = 1.0\n")
+    path = folder / "sure.toml"
+    path.write_text(text.replace("[ranking.training]\nepochs = 1\n", "[ranking.training]\nepochs = 40\n"), encoding="utf-8")
+    return str(path)
+
+
+def test_pseudo_labels_and_true_ones_of_the_same_objects_are_learnt_from(scanned: Scanned, tmp_path: Path) -> None:
+    shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
+    workspace, config = Workspace(tmp_path / "workspace"), sure_of_hinges(scanned, tmp_path)
+    table = MakeTable("2", workspace, config, ("kinmo",), FAMILY, 1, **HOW)  # type: ignore[arg-type]
+    outcome = table.run(Listener())
+    assert table.plan().steps == ()
+    objects = {row[0]: row[1] for row in outcome.data[CATEGORY]["means"]["rows"]}
+    labelled, unlabelled = (len(shapes) for shapes in (known(workspace), open_dataset(workspace).unlabelled))
+    assert objects["supervised"] == str(labelled)
+    assert objects["semi-weakly"] == objects["true labels"] == f"{labelled} + {unlabelled}"
+    rows = {row.title: row for row in TABLES["2"].rows}
+    trained = [rows[title].cell(CATEGORY, 0).weights(workspace) for title in ("supervised", "semi-weakly", "true labels")]
+    digests = {networks_digest(paths) for paths in trained if paths is not None}
+    assert len(digests) == 3, "each has learnt from something else"
+    whole = TrainAll(workspace, config, FAMILY, **HOW)  # type: ignore[arg-type]
+    told = Listener()
+    assert f"ancsh ({CATEGORY}, semi-weakly, seed 0)" in whole.run(told).data
+    assert f"ancsh ({CATEGORY}, semi-weakly, seed 0): trained already" in told.notes, "by the same pseudo labels"
+    assert whole.plan().steps == ()
+
+
+def known(workspace: Workspace) -> Sequence[IndexEntry]:
+    """The labelled objects to train on."""
+    return open_dataset(workspace, FAMILY).labelled[Split.TRAIN]
 
 
 def test_each_share_of_the_labels_has_motion_networks_of_its_own(scanned: Scanned, tmp_path: Path) -> None:

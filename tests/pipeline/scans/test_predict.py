@@ -9,8 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from PIL import Image
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 from whole_road import Listener, contents
 
@@ -239,6 +241,49 @@ def test_a_category_without_networks_is_named_with_those_that_there_are(scanned:
         PredictScans(tmp_path / "x.npz", tmp_path, scanned.workspace, FAMILY, method="kinmo").run(Listener())
     with pytest.raises(InputError, match="run kinmo render first"):
         TrainAncsh(Workspace(scanned.workspace.root), scanned.config, "safe").run(Listener())
+
+
+def test_what_was_found_is_told_with_its_axes_as_rows_and_its_states_with_their_units() -> None:
+    kinds = (JointKind.REVOLUTE, JointKind.PRISMATIC, JointKind.SCREW)
+    structure, rng = Structure(kinds, (0, 1, 0)), np.random.default_rng(0)
+    rotations = Rotation.random(4, random_state=0).as_matrix()
+    poses = PartPoses(rotations, rng.uniform(0.2, 2.0, 4), rng.normal(size=(4, 3)))
+    centers, halves, inliers = rng.normal(size=(4, 3)), rng.uniform(0.1, 1.0, (4, 3)), rng.uniform(size=4)
+    directions, pivots = Rotation.random(3, random_state=1).as_matrix()[:, 0], rng.normal(size=(3, 3))
+    states, turns = np.array([0.3, 0.2, 0.1]), np.array([np.nan, np.nan, 1.5])
+    found = ScanEstimate(poses, centers, halves, inliers, directions, pivots, states, turns)
+    of_points = np.array([0, 1, 1, 3, -1], np.int16)
+    document = scan_document(found, of_points, structure, Path("scan.npz"), {"category": "Crane"})
+    assert document["category"] == "Crane" and document["scan"] == str(Path("scan.npz").resolve())
+    assert [part["points"] for part in document["parts"]] == [1, 2, 0, 1]
+    signs = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3), axis=-1).reshape(-1, 3)
+    for row, part in enumerate(document["parts"]):
+        assert part["inliers"] == inliers[row]
+        box, pose = part["box"], {name: np.array(value) for name, value in part["pose"].items()}
+        corners = box["center"] + signs * box["half_sizes"] @ np.array(box["axes"])
+        npcs = (corners - pose["translation"]) @ pose["rotation"] / pose["scale"]
+        middle = (centers[row] - poses.translations[row]) @ rotations[row] / poses.scales[row]
+        np.testing.assert_allclose(npcs - middle, signs * halves[row] / poses.scales[row], atol=1e-12)
+    told = [(each["part"], each["parent"], each["state"], each["unit"], each["turn"]) for each in document["joints"]]
+    lengths = "lengths of the scan"
+    assert told == [(1, 0, 0.3, "radians", None), (2, 1, 0.2, lengths, None), (3, 0, 0.1, lengths, 1.5)]
+    assert [each["pivot"] is None for each in document["joints"]] == [False, True, False]
+    np.testing.assert_array_equal([each["direction"] for each in document["joints"]], directions)
+    json.dumps(document, allow_nan=False)
+
+
+def test_points_of_a_ply_file_are_those_of_an_array(scanned: Scanned, tmp_path: Path) -> None:
+    points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
+    np.savez(tmp_path / "seen.npz", points=points)
+    trimesh.PointCloud(points).export(tmp_path / "seen.ply")
+    documents = []
+    for name in ("seen.npz", "seen.ply"):
+        where = ["--out", str(tmp_path / name[-3:]), "--workspace", str(scanned.workspace.path), "--device", "cpu"]
+        result = CliRunner().invoke(app, ["predict", str(tmp_path / name), "--category", FAMILY, *where])
+        assert result.exit_code == 0, result.output
+        documents.append(json.loads((tmp_path / name[-3:] / "seen.json").read_text()))
+        assert documents[-1].pop("scan") == str((tmp_path / name).resolve())
+    assert documents[0] == documents[1]
 
 
 def test_the_axis_of_a_part_that_was_not_found_is_unknown_as_a_whole() -> None:
