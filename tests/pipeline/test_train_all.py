@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -31,6 +32,7 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
     told = Listener()
     found = stage.run(told)
     assert [note for note in told.notes if note.startswith("to do")]
+    assert [note for note in told.notes if re.fullmatch("about .+ in all", note)]
     # such networks find nothing that moves, so that there are no pseudo labels to learn from
     assert [note for note in told.notes if note.startswith(f"{CATEGORY}: no scan is by a pseudo label")]
     assert {"gnn_fine", f"ancsh ({CATEGORY}, supervised, seed 0)"} <= found.data.keys()

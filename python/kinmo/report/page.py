@@ -31,7 +31,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A drawing of one joint: `svg` is trusted markup of `kinmo.report.picture`, `lines` the text below it."""
+    """A drawing of a joint or a scan: `svg` is trusted markup of `kinmo.report.picture`, `lines` the text below it."""
 
     svg: str
     title: str

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 
 import pytest
 from scan_road import CATEGORY, taken_for
 from whole_road import Listener
 
 from kinmo.pipeline.report import Report
+from kinmo.pipeline.scans import report
 from kinmo.pipeline.scans.dataset import open_scan_dataset, scans_of
-from kinmo.pipeline.scans.networks import Cell
-from kinmo.pipeline.scans.pictures import COMMON
+from kinmo.pipeline.scans.networks import Cell, pictures_path
+from kinmo.pipeline.scans.pictures import COMMON, read_pictures
 from kinmo.pipeline.scans.report import OUTDATED, picture_sections
 from kinmo.scans.scan_file import count_objects
 from kinmo.workspace import Workspace
@@ -42,6 +44,21 @@ def test_the_report_shows_what_each_setting_makes_of_the_same_scans(judged: Work
     frames = [picture.title.partition(": ")[2] for picture in pictures]
     assert frames[::2] == frames[1::2]
     assert len(set(frames)) == min(COMMON, count_objects(open_scan_dataset(judged, CATEGORY).files["test"]))
+
+
+def test_the_report_shows_hits_and_failures_apart(judged: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = read_pictures(pictures_path(judged, Cell(CATEGORY, "supervised", 0)))
+    own = [replace(picture, is_hit=row % 2 == 0) for row, picture in enumerate(p for p in known if not p.is_common)]
+    assert len(own) > 1
+    monkeypatch.setattr(report, "read_pictures", lambda path: own)
+    sections = {section.title: section for section in picture_sections(judged)}
+    for title, wanted in (("hits", own[::2]), ("failures", own[1::2])):
+        shown = sections[f"Scans of {CATEGORY}, {title} (supervised)"].pictures
+        assert [picture.title for picture in shown] == [f"{each.id}, frame {each.frame}" for each in wanted]
+        assert all("parts turned by" in picture.lines[0] for picture in shown)
+    Report(judged).run(Listener())
+    page = (judged.report / "index.html").read_text(encoding="utf-8")
+    assert f"Scans of {CATEGORY}, hits (supervised)" in page and f"Scans of {CATEGORY}, failures (supervised)" in page
 
 
 def test_the_report_shows_no_pictures_of_what_has_changed_since(judged: Workspace) -> None:
