@@ -74,14 +74,15 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=20)
     parser.add_argument("--memory", choices=("kept", "returned"), default="kept")
     parser.add_argument("--device", default="cpu")
+    parser.add_argument("--quick", action="store_true", help="3 steps")
     arguments = parser.parse_args()
     wanted = KEPT if arguments.memory == "kept" else ""
     if os.environ.get(TUNABLES) != wanted:  # it is read when a process starts, as is how many threads the core has
         os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | {TUNABLES: wanted, "RAYON_NUM_THREADS": "1"})
     torch.set_num_threads(1)
-    config = load_config(arguments.config).ancsh
+    config, repeats = load_config(arguments.config).ancsh, 3 if arguments.quick else arguments.repeats
     for which in NETWORKS:
-        seconds = step_seconds(config, which, arguments.repeats, arguments.device)
+        seconds = step_seconds(config, which, repeats, arguments.device)
         where = f"memory {arguments.memory}" if arguments.device == "cpu" else arguments.device
         how = f"{arguments.config}, {config.batch_frames} frames of {config.points} points, {where}"
         claim = f"a step of {which} ({how}), ms"

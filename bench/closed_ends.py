@@ -14,6 +14,7 @@ import math
 from collections import defaultdict
 from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,8 @@ FAR = {JointKind.REVOLUTE: 5.0, JointKind.PRISMATIC: 0.05}
 LEAST_POINTS = 8
 """Fewer may fit a rigid motion by chance."""
 
+FEW = 40
+
 
 def main() -> None:
     """Print a line for every kind of joint and way."""
@@ -46,11 +49,13 @@ def main() -> None:
     parser.add_argument("workspace", type=Path, nargs="?")
     parser.add_argument("--category", default="refrigerator")
     parser.add_argument("--real", type=Path)
+    parser.add_argument("--quick", action="store_true", help=f"of {FEW} joints")
     arguments = parser.parse_args()
+    most = FEW if arguments.quick else None
     if arguments.real is not None:
-        tell(real(arguments.real))
+        tell(islice(real(arguments.real), most))
     elif arguments.workspace is not None:
-        tell(pseudo(Workspace(arguments.workspace), arguments.category))
+        tell(islice(pseudo(Workspace(arguments.workspace), arguments.category), most))
     else:
         parser.error("a workspace, or --real")
 

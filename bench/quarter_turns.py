@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -28,11 +29,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("workspace", type=Path)
     parser.add_argument("--category", default="dishwasher")
+    parser.add_argument("--quick", action="store_true", help="of one training")
     arguments = parser.parse_args()
-    for workspace, cell in trained_by_all_methods(Workspace(arguments.workspace)):
-        path = scores_path(workspace, cell, on_rough=False)
-        if not same_category(cell.category, arguments.category) or not path.exists():
-            continue
+    trained = trained_by_all_methods(Workspace(arguments.workspace))
+    wanted = ((place, cell) for place, cell in trained if same_category(cell.category, arguments.category))
+    judged = ((*each, path) for each in wanted if (path := scores_path(*each, on_rough=False)).exists())
+    for workspace, cell, path in islice(judged, 1 if arguments.quick else None):
         frames = [frame for scans in read_scores([path]) for frame in scans.frames]
         base = np.array([frame.rotation[0] for frame in frames])
         turns = np.degrees([_mean(frame.rotation) for frame in frames])

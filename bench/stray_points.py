@@ -29,12 +29,13 @@ def main() -> None:
     parser.add_argument("workspace", type=Path)
     parser.add_argument("--category", default="refrigerator")
     parser.add_argument("--scans", type=int, default=60)
+    parser.add_argument("--quick", action="store_true", help="10 scans")
     arguments = parser.parse_args()
     workspace, rng = Workspace(arguments.workspace), np.random.default_rng(0)
     finder = ScanFinder.load(workspace, arguments.category)
     files = open_scan_dataset(workspace, finder.category).files["test"]
     every = [(file.read("points", frame), file.read("poses", frame)) for file in files for frame in range(file.frames)]
-    some = [every[place] for place in rng.permutation(len(every))[: arguments.scans]]
+    some = [every[place] for place in rng.permutation(len(every))[: 10 if arguments.quick else arguments.scans]]
     for away in (0.0, *AWAY):
         scans = [points if away == 0.0 else with_stray(points, away, rng) for points, _ in some]
         kept, cut = (np.mean([error(found(finder, scan), poses) for scan, (_, poses) in zip(scans, some, strict=True)])

@@ -12,6 +12,7 @@ import argparse
 import json
 from collections import Counter
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 from kinmo.evaluation.metrics import axis_error, line_distance_at_part
@@ -36,9 +37,10 @@ def main() -> None:
     parser.add_argument("--category", default="refrigerator")
     parser.add_argument("--named", default="handle")
     parser.add_argument("--method", default="kinmo")
+    parser.add_argument("--quick", action="store_true", help="of 20 joints")
     arguments = parser.parse_args()
     workspace = Workspace(arguments.workspace, method=arguments.method)
-    counts = Counter(judged(workspace, arguments.category, arguments.named))
+    counts = Counter(islice(judged(workspace, arguments.category, arguments.named), 20 if arguments.quick else None))
     whole, bare = counts.total(), sum(count for (_, has), count in counts.items() if not has)
     for way in WAYS:
         told, untold = counts[way, True], counts[way, False]
