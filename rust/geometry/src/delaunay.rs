@@ -9,6 +9,8 @@ use nalgebra::{Point3, Vector3};
 use insertion::Scratch;
 use tetrahedron::{NONE, Tetrahedron};
 
+use crate::quasi_random::quasi_random;
+
 /// How many there usually are: room for so many is made beforehand.
 const TETRAHEDRA_PER_POINT: usize = 8;
 /// Largest shift of a coordinate that parts points which lie on a common plane or sphere.
@@ -118,9 +120,7 @@ impl Delaunay {
 
 /// A small shift, different for every point.
 fn jitter(index: u32) -> Vector3<f64> {
-    const RATIO: f64 = 1.220_744_084_605_759_5;
-    let shift = |power: i32| (f64::from(index + 1) / RATIO.powi(power)).fract() - 0.5;
-    Vector3::new(shift(1), shift(2), shift(3)) * (2.0 * JITTER)
+    Vector3::from(quasi_random(index as usize, 0.0).map(|x| x - 0.5)) * (2.0 * JITTER)
 }
 
 #[cfg(test)]

@@ -31,6 +31,7 @@ mod pieces;
 mod point_tree;
 pub mod probes;
 pub mod proximity;
+mod quasi_random;
 mod quickhull;
 pub mod ransac;
 pub mod raster;

@@ -1,4 +1,6 @@
 //! The seam to parry: the only file that names its types.
+//!
+//! It says where the nearest place of a surface is and on which triangle; [`crate::bvh`] tells distances and crossings.
 
 use nalgebra::{Point3, Vector3};
 use parry3d_f64::math::Vector;

@@ -5,6 +5,7 @@ use nalgebra::{Point3, Vector3};
 use crate::Mesh;
 use crate::aabb::Aabb;
 use crate::bvh::Bvh;
+use crate::quasi_random::quasi_random;
 
 /// A part or several that move as one: meshes with their trees.
 #[derive(Clone, Copy)]
@@ -56,7 +57,7 @@ pub fn probes_of(body: &[Solid<'_>], other: &[Solid<'_>], region: &Aabb, count: 
         if probes.len() == count {
             break;
         }
-        let [along, u, v] = quasi_random(draw);
+        let [along, u, v] = quasi_random(draw, 0.5);
         let (_, part, face) =
             cumulated[cumulated.partition_point(|entry| entry.0 < along * total).min(cumulated.len() - 1)];
         let [a, b, c] = body[part].mesh.triangle(face);
@@ -89,12 +90,6 @@ fn reached_areas(mesh: &Mesh, region: &Aabb) -> Vec<(usize, f64)> {
         .filter(|&face| Aabb::of(&mesh.triangle(face)).squared_distance(region) == 0.0)
         .map(|face| (face, 0.5 * mesh.scaled_normal(face).norm()))
         .collect()
-}
-
-/// The `index`-th point of the additive recurrence with the generalised golden ratio in three dimensions.
-fn quasi_random(index: usize) -> [f64; 3] {
-    const RATIO: f64 = 1.220_744_084_605_759_5;
-    [1, 2, 3].map(|power| (0.5 + (index + 1) as f64 / RATIO.powi(power)).fract())
 }
 
 /// The way from a surface point to the inside; `None` where the surface bounds no inside.

@@ -30,10 +30,15 @@ pub fn minimum_area_rectangle(points: &mut Vec<Point2<f64>>) -> Rectangle {
 /// Two unit vectors that complete `direction` to a right-handed frame (first, second, direction), the first as near as can be
 /// to a coordinate axis.
 pub fn perpendicular_basis(direction: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    let mut nearest = Vector3::zeros();
-    nearest[direction.iamin()] = 1.0;
+    let nearest = Vector3::ith(direction.iamin(), 1.0);
     let first = (nearest - direction * direction.dot(&nearest)).normalize();
     (first, direction.cross(&first))
+}
+
+/// Some unit vector perpendicular to `direction`, which may be zero.
+pub fn any_perpendicular(direction: Vector3<f64>) -> Vector3<f64> {
+    let nearest = Vector3::ith(direction.iamin(), 1.0);
+    direction.cross(&nearest).try_normalize(0.0).unwrap_or(Vector3::z())
 }
 
 /// Axes of the box of least area across the unit vector `direction`, which is the third of them.

@@ -5,6 +5,7 @@ use nalgebra::{Point3, Vector3};
 use crate::Mesh;
 use crate::bvh::Bvh;
 use crate::pieces::connected_pieces;
+use crate::rectangle::any_perpendicular;
 use crate::revolution::axis_of_revolution;
 use crate::sampling::sample_surface;
 use crate::surface::Surface;
@@ -60,8 +61,7 @@ fn round(piece: &Mesh, options: &TestOptions) -> Option<RoundPiece> {
         radius = radius.max((offset - direction * along).norm());
     }
     let middle = point + direction * (0.5 * (low + high));
-    let across = direction.cross(&Vector3::ith(direction.iamin(), 1.0)).normalize();
-    let is_ball = revolution_error(&test, middle, across).is_some();
+    let is_ball = revolution_error(&test, middle, any_perpendicular(direction)).is_some();
     (!is_ball).then_some(RoundPiece { middle, direction, radius, half_length: 0.5 * (high - low) })
 }
 

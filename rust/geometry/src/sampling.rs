@@ -6,6 +6,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::Mesh;
+use crate::rectangle::any_perpendicular;
 use crate::sample_elimination::eliminate;
 use crate::strata::Strata;
 
@@ -106,13 +107,6 @@ fn sample_without_area(mesh: &Mesh, count: usize, rng: &mut ChaCha8Rng) -> Vec<S
         SurfaceSample { point, normal: any_perpendicular(b - a), face: index / 3 }
     };
     drawn.into_iter().map(sample).collect()
-}
-
-/// Some unit vector perpendicular to `direction`, which may be zero.
-fn any_perpendicular(direction: Vector3<f64>) -> Vector3<f64> {
-    let mut least_aligned = Vector3::zeros();
-    least_aligned[direction.iamin()] = 1.0;
-    direction.cross(&least_aligned).try_normalize(0.0).unwrap_or(Vector3::z())
 }
 
 #[cfg(test)]
