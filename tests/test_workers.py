@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import multiprocessing
 import os
 import re
@@ -56,7 +57,9 @@ def test_what_a_job_was_not_built_for_is_its_answer_but_not_what_is_the_users_to
     assert isinstance(answer, Crashed)
     assert re.fullmatch(r"PanicError at test_workers.py:[0-9]+: index out of bounds", answer.why)
     assert or_crashed(square, 3) == 9
-    for error in (InputError("shape", "expected more"), KeyboardInterrupt(), SystemExit(1)):
+    assert isinstance(or_crashed(panic, OSError(errno.EIO, "bad disk")), Crashed)
+    full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    for error in (InputError("shape", "expected more"), full, KeyboardInterrupt(), SystemExit(1)):
         with pytest.raises(type(error)):
             or_crashed(panic, error)
 

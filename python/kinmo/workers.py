@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import multiprocessing
 import os
 import signal
@@ -24,6 +25,8 @@ from kinmo.errors import KinmoError
 
 Job = TypeVar("Job")
 Answer = TypeVar("Answer")
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
+"""Of a system's errors: nothing can be written any more."""
 _QUEUED_PER_WORKER = 4
 
 
@@ -37,13 +40,15 @@ class Crashed:
 def or_crashed(function: Callable[[Job], Answer], job: Job) -> Answer | Crashed:
     """`function` of a job, or `Crashed`: for whatever else it raises than a KinmoError and what ends the program.
 
-    A panic of the Rust core counts too; it is no Exception.
+    A panic of the Rust core counts too; it is no Exception. A full disk does not: the next job would fill it no less.
     """
     try:
         return function(job)
     except (KinmoError, KeyboardInterrupt, SystemExit):
         raise
     except BaseException as error:
+        if isinstance(error, OSError) and error.errno in FULL:
+            raise
         where = traceback.extract_tb(error.__traceback__)[-1]
         return Crashed(f"{type(error).__name__} at {Path(where.filename).name}:{where.lineno}: {error}")
 
