@@ -81,15 +81,15 @@ impl Aabb {
         x * x + y * y + z * z
     }
 
-    /// Whether a ray, given by the inverse of its direction, meets the box before `limit`.
+    /// Whether a ray, given by the inverse of its direction (infinity, not minus infinity, of 0), meets the box before `limit`.
     pub fn meets_ray(&self, origin: &Point3<f64>, inverse: &Vector3<f64>, limit: f64) -> bool {
         let (mut enter, mut leave) = (0.0f64, limit);
         for axis in 0..3 {
-            let (low, high) = (self.low[axis] - origin[axis], self.high[axis] - origin[axis]);
-            let (near, far) = if inverse[axis] < 0.0 { (high, low) } else { (low, high) };
+            let (a, b) =
+                ((self.low[axis] - origin[axis]) * inverse[axis], (self.high[axis] - origin[axis]) * inverse[axis]);
             // In this order, the NaN of a ray inside a face's plane is passed over.
-            enter = greater(enter, near * inverse[axis]);
-            leave = lesser(leave, far * inverse[axis]);
+            enter = greater(enter, lesser(a, b));
+            leave = lesser(leave, greater(b, a));
         }
         enter <= leave
     }

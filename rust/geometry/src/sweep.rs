@@ -102,26 +102,28 @@ impl<'a> Side<'a> {
     }
 
     fn collision(&self, grid: &ClearanceGrid, probe: &Probe, stride: f64, motions: &[RigidMotion]) -> Option<f64> {
-        let last = (motions.len() - 1) as f64;
-        let on_way = |at: f64| motions[at as usize] * probe.point;
-        let mut at = if probe.grace > 0.0 { (probe.grace / stride).min(last) } else { 0.0 };
-        let mut point = on_way(at.floor());
-        if at.fract() > 0.0 {
-            point += (on_way(at.ceil()) - point) * at.fract();
+        let last = motions.len() - 1;
+        let start = if probe.grace > 0.0 { (probe.grace / stride).min(last as f64) } else { 0.0 };
+        let mut at = start as usize;
+        // Of the step that begins there, the share that the grace takes.
+        let mut gone = start - at as f64;
+        let mut point = motions[at] * probe.point;
+        if gone > 0.0 {
+            point += (motions[at + 1] * probe.point - point) * gone;
         }
         while at < last {
-            let clear = (at + grid.clearance(&point) / stride).min(last).floor();
-            if clear > at {
-                (at, point) = (clear, on_way(clear));
+            let clear = (gone + grid.clearance(&point) / stride).min(last as f64) as usize;
+            if clear > 0 {
+                (at, gone) = ((at + clear).min(last), 0.0);
+                point = motions[at] * probe.point;
                 continue;
             }
-            let end = at.floor() + 1.0;
-            let next = on_way(end);
+            let next = motions[at + 1] * probe.point;
             let met = self.trees.iter().filter_map(|tree| tree.first_crossing(&point, &next)).min_by(f64::total_cmp);
             if let Some(share) = met {
-                return Some(at + share * (end - at));
+                return Some(at as f64 + gone + share * (1.0 - gone));
             }
-            (at, point) = (end, next);
+            (at, gone, point) = (at + 1, 0.0, next);
         }
         None
     }

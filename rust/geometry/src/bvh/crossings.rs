@@ -43,7 +43,7 @@ impl Bvh {
         mut found: impl FnMut(f64) -> f64,
     ) {
         let mut limit = limit;
-        let inverse = direction.map(f64::recip);
+        let inverse = direction.map(|x| if x == 0.0 { f64::INFINITY } else { x.recip() });
         let meets = |index: u32, limit: f64| self.nodes[index as usize].bounds.meets_ray(origin, &inverse, limit);
         // Most rays miss the whole mesh: nothing is allocated for them.
         if !meets(0, limit) {
@@ -114,7 +114,13 @@ mod tests {
             let mut end = start;
             end[axis] = -start[axis];
             let is_met = [1, 2].iter().all(|other| (0..=2).contains(&place[(axis + other) % 3]));
-            prop_assert_eq!(Bvh::new(&wall).first_crossing(&start, &end).is_some(), is_met);
+            let tree = Bvh::new(&wall);
+            prop_assert_eq!(tree.first_crossing(&start, &end).is_some(), is_met);
+            for zero in [0.0, -0.0] {
+                let mut direction = Vector3::repeat(zero);
+                direction[axis] = if backward { -1.0 } else { 1.0 };
+                prop_assert_eq!(tree.count_crossings(&start, &direction), usize::from(is_met));
+            }
         }
     }
 }
