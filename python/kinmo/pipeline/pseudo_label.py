@@ -90,8 +90,9 @@ class PseudoLabel:
                 whole = open_dataset(self.workspace)
                 self._remove_stale(whole)
                 failures = self._label(jobs, len(dataset.unlabelled), predictor, way, observer)
-                decisions = [decision for decision in self._decisions(whole.unlabelled) if decision is not None]
-                report = acceptance(decisions, self.workspace.method, len(whole.copies), self._outdated(whole, way))
+                known = self._decisions(whole.unlabelled)
+                decisions = [decision for decision in known if decision is not None]
+                report = acceptance(decisions, self.workspace.method, len(whole.copies), _outdated(whole, known, way))
                 write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
                 outputs = [str(self._report.relative_to(self.workspace.path))]
                 self.workspace.write_record(LABELLING, StageRecord(self._reported(way), tuple(outputs)))
@@ -131,16 +132,6 @@ class PseudoLabel:
                 jobs.append(job)
         return jobs
 
-    def _outdated(self, whole: Dataset, way: dict[str, Any]) -> list[str]:
-        """Categories with labels that something else than the threshold of `way` would make others of now."""
-        return sorted(
-            {
-                entry.category
-                for entry, known in zip(whole.unlabelled, self._decisions(whole.unlabelled), strict=True)
-                if known is not None and known.made_from != _made_from(whole, entry, way | {"threshold": known.threshold})
-            }
-        )
-
     def _remove_stale(self, whole: Dataset) -> None:
         """Remove folders and decisions that belong to none of the unlabelled shapes that there are."""
         names = {folder_name(entry) for entry in whole.unlabelled}
@@ -178,6 +169,18 @@ class PseudoLabel:
 
 def _made_from(dataset: Dataset, entry: IndexEntry, way: dict[str, Any]) -> str:
     return digest([dataset.fingerprint([entry]), way])
+
+
+def _outdated(whole: Dataset, decisions: Sequence[Decision | None], way: dict[str, Any]) -> list[str]:
+    """Categories with decisions on shapes that something else than the threshold of `way` would make others of now."""
+    known = ((entry, each) for entry, each in zip(whole.unlabelled, decisions, strict=True) if each is not None)
+    return sorted(
+        {
+            entry.category
+            for entry, decision in known
+            if decision.made_from != _made_from(whole, entry, way | {"threshold": decision.threshold})
+        }
+    )
 
 
 @dataclass(frozen=True)
