@@ -14,6 +14,7 @@ from whole_road import Listener
 
 from kinmo.config import TrainingConfig
 from kinmo.errors import InputError
+from kinmo.learning import weights
 from kinmo.learning.training import FitResult, Progress
 from kinmo.pipeline.fitting import KEPT, OUTPUTS, TUNABLES, Fitter, Work
 from kinmo.pipeline.journal import runs
@@ -83,6 +84,27 @@ def test_trainings_side_by_side_keep_their_memory_unless_it_is_said_otherwise(
     told = {(tmp_path / "models" / name / WEIGHTS).read_text(encoding="utf-8") for name in names}
     assert told == {own or KEPT}
     assert os.environ.get(TUNABLES) == own, "of those processes alone"
+
+
+@pytest.mark.parametrize(
+    ("device", "threads", "workers", "at_once"),
+    [
+        ("cpu", 1, 16, 8),
+        ("cpu", 1, 2, 2),
+        ("cpu", 4, 10, 2),
+        ("cpu", 0, 16, 1),
+        ("cuda", 1, 16, 4),
+        ("cuda", 1, 1, 1),
+        ("cuda", 0, 16, 1),
+    ],
+)
+def test_as_many_networks_are_trained_at_once_as_workers_threads_and_the_device_allow(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, device: str, threads: int, workers: int, at_once: int
+) -> None:
+    monkeypatch.setattr(weights, "pick_device", lambda name: name)
+    work = GoesOn(tmp_path, 0).work
+    works = [replace(work, schedule=replace(work.schedule, threads=threads))] * 8
+    assert Fitter(Workspace(tmp_path), device, workers).seconds(works) == pytest.approx(8 / at_once * work.seconds)
 
 
 @dataclass(frozen=True)

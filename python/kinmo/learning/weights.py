@@ -20,6 +20,8 @@ from kinmo.workspace import write_bytes_atomically, write_text_atomically
 
 SCHEMA = 1
 DEVICES = ("cpu", "cuda", "mps")
+ACCELERATOR_PROCESSES = 4
+"""So many share an accelerator, each with networks of its own there."""
 OTHER_VERSION = "; if another version of kinmo trained it, train it again"
 
 
@@ -103,3 +105,8 @@ def pick_device(name: str) -> str:
     if kind not in DEVICES:
         raise InputError("--device", f"{name!r} is not available here (expected one of {', '.join(DEVICES)})")
     return "cpu" if kind == "cpu" else name
+
+
+def processes_on(device: str, workers: int) -> int:
+    """How many of `workers` may have networks on a device at once: those on an accelerator share its memory."""
+    return workers if pick_device(device) == "cpu" else min(workers, ACCELERATOR_PROCESSES)

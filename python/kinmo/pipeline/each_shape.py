@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import torch
 
-from kinmo.learning.weights import pick_device
+from kinmo.learning.weights import processes_on
 from kinmo.workers import Crashed, map_unordered, or_crashed
 
 Job = TypeVar("Job")
@@ -16,8 +16,6 @@ Answer = TypeVar("Answer")
 
 JOBS_A_PROCESS = 4
 """A process is not worth its start for fewer: it imports torch and reads networks for as long as a few shapes take."""
-ACCELERATOR_PROCESSES = 4
-"""So many share an accelerator, each with networks of its own there."""
 
 
 def each_shape(
@@ -29,8 +27,7 @@ def each_shape(
 
     Networks get one thread a process, in this one too, so that answers do not depend on `workers`.
     """
-    if pick_device(device) != "cpu":
-        workers = min(workers, ACCELERATOR_PROCESSES)
+    workers = processes_on(device, workers)
     threads = torch.get_num_threads()
     try:
         yield from map_unordered(partial(_on_one_thread, work), jobs, min(workers, len(jobs) // JOBS_A_PROCESS))

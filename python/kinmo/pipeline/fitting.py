@@ -14,7 +14,7 @@ from typing import Any, Protocol
 from kinmo.config import Config, TrainingConfig, load_config
 from kinmo.errors import InputError, expecting
 from kinmo.learning.training import FitResult, Progress
-from kinmo.learning.weights import pick_device
+from kinmo.learning.weights import processes_on
 from kinmo.pipeline.journal import timed
 from kinmo.pipeline.model_files import HEADER, METRICS, METRICS_TABLE, WEIGHTS
 from kinmo.pipeline.stage import Observer, Outcome
@@ -74,9 +74,9 @@ class Fitting(Protocol):
 
 @dataclass(frozen=True)
 class Fitter:
-    """Trains what is not trained yet; on a CPU as many at once as `workers` and the networks' threads allow.
+    """Trains what is not trained yet, as many at once as `workers`, the networks' threads and the device allow.
 
-    What comes out does not depend on how many are trained at once.
+    What comes out does not depend on how many are trained at once. Small networks leave most of a GPU to others.
     """
 
     workspace: Workspace
@@ -147,9 +147,9 @@ class Fitter:
 
     def _at_once(self, works: Sequence[Work]) -> int:
         threads = [each.schedule.threads for each in works]
-        if not works or 0 in threads or pick_device(self.device) != "cpu":
+        if not works or 0 in threads:
             return 1
-        return min(len(works), self.workers // max(threads))
+        return min(len(works), processes_on(self.device, self.workers // max(threads)))
 
 
 @contextmanager
