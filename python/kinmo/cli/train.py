@@ -65,8 +65,8 @@ def train(
     scan; it is trained on scans, for a category at a time.
 
     The best epoch is chosen on validation shapes (of ancsh the last one is kept, and with --from too, halfway to what it went
-    on from); test shapes are never looked at. Training that was stopped goes on from its last epoch. On a CPU, networks that
-    take one thread each, as those of small do, are trained side by side.
+    on from); test shapes are never looked at. Training that was stopped goes on from its last epoch. Networks that take one
+    thread each, as those of small do, are trained side by side, four at most on a GPU.
 
     With few annotated shapes, train on many procedural ones in a workspace of their own, and go on from those with --from.
 
