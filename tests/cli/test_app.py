@@ -119,6 +119,14 @@ def test_an_option_that_would_do_nothing_is_refused(command: str, message: str) 
     assert f"kinmo: {message}" in result.output
 
 
+@pytest.mark.parametrize("option", ["--metres-per-unit", "--depth-scale"])
+@pytest.mark.parametrize("value", ["0", "-1", "inf", "1e300", "nan"])
+def test_lengths_are_scaled_by_no_more_than_can_be_meant(option: str, value: str) -> None:
+    result = CliRunner().invoke(app, ["predict", "shapes", option, value])
+    assert result.exit_code == 2
+    assert option in result.output
+
+
 def test_the_choices_of_the_options_are_those_of_the_program() -> None:
     """Options are listed without importing what they choose among."""
     from kinmo.cli.options import Method, ProtocolName

@@ -50,6 +50,18 @@ def test_quiet_leaves_the_path_alone(capsys: pytest.CaptureFixture[str]) -> None
     assert capsys.readouterr() == ("cup\n", "")
 
 
+@pytest.mark.parametrize("quiet", [False, True])
+def test_what_goes_wrong_is_told_however_quiet_it_is(quiet: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    class Spills(Sample):
+        def run(self, observer: Observer) -> Outcome:
+            observer.problem("spilt: a cup")
+            return super().run(observer)
+
+    with pytest.raises(Exit):
+        execute(CommonOptions(quiet=quiet), Spills(failed=1))
+    assert capsys.readouterr().err.splitlines()[0] == "spilt: a cup"
+
+
 def test_json_prints_the_result_itself(capsys: pytest.CaptureFixture[str]) -> None:
     execute(CommonOptions(json=True), Sample())
     assert json.loads(capsys.readouterr().out) == {"cups": 1}

@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from kinmo.evaluation.urdf_files.mesh_files import triangles_of
 from kinmo.evaluation.urdf_files.surface import Surface
 from kinmo.export.partnet_mobility import write_partnet_mobility
 from kinmo.export.urdf import write_urdf
+from kinmo.formats.annotation import PSEUDO_LABEL
 from kinmo.joint import Joint, JointKind
 from kinmo.mobility import Body, Mobility
 from kinmo.pipeline.score_urdfs import ScoreUrdfs
@@ -226,6 +228,35 @@ def test_a_truth_that_cannot_be_read_is_nobodys_failure(tmp_path):
     report = score_files(predictions, truth, ids=["1"])
     assert not report.objects
     assert "result.json" in report.unreadable["1"]
+
+
+def test_truths_are_found_as_shapes_are_everywhere(tmp_path, monkeypatch):
+    """Pseudo labels, hidden folders and other copies judge nobody; a shape's own folder is called what it is called."""
+    truth, predictions = folders(tmp_path)
+    write_partnet_mobility(TRUTH, TRUTH.mobility, truth / ".old" / "5")
+    write_partnet_mobility(TRUTH, TRUTH.mobility, truth / "5", meta={PSEUDO_LABEL: {}})
+    write_partnet_mobility(TRUTH, with_joint(1, replace(DOOR, direction=np.array([1.0, 0, 0]))), truth / "z" / "1")
+    write_partnet_mobility(TRUTH, TRUTH.mobility, truth / "z" / "2")
+    (predictions / "5.urdf").write_text("<robot/>")
+    report = score_files(predictions, truth)
+    assert [scored.id for scored in report.objects] == ["1", "2", "3", "4"]
+    assert {name: "differs from another copy of 1" in text for name, text in report.unreadable.items()} == {
+        "5": False,
+        str(truth / "z" / "1"): True,
+    }
+    assert "predicted and not annotated" in report.unreadable["5"]
+    monkeypatch.chdir(truth / "1")
+    alone = score_files(predictions, Path())
+    assert [(scored.id, scored.status) for scored in alone.objects] == [("1", "scored")]
+
+
+def test_nobody_to_be_judged_by_is_a_failure(tmp_path):
+    truth, predictions = folders(tmp_path)
+    for name in "1234":
+        (truth / name / "result.json").write_text("[")
+    told = Listener()
+    assert ScoreUrdfs(predictions, truth, Workspace(tmp_path / "w")).run(told).failed == 4
+    assert sum(note.startswith("left out: ") for note in told.notes) == 4
 
 
 def test_wrong_folders_and_ids_are_refused(tmp_path):

@@ -133,6 +133,8 @@ def changed(document, path, value):
         (("bodies", 0, "estimates", 0, "score"), "high"),
         (("bodies", 0, "network", "terms"), None),
         (("bodies", 0, "joint"), {"kind": "R", "direction": [0, 0, 2], "pivot": [0, 0, 0]}),
+        (("bodies", 0, "joint"), {"kind": "R", "direction": [0, 0, 1], "pivot": [0, 0, 0], "lower": 1.0, "upper": 0.0}),
+        (("bodies", 0, "joint"), {"kind": "R", "direction": [0, 0, 1], "pivot": [0, 0, 0], "upper": 1.0}),
         (("config",), []),
     ],
 )

@@ -259,6 +259,15 @@ def test_cameras_lights_and_empty_nodes_are_no_parts(tmp_path: Path) -> None:
     assert shape.partnet_id is None
 
 
+def test_a_thousand_bones_are_no_parts_either(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    nodes = [{"name": "Cabinet", "children": [1, 2, *range(3, 1203)]}, {"name": "door", "mesh": 0}, {"name": "body", "mesh": 0}]
+    path = raw(tmp_path / "a.glb", nodes=[*nodes, *({"name": f"bone {i}"} for i in range(1200))], scenes=[{"nodes": [0]}])
+    assert [part.name for part in read(path).parts] == ["Cabinet", "door", "body"]
+    monkeypatch.setattr(glb, "_MOST_NODES", 1000)
+    with pytest.raises(InputError, match="more than 1000 nodes"):
+        read(path)
+
+
 @pytest.mark.parametrize(("root", "category"), [("refrigerator", "Refrigerator"), ("door_set", "Door"), ("../../Safe", "Safe")])
 def test_categories_are_spelled_as_in_all_other_layouts(root: str, category: str, tmp_path: Path) -> None:
     nodes = [{"name": root, "children": [1, 2]}, {"name": "door", "mesh": 0}, {"name": "body", "mesh": 0}]

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from whole_road import Listener
 
-from datasets import write_partnet
+from datasets import write_partnet, write_partnet_mobility
 from kinmo import _core
 from kinmo.export.urdf import write_urdf
 from kinmo.joint import MotionType
@@ -109,3 +110,54 @@ def test_a_shape_that_nobody_foresaw_does_not_keep_others_from_being_predicted(
     (line,) = outcome.data["left_out"]
     assert line.startswith(f"{stage.source / 'b'}: cannot be predicted: RuntimeError at test_predict.py:")
     assert line.endswith(": no such axis") and outcome.failed == 1
+
+
+def test_what_was_predicted_of_another_shape_stays(stage: Predict) -> None:
+    for place in ("a", "b"):
+        write_partnet(stage.source / place / "cabinet")
+    assert replace(stage, source=stage.source / "a").run(Listener()).failed == 0
+    outcome = replace(stage, source=stage.source / "b").run(Listener())
+    (line,) = outcome.data["left_out"]
+    assert line == (
+        f"{stage.out / 'cabinet'}: is in the way: it has what was predicted of {stage.source / 'a' / 'cabinet'}; "
+        "name another folder by --out"
+    )
+    assert predict._source(stage.out / "cabinet") == str(stage.source / "a" / "cabinet")
+
+
+@pytest.mark.parametrize("damaged", ["door.urdf", "joints.json", "meshes", "half of joints.json"])
+def test_a_result_that_is_not_whole_is_made_anew(stage: Predict, damaged: str) -> None:
+    write_partnet(stage.source / "door")
+    stage.run(Listener())
+    folder = stage.out / "door"
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    if damaged == "meshes":
+        shutil.rmtree(folder / damaged)
+    elif damaged.startswith("half"):
+        (folder / "joints.json").write_bytes(before[folder / "joints.json"][:300])
+    else:
+        (folder / damaged).unlink()
+    outcome = stage.run(Listener())
+    assert outcome.data["left_out"] == []
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def test_what_a_user_adds_to_a_result_stays(stage: Predict) -> None:
+    write_partnet(stage.source / "door")
+    stage.run(Listener())
+    urdf = stage.out / "door" / "door.urdf"
+    urdf.write_text(f"{urdf.read_text()}<!-- damping is to be measured -->", encoding="utf-8")
+    stage.run(Listener())
+    assert urdf.read_text(encoding="utf-8").endswith("<!-- damping is to be measured -->")
+
+
+def test_of_shapes_that_share_an_id_the_annotated_one_keeps_it(stage: Predict) -> None:
+    write_partnet_mobility(stage.source / "dataset" / "7")
+    write_partnet(stage.source / "data_v0" / "7")
+    stage.run(Listener())
+    names = {path.name for path in stage.out.iterdir() if path.is_dir()}
+    assert names == {"7", "data_v0__7"}
+    assert predict._source(stage.out / "7") == str(stage.source / "dataset" / "7")
+    write_partnet_mobility(stage.source / "again" / "7")
+    found = replace(stage, out=stage.out.with_name("other")).run(Listener())
+    assert {Path(shape["folder"]).name for shape in found.data["shapes"]} == {"again__7", "data_v0__7", "dataset__7"}

@@ -31,6 +31,9 @@ class Listener:
     def note(self, text: str) -> None:
         self.notes.append(text)
 
+    def problem(self, text: str) -> None:
+        self.notes.append(text)
+
 
 @dataclass
 class Road:

@@ -14,8 +14,7 @@ import pytest
 
 from datasets import write_dsg_net, write_json, write_partnet, write_partnet_mobility
 from kinmo.errors import InputError
-from kinmo.formats import Found
-from kinmo.prepare import folder as preparing
+from kinmo.formats import Found, sources
 from kinmo.prepare import prepare_folder
 from kinmo.store import PreparedStore
 from kinmo.workspace import Workspace
@@ -125,6 +124,22 @@ def test_identical_copies_are_taken_once_and_different_ones_told(dataset, tmp_pa
     assert taken["plain/101"] == ()
 
 
+def test_a_copy_is_read_instead_of_what_cannot_be(dataset, tmp_path):
+    for name, category in (("x", "Table"), ("y", "Table"), ("z", "Chair")):
+        shutil.copytree(dataset / "plain" / "100", dataset / name / "100")
+        write_json(dataset / name / "100" / "meta.json", {"model_cat": category})
+    (dataset / "plain" / "100" / "result.json").write_text("[")
+    for made in (SHAPES + 2, 0):
+        report = prepare(dataset, tmp_path / "w")
+        assert report.made == made
+        taken = {Path(e.path).relative_to(dataset).as_posix(): e.reasons for e in (*report.taken, *report.repaired)}
+        assert taken.keys() & {"plain/100", "x/100", "y/100", "z/100"} == {"x/100"}
+        assert taken["x/100"][-1] == f"identical copy left aside: {dataset / 'y' / '100'}"
+        out = {Path(entry.path).relative_to(dataset).as_posix(): entry.reasons for entry in report.left_out}
+        assert "not JSON" in out["plain/100"][0]
+        assert out["z/100"][0].endswith(f"which is read instead: {dataset / 'x' / '100'}")
+
+
 def test_the_same_id_in_two_layouts_is_two_shapes(dataset, tmp_path):
     prepare(dataset, tmp_path / "w")
     found = {(entry.layout, entry.id) for entry in PreparedStore(tmp_path / "w" / "prepared").entries}
@@ -158,7 +173,7 @@ def test_a_copy_that_cannot_be_read_does_not_stop_the_others(dataset, tmp_path, 
     def unreadable(found: Found) -> str:
         raise InputError(found.path, "cannot be read (Permission denied)")
 
-    monkeypatch.setattr(preparing, "content_digest", unreadable)
+    monkeypatch.setattr(sources, "content_digest", unreadable)
     report = prepare(dataset, tmp_path / "w")
     assert len(report.taken) == SHAPES + 1
     assert [Path(entry.path).name for entry in report.left_out] == ["300", "100"]

@@ -10,7 +10,7 @@ SECONDS_BETWEEN_LINES = 10.0
 
 
 class QuietObserver:
-    """Says nothing."""
+    """Says nothing but what went wrong."""
 
     def __enter__(self) -> QuietObserver:
         return self
@@ -23,6 +23,9 @@ class QuietObserver:
 
     def note(self, text: str) -> None:
         pass
+
+    def problem(self, text: str) -> None:
+        print(text, file=sys.stderr, flush=True)
 
 
 class LineObserver(QuietObserver):
@@ -70,6 +73,9 @@ class BarObserver(QuietObserver):
 
     def note(self, text: str) -> None:
         self._bars.console.print(text, markup=False, highlight=False, soft_wrap=True)
+
+    def problem(self, text: str) -> None:
+        self.note(text)
 
 
 def observer(quiet: bool) -> QuietObserver:

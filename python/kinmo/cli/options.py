@@ -54,7 +54,9 @@ class CommonOptions:
     dry_run: Annotated[
         bool, Option("--dry-run", help="Say what would run, and about how long, and stop.", rich_help_panel=COMMON)
     ] = False
-    quiet: Annotated[bool, Option("--quiet", "-q", help="No progress, no tables.", rich_help_panel=COMMON)] = False
+    quiet: Annotated[
+        bool, Option("--quiet", "-q", help="No progress, no tables; what goes wrong is told.", rich_help_panel=COMMON)
+    ] = False
     json: Annotated[
         bool, Option("--json", help="Print the result itself, as JSON, in place of its path.", rich_help_panel=COMMON)
     ] = False

@@ -12,6 +12,8 @@ from kinmo.cli.options import CommonOptions, Method
 from kinmo.errors import InputError
 
 SCANS = "Options for scans"
+SMALLEST = 1e-9
+"""Of what lengths may be multiplied or divided by."""
 
 
 def predict(
@@ -34,7 +36,12 @@ def predict(
     ] = None,
     metres_per_unit: Annotated[
         float | None,
-        Option(min=1e-9, help="Metres that a unit of a shape's file is in its URDF; 0.001 for millimetres.", show_default="1"),
+        Option(
+            min=SMALLEST,
+            max=1.0 / SMALLEST,
+            help="Metres that a unit of a shape's file is in its URDF; 0.001 for millimetres.",
+            show_default="1",
+        ),
     ] = None,
     category: Annotated[
         str | None, Option(help="What is seen in the scans, however it is spelled.", show_default=False, rich_help_panel=SCANS)
@@ -50,7 +57,13 @@ def predict(
     ] = None,
     depth_scale: Annotated[
         float | None,
-        Option(min=1e-9, help="Depths are divided by it; 1000 for millimetres.", show_default="1", rich_help_panel=SCANS),
+        Option(
+            min=SMALLEST,
+            max=1.0 / SMALLEST,
+            help="Depths are divided by it; 1000 for millimetres.",
+            show_default="1",
+            rich_help_panel=SCANS,
+        ),
     ] = None,
 ) -> None:
     """Predict the joints of your own shapes, or of what a depth scan shows.

@@ -182,6 +182,10 @@ def _read_joint(entry: Field) -> Joint:
     if kind not in {known.value for known in JointKind}:
         raise entry["kind"].fail("expected R, P or PR")
     lower, upper = (None if entry[end].is_absent else entry[end].number() for end in ("lower", "upper"))
+    if (lower is None) != (upper is None):
+        raise entry["upper" if upper is None else "lower"].fail("expected both ends of a range, or none")
+    if lower is not None and upper is not None and lower > upper:
+        raise entry["upper"].fail("expected no less than lower")
     direction = entry["direction"].vector()
     if not abs(float(np.linalg.norm(direction)) - 1.0) < 1e-6:
         raise entry["direction"].fail("expected a unit vector")

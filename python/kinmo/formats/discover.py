@@ -44,7 +44,7 @@ class Found:
 def discover(
     root: Path, *, skip: tuple[Path, ...] = (), report: Callable[[InputError], None] = lambda error: None
 ) -> Iterator[Found]:
-    """All shapes at or below `root`, in the order of their paths.
+    """All shapes at or below `root`, those in a folder itself before those in its subfolders, by name.
 
     Hidden files and folders, and workspaces, are passed over. Links to folders are not followed; links to folders and shapes
     outside of `root`, and folders that cannot be listed, are told to `report`. `skip` are folders to keep out of. `root` may

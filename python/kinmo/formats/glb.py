@@ -18,7 +18,7 @@ from kinmo.errors import InputError
 from kinmo.formats.annotation import UNKNOWN_CATEGORY
 from kinmo.formats.field import Field, clean_text
 from kinmo.formats.files import LARGEST_JSON, LARGEST_MESH, read_bytes
-from kinmo.formats.hierarchy import Node, build, check_size
+from kinmo.formats.hierarchy import Node, build, check_depth, check_number
 from kinmo.formats.meshes import has_surface
 from kinmo.shape import Mesh, Shape, join
 
@@ -39,6 +39,8 @@ _WIDTHS = {"SCALAR": 1, "VEC3": 3}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _MOST_CORNERS = 20_000_000
 """Read and placed, of all parts together: a small file may show one mesh many times."""
+_MOST_NODES = 100_000
+"""Of a scene, those that are no parts included: bones, say."""
 
 
 def read_glb(path: Path) -> Shape:
@@ -105,6 +107,7 @@ class _Scene:
         while pending:
             index, parent, is_surface = pending.pop()
             item, surface, place = items[index], own[index], len(nodes)
+            check_number(item.field, place)
             below = [] if is_surface else children[index]
             nodes.append(Node(item.field, place, item.name, parent, not below))
             pending += [(child, place, False) for child in reversed(below)]
@@ -126,7 +129,9 @@ class _Scene:
         while pending:
             index, parent, depth = pending.pop()
             node = self._entry("nodes", index)
-            check_size(node, len(poses), depth)
+            check_depth(node, depth)
+            if len(poses) > _MOST_NODES:
+                raise InputError(self.root.where, f"more than {_MOST_NODES} nodes")
             if index.integer() in seen:
                 raise index.fail(f"node {index.integer()} is in two places")
             seen.add(index.integer())

@@ -47,7 +47,8 @@ def walk(root: Field, name: str) -> list[Node]:
     pending: list[tuple[Field, int | None, int]] = [(root, None, 0)]
     while pending:
         field, parent, depth = pending.pop()
-        check_size(field, len(nodes), depth)
+        check_depth(field, depth)
+        check_number(field, len(nodes))
         identity = field["id"].integer()
         if identity in seen:
             raise field["id"].fail(f"part {identity} occurs twice, first at {seen[identity]}")
@@ -58,10 +59,14 @@ def walk(root: Field, name: str) -> list[Node]:
     return nodes
 
 
-def check_size(node: Field, before: int, depth: int) -> None:
-    """Raises InputError for a node that is nested too deeply, or of which there are too many `before` it."""
+def check_depth(node: Field, depth: int) -> None:
+    """Raises InputError for a node that is nested too deeply."""
     if depth > DEEPEST:
         raise node.fail(f"nested deeper than {DEEPEST} levels")
+
+
+def check_number(node: Field, before: int) -> None:
+    """Raises InputError for a node that is a part, if there are too many `before` it."""
     if before >= MOST_PARTS:
         raise InputError(node.where, f"more than {MOST_PARTS} parts")
 

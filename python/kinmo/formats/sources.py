@@ -50,6 +50,14 @@ def content_digest(found: Found) -> str:
     return total.hexdigest()
 
 
+def are_alike(one: Found, other: Found) -> bool:
+    """Whether two copies have the same contents, as far as both can be read."""
+    try:
+        return content_digest(one) == content_digest(other)
+    except InputError:
+        return False
+
+
 def _unreadable(error: OSError, found: Found) -> InputError:
     return InputError(shown(error.filename or found.path), f"cannot be read ({error.strerror})")
 

@@ -15,7 +15,7 @@ from kinmo.errors import InputError, expecting
 from kinmo.export.folders import whole_folder
 from kinmo.export.joints_json import Provenance, write_joints_json
 from kinmo.export.urdf import write_urdf
-from kinmo.formats import Found, discover, read_found
+from kinmo.formats import Found, Layout, discover, read_found
 from kinmo.formats.field import clean_text
 from kinmo.formats.sources import fingerprint, shown
 from kinmo.frames import TO_Y_UP, Up
@@ -66,7 +66,7 @@ class Predict:
 
         def leave_out(error: InputError) -> None:
             left_out.append(str(error))
-            observer.note(f"left out: {error}")
+            observer.problem(f"left out: {error}")
 
         targets = self._targets(leave_out)
         if not targets and not left_out:
@@ -106,7 +106,7 @@ class Predict:
                 made_from = predicting.made_from(found)
             except InputError as error:
                 problems[folder] = str(error)
-                observer.note(f"left out: {error}")
+                observer.problem(f"left out: {error}")
                 continue
             if not _is_made_from(folder, made_from):
                 jobs.append(Job(found, folder, made_from))
@@ -116,7 +116,7 @@ class Predict:
                 problem = f"{shown(job.found.path)}: cannot be predicted: {problem.why}"
             if problem is not None:
                 problems[job.folder] = problem
-                observer.note(f"left out: {problem}")
+                observer.problem(f"left out: {problem}")
             done += 1
             observer.progress("predicting joints", done, len(targets), job.found.id)
         return problems
@@ -128,14 +128,18 @@ class Predict:
     def _targets(self, report: Callable[[InputError], None] = lambda error: None) -> list[tuple[Found, Path]]:
         """Every shape with its own folder, which has its id for a name.
 
-        Those that share an id are told apart by where they are below `source`, however many there are. Long names are cut.
+        Those that share an id are told apart by where they are below `source`, however many there are; but one in the layout of
+        PartNet-Mobility, if it is the only one, keeps it, as that is what its URDF is looked for by. Long names are cut.
         """
         shapes = list(discover(self.source, skip=(self.out,), report=report))
         names = [short_name(found.id, found.id) for found in shapes]
         for with_endings in (False, True):
             alike = Counter(names)
+            keeping = Counter(name for name, found in zip(names, shapes, strict=True) if _keeps_id(found))
             names = [
-                _joined(found.path, self.source, with_endings) if alike[name] > 1 else name
+                name
+                if alike[name] == 1 or (_keeps_id(found) and keeping[name] == 1)
+                else _joined(found.path, self.source, with_endings)
                 for name, found in zip(names, shapes, strict=True)
             ]
         if len(set(names)) < len(names):  # a folder may be called what a path becomes here
@@ -176,7 +180,7 @@ class Predicting:
     def __call__(self, job: Job) -> str | None:
         """Write a shape's folder. Returns what is wrong with the shape, or None."""
         try:
-            _check_replaceable(job.folder)
+            _check_replaceable(job.folder, job.found)
             turn = TO_Y_UP[self.up]
             x, y, z = turn[1].tolist()  # what it takes to y
             shape = replace(read_found(job.found), up=(x, y, z))
@@ -186,7 +190,8 @@ class Predicting:
             with whole_folder(job.folder) as draft:
                 write_urdf(shape, prediction.mobility, draft, name=job.folder.name, metres_per_unit=self.metres_per_unit)
                 write_joints_json(draft / JOINTS, shape, prediction, Provenance(self.predictor.weights, self.predictor.config))
-                (draft / MADE_FROM).write_text(job.made_from, encoding="ascii")
+                made = "".join(f"{name}\n" for name in _files(draft))
+                (draft / MADE_FROM).write_text(f"{job.made_from}\n{made}", encoding="utf-8")
         except ValueError as error:
             return str(error) if isinstance(error, InputError) else f"{shown(job.found.path)}: {error}"
         except OSError as error:
@@ -214,6 +219,10 @@ def _document(found: Found, folder: Path) -> dict[str, Any]:
     }
 
 
+def _keeps_id(found: Found) -> bool:
+    return found.layout is Layout.PARTNET_MOBILITY
+
+
 def _joined(path: Path, source: Path, with_ending: bool) -> str:
     """The place of a shape below `source` as the name of one folder."""
     place = path.relative_to(source)
@@ -221,18 +230,39 @@ def _joined(path: Path, source: Path, with_ending: bool) -> str:
     return short_name(clean_text(text), text)
 
 
-def _check_replaceable(folder: Path) -> None:
-    """Raises InputError if `folder` holds something that was not predicted: a user's shape, say."""
-    if os.path.lexists(folder) and not (folder / MADE_FROM).is_file() and not _is_empty(folder):
+def _check_replaceable(folder: Path, found: Found) -> None:
+    """Raises InputError if `folder` holds something else than what was predicted of the same shape: a user's shape, say."""
+    if not os.path.lexists(folder) or _is_empty(folder):
+        return
+    if not (folder / MADE_FROM).is_file():
         raise InputError(folder, "is in the way, and nothing that kinmo predict wrote: name another folder by --out")
+    source = _source(folder)
+    if source is not None and source != shown(found.path.absolute()):
+        raise InputError(folder, f"is in the way: it has what was predicted of {source}; name another folder by --out")
+
+
+def _source(folder: Path) -> str | None:
+    """Where the shape was that a folder has a prediction of; None if it does not say."""
+    try:
+        return str(json.loads((folder / JOINTS).read_text(encoding="utf-8"))["shape"]["source"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def _is_empty(folder: Path) -> bool:
     return folder.is_dir() and not any(folder.iterdir())
 
 
+def _files(folder: Path) -> list[str]:
+    """What is in a folder, below it too."""
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
 def _is_made_from(folder: Path, made_from: str) -> bool:
+    """Whether a folder has all that was written there, from the same; what a user has changed since stays."""
     try:
-        return (folder / MADE_FROM).read_text(encoding="ascii") == made_from and (folder / JOINTS).exists()
+        known, *made = (folder / MADE_FROM).read_text(encoding="utf-8").splitlines()
     except (OSError, ValueError):
         return False
+    is_whole = JOINTS in made and all((folder / name).is_file() for name in made)
+    return known == made_from and is_whole and _source(folder) is not None

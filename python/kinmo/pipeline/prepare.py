@@ -63,6 +63,8 @@ class Prepare:
         data = report.as_data()
         write_text_atomically(self.workspace.prepared / REPORT, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
         usable = len(report.taken) + len(report.repaired)
+        if not usable and report.left_out:
+            observer.problem(f"nothing could be prepared: {report.left_out[0].reasons[0]}")
         return Outcome(self.workspace.prepared, data, summary(report), failed=0 if usable else 1)
 
     def _warn_of_held_back(self, observer: Observer) -> None:

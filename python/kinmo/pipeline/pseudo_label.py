@@ -163,7 +163,7 @@ class PseudoLabel:
             watch.amount, watch.what = len(jobs), f"{counted(len(jobs), 'shape')} by {self.workspace.method}"
         if failures:
             others = f", and so {len(failures) - 1} more" if len(failures) > 1 else ""
-            observer.note(f"failed: {failures[0]}{others}")
+            observer.problem(f"failed: {failures[0]}{others}")
         return failures
 
 

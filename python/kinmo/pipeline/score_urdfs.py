@@ -47,10 +47,10 @@ class ScoreUrdfs:
             progress=lambda done, total: observer.progress("scoring URDFs", done, total),
         )
         for reason in report.unreadable.values():
-            observer.note(f"left out: {reason}")
+            observer.problem(f"left out: {reason}")
         for scored in report.objects:
             if scored.reason:
-                observer.note(f"failed: {scored.id}: {scored.reason}")
+                observer.problem(f"failed: {scored.id}: {scored.reason}")
         summary = summarise(report)
         caption = Caption("URDF files", str(self.predictions), 0, 0, f"{self.category or 'all'} of {self.truth}", ())
         table = files_table(summary, report, caption)
@@ -58,7 +58,7 @@ class ScoreUrdfs:
         write_table(table, folder, "by_category")
         write_table(failures_table(report, replace(caption, title="URDF files that were not scored")), folder, "failures")
         write_json(folder.with_suffix(".json"), summary)
-        return Outcome(folder, summary, as_text(table))
+        return Outcome(folder, summary, as_text(table), failed=0 if report.objects else len(report.unreadable))
 
     def _ids(self, observer: Observer) -> list[str] | None:
         """The shapes of the category, None for all. Raises InputError if there is none."""
@@ -66,11 +66,11 @@ class ScoreUrdfs:
             return None
         categories: dict[str, str] = {}
         for found in discover(self.truth):
-            if found.layout is Layout.PARTNET_MOBILITY:
+            if found.layout is Layout.PARTNET_MOBILITY and found.id not in categories:
                 try:
                     categories[found.id] = read_found(found).category
                 except InputError as error:
-                    observer.note(f"left out: {error}")
+                    observer.problem(f"left out: {error}")
         ids = [name for name, category in categories.items() if same_category(category, self.category)]
         if not ids:
             known = sorted(set(categories.values()))

@@ -16,6 +16,9 @@ class Observer(Protocol):
     def note(self, text: str) -> None:
         """One line that is worth reading afterwards."""
 
+    def problem(self, text: str) -> None:
+        """One line on what the user asked for and does not get, which is told however quiet it is to be."""
+
 
 @dataclass(frozen=True)
 class Plan:

@@ -12,7 +12,7 @@ from kinmo import __version__
 from kinmo.errors import InputError
 from kinmo.formats import Found, Layout, discover, read_found
 from kinmo.formats.annotation import check_annotated
-from kinmo.formats.sources import content_digest, fingerprint, shown
+from kinmo.formats.sources import are_alike, fingerprint, shown
 from kinmo.prepare.shape import POINTS, prepare_shape
 from kinmo.store import FORMAT, INDEX, IndexEntry, file_name, index_text, read_header, to_bytes
 from kinmo.workers import Crashed, map_unordered, or_crashed
@@ -83,7 +83,7 @@ def prepare_folder(
 
     Shapes that were prepared before from the same files, with the same seed, number of points and version of kinmo, are not
     prepared again. Those at or below the folders of `hold_back` are held back (`store.IndexEntry`). Index and files do not
-    depend on `workers`, nor on how often a run was cut off. Of copies of one shape the first by path is taken. Raises
+    depend on `workers`, nor on how often a run was cut off. Of copies of one shape the first that can be read is taken. Raises
     InputError if `root` or what is to be held back is no folder, nothing in `root` is a shape, or another process works in
     the workspace; then the index stays as it was.
     """
@@ -106,7 +106,11 @@ def prepare_folder(
         )
         for job, result in map_unordered(partial(or_crashed, work), jobs, workers):
             name = run.settle(job, result)
+            run.done += 1
             on_progress(run.done, total, name)
+        for found in run.copies_instead():
+            job = Job(found, store / file_name(found.layout.value, found.id), points, seed)
+            run.settle(job, or_crashed(work, job))
         write_text_atomically(store / INDEX, index_text(run.entries))
         return run.report()
 
@@ -120,6 +124,11 @@ class _Run:
     entries: list[IndexEntry] = field(default_factory=list)
     left_out: list[Entry] = field(default_factory=list)
     copies: dict[str, list[str]] = field(default_factory=dict)
+    others: dict[Path, list[Found]] = field(default_factory=dict)
+    """Copies that differ from the first one, by where either is written to."""
+    read: dict[Path, Path] = field(default_factory=dict)
+    """What was read, by the same."""
+    unread: list[Path] = field(default_factory=list)
     made: int = 0
     done: int = 0
 
@@ -129,28 +138,43 @@ class _Run:
         def report(error: InputError) -> None:
             self.left_out.append(Entry("", shown(error.where), (str(error),)))
 
-        first: dict[str, str] = {}
+        first: dict[Path, Path] = {}
         for found in discover(root, skip=(workspace.path,), report=report):
-            original = Path(first.setdefault(f"{found.layout.value}/{found.id}", str(found.path)))
+            target = self.store / file_name(found.layout.value, found.id)
+            original = first.setdefault(target, found.path)
             if original == found.path:
                 yield found
-            elif _are_alike(found, replace(found, path=original)):
-                self.copies.setdefault(str(original.absolute()), []).append(f"identical copy left aside: {shown(found.path)}")
+                continue
+            self.done += 1
+            if not self._is_copy(found, original):
+                self.others.setdefault(target, []).append(found)
+
+    def _is_copy(self, found: Found, original: Path) -> bool:
+        """Whether a shape has the contents of `original`, beside which it is told of then."""
+        is_copy = are_alike(found, replace(found, path=original))
+        if is_copy:
+            self.copies.setdefault(str(original.absolute()), []).append(f"identical copy left aside: {shown(found.path)}")
+        return is_copy
+
+    def copies_instead(self) -> Iterator[Found]:
+        """Of every shape that cannot be read one differing copy after another, until one can be; drops what none can be of."""
+        while self.unread:
+            target = self.unread.pop()
+            if copies := self.others.get(target):
+                yield copies.pop(0)
             else:
-                self.done += 1
-                reason = f"differs from another copy of {found.id}, which is read instead: {shown(original)}"
-                self.left_out.append(Entry(found.id, shown(found.path), (reason,)))
+                target.unlink(missing_ok=True)
 
     def settle(self, job: Job, result: Result | Crashed) -> str:
         """Writes what a worker made. Returns the shape's id."""
-        self.done += 1
         found = job.found
         if isinstance(result, Crashed):
             result = Result(job, problem=str(InputError(shown(found.path), f"cannot be prepared: {result.why}")))
         if result.entry is None:
             self.left_out.append(Entry(found.id, shown(found.path), (result.problem,)))
-            job.target.unlink(missing_ok=True)
+            self.unread.append(job.target)
             return found.id
+        self.read[job.target] = found.path
         if result.data is not None:
             write_bytes_atomically(job.target, result.data)
             self.made += 1
@@ -159,20 +183,17 @@ class _Run:
         return found.id
 
     def report(self) -> PrepareReport:
+        for target, others in self.others.items():
+            for found in others:
+                if not self._is_copy(found, self.read[target]):
+                    reason = f"differs from another copy of {found.id}, which is read instead: {shown(self.read[target])}"
+                    self.left_out.append(Entry(found.id, shown(found.path), (reason,)))
         report = PrepareReport(left_out=sorted(self.left_out, key=lambda entry: (entry.path, entry.id)), made=self.made)
         for entry in sorted(self.entries, key=lambda entry: entry.source):
             copies = tuple(self.copies.get(entry.source, ()))
             row = Entry(entry.id, shown(entry.source), entry.repairs + copies)
             (report.repaired if entry.repairs else report.taken).append(row)
         return report
-
-
-def _are_alike(one: Found, other: Found) -> bool:
-    """Whether two copies have the same contents, as far as both can be read."""
-    try:
-        return content_digest(one) == content_digest(other)
-    except InputError:
-        return False
 
 
 def _folders(paths: Sequence[Path]) -> tuple[Path, ...]:

@@ -120,8 +120,9 @@ def test_an_object_that_cannot_be_scanned_says_why_and_is_not_tried_again(scanne
     config = tmp_path / "strict.toml"
     config.write_text(Path(scanned.config).read_text(encoding="utf-8") + "smallest_part = 1.0\n", encoding="utf-8")
     stage = Render(Workspace(tmp_path / "workspace"), str(config), FAMILY)
-    found = stage.run(Listener())
-    assert found.failed and found.text.endswith(f"{CATEGORY}: no frame of an object to train on")
+    told = Listener()
+    found = stage.run(told)
+    assert found.failed and told.notes == [f"{CATEGORY}: no frame of an object to train on"]
     reasons = {role: list(by_id.values()) for role, by_id in found.data["refused"].items()}
     assert {"train", "hidden"} <= set(reasons), "whatever role an object has"
     assert all("no part of it moves that is large enough" in reason for own in reasons.values() for reason in own)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,9 @@ from kinmo.evaluation.urdf_files.figures import FIGURES, MEDIANS
 from kinmo.evaluation.urdf_files.matching import LEAST_IOU
 from kinmo.evaluation.urdf_files.mesh_files import is_file
 from kinmo.evaluation.urdf_files.scoring import FAILED, MISSING, SCORED, ObjectScore, score_urdf
-from kinmo.formats import read_partnet_mobility
+from kinmo.formats import Found, Layout, discover, read_found
+from kinmo.formats.annotation import check_annotated
+from kinmo.formats.sources import are_alike
 from kinmo.workers import Crashed, map_unordered, or_crashed
 from kinmo.workspace import write_text_atomically
 
@@ -48,10 +50,11 @@ def score_files(
 ) -> FilesReport:
     """Score the URDFs below `predictions` for every annotated shape below `truth`, or those with the given `ids`.
 
-    Shapes are the folders that hold a mobility_v2.json, known by their names. An object without a URDF is missing. `progress`
-    is told how many of how many objects are done. Raises InputError if there are no such shapes, or no URDF of any of them.
+    Shapes are those in PartNet-Mobility's layout that `discover` finds, pseudo-labelled ones aside. An object without a URDF is
+    missing. `progress` is told how many of how many objects are done. Raises InputError if there are no such shapes, or no URDF
+    of any of them.
     """
-    folders = {file.parent.name: file.parent for file in sorted(truth.rglob("mobility_v2.json"))}
+    folders, unreadable = _truths(truth)
     if not folders:
         raise InputError(truth, "expected folders with a mobility_v2.json")
     wanted = sorted(folders) if ids is None else sorted(set(ids))
@@ -62,23 +65,36 @@ def score_files(
         raise InputError(predictions, f"expected URDFs called after shapes below {truth}, say {wanted[0]}.urdf, found none")
     score = partial(or_crashed, partial(_score_one, predictions=predictions, least_iou=least_iou))
     scores: dict[str, ObjectScore] = {}
-    unreadable: dict[str, str] = {}
-    for done, (folder, found) in enumerate(map_unordered(score, (folders[name] for name in wanted), workers), start=1):
+    for done, (shape, found) in enumerate(map_unordered(score, (folders[name] for name in wanted), workers), start=1):
         if isinstance(found, ObjectScore):
-            scores[folder.name] = found
+            scores[shape.id] = found
         else:
-            unreadable[folder.name] = f"{folder}: cannot be scored: {found.why}" if isinstance(found, Crashed) else found
+            unreadable[shape.id] = f"{shape.path}: cannot be scored: {found.why}" if isinstance(found, Crashed) else found
         if progress is not None:
             progress(done, len(wanted))
     ordered = tuple(scores[name] for name in wanted if name in scores)
     return FilesReport(ordered, dict(sorted(unreadable.items())), least_iou)
 
 
-def _score_one(folder: Path, predictions: Path, least_iou: float) -> ObjectScore | str:
+def _truths(root: Path) -> tuple[dict[str, Found], dict[str, str]]:
+    """Annotated shapes by id, and what is not looked at, by where it is: copies that differ, and links that lead elsewhere."""
+    folders: dict[str, Found] = {}
+    left_out: dict[str, str] = {}
+    for found in discover(root, report=lambda error: left_out.update({str(error.where): str(error)})):
+        if found.layout is Layout.PARTNET_MOBILITY:
+            first = folders.setdefault(found.id, found)
+            if first != found and not are_alike(first, found):
+                problem = f"differs from another copy of {found.id}, which is read instead: {first.path}"
+                left_out[str(found.path)] = str(InputError(found.path, problem))
+    return folders, left_out
+
+
+def _score_one(shape: Found, predictions: Path, least_iou: float) -> ObjectScore | str:
     """The score of one object, or what is wrong with its truth."""
     try:
-        truth = read_partnet_mobility(folder)
-        return score_urdf(truth, find_urdf(predictions, folder.name), predictions, least_iou)
+        check_annotated(shape.path)
+        truth = replace(read_found(shape), id=shape.id)
+        return score_urdf(truth, find_urdf(predictions, shape.id), predictions, least_iou)
     except InputError as error:
         return str(error)
 

@@ -46,7 +46,7 @@ class JudgeTrained:
                 stage.run(observer)
             except InputError as error:
                 failed += not isinstance(error, NothingToJudgeBy)  # of few shapes none may be left to test
-                observer.note(f"not judged: {stage.cell.title(stage.workspace)}: {error}")
+                observer.problem(f"not judged: {stage.cell.title(stage.workspace)}: {error}")
         texts, data = [], {}
         for name, seeds in self._tables().items():
             outcome = WrittenTables(self.workspace, name).write(seeds, self.protocol)

@@ -95,14 +95,14 @@ class MakeTable:
                     if not plan.steps:
                         continue
                     if time.monotonic() + plan.seconds > limit:
-                        observer.note(f"not run: {name}: {TOO_LONG}")
+                        observer.problem(f"not run: {name}: {TOO_LONG}")
                         row.judged(self.workspace, category, seed).leave_out(TOO_LONG)
                         continue
                     observer.note(name)
                     for stage in self._stages(row, category, seed):
                         failed += stage.run(observer).failed
                 except (InputError, ChildProcessError) as error:
-                    observer.note(f"not run: {name}: {error}")
+                    observer.problem(f"not run: {name}: {error}")
                     row.judged(self.workspace, category, seed).leave_out(getattr(error, "problem", str(error)))
                     # few workspaces have labels that are held back
                     failed += not (row.setting == "ceiling" and self._cannot_be_run(row, category, seed))

@@ -85,7 +85,7 @@ class PredictScans:
             except (InputError, OSError) as error:
                 problem = str(error) if isinstance(error, InputError) else f"{target.name}: {self._problem_of(error)}"
                 left_out.append(problem)
-                observer.note(f"left out: {problem}")
+                observer.problem(f"left out: {problem}")
             observer.progress("looking at scans", done, len(targets), target.name)
         if len(documents) > LINES:
             lines.append(f"and {len(documents) - LINES} more")

@@ -131,6 +131,7 @@ class Render:
                     if isinstance(problem, Crashed):
                         problem = f"{own[0].found.path}: cannot be scanned: {problem.why}"
                     if problem is not None:
+                        observer.problem(f"left out: {problem}")
                         failed.append((own[0], problem))
                         _remove(path for job in own for path in job.files)  # of earlier ways: nothing may take them for these
                     observer.progress("scanning objects", done, max(done, total), own[0].found.id)
@@ -148,7 +149,9 @@ class Render:
         data = {"categories": summary(files, unwanted), "refused": left_out}
         seen = {file.category for file in files if file.provenance.role == "train" and file.frames}
         bare = sorted({job.category for job in jobs if job.role == "train"} - seen)
-        text = "\n".join(filter(None, [in_words(data), *(f"{each}: no frame of an object to train on" for each in bare)]))
+        for each in bare:
+            observer.problem(f"{each}: no frame of an object to train on")
+        text = in_words(data)
         return Outcome(self.workspace.scans, data, text, failed=len(failed) + len(bare))
 
     def _is_asked(self, job: Job) -> bool:
