@@ -6,6 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
 from articulated import shape_of_boxes
@@ -13,6 +16,7 @@ from kinmo.errors import InputError
 from kinmo.joint import JointKind
 from kinmo.mobility import Body, Mobility
 from kinmo.scans.articulated_object import articulated_object
+from kinmo.scans.part_order import HEIGHT_FIRST, in_a_row
 from kinmo.shape import Mesh, Shape
 from scanned import cupboard, cupboard_object, hinge, slider
 
@@ -67,13 +71,34 @@ def test_lengths_are_diagonals_and_the_middle_is_the_origin() -> None:
     assert target.joints[0].upper == pytest.approx(0.6 / np.linalg.norm([2.0, 2.4, 2.0]), rel=0.03)
 
 
-@pytest.mark.parametrize(("columns", "rows", "axis", "sign"), [(1, 3, 1, -1), (3, 1, 0, 1), (2, 2, 1, -1)])
-def test_parts_alike_come_from_the_top_down_else_from_one_side_to_the_other(columns, rows, axis, sign) -> None:
-    target = articulated_object(rack(columns, rows))
-    places = sign * target.part_extents.centers[1:, axis]
-    assert (np.diff(places) >= -1e-12).all()
-    if min(columns, rows) == 1:
-        assert (np.diff(places) > 0.1).all()
+@pytest.mark.parametrize(("columns", "rows"), [(1, 3), (3, 1), (2, 2), (3, 2), (2, 3)])
+def test_parts_alike_come_row_by_row_from_the_top_down_and_in_a_row_from_the_left(columns: int, rows: int) -> None:
+    centers = articulated_object(rack(columns, rows)).part_extents.centers[1:]
+    right, up = (np.unique(np.round(centers[:, axis], 3), return_inverse=True)[1] for axis in (0, 1))
+    is_by_column = HEIGHT_FIRST * (rows - 1) < columns - 1
+    wanted = sorted(zip(right, -up, strict=True), key=None if is_by_column else lambda place: place[::-1])
+    assert list(zip(right, -up, strict=True)) == wanted
+
+
+@pytest.mark.parametrize(
+    "places",
+    [
+        [(0.0, 0.2, 0.3), (0.0, -0.2, 0.3), (0.0, 0.0, -0.3)],
+        [(0.0, y, z) for z in (0.2, 0.0, -0.2) for y in (0.2, 0.0, -0.2)],
+        [(0.0, y, z) for y in (0.4, 0.0, -0.4) for z in (0.1, -0.1)],
+        [(0.0, y, z) for y in (0.1, -0.1) for z in np.linspace(0.1, -0.1, 11)],
+        [(x, y, 0.0) for y in (0.2, -0.2) for x in (-0.1, 0.1)],
+    ],
+    ids=["two doors above one", "three by three", "wide", "thin ones in two columns", "lying"],
+)
+@given(data=st.data())
+def test_parts_alike_have_one_order_whatever_that_of_the_file_and_however_little_they_are_off(
+    places: list[tuple[float, float, float]], data: st.DataObject
+) -> None:
+    order = data.draw(st.permutations(range(len(places))))
+    noise = data.draw(arrays(np.float64, (len(places), 3), elements=st.floats(-0.004, 0.004)))
+    found = in_a_row((np.array(places) + noise)[order])
+    assert [order[row] for row in found] == list(range(len(places)))
 
 
 def test_the_order_does_not_depend_on_that_of_the_file() -> None:

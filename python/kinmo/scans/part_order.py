@@ -11,6 +11,10 @@ from kinmo.mobility import Body
 
 HEIGHT_FIRST = 1.2
 """Parts count as lying side by side only where they lie this much farther apart sideways than upwards."""
+FIRST = (1.0, -1.0, -1.0)
+"""Along x (to the back), y (to the right) and z (up) comes first what is in front, to the left and above."""
+ONE_ROW = 0.03
+"""Diagonals: what lies no farther from the next along a direction is in one row across it, such as two doors above a third."""
 
 
 def canonical_order(bodies: Sequence[Body], centers: NDArray[np.float64]) -> list[int]:
@@ -35,9 +39,15 @@ def canonical_order(bodies: Sequence[Body], centers: NDArray[np.float64]) -> lis
 
 
 def in_a_row(centers: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Order of places [N, 3], z up and the front at -x, along the direction in which they spread most: from the top, from the
-    left, from the front.
+    """Order of places [N, 3], z up and the front at -x, in diagonals: from the top, from the left, from the front, along the
+    direction in which they spread most; those in one row across it (`ONE_ROW`) in the order of that row.
     """
     x, y, z = np.ptp(centers, axis=0)
-    along = -centers[:, 2] if HEIGHT_FIRST * z >= max(x, y) else -centers[:, 1] if y >= x else centers[:, 0]
-    return np.argsort(along, kind="stable")
+    sideways = (1, 0) if y >= x else (0, 1)
+    axes = (2, *sideways) if HEIGHT_FIRST * z >= max(x, y) else (sideways[0], 2, sideways[1])
+    orders = [np.argsort(centers[:, axis] * FIRST[axis], kind="stable") for axis in axes]
+    for axis, order in zip(axes, orders, strict=True):
+        rows = np.split(order, np.flatnonzero(np.abs(np.diff(centers[order, axis])) > ONE_ROW) + 1)
+        if len(rows) > 1:
+            return np.concatenate([row[in_a_row(centers[row])] for row in rows])
+    return orders[0]

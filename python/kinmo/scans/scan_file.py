@@ -24,7 +24,7 @@ from kinmo.workspace import kept_while_unchanged, write_bytes_atomically
 
 F64 = NDArray[np.float64]
 
-FORMAT = 4
+FORMAT = 5
 _HEADER_KEY = "kinmo"
 _ARRAYS = tuple(field.name for field in fields(Scans) if field.name != "refused")
 

@@ -113,7 +113,7 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
     kept = frozenset[str]()
     if not fitting["validation"]:
         ids = {file.id for file in fitting["train"]}
-        kept = kept_to_choose_by(ids)
+        kept = kept_to_choose_by({file.id for file in fitting["train"] if not file.provenance.variant})
         found["validation"] += [file for file in found["train"] if file.id in kept and not file.provenance.variant]
         kept = kept if ids & (counted - kept) else kept - counted
     labelled = [file for file in found["train"] if file.id not in kept]
@@ -127,8 +127,10 @@ def open_scan_dataset(workspace: Workspace, category: str) -> ScanDataset:
         files[role] = tuple(f for f in some if f.frames > 0 and (role == "unlabelled" or f.structure == structure))
         kept_objects = {file.object for file in files[role]}
         rest = (file for file in some if file.object not in kept_objects)
-        left_out = {(f.object, str(f.structure) if f.frames else NO_FRAME, f.provenance.layout) for f in rest}
-        others.update((reason, role, layout) for _, reason, layout in left_out)
+        left_out: dict[tuple[object, str], str] = {}  # an object is left out once, by its structure if any frame shows it
+        for f in sorted(rest, key=lambda f: f.frames > 0):
+            left_out[f.object, f.provenance.layout] = str(f.structure) if f.frames else NO_FRAME
+        others.update((reason, role, layout) for (_, layout), reason in left_out.items())
         for layout in (each.value for each in Layout if role in done):
             for path in scans_of(workspace, spelling, role).glob(f"*-{layout}{REFUSED}"):  # names of variants end otherwise
                 refusal = read_refusal(path)

@@ -109,8 +109,7 @@ def _some_of(points: NDArray[np.floating], count: int, seed: int) -> F64:
     is_other = np.any(ordered[1:] != ordered[:-1], axis=1)
     places = ordered[np.append(True, is_other)]
     rng = np.random.default_rng(seed)
-    again = rng.integers(len(places), size=max(0, count - len(places)))
-    chosen = np.concatenate([rng.permutation(len(places))[:count], again])
+    chosen = np.resize(rng.permutation(len(places)), count)
     return np.asarray(places[chosen], np.float64)
 
 
