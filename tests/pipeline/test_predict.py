@@ -14,6 +14,7 @@ from whole_road import Listener
 
 from datasets import write_partnet, write_partnet_mobility
 from kinmo import _core
+from kinmo.errors import InputError
 from kinmo.export.urdf import write_urdf
 from kinmo.joint import MotionType
 from kinmo.mobility import Body, Mobility
@@ -161,3 +162,11 @@ def test_of_shapes_that_share_an_id_the_annotated_one_keeps_it(stage: Predict) -
     write_partnet_mobility(stage.source / "again" / "7")
     found = replace(stage, out=stage.out.with_name("other")).run(Listener())
     assert {Path(shape["folder"]).name for shape in found.data["shapes"]} == {"again__7", "data_v0__7", "dataset__7"}
+
+
+def test_a_folder_of_scans_is_none_of_shapes(stage: Predict) -> None:
+    stage.source.mkdir()
+    for name in ("a.npz", "b.ply", "notes.txt"):
+        (stage.source / name).touch()
+    with pytest.raises(InputError, match="at least one shape at or below it, and not 2 scans, of which --category says"):
+        stage.run(Listener())

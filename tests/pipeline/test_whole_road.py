@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,7 @@ from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.report import PICTURED_TOGETHER
 from kinmo.pipeline.rows import CONTACT_EDGES, chosen_rows
+from kinmo.pipeline.scans.make_table import MakeTable
 from kinmo.pipeline.stage import Stage
 from kinmo.pipeline.train import Train
 from kinmo.store import PreparedStore
@@ -445,6 +447,29 @@ def test_weights_to_go_on_from_are_looked_at_before_anything_is_trained(road: Ro
         with pytest.raises(InputError, match=r"weights\.safetensors: sha256"):
             call()
     assert listener.steps == []
+
+
+@pytest.mark.parametrize(("size", "value"), [("members", 7), ("width", 256)])
+def test_networks_of_other_sizes_are_nothing_to_go_on_from(road: Road, tmp_path: Path, size: str, value: int) -> None:
+    config, workspace, listener = tiny_config(tmp_path), Workspace(tmp_path / "workspace"), Listener()
+    shutil.copytree(road.workspace.prepared, workspace.prepared)
+    known = json.loads((road.workspace.models / "ranking" / "weights.json").read_text(encoding="utf-8"))["config"][size]
+    lines = [line for line in config.read_text(encoding="utf-8").splitlines() if not line.startswith(f"{size} =")]
+    lines.insert(lines.index("[ranking]") + 1, f"{size} = {value}")
+    config.write_text("\n".join(lines), encoding="utf-8")
+    stages = [
+        Train("motion", workspace, str(config), device="cpu", start=road.workspace),
+        MakeTable("2", workspace, str(config), ("kinmo",), "laptop", device="cpu", start=road.workspace),
+    ]
+    for call in [call for stage in stages for call in (stage.plan, partial(stage.run, listener))]:
+        with pytest.raises(InputError, match=f"--from: trained with ranking.{size} = {known}, expected {value}"):
+            call()
+    assert listener.steps == []
+
+
+def test_a_workspace_does_not_go_on_from_itself(road: Road) -> None:
+    with pytest.raises(InputError, match=r"--from: .* is the workspace itself"):
+        Train("axis", road.workspace, "small", start=Workspace(road.workspace.root / ".." / road.workspace.root.name)).plan()
 
 
 def test_shapes_that_a_workspace_loses_are_counted(road: Road, tmp_path: Path) -> None:

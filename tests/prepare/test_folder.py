@@ -8,13 +8,16 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from datasets import write_dsg_net, write_json, write_partnet, write_partnet_mobility
+from kinmo.cli.console import QuietObserver
 from kinmo.errors import InputError
 from kinmo.formats import Found, sources
+from kinmo.pipeline.synth import Synth
 from kinmo.prepare import prepare_folder
 from kinmo.store import PreparedStore
 from kinmo.workspace import Workspace
@@ -198,6 +201,17 @@ def test_what_a_link_leads_to_has_changed_if_that_has(dataset, tmp_path):
 def test_shapes_in_the_workspace_itself_are_no_shapes_to_prepare(dataset):
     with pytest.raises(InputError, match=r"lies in the workspace .* name another --workspace"):
         prepare(dataset, dataset)
+    assert not (dataset / ".lock").exists()
+
+
+def test_a_workspace_is_no_folder_of_shapes_to_prepare_nor_to_write_any_into(dataset, tmp_path):
+    prepare(dataset, tmp_path / "w")
+    with pytest.raises(InputError, match="is a workspace, which is passed over: expected the folder with the shapes"):
+        prepare(tmp_path / "w", tmp_path / "other")
+    assert not (tmp_path / "other").exists()
+    for ask in (Synth(tmp_path / "w", 1).plan, partial(Synth(tmp_path / "w", 1).run, QuietObserver())):
+        with pytest.raises(InputError, match="is a workspace, in which no shapes are looked for"):
+            ask()
 
 
 def test_a_shape_whose_files_cannot_be_looked_at_is_left_out_in_one_line(dataset, tmp_path, monkeypatch):

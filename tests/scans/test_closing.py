@@ -24,6 +24,16 @@ def cabinet(knob: Joint | None = None) -> Shape:
     return shape_of_boxes(boxes, bodies)
 
 
+def cabinet_with_a_flap() -> Shape:
+    """The same with a flap in its door, which opens outwards about its upper edge."""
+    plain = cabinet()
+    assert plain.mobility is not None
+    flap = Body(3, "flap", (4,), 1, hinge((0.0, 1.6, 1.1), -RIGHT, 0.0, 1.0))
+    low_high = [(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for mesh in plain.meshes()]
+    boxes = [*((tuple(low), tuple(high)) for low, high in low_high), ((-0.5, 1.2, 1.1), (0.5, 1.6, 1.15))]
+    return shape_of_boxes(boxes, [*plain.mobility.bodies, flap])
+
+
 def opened(shape: Shape, values: dict[int, float], reverse: tuple[int, ...] = ()) -> Shape:
     """The same object as another file has it: with joints at `values`, and the directions of some the other way."""
     assert shape.mobility is not None
@@ -31,8 +41,10 @@ def opened(shape: Shape, values: dict[int, float], reverse: tuple[int, ...] = ()
     bodies = []
     for index, body in enumerate(shape.mobility.bodies):
         joint = body.joint
-        if joint is not None:
-            joint = replace(joint, rest=values.get(index, joint.rest))
+        if joint is not None and body.parent is not None:
+            above = poses[body.parent]
+            pivot = above[:3, :3] @ joint.pivot + above[:3, 3]
+            joint = replace(joint, direction=above[:3, :3] @ joint.direction, pivot=pivot, rest=values.get(index, joint.rest))
             joint = joint.reversed() if index in reverse else joint
         bodies.append(replace(body, joint=joint))
     owner = {leaf: index for index, body in enumerate(shape.mobility.bodies) for leaf in body.leaves}
@@ -44,9 +56,18 @@ def opened(shape: Shape, values: dict[int, float], reverse: tuple[int, ...] = ()
 
 
 @pytest.mark.parametrize("reverse", [(), (1,), (1, 2)])
-@pytest.mark.parametrize("values", [{}, {1: 1.2}, {1: 0.4, 2: 0.7}])
-def test_an_object_is_the_same_however_its_file_shows_it(values, reverse):
-    expected, found = articulated_object(cabinet()), articulated_object(opened(cabinet(), values, reverse))
+@pytest.mark.parametrize(
+    ("shape", "values"),
+    [
+        (cabinet(), {}),
+        (cabinet(), {1: 1.2}),
+        (cabinet(), {1: 0.4, 2: 0.7}),
+        (cabinet_with_a_flap(), {1: 1.2}),
+        (cabinet_with_a_flap(), {1: 0.9, 2: 0.7, 3: 0.8}),
+    ],
+)
+def test_an_object_is_the_same_however_its_file_shows_it(shape, values, reverse):
+    expected, found = articulated_object(shape), articulated_object(opened(shape, values, reverse))
     for one, other in zip(found.meshes, expected.meshes, strict=True):
         np.testing.assert_allclose(one.vertices, other.vertices, atol=1e-9)
     for one, other in zip(found.joints, expected.joints, strict=True):

@@ -9,19 +9,20 @@ import pytest
 
 from kinmo.config import ScansConfig
 from kinmo.learning.ancsh.targets import canonical_coordinates
-from kinmo.scans.articulated_object import Extents
+from kinmo.scans.articulated_object import Extents, articulated_object
 from kinmo.scans.estimate import PoseOptions, estimate
 from kinmo.scans.scan import scan
 from kinmo.scans.self_label import UNSURE, self_labelled
-from scanned import cupboard_object, true_answers
+from scanned import cupboard, true_answers
 
 CONFIG = ScansConfig(states=2, views=4, size=160, points=2048, least_pixels=4, smallest_part=0.05)
 NAME = ("one", "Cupboard")
 
 
-@pytest.fixture(scope="module")
-def seen():
-    target = cupboard_object()
+@pytest.fixture(scope="module", params=[CONFIG.smallest_part, 0.0], ids=["", "with a part on a moving one"])
+def seen(request):
+    target = articulated_object(cupboard(), smallest=request.param)
+    assert any(target.structure.parents) is (request.param == 0.0)
     scans = scan(target, CONFIG, seed=3)
     answers = [true_answers(target, scans, row) for row in range(len(scans))]
     return target, scans, answers, estimate(answers, target.structure, PoseOptions(hypotheses=500))

@@ -53,6 +53,21 @@ def test_boxes_are_square_and_joints_turn_as_far_as_they_were_seen_to(cupboards)
             assert (states >= low).mean() > 0.97
 
 
+def test_hinges_turn_from_where_they_are_closed_whatever_number_a_file_gives_to_that(cupboards, tmp_path):
+    target = cupboard_object()
+    bodies = [
+        body
+        if body.joint is None or body.joint.kind is not JointKind.REVOLUTE
+        else replace(
+            body, joint=replace(body.joint, **{end: getattr(body.joint, end) + 0.4 for end in ("lower", "upper", "rest")})
+        )
+        for body in target.mobility.bodies
+    ]
+    counted = replace(target, mobility=replace(target.mobility, bodies=tuple(bodies)))
+    found = Typical.of([scanned(tmp_path, counted, seed) for seed in range(3)])
+    np.testing.assert_allclose(found.turns, Typical.of(cupboards).turns, atol=1e-6)
+
+
 def test_what_is_typical_is_the_same_after_it_was_written(cupboards):
     known, structure = Typical.of(cupboards), cupboards[0].structure
     again = Typical.from_data(known.to_data(), structure)

@@ -26,7 +26,8 @@ def pseudo_label(
     A shape whose joints all score above the threshold, and whose other parts surely rest, is written to pseudo/<id>/ in
     PartNet-Mobility's own layout, so that whatever reads that reads it too. Copies of labelled shapes are left alone.
     pseudo/acceptance.json says how many shapes and joints there are at which score, by category and type, and what was refused
-    and why. Labels of --method paper lie beside those of kinmo, in by-paper/.
+    and why. Labels of --method paper lie beside those of kinmo, in by-paper/. kinmo train all and kinmo table label anew by the
+    threshold of the configuration (refinement.chance; of paper refinement.threshold), whatever was said here.
 
     For example:
 

@@ -52,7 +52,7 @@ def table(
 
         kinmo table 2 --category refrigerator
         kinmo table 3 --hours 4
-        kinmo table 2 --category laptop --from procedural
+        kinmo table 2 --category laptop --from many
     """
     from kinmo.pipeline.scans.make_table import MakeTable
     from kinmo.workspace import Workspace

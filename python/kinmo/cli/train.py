@@ -77,7 +77,7 @@ def train(
         kinmo train gnn --config paper --device cuda
         kinmo train axis --category laptop
         kinmo train ancsh --category refrigerator --setting supervised
-        kinmo train motion --workspace real --from procedural
+        kinmo train motion --workspace real --from many
     """
     from kinmo.pipeline.scans.settings import PSEUDO_LABELLED
     from kinmo.pipeline.scans.train import TrainAncsh

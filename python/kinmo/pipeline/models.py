@@ -50,10 +50,14 @@ TRAINERS: dict[str, tuple[str, Trainer]] = {
 }
 """The section of the configuration and the trainer of every model, in the order of training."""
 
-CONTINUED: dict[str, tuple[str, Callable[[Path], Trainer]]] = {
-    "ranking": (RANKING, lambda start: partial(train_joint_ranking, initial=start))
+CONTINUED: dict[str, tuple[str, Callable[[Path], Trainer], tuple[str, ...]]] = {
+    "ranking": (
+        RANKING,
+        lambda start: partial(train_joint_ranking, initial=start),
+        ("members", "width", "word_features"),
+    )
 }
-"""Of the models that can go on from trained weights: the kind of those, and the trainer."""
+"""Of the models that can go on from trained weights: the kind of those, the trainer, and the sizes that must be the same."""
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "motion": ("gnn_fine", "gnn_coarse", "axis", "ranking"),

@@ -23,6 +23,7 @@ from kinmo.pipeline.each_shape import each_shape
 from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.prepare import prepare_shape
+from kinmo.scans.scan_input import ENDINGS as SCAN_ENDINGS
 from kinmo.wording import counted
 from kinmo.workers import Crashed
 from kinmo.workspace import Workspace, digest, locked, short_name
@@ -72,7 +73,9 @@ class Predict:
         if not targets and not left_out:
             if self.out.resolve() == self.source.resolve():
                 raise InputError("--out", "is the folder with the shapes: name another")
-            raise InputError(self.source, "expected at least one shape at or below it")
+            scans = sum(path.suffix.lower() in SCAN_ENDINGS for path in self.source.rglob("*"))
+            of_scans = f", and not {counted(scans, 'scan')}, of which --category says what they show" if scans else ""
+            raise InputError(self.source, f"expected at least one shape at or below it{of_scans}")
         predicting = self._predicting()
         with locked(self.out):
             problems = self._predict(targets, predicting, observer)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from kinmo.errors import InputError
+from kinmo.formats.discover import WORKSPACE
 from kinmo.pipeline.stage import Observer, Outcome, Plan
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.generate import Layout, generate, orders
@@ -62,7 +64,9 @@ class Synth:
         }
 
     def _counts(self) -> tuple[int, int]:
-        """How many shapes are wanted, and how many of them are there."""
+        """How many shapes are wanted, and how many of them are there. Raises InputError where nobody would find them."""
+        if (self.folder / WORKSPACE).is_file():
+            raise InputError(self.folder, "is a workspace, in which no shapes are looked for: name another folder")
         total = there = 0
         for order in orders(**self._wish()):
             total += 1

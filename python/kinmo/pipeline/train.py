@@ -155,8 +155,8 @@ class Train:
             able = " or ".join(name for name in others if (name in METHOD_MODELS) is is_method)
             raise InputError("--from", f"{self.group} cannot start from trained weights; use it with {able}")
         for model in GROUPS[self.group]:
-            start = self._start_of(model)
             section = getattr(config, TRAINERS[model][0])
+            start = self._start_of(model, section)
             parts = _parts(dataset, section)
             if not any(part.is_enough for part in parts):
                 raise InputError(self.workspace.prepared, "; ".join(map(str, parts)) + ": both are needed")
@@ -193,18 +193,32 @@ class Train:
             if own:
                 yield f"{shared.model}: {', '.join(own)} go by networks of their own, in {shared.folder}"
 
-    def _start_of(self, model: str) -> Weights | None:
+    def _start_of(self, model: str, section: Any) -> Weights | None:
         """The weights that a model is to go on from."""
-        return None if self.start is None or model not in CONTINUED else weights_to_start_from(self.start, model)
+        if self.start is None or model not in CONTINUED:
+            return None
+        return weights_to_start_from(self.start, self.workspace, model, section)
 
 
-def weights_to_start_from(start: Workspace, model: str) -> Weights:
-    """Those of a model, one of `CONTINUED`. Raises InputError if they were never trained, or cannot be read."""
+def weights_to_start_from(start: Workspace, workspace: Workspace, model: str, section: Any) -> Weights:
+    """Those of a model, one of `CONTINUED`, to go on from in `workspace` with a section of the configuration.
+
+    Raises InputError if they were never trained, cannot be read, have other sizes, or are those that would be replaced.
+    """
+    if start.root.resolve() == workspace.root.resolve():
+        raise InputError("--from", f"{start.root} is the workspace itself: expected another one, whose networks stay")
     weights = model_folder(start, model) / WEIGHTS
     if not weights.exists():
         problem = "expected the weights to go on from: run kinmo train motion in that workspace first"
         raise InputError(weights, problem, "--from")
-    return load_weights(weights, CONTINUED[model][0])
+    kind, _, sizes = CONTINUED[model]
+    found = load_weights(weights, kind)
+    for size in sizes:
+        known, wanted = found.config.get(size), getattr(section, size)
+        if known != wanted:
+            problem = f"trained with {model}.{size} = {known}, expected {wanted}, as the configuration has it"
+            raise InputError(weights, problem, "--from")
+    return found
 
 
 def _parts(dataset: Dataset, section: Any) -> list[Part]:

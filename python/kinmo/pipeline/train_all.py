@@ -116,5 +116,7 @@ class TrainAll:
         found = [name for want in wanted for name in known if same_category(name, want)]
         if self.category is not None and not found:
             near = did_you_mean(self.category, known)
-            raise InputError(self.workspace.prepared, f"expected a labelled shape of {self.category} to train on{near}")
+            there = f"; there are {', '.join(known)}" if known else ""
+            problem = f"expected a labelled shape of {self.category} to train on{near}{there}"
+            raise InputError(self.workspace.prepared, problem)
         return found

@@ -12,6 +12,7 @@ from kinmo import __version__
 from kinmo.errors import InputError
 from kinmo.formats import Found, Layout, discover, read_found
 from kinmo.formats.annotation import check_annotated
+from kinmo.formats.discover import WORKSPACE
 from kinmo.formats.sources import are_alike, fingerprint, shown
 from kinmo.prepare.shape import POINTS, prepare_shape
 from kinmo.store import FORMAT, INDEX, IndexEntry, file_name, index_text, read_header, to_bytes
@@ -88,18 +89,10 @@ def prepare_folder(
     the workspace; then the index stays as it was.
     """
     root = Path(root)
+    total = _count(root, workspace)
     with workspace.locked():
         store = workspace.prepared
         remove_leftovers(store)
-        problems: list[InputError] = []
-        total = sum(1 for _ in discover(root, skip=(workspace.path,), report=problems.append))
-        if not total:
-            if workspace.path.resolve() in (root.resolve(), *root.resolve().parents):
-                raise InputError(
-                    root, f"lies in the workspace {workspace.path}, which is passed over: name another --workspace"
-                )
-            seen = f"; {problems[0]}" if problems else ""
-            raise InputError(root, f"expected at least one shape at or below it (docs/formats.md says what is one){seen}")
         run = _Run(store, _folders(hold_back))
         jobs = (
             Job(found, store / file_name(found.layout.value, found.id), points, seed) for found in run.choose(root, workspace)
@@ -113,6 +106,20 @@ def prepare_folder(
             run.settle(job, or_crashed(work, job))
         write_text_atomically(store / INDEX, index_text(run.entries))
         return run.report()
+
+
+def _count(root: Path, workspace: Workspace) -> int:
+    """How many shapes there are at or below `root`, copies included. Raises InputError if there is none."""
+    problems: list[InputError] = []
+    total = sum(1 for _ in discover(root, skip=(workspace.path,), report=problems.append))
+    if not total and (root / WORKSPACE).is_file():
+        raise InputError(root, "is a workspace, which is passed over: expected the folder with the shapes")
+    if not total and workspace.path.resolve() in (root.resolve(), *root.resolve().parents):
+        raise InputError(root, f"lies in the workspace {workspace.path}, which is passed over: name another --workspace")
+    if not total:
+        seen = f"; {problems[0]}" if problems else ""
+        raise InputError(root, f"expected at least one shape at or below it (docs/formats.md says what is one){seen}")
+    return total
 
 
 @dataclass

@@ -54,8 +54,11 @@ def test_an_example_is_scanned_only_where_there_are_no_scans(scanned: Scanned, t
     example = ExampleScan(workspace, FAMILY, tmp_path / "scan.npz", Render(workspace, scanned.config, FAMILY, beside=()))
     shutil.rmtree(workspace.scans / CATEGORY / "test")
     before = contents(workspace.path)
-    with pytest.raises(InputError, match="expected scans of a test object"):
-        example.run(Listener())
+    for ask in (example.plan, lambda: example.run(Listener())):
+        with pytest.raises(
+            InputError, match=r"expected scans of a test object .* there is none, but \d+ other test objects?; "
+        ):
+            ask()
     assert contents(workspace.path) == before, "what was scanned stays"
     unfinished(workspace, CATEGORY, "train").touch()
     before = contents(workspace.path)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from shlex import quote
 
 import numpy as np
 
@@ -13,7 +12,9 @@ from kinmo.errors import InputError
 from kinmo.pipeline.scans.dataset import open_scan_dataset, scanned_categories
 from kinmo.pipeline.scans.render import Render
 from kinmo.pipeline.stage import Observer, Outcome, Plan
+from kinmo.scans.scan_file import ScanFile
 from kinmo.scans.scan_input import READING, write_points
+from kinmo.wording import counted
 from kinmo.workspace import Workspace
 
 MARK = "example_of"
@@ -37,6 +38,8 @@ class ExampleScan:
 
     def plan(self) -> Plan:
         self._check_replaceable()
+        if self._is_scanned():
+            self._files()
         before = Plan((), 0.0) if self._is_scanned() else self.rendering.plan()
         return Plan((*before.steps, f"write a test scan of a {self.category} to {self.path}"), before.seconds)
 
@@ -48,20 +51,26 @@ class ExampleScan:
             failed = scanned.failed
             for line in scanned.text.splitlines():
                 observer.note(line)
-        dataset = open_scan_dataset(self.workspace, self.category)
-        files = dataset.files["test"]
-        if not files:
-            problem = (
-                f"expected scans of a test object with {dataset.structure.in_words}: "
-                f"run kinmo render --category {quote(dataset.category)}, if there are such objects"
-            )
-            raise InputError(self.workspace.scans / dataset.category, problem)
+        files = self._files()
         file = files[int(np.random.default_rng(self.seed).integers(len(files)))]
         seen = np.array([(file.read("parts") == part).sum(axis=1) for part in range(file.structure.part_count)])
         row = int(seen.min(axis=0).argmax())
         self.path.parent.mkdir(parents=True, exist_ok=True)
         write_points(self.path, file.read("points", row), **{MARK: np.array(file.id)})
         return Outcome(self.path, {"scan": str(self.path), "object": file.id}, f"a scan of {file.id}", failed)
+
+    def _files(self) -> tuple[ScanFile, ...]:
+        """Scans of test objects. Raises InputError if there are none."""
+        dataset = open_scan_dataset(self.workspace, self.category)
+        files = dataset.files["test"]
+        if not files:
+            others = sum(count for (_, role, _), count in dataset.others.items() if role == "test")
+            problem = (
+                f"expected scans of a test object with {dataset.structure.in_words}, as most objects to train on have: there "
+                f"is none, but {counted(others, 'other test object')}; prepare more, or name their joints (scans.joints)"
+            )
+            raise InputError(self.workspace.scans / dataset.category, problem)
+        return files
 
     def _is_scanned(self) -> bool:
         return any(same_category(name, self.category) for name in scanned_categories(self.workspace))

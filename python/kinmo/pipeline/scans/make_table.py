@@ -11,7 +11,7 @@ from kinmo.errors import InputError, did_you_mean
 from kinmo.learning.weights import pick_device
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.fitting import config_to_train_by
-from kinmo.pipeline.models import CONTINUED
+from kinmo.pipeline.models import CONTINUED, TRAINERS
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.scans.evaluate import EvaluateScans
 from kinmo.pipeline.scans.networks import Protocol, trained_cells
@@ -112,11 +112,11 @@ class MakeTable:
 
     def _check_options(self) -> None:
         """Raises InputError for what no cell could be run with."""
-        config_to_train_by(self.config, (*SECTIONS, "ancsh"))
+        config = config_to_train_by(self.config, (*SECTIONS, "ancsh"))
         pick_device(self.device)
         if self.start is not None:
             for model in CONTINUED:
-                weights_to_start_from(self.start, model)
+                weights_to_start_from(self.start, self.workspace, model, getattr(config, TRAINERS[model][0]))
 
     def _pending(self, row: RowOf, category: str, seed: int, known: dict[Stage, Plan]) -> Plan:
         """What a cell still takes, in words, and about how many seconds but for stages in `known`, to which its own are added.

@@ -112,6 +112,7 @@ class Render:
 
     def run(self, observer: Observer) -> Outcome:
         config = self._scans()
+        open_dataset(Workspace(self.workspace.root), self.category)  # raises where there is nothing to scan, and makes nothing
         with self.workspace.locked():
             for folder in (self.workspace.scans, self.workspace.own_scans):
                 remove_leftovers(folder)

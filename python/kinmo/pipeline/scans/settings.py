@@ -40,6 +40,9 @@ def _in_dsg_net(dataset: Dataset) -> int:
     return sum(entry.layout == Layout.DSG_NET.value for entry in dataset.unlabelled)
 
 
+LABELS_NEEDED = (
+    "run kinmo pseudo-label, then kinmo render; if that was done, pseudo/acceptance.json says why no label is sure enough"
+)
 SUPPLEMENTS: Mapping[Setting, Supplement] = {
     "semi": Supplement(
         "without labels",
@@ -51,14 +54,14 @@ SUPPLEMENTS: Mapping[Setting, Supplement] = {
     "semi-weakly": Supplement(
         "without labels in PartNet's layouts, or binary glTF",
         "pseudo-labelled objects",
-        "run kinmo pseudo-label, then kinmo render",
+        LABELS_NEEDED,
         ("pseudo", "hidden"),
         lambda dataset: len(dataset.unlabelled) - _in_dsg_net(dataset),
     ),
     "dsg-net": Supplement(
         "in DSG-Net's layout",
         "pseudo-labelled objects in DSG-Net's layout",
-        "run kinmo pseudo-label, then kinmo render",
+        LABELS_NEEDED,
         ("pseudo", "hidden"),
         _in_dsg_net,
     ),
