@@ -18,7 +18,7 @@ from kinmo.cli.console import QuietObserver
 from kinmo.errors import InputError
 from kinmo.formats import Found, sources
 from kinmo.pipeline.synth import Synth
-from kinmo.prepare import prepare_folder
+from kinmo.prepare import prepare_folder, prepare_shape
 from kinmo.store import PreparedStore
 from kinmo.workspace import Workspace
 
@@ -141,6 +141,22 @@ def test_a_copy_is_read_instead_of_what_cannot_be(dataset, tmp_path):
         out = {Path(entry.path).relative_to(dataset).as_posix(): entry.reasons for entry in report.left_out}
         assert "not JSON" in out["plain/100"][0]
         assert out["z/100"][0].endswith(f"which is read instead: {dataset / 'x' / '100'}")
+
+
+def test_copies_of_what_nobody_foresaw_are_left_aside(dataset, tmp_path, monkeypatch):
+    shutil.copytree(dataset / "plain" / "100", dataset / "z" / "100")
+    write_json(dataset / "z" / "100" / "meta.json", {"model_cat": "Chair"})
+
+    def unforeseen(shape, **how):
+        if shape.id == "100" and shape.layout == "partnet":
+            raise RuntimeError("no such axis")
+        return prepare_shape(shape, **how)
+
+    monkeypatch.setattr("kinmo.prepare.folder.prepare_shape", unforeseen)
+    report = prepare(dataset, tmp_path / "w")
+    out = {Path(entry.path).relative_to(dataset).as_posix(): entry.reasons for entry in report.left_out}
+    assert "cannot be prepared: RuntimeError" in out["plain/100"][0]
+    assert out["z/100"] == ("differs from another copy of 100, which cannot be prepared",)
 
 
 def test_the_same_id_in_two_layouts_is_two_shapes(dataset, tmp_path):

@@ -175,11 +175,13 @@ class _Run:
     def settle(self, job: Job, result: Result | Crashed) -> str:
         """Writes what a worker made. Returns the shape's id."""
         found = job.found
-        if isinstance(result, Crashed):
+        if isinstance(result, Crashed):  # what may end a process is not tried again in this one
             result = Result(job, problem=str(InputError(shown(found.path), f"cannot be prepared: {result.why}")))
+            job.target.unlink(missing_ok=True)
+        elif result.entry is None:
+            self.unread.append(job.target)
         if result.entry is None:
             self.left_out.append(Entry(found.id, shown(found.path), (result.problem,)))
-            self.unread.append(job.target)
             return found.id
         self.read[job.target] = found.path
         if result.data is not None:
@@ -191,9 +193,11 @@ class _Run:
 
     def report(self) -> PrepareReport:
         for target, others in self.others.items():
+            read = self.read.get(target)
+            what_of_it = "which cannot be prepared" if read is None else f"which is read instead: {shown(read)}"
             for found in others:
-                if not self._is_copy(found, self.read[target]):
-                    reason = f"differs from another copy of {found.id}, which is read instead: {shown(self.read[target])}"
+                if read is None or not self._is_copy(found, read):
+                    reason = f"differs from another copy of {found.id}, {what_of_it}"
                     self.left_out.append(Entry(found.id, shown(found.path), (reason,)))
         report = PrepareReport(left_out=sorted(self.left_out, key=lambda entry: (entry.path, entry.id)), made=self.made)
         for entry in sorted(self.entries, key=lambda entry: entry.source):
