@@ -261,8 +261,12 @@ def test_nobody_to_be_judged_by_is_a_failure(tmp_path):
 
 def test_wrong_folders_and_ids_are_refused(tmp_path):
     truth, predictions = folders(tmp_path)
-    with pytest.raises(InputError, match="mobility_v2"):
+    with pytest.raises(InputError, match=r"mobility_v2\.json$"):
         score_files(predictions, predictions)
+    (tmp_path / "links").mkdir()
+    (tmp_path / "links" / "1").symlink_to(truth / "1")
+    with pytest.raises(InputError, match=r"mobility_v2\.json; .*1: a link that leads out of the folder"):
+        score_files(predictions, tmp_path / "links")
     with pytest.raises(InputError, match="'99'"):
         score_files(predictions, truth, ids=["99"])
     (tmp_path / "file").write_text("")

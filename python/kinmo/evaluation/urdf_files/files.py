@@ -56,7 +56,8 @@ def score_files(
     """
     folders, unreadable = _truths(truth)
     if not folders:
-        raise InputError(truth, "expected folders with a mobility_v2.json")
+        seen = "".join(f"; {reason}" for reason in list(unreadable.values())[:1])
+        raise InputError(truth, f"expected folders with a mobility_v2.json{seen}")
     wanted = sorted(folders) if ids is None else sorted(set(ids))
     unknown = [name for name in wanted if name not in folders]
     if unknown:
