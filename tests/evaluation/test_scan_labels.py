@@ -51,6 +51,8 @@ def test_labels_count_as_right_if_all_axes_are_along_the_true_ones_and_in_their_
     more = count_labels([*labels, named(file, "new")], true, originals)
     assert more == LabelCounts(labelled=6, are=5, along=4, right=3, true=6, unknown=1), "nobody knows of that one"
     assert str(more).endswith("Of 1 more that they give them the truth is not known.")
+    alone = count_labels([named(file, "new")], true, originals)
+    assert str(alone) == "Pseudo labels give 1 object these joints; what the truth is, is not known."
     other = {label.object: f"original of {label.id}" for label in labels}
     renamed = [replace(one, id=f"original of {one.id}") for one in true]
     assert count_labels(labels, renamed, other) == count_labels(labels, true, originals), "whatever a copy is called"

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from kinmo.evaluation.metrics import axis_error, line_distance_at_part
 from kinmo.evaluation.records import AXIS_WITHIN, LINE_WITHIN
 from kinmo.scans.scan_file import ScanFile
+from kinmo.wording import counted
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,8 @@ class LabelCounts:
     unknown: int = 0
 
     def __str__(self) -> str:
+        if not self.labelled and self.unknown:
+            return f"Pseudo labels give {counted(self.unknown, 'object')} these joints; what the truth is, is not known."
         found = (
             f"Of {self.labelled} objects that pseudo labels give these joints {self.are} truly have them, {self.along} with "
             f"all axes along the right directions ({math.degrees(AXIS_WITHIN):g} degrees), {self.right} of these with all in "
