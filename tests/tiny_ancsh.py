@@ -33,5 +33,5 @@ def turned_apart(file: ScanFile) -> int:
     """A frame whose axes are others when it is known what is base."""
     points, parts = file.read("points"), file.read("parts")
     first = scan_rotations(points, "base")
-    second = np.stack([base_axes(*each) for each in zip(points, parts == 0, first, strict=True)])
+    second = base_axes(points, parts == 0, first)
     return int(np.abs(second - first).max(axis=(1, 2)).argmax())

@@ -263,10 +263,10 @@ def render(
 Poses = tuple[F64, F64, F64]
 """Rotations [N, 3, 3], scales [N] and translations [N, 3]: target = scale * rotation @ source + translation."""
 
-def manhattan_frames(points: NDArray[np.float32]) -> F64:
+def manhattan_frames(points: NDArray[np.float32], which: NDArray[np.bool_]) -> F64:
     """Rotations [F, 3, 3] whose columns are the axes that most surfaces of scans [F, n, 3] face, of no order and no sign.
 
-    Normals are those of the twelve nearest points. What shows one flat side alone has its other axes along the rectangle of
+    Of their points those count that `which` [F, n] marks. Normals are those of the twelve nearest points. What shows one flat side alone has its other axes along the rectangle of
     least area about it. Straub et al., The Manhattan Frame Model, 2018.
     """
 

@@ -95,7 +95,10 @@ def _scan_calls(parts: _core.Meshes) -> dict[str, Call]:
             lambda **arrays: _core.render(parts, size=(16, 12), near=0.1, far=50.0, **arrays),
             {"transforms": camera, "focal": np.array([12.0, 12.0]), "center": np.array([8.0, 6.0])},
         ),
-        "manhattan_frames": Call(_core.manhattan_frames, {"points": rng.uniform(size=(2, 30, 3)).astype(np.float32)}),
+        "manhattan_frames": Call(
+            _core.manhattan_frames,
+            {"points": rng.uniform(size=(2, 30, 3)).astype(np.float32), "which": np.arange(60).reshape(2, 30) % 5 > 0},
+        ),
         "nearest_neighbours": Call(
             lambda points: _core.nearest_neighbours(points, 5), {"points": rng.uniform(size=(2, 30, 3)).astype(np.float32)}
         ),

@@ -129,7 +129,7 @@ def test_counts_out_of_range_are_refused_by_name(count: int) -> None:
 def test_arrays_of_more_axes_than_any_argument_has_are_refused_by_name(axes: int) -> None:
     shape = ", ".join(["1"] * axes)
     with pytest.raises(ValueError, match=rf"^points: shape \[{shape}\], expected \[F, N, 3\]$"):
-        _core.manhattan_frames(np.zeros((1,) * axes, np.float32))
+        _core.manhattan_frames(np.zeros((1,) * axes, np.float32), np.ones((1, 1), bool))
     with pytest.raises(ValueError, match=rf"^out: shape \[{shape}\], expected "):
         CALLS["move_points"].outcome(out=np.zeros((1,) * axes, np.float32))
 

@@ -40,7 +40,9 @@ calls = {
     "render": lambda: _core.render(
         tangle, np.tile(np.eye(4), (40_000, 2, 1, 1)), (32, 32), np.full(2, 16.0), np.full(2, 16.0), near=0.01, far=9.0
     ),
-    "manhattan_frames": lambda: _core.manhattan_frames(rng.uniform(size=(20_000, 100, 3)).astype(np.float32)),
+    "manhattan_frames": lambda: _core.manhattan_frames(
+        rng.uniform(size=(20_000, 100, 3)).astype(np.float32), np.ones((20_000, 100), bool)
+    ),
     "nearest_neighbours": lambda: _core.nearest_neighbours(rng.uniform(size=(20_000, 500, 3)).astype(np.float32), 8),
     "largest_neighbours": lambda: _core.largest_neighbours(
         np.zeros((200, 100, 1024), np.float32), np.zeros((200, 100, 256), np.int64)

@@ -71,12 +71,15 @@ def scan_rotations(points: NDArray[np.floating], axes: Axes) -> F64:
 
 
 def base_axes(points: NDArray[np.floating], is_base: NDArray[np.bool_], first: F64) -> F64:
-    """The axes [3, 3] that the base in a scan [n, 3] faces, its points marked by `is_base` [n]; `first` where these are few.
+    """The axes [F, 3, 3] that the base in scans [F, n, 3] faces, its points marked by `is_base` [F, n]; those of `first`
+    [F, 3, 3] where these are few.
 
     Of the whole scan, an open door may decide.
     """
-    own = points[is_base]
-    return np.asarray(manhattan_axes(own[None])[0]) if len(own) >= LEAST_BASE_POINTS else first
+    are_enough = is_base.sum(axis=1) >= LEAST_BASE_POINTS
+    axes = first.copy()
+    axes[are_enough] = manhattan_axes(points[are_enough], is_base[are_enough])
+    return axes
 
 
 def looks(points: NDArray[np.floating], parts: NDArray[np.integer]) -> F64:
@@ -84,23 +87,26 @@ def looks(points: NDArray[np.floating], parts: NDArray[np.integer]) -> F64:
     those that points are of, the base being 0.
     """
     first = manhattan_axes(points)
-    second = [base_axes(*each) for each in zip(points, parts == 0, first, strict=True)]
-    return np.stack([first, np.reshape(second, first.shape)], axis=1)
+    return np.stack([first, base_axes(points, parts == 0, first)], axis=1)
 
 
-def manhattan_axes(points: NDArray[np.floating]) -> F64:
+def manhattan_axes(points: NDArray[np.floating], which: NDArray[np.bool_] | None = None) -> F64:
     """The axes [F, 3, 3] that most surfaces of scans [F, n, 3] face, in the order of a camera's as far as can be told.
+
+    Of the points those alone count that `which` [F, n] marks, if it is given, which must be some of every scan.
 
     Of the six directions up is the one that is nearest to where a camera that is held upright has up; ahead is, of the level
     ones, the one that points away from the camera most.
     """
-    low = points.min(axis=1, keepdims=True)
-    size = np.maximum(np.max(points - low, axis=(1, 2), keepdims=True), 1e-9)
-    frames = np.swapaxes(_core.manhattan_frames(np.asarray((points - low) / size, np.float32)), 1, 2)
+    which = np.ones(points.shape[:2], bool) if which is None else which
+    counted = which[..., None]
+    low = points.min(axis=1, keepdims=True, where=counted, initial=np.inf)
+    size = np.maximum(np.max(points - low, axis=(1, 2), keepdims=True, where=counted, initial=0.0), 1e-9)
+    frames = np.swapaxes(_core.manhattan_frames(np.asarray((points - low) / size, np.float32), which), 1, 2)
     directions, rows = np.concatenate([frames, -frames], axis=1), np.arange(len(frames))
     up = directions[rows, _uprightness(directions).argmax(axis=1)]
     is_level = np.abs(np.einsum("fki,fi->fk", directions, up)) < 0.5
-    away = np.einsum("fki,fi->fk", directions, points.mean(axis=1))
+    away = np.einsum("fki,fi->fk", directions, points.mean(axis=1, where=counted))
     ahead = directions[rows, np.where(is_level, away, -np.inf).argmax(axis=1)]
     return np.stack([np.cross(-up, ahead), -up, ahead], axis=-1)
 

@@ -100,7 +100,7 @@ def _frames_in_state(
     sensed = sense(seen, config.sensor, camera, floors, sensing)
     for row in range(views):
         # by what there is to see: a bad sensor must not get other frames than a good one
-        counts = np.bincount(seen.parts[row][seen.parts[row] >= 0], minlength=len(target.meshes))
+        counts = np.array([np.count_nonzero(seen.parts[row] == part) for part in range(len(target.meshes))])
         if counts.min() < config.least_pixels:
             yield f"part {counts.argmin()} has fewer than {config.least_pixels} pixels"
             continue

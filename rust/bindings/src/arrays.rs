@@ -119,9 +119,9 @@ pub fn values_of<'a>(name: &str, array: ArrayViewD<'a, f64>, len: usize) -> Resu
     array.into_dimensionality::<Ix1>().map_err(|error| GeometryError::new(name, error.to_string()))
 }
 
-/// `len` truth values. Memory that others wrote may hold bytes that are no `bool` of Rust's, so they are read as numbers.
-pub fn flags_of(name: &str, array: &Array<'_, bool>, len: usize) -> PyResult<Vec<bool>> {
-    check_shape(name, &array.view(), &[len]).map_err(value_error)?;
+/// Truth values of a `shape`, in a row. Memory that others wrote may hold bytes that are no `bool` of Rust's, so they are read as numbers.
+pub fn flags_of(name: &str, array: &Array<'_, bool>, shape: &[usize]) -> PyResult<Vec<bool>> {
+    check_shape(name, &array.view(), shape).map_err(value_error)?;
     let bytes = array.values.call_method1("view", (dtype::<u8>(array.values.py()),))?.extract::<Array<'_, u8>>()?;
     Ok(bytes.view().iter().map(|byte| *byte != 0).collect())
 }

@@ -2,10 +2,11 @@
 
 use kinmo_geometry::manhattan::manhattan_frame;
 use nalgebra::Point3;
+use numpy::ndarray::Axis;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::{Array, check_finite, stacks_of};
+use crate::arrays::{Array, check_finite, flags_of, stacks_of};
 use crate::batches::map_in_batches;
 use crate::convert::value_error;
 
@@ -14,12 +15,20 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 }
 
 #[pyfunction]
-fn manhattan_frames<'py>(py: Python<'py>, points: Array<'py, f32>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+fn manhattan_frames<'py>(
+    py: Python<'py>,
+    points: Array<'py, f32>,
+    which: Array<'py, bool>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let points = points.view();
     check_finite("points", &points).map_err(value_error)?;
     let scans = stacks_of("points", points, 3).map_err(value_error)?;
-    let clouds = scans.outer_iter().map(|scan| {
-        scan.rows().into_iter().map(|row| Point3::new(row[0], row[1], row[2]).cast::<f64>()).collect::<Vec<_>>()
+    let (frames, count) = (scans.len_of(Axis(0)), scans.len_of(Axis(1)));
+    let which = flags_of("which", &which, &[frames, count])?;
+    let clouds = (0..frames).map(|frame| {
+        let scan = scans.index_axis(Axis(0), frame);
+        let counted = scan.rows().into_iter().zip(&which[frame * count..]).filter(|(_, counts)| **counts);
+        counted.map(|(row, _)| Point3::new(row[0], row[1], row[2]).cast::<f64>()).collect::<Vec<_>>()
     });
     let frames = map_in_batches(py, clouds, |points| manhattan_frame(&points))?;
     // nalgebra lies column after column

@@ -142,7 +142,7 @@ fn settle_poses<'py>(
     let parts = Parts::of(&source, &target, &starts).map_err(value_error)?;
     let ties = ties_of(parts.len(), &pairs, &kinds, &directions).map_err(value_error)?;
     let ranges = angles_of(ties.len(), &ranges).map_err(value_error)?;
-    let square = flags_of("square", &square, parts.len())?;
+    let square = flags_of("square", &square, &[parts.len()])?;
     let poses = poses_of(parts.len(), &rotations, &scales, &translations).map_err(value_error)?;
     let frames = ranges_of("frames", &frames, parts.len()).map_err(value_error)?;
     let by_frame = ties_by_frame(&frames, &ties).map_err(value_error)?;

@@ -5,6 +5,7 @@
 
 pub mod aabb;
 pub mod adjacency;
+mod all_neighbours;
 pub mod articulated_pose;
 mod box_search;
 pub mod bvh;

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use wide::f32x8;
 
 use crate::normals::{Normal, normals};
 use crate::rectangle::{flush_axes, perpendicular_basis};
@@ -80,8 +81,8 @@ fn through_two_normals(normals: &[Normal]) -> Option<Rotation3<f64>> {
         return None;
     }
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-    let step = normals.len().div_ceil(JUDGES);
-    let mut best: Option<(f64, Rotation3<f64>)> = None;
+    let judges = Judges::new(normals.iter().step_by(normals.len().div_ceil(JUDGES)).collect());
+    let mut best: Option<(f32, Rotation3<f64>)> = None;
     for _ in 0..HYPOTHESES {
         let [first, second] = [0; 2].map(|_| normals[rng.random_range(0..normals.len())].direction);
         let across = second - first * first.dot(&second);
@@ -89,12 +90,41 @@ fn through_two_normals(normals: &[Normal]) -> Option<Rotation3<f64>> {
         let across = across.try_normalize(0.2).unwrap_or_else(|| perpendicular_basis(first).0);
         let axes = [first, across, first.cross(&across)];
         let frame = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&axes));
-        let score: f64 = normals.iter().step_by(step).map(|normal| faced_axis(&frame, normal, REACHES[1]).2).sum();
+        let score = judges.faced(&axes);
         if best.as_ref().is_none_or(|(highest, _)| score > *highest) {
             best = Some((score, frame));
         }
     }
     best.map(|(_, frame)| frame)
+}
+
+/// Normals that judge frames, several at a time; in single precision, which tells good frames from bad ones.
+struct Judges {
+    /// Their directions and weights; of no weight where the last lanes have none.
+    lanes: Vec<[f32x8; 4]>,
+}
+
+impl Judges {
+    fn new(normals: Vec<&Normal>) -> Self {
+        let value_of = |normal: Option<&&Normal>, at: usize| {
+            normal.map_or(0.0, |normal| if at < 3 { normal.direction[at] } else { normal.weight }) as f32
+        };
+        let lanes_of =
+            |chunk: &[&Normal]| [0, 1, 2, 3].map(|at| f32x8::from(std::array::from_fn(|i| value_of(chunk.get(i), at))));
+        Self { lanes: normals.chunks(8).map(lanes_of).collect() }
+    }
+
+    /// How much of them is near to some of three axes at right angles, as [`faced_axis`] counts it.
+    fn faced(&self, axes: &[Vector3<f64>; 3]) -> f32 {
+        let axes = axes.map(|axis| [0, 1, 2].map(|i| f32x8::splat(axis[i] as f32)));
+        let per_squared_reach = f32x8::splat((REACHES[1] * REACHES[1]).recip() as f32);
+        let add = |sum: f32x8, [x, y, z, weight]: &[f32x8; 4]| {
+            let [a, b, c] = axes.map(|axis| axis[0] * *x + axis[1] * *y + axis[2] * *z);
+            let squared_sine = f32x8::ONE - (a * a).fast_max(b * b).fast_max(c * c);
+            sum + *weight * (f32x8::ONE - squared_sine * per_squared_reach).fast_max(f32x8::ZERO)
+        };
+        self.lanes.iter().fold(f32x8::ZERO, add).reduce_add()
+    }
 }
 
 #[cfg(test)]
@@ -133,6 +163,20 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn judges_count_what_faces_a_frame(
+            (turn, _) in scan(0.0),
+            normals in prop::collection::vec((prop::array::uniform3(-1.0..1.0), 0.0..1.0), 1..40),
+        ) {
+            let normal = |(along, weight): &([f64; 3], f64)| Normal {
+                direction: Vector3::from(*along).try_normalize(1e-9).unwrap_or(Vector3::x()), weight: *weight,
+            };
+            let normals: Vec<Normal> = normals.iter().map(normal).collect();
+            let axes = [0, 1, 2].map(|axis| turn.matrix().column(axis).into_owned());
+            let found = Judges::new(normals.iter().collect()).faced(&axes);
+            prop_assert!((f64::from(found) - faced(&turn, &normals, REACHES[1]).sum()).abs() < 1e-3);
+        }
+
         #[test]
         fn a_box_with_an_open_door_tells_its_axes((turn, points) in scan(0.002)) {
             prop_assert!(apart(&manhattan_frame(&points), &turn) < 0.05);

@@ -4,10 +4,11 @@ use std::cmp::Ordering;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::point_tree::PointTree;
+use crate::all_neighbours::nearest_of_all;
+use crate::parry::least_eigenvector;
 
-/// Of the largest spread: less than this is none.
-const NEGLIGIBLE: f64 = 1e-9;
+/// Of the largest spread: less than this is none, as spreads are not known better.
+const NEGLIGIBLE: f64 = 1e-7;
 
 /// The normal of a surface at a point, of either sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,22 +51,22 @@ fn normals_of_distinct(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal>
     if points.is_empty() {
         return Vec::new();
     }
-    let tree = PointTree::new(points);
-    let mut near = Vec::new();
-    let one = |point: &Point3<f64>| {
-        tree.nearest(point, neighbours + 1, &mut near);
-        let corners = || near.iter().map(|neighbour| points[neighbour.point as usize].coords);
-        let middle = corners().sum::<Vector3<f64>>() / near.len() as f64;
-        let spread: Matrix3<f64> = corners().map(|corner| (corner - middle) * (corner - middle).transpose()).sum();
-        let eigen = spread.symmetric_eigen();
-        let least = eigen.eigenvalues.imin();
-        let [first, second] = [(least + 1) % 3, (least + 2) % 3].map(|axis| eigen.eigenvalues[axis]);
-        let (across, along) = (first.min(second), first.max(second));
-        let is_line = across <= NEGLIGIBLE * along;
-        let flat = if is_line { 0.0 } else { 1.0 - eigen.eigenvalues[least].max(0.0) / across };
-        Normal { direction: eigen.eigenvectors.column(least).into(), weight: flat * flat }
-    };
-    points.iter().map(one).collect()
+    let mut found = vec![Normal { direction: Vector3::x(), weight: 0.0 }; points.len()];
+    nearest_of_all(points, neighbours + 1, |point, near| found[point] = normal_of(near));
+    found
+}
+
+/// That of the plane through `points`.
+fn normal_of(points: &[Point3<f64>]) -> Normal {
+    let middle = points.iter().map(|point| point.coords).sum::<Vector3<f64>>() / points.len() as f64;
+    let spread = points.iter().fold(Matrix3::zeros(), |spread: Matrix3<f64>, point| {
+        let from_middle = point.coords - middle;
+        spread + from_middle * from_middle.transpose()
+    });
+    let ([least, across, along], direction) = least_eigenvector(&spread);
+    let is_line = across <= NEGLIGIBLE * along;
+    let flat = if is_line { 0.0 } else { 1.0 - least.max(0.0) / across };
+    Normal { direction, weight: flat * flat }
 }
 
 #[cfg(test)]
@@ -98,7 +99,7 @@ mod tests {
         let many: Vec<_> = points.iter().copied().cycle().take(500).collect();
         let once = normals(&points, 8);
         assert_eq!(normals(&many, 8), once.iter().copied().cycle().take(500).collect::<Vec<_>>());
-        assert!(once.iter().all(|normal| normal.weight == 1.0));
+        assert!(once.iter().all(|normal| normal.weight > 1.0 - 1e-6));
     }
 
     #[test]

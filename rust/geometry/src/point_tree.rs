@@ -37,6 +37,11 @@ impl PointTree {
         Self { points, numbers, planes, depth }
     }
 
+    /// The points and their numbers, leaf after leaf: what is near to each other lies near to each other.
+    pub fn into_order(self) -> Vec<(Point3<f64>, u32)> {
+        self.points.into_iter().zip(self.numbers).collect()
+    }
+
     /// Squared distance of the two nearest points of two trees.
     pub fn squared_gap(&self, other: &Self) -> f64 {
         let mut least = f64::INFINITY;

@@ -63,7 +63,7 @@ def test_networks_look_again_along_the_axes_of_what_they_say_is_base(file: ScanF
         rotations[axes] = networks.answer([points])[0].frame.rotation
     (first,) = scan_rotations(points[None], "manhattan")
     np.testing.assert_allclose(rotations["manhattan"], first)
-    np.testing.assert_allclose(rotations["base"], base_axes(points, parts == 0, first))
+    np.testing.assert_allclose(rotations["base"], base_axes(points[None], parts[None] == 0, first[None])[0])
     assert np.abs(rotations["base"] - first).max() > 0.1
 
 

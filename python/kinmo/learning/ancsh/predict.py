@@ -82,7 +82,7 @@ class Ancsh:
         rotations = scan_rotations(np.stack(scans), self.config.axes)
         if self.config.axes == "base":
             said = np.concatenate([self._said_parts(seen) for seen, _ in self._batches(scans, sizes, rotations)])
-            rotations = np.stack([base_axes(*each) for each in zip(scans, said == 0, rotations, strict=True)])
+            rotations = base_axes(np.stack(scans), said == 0, rotations)
         return [one for seen, frames in self._batches(scans, sizes, rotations) for one in self._answer(seen, frames)]
 
     def _batches(
