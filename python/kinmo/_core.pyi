@@ -266,8 +266,8 @@ Poses = tuple[F64, F64, F64]
 def manhattan_frames(points: NDArray[np.float32], which: NDArray[np.bool_]) -> F64:
     """Rotations [F, 3, 3] whose columns are the axes that most surfaces of scans [F, n, 3] face, of no order and no sign.
 
-    Of their points those count that `which` [F, n] marks. Normals are those of the twelve nearest points. What shows one flat side alone has its other axes along the rectangle of
-    least area about it. Straub et al., The Manhattan Frame Model, 2018.
+    Of their points those count that `which` [F, n] marks. Normals are those of the twelve nearest points. What shows one flat
+    side alone has its other axes along the rectangle of least area about it. Straub et al., The Manhattan Frame Model, 2018.
     """
 
 def find_similarities(

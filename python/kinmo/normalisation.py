@@ -69,7 +69,7 @@ def geometry_hash(meshes: Iterable[Mesh]) -> str:
     It is that of the set of vertices to 1e-5 diagonals: copies of a shape that differ in place, size, segmentation, or the
     order of parts, vertices and faces have the same, but for what rounding takes to the next step.
     """
-    vertices = np.concatenate([mesh.vertices[np.unique(mesh.faces)] for mesh in meshes])
+    vertices = np.concatenate([mesh.corners for mesh in meshes])
     steps = np.round(vertices * _HASH_STEPS).astype(np.int64) + _HASH_RANGE // 2
     x, y, z = steps.T  # within half a diagonal of the origin, so that one number holds all three
     numbers = np.unique((x * _HASH_RANGE + y) * _HASH_RANGE + z)

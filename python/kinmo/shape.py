@@ -28,11 +28,21 @@ class Mesh:
         return Mesh(self.vertices @ rotation.T, self.faces)
 
     @property
+    def corners(self) -> NDArray[np.float64]:
+        """The vertices [U, 3] that triangles use, each once, in their order."""
+        return self.vertices[self._is_used]
+
+    @property
     def compact(self) -> Mesh:
         """The same triangles without vertices that none of them uses."""
+        used = self._is_used
+        return Mesh(self.vertices[used], (np.cumsum(used) - 1)[self.faces].astype(np.uint32))
+
+    @property
+    def _is_used(self) -> NDArray[np.bool_]:
         used = np.zeros(len(self.vertices), bool)
         used[self.faces] = True
-        return Mesh(self.vertices[used], (np.cumsum(used) - 1)[self.faces].astype(np.uint32))
+        return used
 
 
 def join(*meshes: Mesh) -> Mesh:
@@ -47,7 +57,7 @@ def join(*meshes: Mesh) -> Mesh:
 
 def bounds_of(meshes: Iterable[Mesh]) -> tuple[Vector, Vector]:
     """Smallest and largest corner [3] of the axis-aligned box of all vertices that a face uses; there must be some."""
-    used = [mesh.vertices[np.unique(mesh.faces)] for mesh in meshes]
+    used = [mesh.corners for mesh in meshes]
     return np.min([v.min(axis=0) for v in used], axis=0), np.max([v.max(axis=0) for v in used], axis=0)
 
 

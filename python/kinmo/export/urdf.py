@@ -127,7 +127,7 @@ def link_origin(shape: Shape, link: Link, rotation: NDArray[np.float64], metres_
 def _bounds(shape: Shape, link: Link, rotation: NDArray[np.float64], scale: float) -> tuple[Vector, Vector]:
     """Corners of the link's box along the axes of the robot's frame, metres; a point at the origin for an empty link."""
     meshes = [mesh for leaf in link.leaves if (mesh := shape.parts[leaf].mesh) is not None]
-    points = np.concatenate([np.zeros((0, 3)), *(mesh.vertices[np.unique(mesh.faces)] for mesh in meshes)])
+    points = np.concatenate([np.zeros((0, 3)), *(mesh.corners for mesh in meshes)])
     if not len(points):
         return np.zeros(3), np.zeros(3)
     placed = scale * points @ rotation.T

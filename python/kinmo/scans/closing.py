@@ -32,7 +32,7 @@ def closed(mobility: Mobility, meshes: Sequence[Mesh], base_is_seen: bool = True
     what the file shows half way between ends that nothing tells apart stays there, again if its base is seen. A joint without
     limits stays, and the direction of what opens to neither side more has its largest coordinate positive.
     """
-    clouds = [mesh.vertices[np.unique(mesh.faces)] for mesh in meshes]
+    clouds = [mesh.corners for mesh in meshes]
     joints = {index: body.joint for index, body in mobility.movable() if body.joint is not None}
     found = {index: _closed(index, joint, mobility, meshes[index], clouds, base_is_seen) for index, joint in joints.items()}
     mobility = _with_joints(mobility, {index: joint for index, (joint, _) in found.items()})

@@ -77,7 +77,7 @@ def base_axes(points: NDArray[np.floating], is_base: NDArray[np.bool_], first: F
     Of the whole scan, an open door may decide.
     """
     are_enough = is_base.sum(axis=1) >= LEAST_BASE_POINTS
-    axes = first.copy()
+    axes: F64 = first.copy()
     axes[are_enough] = manhattan_axes(points[are_enough], is_base[are_enough])
     return axes
 

@@ -60,7 +60,7 @@ def likely_closed(
         elif joint.kind is JointKind.REVOLUTE:
             joint = _likely_hinge(joint, meshes[index], meshes[parent], widest)
         elif joint.kind is JointKind.PRISMATIC:
-            joint = _likely_slider(joint, _cloud(meshes[index]), _cloud(meshes[parent]))
+            joint = _likely_slider(joint, meshes[index].corners, meshes[parent].corners)
         bodies[index] = replace(body, joint=joint)
     return replace(mobility, bodies=tuple(bodies))
 
@@ -77,7 +77,7 @@ def _likely_slider(joint: Joint, cloud: F64, base: F64) -> Joint:
 
 
 def _likely_hinge(joint: Joint, mesh: Mesh, parent: Mesh, widest: float) -> Joint:
-    cloud, base = _cloud(mesh), _cloud(parent)
+    cloud, base = mesh.corners, parent.corners
     angles = straight_values(joint, mesh, joint.rest - FARTHEST, joint.rest + FARTHEST) - joint.rest
     if joint.lower is None or joint.upper is None:
         return joint
@@ -111,7 +111,3 @@ def _room(joint: Joint, cloud: F64, base: F64, angle: float) -> float:
     """The volume of the box of a part, turned by an angle from the pose of the file, and what it hangs by."""
     turned = moved_by(joint_motion(joint, joint.rest + angle), cloud)
     return room_of(np.concatenate([turned, base]))
-
-
-def _cloud(mesh: Mesh) -> F64:
-    return mesh.vertices[np.unique(mesh.faces)]
