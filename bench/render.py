@@ -103,22 +103,27 @@ def compare(name: str, target: ArticulatedObject, frames: int, repeats: int) -> 
 def whole_frames(target: ArticulatedObject, quick: bool) -> None:
     """Drawing the state and the camera, the picture, and 1,024 labelled points; then with what a bad sensor makes of it.
 
-    Beside it what it takes to write them, which is to find the axes that networks see them along.
+    Then all of that with what it takes to write them, which is to find the axes that networks see them along; a frame without
+    enough pixels of some part is drawn, and neither kept nor written.
     """
     config = ScansConfig(states=2 if quick else 10, views=10)
     for words, sensor, goal in (("", config.sensor, FRAME_GOAL), (", by a bad sensor", config.rough, None)):
         start = time.process_time()
         frames = scan(target, replace(config, sensor=sensor), 0)
-        tell(f"ms a labelled frame of 1,024 points{words}", start, len(frames) + frames.refused.total(), goal)
+        labelled = time.process_time()
+        drawn = len(frames) + frames.refused.total()
+        tell(f"ms a labelled frame of 1,024 points{words}", labelled - start, drawn, goal)
         with TemporaryDirectory() as folder:
-            start = time.process_time()
             write_scans(Path(folder) / "scans.safetensors", target, frames, Provenance())
-            tell(f"ms to find the axes that networks see it along, and to write it{words}", start, len(frames), None)
+        written = time.process_time()
+        kept = f"{len(frames)} of {drawn} kept"
+        tell(f"ms with the axes that networks see it along, written ({kept}){words}", written - start, drawn, goal)
+        tell(f"ms these axes and writing, of one that is kept{words}", written - labelled, len(frames), None)
 
 
-def tell(claim: str, start: float, frames: int, goal: float | None) -> None:
-    """A line of JSON: the processor time a frame since `start`."""
-    each = 1e3 * (time.process_time() - start) / frames
+def tell(claim: str, seconds: float, frames: int, goal: float | None) -> None:
+    """A line of JSON: the time a frame."""
+    each = 1e3 * seconds / frames
     line = {"claim": claim, "ours": each, "peer": None, "ratio": None, "goal": goal}
     print(json.dumps(line | {"met": None if goal is None else each <= goal}))
 

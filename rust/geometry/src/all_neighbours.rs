@@ -11,25 +11,30 @@ use crate::point_tree::PointTree;
 
 /// Points that neighbours are gathered for at a time, and that are compared at a time.
 const BLOCK: usize = 8;
-/// Of the cloud's diagonal: so much farther than it need is looked, as distances are rounded.
+/// So much farther than it need is looked, in diagonals of the cloud, as distances are rounded.
 const ROUNDED: f64 = 1e-6;
 
-/// Calls `take` with the number of every one of `points`, of which there are some, and the `count` (at least 1) of them that are
-/// nearest to it, or all; itself is among them, and they are in no order.
+/// Calls `take` with the number of every one of `points`, of which there are some, and those of the `count` (at least 1) that are
+/// nearest to it, or of all; its own is among them, and they are in no order.
 ///
 /// Distances are compared in single precision: those that differ by less than a millionth of the cloud's size are alike.
-pub(crate) fn nearest_of_all(points: &[Point3<f64>], count: usize, mut take: impl FnMut(usize, &[Point3<f64>])) {
-    let order = PointTree::new(points).into_order();
+pub(crate) fn nearest_of_all(points: &[Point3<f64>], count: usize, mut take: impl FnMut(usize, &[u32])) {
     let bounds = Aabb::of(points);
     let (origin, diagonal) = (nalgebra::center(&bounds.low, &bounds.high), (bounds.high - bounds.low).norm());
-    let squared = |distance: f64| (distance + ROUNDED * diagonal).powi(2);
-    let blocks: Vec<Block> = order.chunks(BLOCK).map(|own| Block::new(own, &origin)).collect();
-    let mut gathered = Gathered { origin, blocks: Vec::new(), squared: Vec::new() };
-    let mut near: Vec<Point3<f64>> = Vec::new();
+    let placed = |point: &Point3<f64>| Point3::from((point - origin) / diagonal.max(f64::MIN_POSITIVE));
+    let cloud: Vec<Point3<f64>> = points.iter().map(placed).collect();
+    let farthest = |near: &[u32], from: &Point3<f64>| {
+        near.iter().map(|&number| (cloud[number as usize] - from).norm_squared()).fold(0.0, f64::max).sqrt()
+    };
+    let squared = |distance: f64| (distance + ROUNDED).powi(2);
+    let order = PointTree::new(&cloud).into_order();
+    let blocks: Vec<Block> = order.chunks(BLOCK).map(Block::new).collect();
+    let mut gathered = Gathered::default();
+    let mut near = Vec::new();
     for block in &blocks {
         let middle = nalgebra::center(&block.bounds.low, &block.bounds.high);
         // As many as are asked for are no farther than those that were near to the point before.
-        let bound = squared(if near.is_empty() { diagonal } else { farthest(&near, &middle) });
+        let bound = squared(if near.is_empty() { 1.0 } else { farthest(&near, &middle) });
         gathered.gather(&blocks, |other| other.bounds.squared_distance_to_point(&middle) <= bound);
         gathered.nearest(&middle, count, bound, &mut near);
         let reach = farthest(&near, &middle);
@@ -43,34 +48,26 @@ pub(crate) fn nearest_of_all(points: &[Point3<f64>], count: usize, mut take: imp
     }
 }
 
-/// The distance to the one of `points` that is farthest.
-fn farthest(points: &[Point3<f64>], from: &Point3<f64>) -> f64 {
-    points.iter().map(|point| (point - from).norm_squared()).fold(0.0, f64::max).sqrt()
-}
-
 /// Up to as many points as are compared at a time.
 struct Block<'a> {
     points: &'a [(Point3<f64>, u32)],
     bounds: Aabb,
-    /// Their coordinates as they lie about the origin; infinite where there are fewer.
+    /// Their coordinates; infinite where there are fewer.
     columns: [f32x8; 3],
 }
 
 impl<'a> Block<'a> {
-    fn new(points: &'a [(Point3<f64>, u32)], origin: &Point3<f64>) -> Self {
-        let coordinate = |lane, axis| points.get(lane).map_or(f32::INFINITY, |(point, _)| about(point, origin)[axis]);
+    fn new(points: &'a [(Point3<f64>, u32)]) -> Self {
+        let coordinate =
+            |lane: usize, axis: usize| points.get(lane).map_or(f32::INFINITY, |(point, _)| point[axis] as f32);
         let columns = [0, 1, 2].map(|axis| f32x8::from(std::array::from_fn(|lane| coordinate(lane, axis))));
         Self { points, bounds: Aabb::of(points.iter().map(|(point, _)| point)), columns }
     }
 }
 
-fn about(point: &Point3<f64>, origin: &Point3<f64>) -> [f32; 3] {
-    (point - origin).cast().into()
-}
-
 /// Blocks of what may be near, and the squared distances of their points to one.
+#[derive(Default)]
 struct Gathered<'a> {
-    origin: Point3<f64>,
     blocks: Vec<&'a Block<'a>>,
     squared: Vec<f32x8>,
 }
@@ -81,9 +78,10 @@ impl<'a> Gathered<'a> {
         self.blocks.extend(blocks.iter().filter(|block| is_near(block)));
     }
 
-    /// The `count` points nearest to `query`, of which as many lie within the squared distance `bound`, or all, into `near`.
-    fn nearest(&mut self, query: &Point3<f64>, count: usize, bound: f64, near: &mut Vec<Point3<f64>>) {
-        let query = about(query, &self.origin).map(f32x8::splat);
+    /// Of the `count` points nearest to `query`, of which as many lie within the squared distance `bound`, or of all, the numbers
+    /// into `near`.
+    fn nearest(&mut self, query: &Point3<f64>, count: usize, bound: f64, near: &mut Vec<u32>) {
+        let query = [0, 1, 2].map(|axis| f32x8::splat(query[axis] as f32));
         self.squared.clear();
         self.squared.extend(self.blocks.iter().map(|block| {
             let [dx, dy, dz] = [0, 1, 2].map(|axis| block.columns[axis] - query[axis]);
@@ -98,13 +96,13 @@ impl<'a> Gathered<'a> {
         }
     }
 
-    /// Adds the points whose squared distance is above `low`, and up to `high`.
-    fn add_within(&self, low: f32, high: f32, near: &mut Vec<Point3<f64>>) {
+    /// Adds the numbers of the points whose squared distance is above `low`, and up to `high`.
+    fn add_within(&self, low: f32, high: f32, near: &mut Vec<u32>) {
         let (low, high) = (f32x8::splat(low), f32x8::splat(high));
         for (squared, block) in self.squared.iter().zip(&self.blocks) {
             let mut within = (squared.simd_gt(low) & squared.simd_le(high)).to_bitmask();
             while within != 0 {
-                near.push(block.points[within.trailing_zeros() as usize].0);
+                near.push(block.points[within.trailing_zeros() as usize].1);
                 within &= within - 1;
             }
         }
@@ -157,17 +155,18 @@ mod tests {
 
     proptest! {
         #[test]
-        fn neighbours_are_those_of_all_pairs(points in cloud(), count in 1..20usize, far in -100.0..100.0f64) {
-            let points: Vec<_> = points.iter().map(|point| point + nalgebra::Vector3::repeat(far)).collect();
+        fn neighbours_are_those_of_all_pairs(points in cloud(), count in 1..20usize, far in -100.0..100.0f64, size in -30..30i32) {
+            let unit = 10.0f64.powi(size);
+            let points: Vec<_> = points.iter().map(|point| (point + nalgebra::Vector3::repeat(far)) * unit).collect();
             let mut rows = vec![Vec::new(); points.len()];
-            nearest_of_all(&points, count, |number, near| rows[number].push(near.to_vec()));
+            nearest_of_all(&points, count, |number, near| rows[number].push(near.iter().map(|&i| points[i as usize]).collect::<Vec<_>>()));
             for (point, rows) in points.iter().zip(rows) {
                 prop_assert_eq!(rows.len(), 1);
                 let (found, all) = (sorted(&rows[0], point), sorted(&points, point));
                 prop_assert_eq!(found.len(), count.min(points.len()));
                 prop_assert_eq!(found[0], 0.0);
                 for (found, expected) in found.iter().zip(all) {
-                    prop_assert!((found - expected).abs() < 1e-5);
+                    prop_assert!((found - expected).abs() < 1e-5 * unit);
                 }
             }
         }
@@ -178,11 +177,11 @@ mod tests {
         let points: Vec<_> =
             (0..125).map(|i| Point3::new(f64::from(i % 5), f64::from(i / 5 % 5), f64::from(i / 25))).collect();
         nearest_of_all(&points, 13, |number, near| {
-            let mut near: Vec<_> = near.iter().map(|point| points.iter().position(|other| other == point)).collect();
+            let mut near = near.to_vec();
             near.sort_unstable();
             near.dedup();
             assert_eq!(near.len(), 13);
-            assert!(near.contains(&Some(number)));
+            assert!(near.contains(&(number as u32)));
         });
     }
 }

@@ -52,17 +52,15 @@ fn normals_of_distinct(points: &[Point3<f64>], neighbours: usize) -> Vec<Normal>
         return Vec::new();
     }
     let mut found = vec![Normal { direction: Vector3::x(), weight: 0.0 }; points.len()];
-    nearest_of_all(points, neighbours + 1, |point, near| found[point] = normal_of(near));
+    nearest_of_all(points, neighbours + 1, |point, near| found[point] = normal_of(points, near));
     found
 }
 
-/// That of the plane through `points`.
-fn normal_of(points: &[Point3<f64>]) -> Normal {
-    let middle = points.iter().map(|point| point.coords).sum::<Vector3<f64>>() / points.len() as f64;
-    let spread = points.iter().fold(Matrix3::zeros(), |spread: Matrix3<f64>, point| {
-        let from_middle = point.coords - middle;
-        spread + from_middle * from_middle.transpose()
-    });
+/// That of the plane through those of the `points` that are `near`.
+fn normal_of(points: &[Point3<f64>], near: &[u32]) -> Normal {
+    let places = || near.iter().map(|&number| points[number as usize].coords);
+    let middle = places().sum::<Vector3<f64>>() / near.len() as f64;
+    let spread: Matrix3<f64> = places().map(|place| (place - middle) * (place - middle).transpose()).sum();
     let ([least, across, along], direction) = least_eigenvector(&spread);
     let is_line = across <= NEGLIGIBLE * along;
     let flat = if is_line { 0.0 } else { 1.0 - least.max(0.0) / across };
