@@ -22,7 +22,7 @@ fn from_parry(vector: Vector) -> Vector3<f64> {
 /// The eigenvalues of a symmetric matrix, the least first, and the unit eigenvector of the least; that is any where others are as
 /// small.
 ///
-/// In closed form, in a quarter of the time that nalgebra's takes, whose steps are for any size. Eigenvalues are right to 1e-8
+/// In closed form, in less than half of the time that nalgebra takes by steps for any size. Eigenvalues are right to 1e-8
 /// of the largest one.
 pub(crate) fn least_eigenvector(matrix: &Matrix3<f64>) -> ([f64; 3], Vector3<f64>) {
     let largest = matrix.amax();
