@@ -15,9 +15,10 @@ const BLOCK: usize = 8;
 const ROUNDED: f64 = 1e-6;
 
 /// Calls `take` with the number of every one of `points`, of which there are some, and those of the `count` (at least 1) that are
-/// nearest to it, or of all; its own is among them, and they are in no order.
+/// nearest to it, or of all, in no order. Its own is among them unless more than `count` are alike to it.
 ///
-/// Distances are compared in single precision: those that differ by less than a millionth of the cloud's size are alike.
+/// Distances are compared in single precision: those that differ by less than a millionth of the cloud's size are alike. For
+/// clouds of up to some ten thousand points: every block is compared with every other.
 pub(crate) fn nearest_of_all(points: &[Point3<f64>], count: usize, mut take: impl FnMut(usize, &[u32])) {
     let bounds = Aabb::of(points);
     let (origin, diagonal) = (nalgebra::center(&bounds.low, &bounds.high), (bounds.high - bounds.low).norm());
@@ -124,11 +125,14 @@ fn bounds_of_nearest(squared: &[f32x8], count: usize, bound: f32) -> (f32, f32) 
         // On a surface as many points are near as there is area; halves are what always ends.
         let share = if is_guessed { (count - low.1) as f32 / (high.1 - low.1) as f32 } else { 0.5 };
         let tried = low.0 + (high.0 - low.0) * share;
-        if tried <= low.0 || high.0 <= tried {
+        let is_between = low.0 < tried && tried < high.0;
+        if is_between {
+            let found = (tried, count_of(tried));
+            *(if found.1 <= count { &mut low } else { &mut high }) = found;
+        } else if !is_guessed {
             return (low.0, high.0);
         }
-        let found = (tried, count_of(tried));
-        *(if found.1 <= count { &mut low } else { &mut high }) = found;
+        // a guess may be rounded to an end where there are numbers in between
         is_guessed = !is_guessed;
     }
     let all = if low.1 == count { low.0 } else { high.0 };

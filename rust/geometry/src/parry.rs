@@ -19,8 +19,8 @@ fn from_parry(vector: Vector) -> Vector3<f64> {
     Vector3::new(vector.x, vector.y, vector.z)
 }
 
-/// The eigenvalues of a symmetric matrix, the least first, and the unit eigenvector of the least; that is any where others are as
-/// small.
+/// The eigenvalues of a symmetric matrix, the least first, and the unit eigenvector of the least; some unit vector where another is
+/// as small.
 ///
 /// In closed form, in less than half of the time that nalgebra takes by steps for any size. Eigenvalues are right to 1e-8
 /// of the largest one.
