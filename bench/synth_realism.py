@@ -79,7 +79,7 @@ class Statistics:
         for leaf in shape.leaves:
             mesh = shape.parts[leaf].mesh
             assert mesh is not None
-            used = mesh.vertices[np.unique(mesh.faces)]
+            used = mesh.corners
             size = float(np.linalg.norm(used.max(axis=0) - used.min(axis=0))) / shape.diagonal
             thin = float((used.max(axis=0) - used.min(axis=0)).min()) / shape.diagonal
             self.note("size of a leaf, over the diagonal (median)", category, size, is_median=True)

@@ -1,7 +1,7 @@
 //! `nearest_neighbours` and `largest_neighbours`.
 
 use kinmo_geometry::GeometryError;
-use kinmo_geometry::neighbours::{largest_neighbours as largest_of_rows, nearest_neighbours as nearest_of_all};
+use kinmo_geometry::neighbours::{largest_neighbours as largest_of_rows, nearest_neighbours as nearest_of_rows};
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -36,7 +36,7 @@ fn nearest_neighbours<'py>(
             .outer_iter()
             .map(|cloud| cloud.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>())
             .zip(found.as_slice_mut()?.chunks_mut((size * count.min(size)).max(1)));
-        map_in_batches(py, rows, |(points, found)| nearest_of_all(&points, count, found))?;
+        map_in_batches(py, rows, |(points, found)| nearest_of_rows(&points, count, found))?;
     }
     Ok(nearest)
 }

@@ -1,7 +1,8 @@
 //! The nearest neighbours of all points of a cloud.
 //!
 //! Points that are near to each other have most of them in common: what may be one is gathered for a block of points at a time,
-//! and compared several at once, without branches that nobody could foresee.
+//! and compared several at once, without branches that nobody could foresee. They are in no order; [`crate::neighbours`] tells
+//! those of a few hundred points in theirs.
 
 use nalgebra::Point3;
 use wide::{bytemuck, f32x8, i32x8};

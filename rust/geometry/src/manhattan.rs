@@ -15,6 +15,8 @@ pub(crate) const NEIGHBOURS: usize = 12;
 const HYPOTHESES: usize = 200;
 /// Of the normals that judge them.
 const JUDGES: usize = 256;
+/// Judges that count at a time.
+const LANES: usize = 8;
 /// Normals count that are off an axis by less than the sine of these: first all that may be meant, then those that are.
 const REACHES: [f64; 7] = [0.4, 0.3, 0.2, 0.15, 0.1, 0.1, 0.1];
 /// A scan of which less than this share (of what faces the first axis) faces the others shows one side alone.
@@ -111,7 +113,7 @@ impl Judges {
         };
         let lanes_of =
             |chunk: &[&Normal]| [0, 1, 2, 3].map(|at| f32x8::from(std::array::from_fn(|i| value_of(chunk.get(i), at))));
-        Self { lanes: normals.chunks(8).map(lanes_of).collect() }
+        Self { lanes: normals.chunks(LANES).map(lanes_of).collect() }
     }
 
     /// How much of them is near to some of three axes at right angles, as [`faced_axis`] counts it.

@@ -79,10 +79,11 @@ class Ancsh:
         sizes = np.ones(len(scans)) if diagonals is None else diagonals
         if not len(scans):
             return []
-        rotations = scan_rotations(np.stack(scans), self.config.axes)
+        points = np.stack(scans)
+        rotations = scan_rotations(points, self.config.axes)
         if self.config.axes == "base":
             said = np.concatenate([self._said_parts(seen) for seen, _ in self._batches(scans, sizes, rotations)])
-            rotations = base_axes(np.stack(scans), said == 0, rotations)
+            rotations = base_axes(points, said == 0, rotations)
         return [one for seen, frames in self._batches(scans, sizes, rotations) for one in self._answer(seen, frames)]
 
     def _batches(
