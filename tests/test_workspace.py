@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from kinmo.errors import InputError
 from kinmo.workspace import (
+    DEFAULT_METHOD,
     InUse,
     StageRecord,
     Workspace,
@@ -126,6 +127,18 @@ def test_a_workspace_that_cannot_be_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="file"), Workspace(tmp_path / "file" / "w").locked():
         pass
+
+
+@given(st.sampled_from([1.0, 0.5, 0.3]), st.sampled_from([DEFAULT_METHOD, "paper"]))
+def test_what_no_sensor_is_needed_for_is_not_made_anew_for_another(labels, method):
+    clean, rough = (Workspace("w", labels, is_rough, method) for is_rough in (False, True))
+    assert rough.pseudo == clean.pseudo
+    assert rough.labelling == clean
+    assert rough.motion == clean.motion == Workspace("w", labels)
+    assert {rough.scans, rough.own_scans, rough.models, rough.evaluation}.isdisjoint(
+        {clean.scans, clean.own_scans, clean.models, clean.evaluation}
+    )
+    assert rough.without_pseudo_labels == Workspace("w", labels, is_rough=True)
 
 
 def test_a_stage_is_current_only_with_the_same_inputs_and_all_outputs(tmp_path):

@@ -156,23 +156,24 @@ class Workspace:
     `labels` is the share of the labelled shapes for training whose labels count. A workspace with fewer than all of them lies
     in another one, its `root`: it has that one's prepared shapes and scans, and everything that labels decide is its own, such
     as scans of what has no label (`own_scans`). One that `is_rough`, too, is within another, for scans as a bad sensor takes
-    them, and all that is made from these. One of another `method` than the default lies in that of the default one: it has the
-    pseudo labels that this method gives, and what is made from them, but no motion networks of its own (`motion`).
+    them, and all that is made from these; pseudo labels, for which no scan is seen, are that one's (`labelling`). One of
+    another `method` than the default lies in that of the default one: it has the pseudo labels that this method gives, and what
+    is made from them, but no motion networks of its own (`motion`).
     """
 
     def __init__(self, path: Path | str, labels: float = 1.0, is_rough: bool = False, method: str = DEFAULT_METHOD) -> None:
         self.root = Path(path)
         self.labels, self.is_rough, self.method = labels, is_rough, method
-        self.path = self.root / "rough" if is_rough else self.root
-        self.scans = self.path / "scans"
-        if labels != 1.0:
-            self.path = self.path / f"labels-{100.0 * labels:g}"
+        seen = self.root / "rough" if is_rough else self.root
+        labelled = Path() if labels == 1.0 else Path(f"labels-{100.0 * labels:g}")
         if method != DEFAULT_METHOD:
-            self.path = self.path / f"by-{method}"
+            labelled /= f"by-{method}"
+        self.path = seen / labelled
+        self.scans = seen / "scans"
         self.prepared = self.root / "prepared"
         self.models = self.path / "models"
         self.training = self.path / "training"
-        self.pseudo = self.path / "pseudo"
+        self.pseudo = self.root / labelled / "pseudo"
         self.own_scans = self.path / "own-scans"
         self.evaluation = self.path / "eval"
         self.report = self.path / "report"
@@ -189,8 +190,18 @@ class Workspace:
         return self.root, self.labels, self.is_rough, self.method
 
     @property
+    def labelling(self) -> Workspace:
+        """The one that has the pseudo labels, whatever sensor scans are by."""
+        return Workspace(self.root, self.labels, method=self.method)
+
+    @property
     def motion(self) -> Workspace:
-        """The one that has the motion networks, which all methods share, and the networks that saw no pseudo label."""
+        """The one that has the motion networks, which all methods share."""
+        return self.labelling.by(DEFAULT_METHOD)
+
+    @property
+    def without_pseudo_labels(self) -> Workspace:
+        """The one with networks that saw no pseudo label, and scans of what has no label."""
         return self.by(DEFAULT_METHOD)
 
     def by(self, method: str) -> Workspace:

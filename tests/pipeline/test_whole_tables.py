@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,16 +34,21 @@ def make(name: str, method: str, scanned: Scanned, folder: Path) -> MakeTable:
     return stage
 
 
-def test_two_trainings_are_judged_on_the_scans_of_both_sensors(scanned: Scanned, tmp_path: Path) -> None:
-    stage = make("sensors", "kinmo", scanned, tmp_path)
+def test_each_training_is_judged_on_the_scans_of_both_sensors(scanned: Scanned, tmp_path: Path) -> None:
+    stage = make("sensors", "kinmo", replace(scanned, config=sure_of_hinges(scanned, tmp_path)), tmp_path)
     assert stage.plan().steps == ()
     root, rough = stage.workspace, Workspace(stage.workspace.root, is_rough=True)
-    weights = [row.cell(CATEGORY, 0).weights(row.workspace(root)) for row in TABLES["sensors"].rows]
+    rows = TABLES["sensors"].rows
+    weights = [row.cell(CATEGORY, 0).weights(row.workspace(root)) for row in rows]
     assert all(weights)
-    assert weights[0] == weights[1] != weights[2] == weights[3]
-    found = [row.judged(root, CATEGORY, 0).held() for row in TABLES["sensors"].rows]
+    assert weights[::2] == weights[1::2]
+    assert len(set(weights)) == 4, "two settings by two sensors"
+    found = [row.judged(root, CATEGORY, 0).held() for row in rows]
     assert all(found)
-    assert len({str(made) for made in found}) == 4
+    assert len({str(made) for made in found}) == len(rows)
+    assert not (rough.path / "pseudo").exists(), "both sensors see what has the same pseudo labels"
+    pseudo = [{path.name for path in (place.own_scans / CATEGORY / "pseudo").iterdir()} for place in (root, rough)]
+    assert pseudo[0] == pseudo[1] != set()
     clean = open_scans(next((root.scans / CATEGORY / "test").glob("*.safetensors")))
     noisy = open_scans(rough.scans / CATEGORY / "test" / clean.path.name)
     np.testing.assert_array_equal(clean.read("poses"), noisy.read("poses"))

@@ -45,8 +45,8 @@ def table(
     2 compares networks that see labelled shapes alone (supervised), their own labels of unlabelled scans too (semi), pseudo
     labels of unlabelled shapes (semi-weakly; by kinmo's method and by the paper's), and true ones. 3 has fewer labels: 100, 80,
     50 and 30 %. 4 takes shapes in the layout of DSG-Net for the unlabelled ones. sensors, none of the paper's, tells what a bad
-    depth camera costs. Cells are done one after the other and kept: the same command goes on where it stopped, and what was not
-    run is shown as such.
+    depth camera costs, and what is gained by training for it, without and with pseudo labels. Cells are done one after the
+    other and kept: the same command goes on where it stopped, and what was not run is shown as such.
 
     For example:
 
@@ -57,9 +57,8 @@ def table(
     from kinmo.pipeline.scans.make_table import MakeTable
     from kinmo.workspace import Workspace
 
-    if name is Name.SENSORS and (start is not None or method is not None):
-        option = "--method" if start is None else "--from"
-        raise InputError(option, "applies only to tables with pseudo labels, not to sensors")
+    if name is Name.SENSORS and method is Method.PAPER:
+        raise InputError("--method", "sensors has no rows with pseudo labels of paper")
     if start is not None:  # which networks of the paper's method cannot
         if method is Method.PAPER:
             raise InputError("--from", "paper cannot start from trained weights; use it with kinmo")

@@ -99,7 +99,7 @@ class TrainAll:
             yield Render(self.workspace, self.config, category, self.seed, self.workers)
         for category in self._categories(dataset):
             setting = self._setting(category)
-            place = self.workspace if setting in PSEUDO_LABELLED else self.workspace.motion
+            place = self.workspace if setting in PSEUDO_LABELLED else self.workspace.without_pseudo_labels
             yield TrainAncsh(place, self.config, category, setting, self.seed, self.device, self.workers)
 
     def _setting(self, category: str) -> Setting:

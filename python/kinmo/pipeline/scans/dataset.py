@@ -31,7 +31,7 @@ cannot be scanned."""
 
 def scans_of(workspace: Workspace, category: str, role: Role) -> Path:
     """The folder of the scans with a role."""
-    places = {"pseudo": workspace.own_scans, "unlabelled": workspace.motion.own_scans}
+    places = {"pseudo": workspace.own_scans, "unlabelled": workspace.without_pseudo_labels.own_scans}
     return places.get(role, workspace.scans) / category / role
 
 

@@ -190,7 +190,7 @@ class MakeTable:
         place, cell = row.workspace(self.workspace), row.cell(category, seed)
         if row.setting in PSEUDO_LABELLED:
             yield Train(row.method, place.motion, self.config, None, SHARED_SEED, self.device, self.workers, self.start)
-            yield PseudoLabel(place, category, None, self.device, self.workers)
+            yield PseudoLabel(place.labelling, category, None, self.device, self.workers)
         needed = SUPPLEMENTS.get(row.setting)
         yield Render(place, self.config, category, SHARED_SEED, self.workers, needed.scanned if needed else ())
         tested = Workspace(self.workspace.root, is_rough=row.on_rough)
