@@ -12,7 +12,7 @@ from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.scans.category_rows import CategoryRows
 from kinmo.pipeline.scans.dataset import NO_FRAME, NO_SCAN, ScanDataset, open_scan_dataset, training_data
 from kinmo.pipeline.scans.settings import PSEUDO_LABELLED, Setting, is_pseudo_labelled_for
-from kinmo.pipeline.scans.table_rows import TABLES
+from kinmo.pipeline.scans.table_rows import TABLES, RowOf
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import Role, ScanFile, count_objects
 from kinmo.splits import Split
@@ -77,24 +77,29 @@ def seed_by_seed(rows: CategoryRows, structure: Structure) -> Iterator[str]:
 
 def pseudo_labels(rows: CategoryRows, shown: Sequence[ScanRow]) -> Iterator[str]:
     """Which method gave the pseudo labels that each of the rows, `shown`, saw, and how right they are where the true ones were
-    held back.
+    held back. What is the same of several rows is said once.
     """
+    titles: dict[str, list[str]] = {}
     for row, its in zip(TABLES[rows.name].rows, shown, strict=True):
         if row.setting in PSEUDO_LABELLED and its.objects:
-            place = row.workspace(rows.workspace)
-            dataset = open_scan_dataset(place, rows.category)
-            labelled = training_data(dataset, dataset.beside(row.setting))
-            others = [seed for seed in its.seeds if not row.cell(rows.category, seed).has_seen(place, labelled)]
-            if others:
-                which = "the networks" if len(others) == len(its.seeds) else f"networks of seeds {', '.join(map(str, others))}"
-                yield f"Pseudo labels ({row.title}) are others now than those that {which} were trained on."
-                continue
-            unlike = counted(dataset.left_out(row.setting), "object")
-            left_out = f"left out: {unlike} that they give other joints, or none that can be seen."
-            counts = ""
-            if dataset.truths:
-                counts = str(count_labels(dataset.beside(row.setting), _to_label(place, dataset, row.setting), dataset.truths))
-            yield f"Pseudo labels ({row.title}) are by --method {row.method}; {left_out} {counts}".rstrip()
+            titles.setdefault(_of_labels(rows, row, its.seeds), []).append(row.title)
+    return (f"Pseudo labels ({'; '.join(of)}) are {text}" for text, of in titles.items())
+
+
+def _of_labels(rows: CategoryRows, row: RowOf, seeds: Sequence[int]) -> str:
+    place = row.workspace(rows.workspace)
+    dataset = open_scan_dataset(place, rows.category)
+    labelled = training_data(dataset, dataset.beside(row.setting))
+    others = [seed for seed in seeds if not row.cell(rows.category, seed).has_seen(place, labelled)]
+    if others:
+        which = "the networks" if len(others) == len(seeds) else f"networks of seeds {', '.join(map(str, others))}"
+        return f"others now than those that {which} were trained on."
+    unlike = counted(dataset.left_out(row.setting), "object")
+    left_out = f"left out: {unlike} that they give other joints, or none that can be seen."
+    counts = ""
+    if dataset.truths:
+        counts = str(count_labels(dataset.beside(row.setting), _to_label(place, dataset, row.setting), dataset.truths))
+    return f"by --method {row.method}; {left_out} {counts}".rstrip()
 
 
 def _to_label(workspace: Workspace, dataset: ScanDataset, setting: Setting) -> list[ScanFile]:

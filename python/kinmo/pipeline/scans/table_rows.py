@@ -57,12 +57,12 @@ def _by_both_methods(title: str, setting: Setting, labels: float = 1.0, printed:
 
 
 SENSORS = CLEAN, ROUGH = "clean", "rough"
-SEEN_BY_SENSORS: Mapping[Setting, str] = {"supervised": "scans", "semi-weakly": "scans, pseudo labels too"}
+SEEN_BY_SENSORS: Mapping[Setting, str] = {"supervised": "scans", "semi-weakly": "scans and pseudo labels"}
 """Settings of which networks are trained by either sensor, and what they are trained on, in words."""
 
 
 def _by_sensors(trained: str, tested: str, setting: Setting) -> str:
-    return f"{trained} {SEEN_BY_SENSORS[setting]}; {tested} ones"
+    return f"{trained} {SEEN_BY_SENSORS[setting]}, tested on {tested}"
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ TABLES: Mapping[str, ScanTable] = {
         "layout.",
     ),
     "sensors": ScanTable(
-        "Sensors, trained on and tested on",
+        "Sensors",
         ("Refrigerator",),
         tuple(
             RowOf(_by_sensors(trained, tested, setting), setting, of_rough=trained == ROUGH, on_rough=tested == ROUGH)
