@@ -14,6 +14,7 @@ from whole_road import Listener
 from kinmo.config import ScansConfig
 from kinmo.pipeline.dataset import open_dataset
 from kinmo.pipeline.model_files import WEIGHTS, networks_digest
+from kinmo.pipeline.scans.judge_trained import JudgeTrained
 from kinmo.pipeline.scans.make_table import MakeTable
 from kinmo.pipeline.scans.table_rows import SHARES, TABLES
 from kinmo.pipeline.train_all import TrainAll
@@ -49,6 +50,7 @@ def test_each_training_is_judged_on_the_scans_of_both_sensors(scanned: Scanned, 
     assert not (rough.path / "pseudo").exists(), "both sensors see what has the same pseudo labels"
     pseudo = [{path.name for path in (place.own_scans / CATEGORY / "pseudo").iterdir()} for place in (root, rough)]
     assert pseudo[0] == pseudo[1] != set()
+    assert "table-sensors" in JudgeTrained(root, FAMILY, device="cpu").run(Listener()).data
     clean = open_scans(next((root.scans / CATEGORY / "test").glob("*.safetensors")))
     noisy = open_scans(rough.scans / CATEGORY / "test" / clean.path.name)
     np.testing.assert_array_equal(clean.read("poses"), noisy.read("poses"))

@@ -68,7 +68,7 @@ class JudgeTrained:
     def _tables(self) -> dict[str, dict[str, list[int]]]:
         """The tables to write, and of each the categories and their seeds.
 
-        A category that the paper has no figures of is in the first table alone.
+        Of the paper's tables a category that it has no figures of is in the first alone.
         """
         found: dict[str, dict[str, list[int]]] = {}
         for name, table in TABLES.items():
@@ -91,6 +91,13 @@ class JudgeTrained:
         return ()
 
     def _can_be_judged(self, row: RowOf, cell: Cell, table: str) -> bool:
-        is_there = table == next(iter(TABLES)) or has_figures(table, cell.category)
-        scanned = scanned_categories(Workspace(self.workspace.root, is_rough=row.on_rough))
-        return is_there and cell.category in scanned
+        return self._is_of(table, cell.category) and self._is_scanned(cell.category, by_rough=row.on_rough)
+
+    def _is_of(self, table: str, category: str) -> bool:
+        """Whether a table is of a category; that of sensors is once both have seen it."""
+        if any(row.on_rough for row in TABLES[table].rows):
+            return self._is_scanned(category, by_rough=True)
+        return table == next(iter(TABLES)) or has_figures(table, category)
+
+    def _is_scanned(self, category: str, by_rough: bool) -> bool:
+        return category in scanned_categories(Workspace(self.workspace.root, is_rough=by_rough))
