@@ -19,10 +19,10 @@ import time
 import torch
 
 from kinmo.config import AncshConfig, AncshNetworkName, load_config
-from kinmo.learning.ancsh.loss import ScanBatch
-from kinmo.learning.ancsh.train import AncshLearner
-from kinmo.learning.training import adam_options
-from kinmo.pipeline.fitting import KEPT, TUNABLES
+from kinmo.learning.training_loop import adam_options
+from kinmo.pipeline.network_training import KEPT, TUNABLES
+from kinmo.scans.ancsh.ancsh_loss import ScanBatch
+from kinmo.scans.ancsh.ancsh_training import AncshLearner
 
 PARTS = 3
 NETWORKS: tuple[AncshNetworkName, ...] = ("ancsh", "npcs")

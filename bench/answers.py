@@ -23,17 +23,17 @@ for variable in ("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS",
 
 import torch
 
-from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.evaluation_folder import test_shapes
-from kinmo.pipeline.judgements import Job as JudgeJob
-from kinmo.pipeline.judgements import Judge
-from kinmo.pipeline.model_files import trained_config
-from kinmo.pipeline.predictors import load_predictor
+from kinmo.dataset.shape_dataset import open_dataset
+from kinmo.dataset.workspace import Workspace
+from kinmo.experiments.table1.evaluation_folder import test_shapes
+from kinmo.experiments.table1.kept_scores import Job as JudgeJob
+from kinmo.experiments.table1.kept_scores import Judge
+from kinmo.experiments.table1.rows import chosen_rows
+from kinmo.experiments.table1.trees_answers import evenly
+from kinmo.learning.model_folder import ModelFolder
+from kinmo.methods import load_method
 from kinmo.pipeline.pseudo_label import Job as LabelJob
 from kinmo.pipeline.pseudo_label import Labelling
-from kinmo.pipeline.rows import chosen_rows
-from kinmo.pipeline.trees_answers import evenly
-from kinmo.workspace import Workspace
 
 
 def seconds_each(work: Callable[[Any], object], jobs: Sequence[Any]) -> float:
@@ -53,9 +53,12 @@ def main() -> None:
     arguments = parser.parse_args()
     torch.set_num_threads(1)
     workspace = Workspace(arguments.workspace)
-    dataset, refinement = open_dataset(workspace), trained_config(workspace).refinement
+    dataset, refinement = open_dataset(workspace), ModelFolder(workspace.motion.models).config().refinement
     labelling = Labelling(
-        workspace.prepared, load_predictor(workspace, "kinmo", "cpu"), refinement.least_score("kinmo"), refinement.doubt
+        workspace.prepared,
+        load_method("kinmo", ModelFolder(workspace.models), "cpu"),
+        refinement.least_score("kinmo"),
+        refinement.doubt,
     )
     judging = Judge(dataset.store.folder, tuple(chosen_rows(workspace, ("kinmo", "paper"), "cpu")), refinement)
     tests = [JudgeJob(entry, None, "") for entry in evenly(test_shapes(dataset), arguments.shapes)]

@@ -22,15 +22,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from kinmo.formats import Found, Layout, discover, read_found
-from kinmo.joint import Joint, JointKind
-from kinmo.limits import MOST_TURN
-from kinmo.mobility import Body, Mobility
-from kinmo.pipeline.dataset import open_dataset
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.mobility import Body, Mobility
+from kinmo.core.shape import Shape
+from kinmo.dataset.shape_dataset import open_dataset
+from kinmo.dataset.workspace import Workspace
+from kinmo.features.free_travel import MOST_TURN
+from kinmo.io.readers import Found, Layout, discover, read_found
 from kinmo.pipeline.label_decisions import folder_name
 from kinmo.scans.articulated_object import ArticulatedObject, articulated_object
-from kinmo.shape import Shape
-from kinmo.workspace import Workspace
 
 F64 = NDArray[np.float64]
 Error = tuple[str, JointKind, float]

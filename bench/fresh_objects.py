@@ -18,28 +18,29 @@ from pathlib import Path
 
 import torch
 
-from kinmo.categories import same_category
 from kinmo.cli.console import LineObserver
 from kinmo.config import load_config
+from kinmo.core.categories import same_category
+from kinmo.core.digest import digest
+from kinmo.core.typed_tables import to_table
+from kinmo.dataset.workers import Crashed, map_unordered
+from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.scan_records import read_scores, write_scores
-from kinmo.evaluation.scan_summary import change
-from kinmo.evaluation.scan_tables import ScanRow, over_parts
 from kinmo.evaluation.tables import Caption, as_text
-from kinmo.formats import discover
-from kinmo.learning.ancsh.predict import Ancsh
-from kinmo.pipeline.model_files import networks_digest
-from kinmo.pipeline.scans.dataset import open_scan_dataset
-from kinmo.pipeline.scans.evaluate import judged
-from kinmo.pipeline.scans.jobs import Job, Rendering
-from kinmo.pipeline.scans.networks import trained_by_all_methods
-from kinmo.pipeline.scans.settings import by_method
-from kinmo.pipeline.synth import Synth
+from kinmo.experiments.scan_tables.scan_summary import change
+from kinmo.experiments.scan_tables.scan_table_layout import ScanRow, over_parts
+from kinmo.io.readers import discover
+from kinmo.learning.model_folder import networks_digest
+from kinmo.pipeline.scans.evaluate_scans import judged
+from kinmo.pipeline.scans.render_jobs import Job, Rendering
+from kinmo.pipeline.scans.scan_dataset import open_scan_dataset
+from kinmo.pipeline.scans.scan_networks import trained_by_all_methods
+from kinmo.pipeline.scans.training_settings import by_method
+from kinmo.scans.ancsh.ancsh_predictor import Ancsh
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import open_scans
 from kinmo.synth.draw import ParameterRange
-from kinmo.typed_tables import to_table
-from kinmo.workers import Crashed, map_unordered
-from kinmo.workspace import Workspace, digest
+from kinmo.synth.synth_stage import Synth
 
 RANGES = (ParameterRange.LABELLED, ParameterRange.UNLABELLED)
 LAYOUT = "partnet_mobility"

@@ -57,10 +57,10 @@ FORK = multiprocessing.get_context("forkserver")
 FORK.set_forkserver_preload(
     [
         "kinmo.cli",
-        "kinmo.pipeline.report",
-        "kinmo.pipeline.predict",
+        "kinmo.view.report",
+        "kinmo.pipeline.predict_shapes",
         "kinmo.pipeline.pseudo_label",
-        "kinmo.pipeline.scans.make_table",
+        "kinmo.experiments.scan_tables.make_table",
     ]
 )
 

@@ -18,16 +18,15 @@ from pathlib import Path
 import numpy as np
 
 from kinmo import _core
-from kinmo.candidates import Candidates
+from kinmo.core.joint import Joint, JointKind
+from kinmo.dataset.folder_preparation import prepare_folder
+from kinmo.dataset.store import PreparedStore
+from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.metrics import limits, range_iou
-from kinmo.formats import Found, Layout, read_found
-from kinmo.joint import KIND_CODES, Joint, JointKind
-from kinmo.limits import free_travel
-from kinmo.pipeline.predictors import leaf_meshes
-from kinmo.prepare import prepare_folder
-from kinmo.prepared import PreparedShape
-from kinmo.store import PreparedStore
-from kinmo.workspace import Workspace
+from kinmo.features.candidate_joints import Candidates
+from kinmo.features.free_travel import free_travel
+from kinmo.features.prepared_shape import PreparedShape, leaf_meshes
+from kinmo.io.readers import Found, Layout, read_found
 
 ROOT = Path(__file__).parents[1]
 QUICK = 30
@@ -46,7 +45,7 @@ def guesses(shape: PreparedShape) -> Iterator[tuple[Guess, Guess]]:
         if joint is None or limits(joint) is None or not own or not rest:
             continue
         points = shape.leaf_points[own].reshape(-1, 3).astype(float)
-        alone = Candidates(np.array([KIND_CODES[joint.kind]], np.uint8), joint.direction[None], joint.pivot[None], ("truth",))
+        alone = Candidates(np.array([joint.kind.code], np.uint8), joint.direction[None], joint.pivot[None], ("truth",))
         guessed = free_travel(meshes, moving, rest, alone, points)
         turns = joint.kind is JointKind.REVOLUTE
         reach = np.array([math.pi / 2 if turns else max(float(np.ptp(points @ joint.direction)), 1e-6)])

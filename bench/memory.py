@@ -17,9 +17,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from kinmo.prepare import prepare_folder
+from kinmo.dataset.folder_preparation import prepare_folder
+from kinmo.dataset.workspace import Workspace
 from kinmo.synth.generate import Layout, generate
-from kinmo.workspace import Workspace
 
 SHAPES = 10_000
 FAMILIES = ("knife", "lighter", "mouse", "trash_can", "usb")

@@ -20,19 +20,20 @@ from typing import Literal
 import torch
 
 from kinmo.config import Config, TrainingConfig, load_config
-from kinmo.evaluation.ceiling import ceiling
+from kinmo.evaluation.joint_records import ShapeScore
 from kinmo.evaluation.parts_given import parts_given
-from kinmo.evaluation.records import ShapeScore
-from kinmo.evaluation.rule_baseline import without_learning
-from kinmo.learning.axis_selection.predict import AxisSelector
-from kinmo.learning.axis_selection.train import train_axis_selection
-from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
-from kinmo.learning.motion_gnn.train import train_motion_gnn
-from kinmo.mobility_tree import given_tree
-from kinmo.part_geometry import part_geometries
-from kinmo.pipeline.rows import TYPE_SETS, true_type_candidates
-from kinmo.prepared import PreparedShape
-from kinmo.refinement import Refiner, said_alone
+from kinmo.experiments.table1.rows import TYPE_SETS, true_type_candidates
+from kinmo.experiments.table1.rule_baseline import without_learning
+from kinmo.experiments.table1.upper_bound import ceiling
+from kinmo.features.part_geometry import part_geometries
+from kinmo.features.prepared_shape import PreparedShape
+from kinmo.learning.motion_gnn.gnn_estimate import gnn_joint
+from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
+from kinmo.learning.motion_gnn.gnn_training import train_motion_gnn
+from kinmo.methods.paper.axis_selection.axis_selector import AxisSelector
+from kinmo.methods.paper.axis_selection.axis_training import train_axis_selection
+from kinmo.methods.paper.mobility_tree import given_tree
+from kinmo.methods.paper.refinement import Refiner
 from real_figures import Figures, figures_of, print_figures
 from real_shapes import Fold, gathered, parser_for, parted_by_split
 
@@ -99,9 +100,9 @@ def score_rows(rows: Rows, shapes: Sequence[PreparedShape], weights: dict[Model,
         for shape in shapes:
             tree = given_tree(shape, gnn.predict_edges(shape))
             refiner = Refiner(shape, config.refinement, selector)
-            alone = {body: said_alone(estimate) for body, estimate in enumerate(tree.estimates)}
+            alone = {body: gnn_joint(estimate) for body, estimate in enumerate(tree.estimates)}
             refined = dict(alone)
-            for body, (part, estimate) in enumerate(zip(part_geometries(shape, tree), tree.estimates, strict=True)):
+            for body, (part, estimate) in enumerate(zip(part_geometries(shape, tree.bodies), tree.estimates, strict=True)):
                 if estimate is not None:
                     refined[body] = refiner.estimates(part, estimate)[0]
             rows.setdefault(f"GNN_{types}", []).append(parts_given(shape, alone))

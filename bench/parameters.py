@@ -15,9 +15,9 @@ from dataclasses import replace
 from torch import nn
 
 from kinmo.config import builtin_configs, load_config
-from kinmo.learning.ancsh.network import AncshNetwork, PartNetwork
-from kinmo.learning.axis_selection.network import AxisSelectionNetwork
-from kinmo.learning.motion_gnn.network import MotionGnn
+from kinmo.learning.motion_gnn.gnn_network import MotionGnn
+from kinmo.methods.paper.axis_selection.siamese_network import AxisSelectionNetwork
+from kinmo.scans.ancsh.ancsh_network import AncshNetwork, PartNetwork
 
 PARTS = 3
 RELEASED = 1_452_515

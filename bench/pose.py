@@ -25,12 +25,12 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from kinmo import _core
-from kinmo.joint import KIND_CODES, JointKind
-from kinmo.scans.answers import PointAnswers
+from kinmo.core.joint import JointKind
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.estimate import PoseOptions, ScanEstimate, estimate
+from kinmo.scans.category_prior import Typical
 from kinmo.scans.input_frame import InputFrame
-from kinmo.scans.typical import Typical
+from kinmo.scans.point_predictions import PointAnswers
+from kinmo.scans.pose_fitting import PoseOptions, ScanEstimate, estimate
 from timing import best_time
 
 F64 = NDArray[np.float64]
@@ -151,7 +151,7 @@ def joint(kind: JointKind, repeats: int) -> None:
         return np.concatenate([*own, tie.ravel()])
 
     def ours() -> F64:
-        pairs, kinds = np.array([[0, 1]], np.uint32), np.array([KIND_CODES[kind]], np.uint8)
+        pairs, kinds = np.array([[0, 1]], np.uint32), np.array([kind.code], np.uint8)
         return _core.tie_poses(
             source.reshape(-1, 3), target.reshape(-1, 3), starts, pairs, kinds, direction[None], start, np.full(2, SCALE),
             np.zeros((2, 3)), frames=np.array([0, 2]), threshold=1e3,

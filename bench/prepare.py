@@ -15,11 +15,11 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from kinmo.formats import discover
-from kinmo.prepare import PrepareReport, prepare_folder
-from kinmo.store import PreparedStore
+from kinmo.dataset.folder_preparation import PrepareReport, prepare_folder
+from kinmo.dataset.store import PreparedStore
+from kinmo.dataset.workspace import Workspace
+from kinmo.io.readers import discover
 from kinmo.synth.generate import Layout, generate
-from kinmo.workspace import Workspace
 
 GOAL = 8.0
 QUICK = 32

@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.categories import same_category
+from kinmo.core.categories import same_category
+from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.scan_records import read_scores
-from kinmo.pipeline.scans.networks import scores_path, trained_by_all_methods
-from kinmo.workspace import Workspace
+from kinmo.pipeline.scans.scan_networks import scores_path, trained_by_all_methods
 
 OTHERWISE = np.radians(45.0)
 

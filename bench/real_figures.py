@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from kinmo.evaluation.records import JointRecord, ShapeScore
+from kinmo.core.joint import JointKind
+from kinmo.evaluation.joint_records import JointRecord, ShapeScore
 from kinmo.evaluation.summary import LEAST_OBJECTS as MACRO_OVER
-from kinmo.evaluation.table1 import OVERVIEW, Scores, overview
 from kinmo.evaluation.tables import Caption, as_text
-from kinmo.joint import JointKind
+from kinmo.experiments.table1.table1_tables import OVERVIEW, Scores, overview
 
 LEAST_OBJECTS = 3
 """Of a category that counts in a macro mean."""

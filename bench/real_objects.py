@@ -27,28 +27,26 @@ import numpy as np
 import torch
 
 from kinmo.config import Config, RankingConfig, load_config
+from kinmo.core.edge_labels import motion_type
+from kinmo.core.joint import Joint
+from kinmo.core.mobility import Mobility
+from kinmo.core.normalisation import Normalisation
+from kinmo.core.prediction import JointEstimate, Prediction
 from kinmo.evaluation.hierarchy_given import hierarchy_given
+from kinmo.evaluation.joint_records import ShapeScore
 from kinmo.evaluation.parts_given import parts_given
-from kinmo.evaluation.records import ShapeScore, annotation
-from kinmo.evaluation.rule_baseline import segmented_without_learning
-from kinmo.evaluation.trees_baseline import fit_trees
-from kinmo.evidence import Evidence
-from kinmo.formats import Found, read_found
-from kinmo.formats import Layout as Files
-from kinmo.ground_truth import motion_type
-from kinmo.joint import Joint
-from kinmo.learning.joint_ranking.predict import JointRanking
-from kinmo.learning.joint_ranking.train import train_joint_ranking
-from kinmo.learning.joint_ranking.views import body_view
-from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
-from kinmo.learning.motion_gnn.train import train_motion_gnn
-from kinmo.mobility import Mobility
-from kinmo.normalisation import Normalisation
-from kinmo.pipeline.predictors import leaf_meshes
-from kinmo.prediction import JointEstimate, Prediction
-from kinmo.prepared import PreparedShape
-from kinmo.ranked_mobility import moving_nodes, predicted_bodies, ranked_bodies, tree_of
-from kinmo.refinement import in_file_frame
+from kinmo.experiments.table1.rule_baseline import segmented_without_learning
+from kinmo.experiments.table1.trees_baseline import fit_trees
+from kinmo.features.candidate_features import Evidence
+from kinmo.features.prepared_shape import PreparedShape, leaf_meshes
+from kinmo.io.readers import Found, read_found
+from kinmo.io.readers import Layout as Files
+from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
+from kinmo.learning.motion_gnn.gnn_training import train_motion_gnn
+from kinmo.methods.kinmo.ranked_mobility import moving_nodes, predicted_bodies, ranked_bodies, tree_of
+from kinmo.methods.kinmo.ranking.joint_ranker import JointRanking
+from kinmo.methods.kinmo.ranking.ranking_training import train_joint_ranking
+from kinmo.methods.kinmo.ranking.shape_views import body_view
 from real_figures import Figures, figures_of, print_figures, print_overviews
 from real_shapes import Fold, Shapes, gathered, parser_for, parted_by_split
 from turned_objects import turned_shapes
@@ -166,7 +164,7 @@ def given(shape: PreparedShape, networks: Networks) -> ShapeScore:
 
 def best_there_is(shape: PreparedShape) -> ShapeScore:
     """Score the hypotheses that are nearest to the true joints."""
-    mobility, boxes = annotation(shape)
+    mobility, boxes = shape.annotation
     evidence = Evidence.of(shape.evidence)
     view = body_view(shape, evidence)
     answers = {}
@@ -188,7 +186,7 @@ def segmented(shape: PreparedShape, networks: Networks) -> ShapeScore:
     answers = ranked_bodies(bare, meshes, bodies, networks.ranking, edges, rests="first")
     tree, limited = tree_of(bare, meshes, bodies, [str(index) for index in range(len(bodies))], answers)
     frame = Normalisation(shape.center, shape.diagonal)
-    estimates = tuple(tuple(in_file_frame(answer, frame) for answer in found) for found in limited)
+    estimates = tuple(tuple(frame.undo_estimate(answer) for answer in found) for found in limited)
     alone = tuple(found[0] for found in estimates)
     return hierarchy_given(shape, Prediction(shape.id, shape.category, frame.undo(Mobility(tree)), estimates, alone, "kinmo"))
 

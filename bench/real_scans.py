@@ -19,14 +19,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from kinmo.categories import canonical_category, same_category
 from kinmo.cli.console import LineObserver
-from kinmo.formats import Layout, discover
-from kinmo.pipeline.model_files import METHOD_MODELS
+from kinmo.core.categories import canonical_category, same_category
+from kinmo.dataset.splits import Split, split_of, within_share
+from kinmo.dataset.workspace import DEFAULT_METHOD, Workspace
+from kinmo.experiments.scan_tables.make_table import MakeTable
+from kinmo.io.readers import Layout, discover
+from kinmo.methods import METHOD_MODELS
 from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.scans.make_table import MakeTable
-from kinmo.splits import Split, split_of, within_share
-from kinmo.workspace import DEFAULT_METHOD, Workspace
 
 CATEGORIES = ("laptop", "bucket", "table", "safe", "box")
 METHODS = tuple(METHOD_MODELS)

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from kinmo.prepare import prepare_folder
-from kinmo.prepared import PreparedShape
-from kinmo.splits import Split, fold_of, is_validation_in_fold, split_of
-from kinmo.store import PreparedStore
+from kinmo.dataset.folder_preparation import prepare_folder
+from kinmo.dataset.splits import Split, fold_of, is_validation_in_fold, split_of
+from kinmo.dataset.store import PreparedStore
+from kinmo.dataset.workspace import Workspace
+from kinmo.features.prepared_shape import PreparedShape
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.families import family_names
 from kinmo.synth.generate import Layout, generate
-from kinmo.workspace import Workspace
 
 ROOT = Path(__file__).parents[1]
 MECHANISM = "mechanism"

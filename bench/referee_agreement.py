@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from kinmo.evaluation.aggregate import Unit
-from kinmo.evaluation.urdf_files import score_files, summarise
-from kinmo.evaluation.urdf_files.figures import FIGURES, MEDIANS
+from kinmo.evaluation.urdf_scoring import score_files, summarise
+from kinmo.evaluation.urdf_scoring.urdf_figures import FIGURES, MEDIANS
 
 QUICK = 20
 TOLERANCE = {Unit.SHARE: 0.01, Unit.DEGREES: 0.1, Unit.DIAGONALS: 0.001}

@@ -24,14 +24,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.config import ScansConfig
-from kinmo.joint import Joint, JointKind
-from kinmo.mobility import Body, Mobility
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.mobility import Body, Mobility
+from kinmo.core.shape import Mesh
 from kinmo.scans.articulated_object import ArticulatedObject
 from kinmo.scans.camera import Camera, Viewpoints
+from kinmo.scans.labelled_frames import FAR, NEAR, scan
 from kinmo.scans.renderers import NOTHING, PybulletRenderer, RasterRenderer, Renderer
-from kinmo.scans.scan import FAR, NEAR, scan
 from kinmo.scans.scan_file import Provenance, write_scans
-from kinmo.shape import Mesh
 
 F64 = NDArray[np.float64]
 GOAL, FRAME_GOAL = 8.0, 10.0

@@ -21,7 +21,7 @@ for variable in ("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 import numpy as np
 
 from kinmo.config import load_config
-from kinmo.learning.ancsh.data import ScanData
+from kinmo.scans.ancsh.scan_batches import ScanData
 from scan_to_joints import scanned
 
 BATCHES = 20

@@ -22,15 +22,15 @@ from numpy.typing import NDArray
 
 from kinmo.cli.console import QuietObserver
 from kinmo.config import load_config
-from kinmo.learning.ancsh.network import AncshNetwork, PartNetwork
-from kinmo.learning.ancsh.predict import Ancsh
+from kinmo.dataset.workspace import Workspace
 from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.scans.finder import ScanFinder
-from kinmo.pipeline.scans.render import Render
-from kinmo.pipeline.synth import Synth
+from kinmo.pipeline.scans.render_scans import Render
+from kinmo.pipeline.scans.scan_finder import ScanFinder
+from kinmo.scans.ancsh.ancsh_network import AncshNetwork, PartNetwork
+from kinmo.scans.ancsh.ancsh_predictor import Ancsh
+from kinmo.scans.category_prior import Typical
 from kinmo.scans.scan_file import ScanFile, open_scans
-from kinmo.scans.typical import Typical
-from kinmo.workspace import Workspace
+from kinmo.synth.synth_stage import Synth
 
 GOAL = 10.0
 

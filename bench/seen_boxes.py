@@ -19,19 +19,19 @@ import numpy as np
 import torch
 
 from kinmo.config import SensorConfig, load_config
+from kinmo.dataset.shape_dataset import open_dataset
+from kinmo.dataset.splits import Split
+from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.scan_metrics import score_frame, truth
-from kinmo.formats import Found, Layout, read_found
-from kinmo.learning.ancsh.predict import Ancsh
-from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.scans.dataset import open_scan_dataset
-from kinmo.pipeline.scans.networks import Cell
-from kinmo.pipeline.scans.settings import SETTINGS
+from kinmo.io.readers import Found, Layout, read_found
+from kinmo.pipeline.scans.scan_dataset import open_scan_dataset
+from kinmo.pipeline.scans.scan_networks import Cell
+from kinmo.pipeline.scans.training_settings import SETTINGS
+from kinmo.scans.ancsh.ancsh_predictor import Ancsh
 from kinmo.scans.articulated_object import articulated_object
-from kinmo.scans.estimate import PoseOptions, estimate
-from kinmo.scans.scan import scan
+from kinmo.scans.labelled_frames import scan
+from kinmo.scans.pose_fitting import PoseOptions, estimate
 from kinmo.scans.scan_file import Provenance, ScanFile, open_scans, write_scans
-from kinmo.splits import Split
-from kinmo.workspace import Workspace
 
 BOXES = ("said", "seen")
 

@@ -1,4 +1,4 @@
-"""What one point far from all others costs in a scan, with and without `kinmo.scans.strays`, and what that cuts off by mistake.
+"""What one point far from all others costs in a scan, with and without `kinmo.scans.outliers`, and what that cuts off by mistake.
 
     python bench/stray_points.py WORKSPACE --category refrigerator
 
@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.pipeline.scans.dataset import open_scan_dataset
-from kinmo.pipeline.scans.finder import ScanFinder
-from kinmo.scans.strays import are_strays
-from kinmo.workspace import Workspace
+from kinmo.dataset.workspace import Workspace
+from kinmo.pipeline.scans.scan_dataset import open_scan_dataset
+from kinmo.pipeline.scans.scan_finder import ScanFinder
+from kinmo.scans.outliers import are_strays
 
 F64 = NDArray[np.float64]
 AWAY = (0.1, 0.2, 0.5, 1.0, 2.0)

@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
-from kinmo.categories import canonical_category
-from kinmo.errors import InputError
-from kinmo.formats import Layout, discover, read_found
-from kinmo.ground_truth import distance_to_line
-from kinmo.joint import Joint, JointKind
-from kinmo.shape import Shape
+from kinmo.core.categories import canonical_category
+from kinmo.core.edge_labels import distance_to_line
+from kinmo.core.errors import InputError
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.shape import Shape
+from kinmo.io.readers import Layout, discover, read_found
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.families import family_names
 from kinmo.synth.generate import Layout as SynthLayout

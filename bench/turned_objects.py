@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from kinmo.formats import Found, Layout, read_found
-from kinmo.prepare import prepare_shape
-from kinmo.prepare.shape import seed_of
-from kinmo.prepared import PreparedShape
-from kinmo.store import read_prepared, to_bytes
+from kinmo.dataset.store import read_prepared, to_bytes
+from kinmo.features.prepared_shape import PreparedShape
+from kinmo.features.shape_preparation import prepare_shape, seed_of
+from kinmo.io.readers import Found, Layout, read_found
 
 
 def turned_shapes(shapes: Sequence[PreparedShape], folder: Path, *, freely: bool) -> list[PreparedShape]:

@@ -2,7 +2,7 @@
 
     python bench/unlike.py [--data DIR] [--cache DIR] [--count 60] [--parts 20]
 
-The numbers are those that describe a part as a whole (`kinmo.evidence.units`). A part is unlike where a number lies outside the
+The numbers are those that describe a part as a whole (`kinmo.features.part_features`). A part is unlike where a number lies outside the
 range of the moving parts of the procedural shapes of its category, but for their outermost percent; how far, in spreads of
 these. What training never showed is what a network gets wrong: look at the parts at the top first. Shares data and cache with
 `bench/real_objects.py`.
@@ -19,13 +19,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.evidence import Evidence, see_units
-from kinmo.evidence.units import unit_numbers
-from kinmo.formats import Found, Layout, read_found
-from kinmo.learning.joint_ranking.views import body_view
-from kinmo.pipeline.predictors import leaf_meshes
-from kinmo.prepared import PreparedShape
-from kinmo.ranked_mobility import scene_of
+from kinmo.features.candidate_features import Evidence, see_units
+from kinmo.features.part_features import unit_numbers
+from kinmo.features.prepared_shape import PreparedShape, leaf_meshes
+from kinmo.io.readers import Found, Layout, read_found
+from kinmo.methods.kinmo.ranked_mobility import scene_of
+from kinmo.methods.kinmo.ranking.shape_views import body_view
 from real_shapes import gathered, parser_for
 
 OUTERMOST = 0.01

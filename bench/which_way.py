@@ -18,12 +18,12 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from kinmo.learning.ancsh.predict import Ancsh
-from kinmo.pipeline.scans.dataset import open_scan_dataset
-from kinmo.pipeline.scans.networks import Cell
-from kinmo.pipeline.scans.settings import SETTINGS
+from kinmo.dataset.workspace import Workspace
+from kinmo.pipeline.scans.scan_dataset import open_scan_dataset
+from kinmo.pipeline.scans.scan_networks import Cell
+from kinmo.pipeline.scans.training_settings import SETTINGS
+from kinmo.scans.ancsh.ancsh_predictor import Ancsh
 from kinmo.scans.scan_file import Role, ScanFile
-from kinmo.workspace import Workspace
 
 AXES = "xyz"  # y is up
 ROLES: tuple[Role, ...] = ("train", "test")

@@ -15,14 +15,14 @@ from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
+from kinmo.core.shape import Shape
+from kinmo.dataset.shape_dataset import open_dataset
+from kinmo.dataset.workspace import Workspace
+from kinmo.evaluation.joint_records import AXIS_WITHIN, LINE_WITHIN
 from kinmo.evaluation.metrics import axis_error, line_distance_at_part
-from kinmo.evaluation.records import AXIS_WITHIN, LINE_WITHIN
-from kinmo.formats import Found, Layout, read_found
-from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.scans.dataset import open_scan_dataset
+from kinmo.io.readers import Found, Layout, read_found
+from kinmo.pipeline.scans.scan_dataset import open_scan_dataset
 from kinmo.scans.articulated_object import articulated_object
-from kinmo.shape import Shape
-from kinmo.workspace import Workspace
 
 ELSEWHERE = 0.2
 """Diagonals from which on a hinge is at another edge of its part."""

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from kinmo.config import Config, builtin_configs, load_config
-from kinmo.errors import InputError
-from kinmo.typed_tables import from_table, to_table
+from kinmo.core.errors import InputError
+from kinmo.core.typed_tables import from_table, to_table
 
 SMALL = (files("kinmo") / "configs" / "small.toml").read_text(encoding="utf-8")
 EPOCHS = next(line for line in SMALL.splitlines() if line.startswith("epochs"))

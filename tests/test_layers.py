@@ -1,4 +1,4 @@
-"""A module may import from the layers above its own, and from its own, but never from those below."""
+"""The layers of the package: a module imports only from its own package and from those above it."""
 
 from __future__ import annotations
 
@@ -14,49 +14,32 @@ ROOT = Path(kinmo.__file__).parent
 
 LAYERS = (
     ("_core",),
-    (
-        "",
-        "errors",
-        "vector",
-        "wording",
-        "shape",
-        "joint",
-        "mobility",
-        "box",
-        "categories",
-        "ground_truth",
-        "kinematics",
-        "links",
-        "frames",
-        "normalisation",
-        "prediction",
-        "splits",
-        "config",
-        "typed_tables",
-        "workers",
-    ),
-    ("formats",),
-    ("synth",),
-    ("prepared", "workspace", "store", "prepare", "hypotheses", "evidence"),
-    ("scans",),
-    ("candidates", "limits"),
+    ("core", "config"),
+    ("io",),
+    ("features",),
     ("learning",),
-    ("mobility_tree", "part_geometry", "scoring", "refinement", "type_odds", "ranked_mobility"),
-    ("pseudo_label",),
+    ("methods",),
+    ("scans",),
+    ("dataset",),
     ("evaluation",),
-    ("export",),
-    ("report",),
     ("pipeline",),
+    ("api", ""),
+    ("experiments",),
+    ("synth",),
+    ("view",),
     ("cli",),
 )
-"""From top to bottom; "" is the package itself."""
+"""From top to bottom; "" is the package itself, which offers the public API."""
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
-WITHOUT_TORCH = (*LAYERS[1], *LAYERS[2], *LAYERS[3], *LAYERS[4], "report", "cli")
+WITHOUT_TORCH = ("core", "config", "io", "features", "dataset", "synth", "view", "cli", "")
+"""Packages that must be imported fast."""
+APART = ("methods.paper", "methods.kinmo")
+"""Packages that never import each other."""
 FILES = sorted(ROOT.rglob("*.py"))
 
 
-def top(module: str) -> str:
-    """kinmo.learning.graph -> learning."""
+def package_of(module: str) -> str:
+    """First name below kinmo: `learning` for kinmo.learning.layers, "" for kinmo."""
     return [*module.split("."), ""][1]
 
 
@@ -66,7 +49,7 @@ def name_of(file: Path) -> str:
 
 
 def imports(file: Path) -> Iterator[tuple[str, bool]]:
-    """Modules that `file` imports, and whether it does so when it is itself imported; those for type checking are left out."""
+    """Modules that `file` imports, and True for those imported along with it; imports for type checking are left out."""
 
     def visit(node: ast.AST, at_once: bool) -> Iterator[tuple[str, bool]]:
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
@@ -76,7 +59,8 @@ def imports(file: Path) -> Iterator[tuple[str, bool]]:
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{file}: a relative import"
             if node.module == "kinmo":
-                yield from ((f"kinmo.{a.name}" if top(f"kinmo.{a.name}") in RANK else "kinmo", at_once) for a in node.names)
+                names = (f"kinmo.{alias.name}" for alias in node.names)
+                yield from ((name if package_of(name) in RANK else "kinmo", at_once) for name in names)
             elif node.module is not None:
                 yield node.module, at_once
         inside = isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
@@ -87,38 +71,34 @@ def imports(file: Path) -> Iterator[tuple[str, bool]]:
 
 
 @pytest.mark.parametrize("file", FILES, ids=name_of)
-def test_imports_never_reach_down(file: Path) -> None:
-    here = top(name_of(file))
+def test_a_module_imports_only_from_its_layer_and_those_above(file: Path) -> None:
+    here = package_of(name_of(file))
     assert here in RANK, f"{name_of(file)} has no place in LAYERS"
     for module, _ in imports(file):
         if module.split(".")[0] == "kinmo":
-            assert RANK[top(module)] <= RANK[here], f"{name_of(file)} imports {module}, which is below it"
+            assert RANK[package_of(module)] <= RANK[here], f"{name_of(file)} imports {module}, which is below it"
 
 
 @pytest.mark.parametrize("file", FILES, ids=name_of)
-def test_only_what_learns_imports_torch_at_once(file: Path) -> None:
-    if top(name_of(file)) in WITHOUT_TORCH:
+def test_packages_without_networks_do_not_import_torch_at_once(file: Path) -> None:
+    if package_of(name_of(file)) in WITHOUT_TORCH:
         heavy = {"torch", "lightning"} & {module.split(".")[0] for module, at_once in imports(file) if at_once}
         assert not heavy, f"{name_of(file)} imports {heavy}"
 
 
-def test_readers_know_nothing_of_learning_and_learning_nothing_of_files() -> None:
+def test_the_two_methods_do_not_know_each_other() -> None:
     for file in FILES:
-        here, reached = top(name_of(file)), {top(module) for module, _ in imports(file) if module.startswith("kinmo.")}
-        if here in ("formats", "learning"):
-            assert not reached & ({"formats", "learning"} - {here}), name_of(file)
+        for one, other in (APART, APART[::-1]):
+            if name_of(file).startswith(f"kinmo.{one}"):
+                assert not [module for module, _ in imports(file) if module.startswith(f"kinmo.{other}")], name_of(file)
+
+
+def test_few_modules_lie_directly_in_the_package() -> None:
+    assert len(list(ROOT.glob("*.py"))) <= 4
 
 
 def test_a_violation_is_found(tmp_path: Path) -> None:
     file = tmp_path / "sample.py"
-    file.write_text("from kinmo import cli\ndef f():\n    import kinmo.report.page, torch\nfrom kinmo.shape import Mesh\n")
-    assert list(imports(file)) == [("kinmo.cli", True), ("kinmo.report.page", False), ("torch", False), ("kinmo.shape", True)]
-
-
-def test_of_the_stages_only_those_of_the_whole_road_know_those_of_scans() -> None:
-    knowing = {
-        name_of(file)
-        for file in ROOT.joinpath("pipeline").glob("*.py")
-        if any(module.startswith("kinmo.pipeline.scans") for module, _ in imports(file))
-    }
-    assert knowing == {f"kinmo.pipeline.{name}" for name in ("train_all", "evaluate_all", "report")}
+    file.write_text("from kinmo import cli\ndef f():\n    import kinmo.view.page, torch\nfrom kinmo.core.shape import Mesh\n")
+    found = [("kinmo.cli", True), ("kinmo.view.page", False), ("torch", False), ("kinmo.core.shape", True)]
+    assert list(imports(file)) == found

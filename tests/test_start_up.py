@@ -19,10 +19,10 @@ def loaded_by(script: str) -> set[str]:
 
 
 def test_only_training_loads_lightning() -> None:
-    asking = "import kinmo.pipeline.evaluate, kinmo.pipeline.predict, kinmo.pipeline.pseudo_label"
+    asking = "import kinmo.experiments.table1.evaluate_table1, kinmo.pipeline.predict_shapes, kinmo.pipeline.pseudo_label"
     assert loaded_by(asking) == {"torch"}
-    assert loaded_by("import kinmo.pipeline.train") == {"torch", "lightning"}
+    assert loaded_by("import kinmo.pipeline.train_motion") == {"torch", "lightning"}
 
 
 def test_the_report_needs_no_network() -> None:
-    assert not loaded_by("import kinmo.pipeline.report")
+    assert not loaded_by("import kinmo.view.report")

@@ -2,7 +2,7 @@
 
 A configuration is a tree of frozen dataclasses. `paper` holds the sizes of the paper and its release, `small` those that
 train on two CPU cores; a user's own file has the same keys, or `extends` one of these by name and has those that differ.
-Unknown keys and wrong types end in an InputError that names file and key (`kinmo.typed_tables`).
+Unknown keys and wrong types end in an InputError that names file and key (`kinmo.core.typed_tables`).
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from kinmo.errors import InputError, did_you_mean
-from kinmo.typed_tables import Within, from_table
+from kinmo.core.errors import InputError, did_you_mean
+from kinmo.core.typed_tables import Within, from_table
 
 if sys.version_info >= (3, 11):
     import tomllib

@@ -12,7 +12,7 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from kinmo import __version__
+from kinmo._core import __version__
 from kinmo.cli.app import app, main
 
 COMMANDS = sorted(get_command(app).commands)  # type: ignore[attr-defined]
@@ -132,16 +132,16 @@ def test_the_choices_of_the_options_are_those_of_the_program() -> None:
     from kinmo.cli.synth import MOST_SHAPES, LayoutName
     from kinmo.cli.table import Name
     from kinmo.cli.train import SettingName, What
-    from kinmo.pipeline.models import GROUPS
-    from kinmo.pipeline.predictors import PREDICTORS
-    from kinmo.pipeline.scans.networks import PROTOCOLS
-    from kinmo.pipeline.scans.settings import Setting
-    from kinmo.pipeline.scans.table_rows import TABLES
+    from kinmo.experiments.scan_tables.table_rows import TABLES
+    from kinmo.methods import METHOD_MODELS
+    from kinmo.pipeline.motion_models import GROUPS
+    from kinmo.pipeline.scans.scan_networks import PROTOCOLS
+    from kinmo.pipeline.scans.training_settings import Setting
     from kinmo.synth import generate
 
     assert {each.value for each in LayoutName} == {each.value for each in generate.Layout}
-    assert {each.value for each in Method} == PREDICTORS.keys()
-    assert {each.value for each in What} == GROUPS.keys() - PREDICTORS.keys() | {"all", "ancsh"}
+    assert {each.value for each in Method} == METHOD_MODELS.keys()
+    assert {each.value for each in What} == GROUPS.keys() - METHOD_MODELS.keys() | {"all", "ancsh"}
     assert {each.value for each in SettingName} == set(get_args(Setting))
     assert {each.value for each in Name} == TABLES.keys()
     assert {each.value for each in ProtocolName} == set(PROTOCOLS)

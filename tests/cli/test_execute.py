@@ -16,9 +16,9 @@ from typer import Exit
 
 from kinmo.cli.execute import execute, one_line_errors
 from kinmo.cli.options import CommonOptions
-from kinmo.errors import InputError
-from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.workspace import InUse
+from kinmo.core.errors import InputError
+from kinmo.dataset.stage import Observer, Outcome, Plan
+from kinmo.io.folder_lock import InUse
 
 
 @dataclass

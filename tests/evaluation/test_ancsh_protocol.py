@@ -6,15 +6,15 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from scanned import cupboard, cupboard_object, true_estimate
 
 from kinmo import _core
 from kinmo.config import ScansConfig
+from kinmo.core.joint import JointKind
 from kinmo.evaluation.ancsh_protocol import box_overlap, score_as_ancsh
 from kinmo.evaluation.scan_metrics import score_frame
-from kinmo.joint import JointKind
 from kinmo.scans.articulated_object import articulated_object
-from kinmo.scans.scan import scan
-from scanned import cupboard, cupboard_object, true_estimate
+from kinmo.scans.labelled_frames import scan
 
 CONFIG = ScansConfig(states=1, views=3, size=96, points=256, least_pixels=1, smallest_part=0.05)
 

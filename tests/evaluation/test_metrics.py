@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from articulated import directions, joints, rotations, vectors
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from articulated import directions, joints, rotations, vectors
+from kinmo.core.joint import Joint, JointKind
 from kinmo.evaluation import metrics
-from kinmo.joint import Joint, JointKind
 
 X, Y, Z = np.eye(3)
 PIVOTED = (JointKind.REVOLUTE, JointKind.SCREW)

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from articulated import shape_of_boxes
+
 from kinmo import _core
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.mobility import Body
 from kinmo.evaluation.penetration import PenetrationMeter
-from kinmo.joint import Joint, JointKind
-from kinmo.mobility import Body
 
 FRONT = np.array([0.0, 0, 1])
 

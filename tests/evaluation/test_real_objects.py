@@ -3,12 +3,12 @@
 import pybullet
 import pytest
 
-from kinmo.evaluation.urdf_files import score_urdf
-from kinmo.export.partnet_mobility import write_partnet_mobility
-from kinmo.export.urdf import write_urdf
-from kinmo.formats import read_partnet_mobility
-from kinmo.joint import JointKind
-from kinmo.links import links_of
+from kinmo.core.joint import JointKind
+from kinmo.core.links import links_of
+from kinmo.evaluation.urdf_scoring import score_urdf
+from kinmo.io.readers import read_partnet_mobility
+from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
+from kinmo.io.writers.urdf_writer import write_urdf
 
 pytestmark = pytest.mark.real
 EVERY = 48

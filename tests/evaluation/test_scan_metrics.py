@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from articulated import directions
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scanned import cupboard_object, true_estimate
 from scipy.spatial.transform import Rotation
 
-from articulated import directions
 from kinmo.config import ScansConfig
+from kinmo.core.joint import JointKind
 from kinmo.evaluation.scan_metrics import score_frame
-from kinmo.joint import JointKind
-from kinmo.scans.estimate import PartPoses, ScanEstimate
-from kinmo.scans.scan import scan
-from scanned import cupboard_object, true_estimate
+from kinmo.scans.labelled_frames import scan
+from kinmo.scans.pose_fitting import PartPoses, ScanEstimate
 
 TARGET = cupboard_object()
 TRUE = true_estimate(TARGET, scan(TARGET, ScansConfig(states=1, views=1, size=64, points=64), 3), 0)

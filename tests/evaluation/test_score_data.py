@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinmo.evaluation.records import FalseAlarm, JointRecord, ShapeScore
+from kinmo.core.joint import CoarseType, MotionType
+from kinmo.evaluation.joint_records import FalseAlarm, JointRecord, ShapeScore
 from kinmo.evaluation.score_data import score_from_data, score_to_data
-from kinmo.joint import CoarseType, MotionType
-from kinmo.pipeline.judge import Judgement
-from kinmo.pipeline.judgements import judgement_to_data, read_judgement
+from kinmo.experiments.table1.kept_scores import judgement_to_data, read_judgement
+from kinmo.experiments.table1.shape_scores import Judgement
 
 numbers = st.floats(allow_nan=False, allow_infinity=False)
 terms = st.dictionaries(st.text(max_size=5), numbers, max_size=3)

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kinmo.core.joint import CoarseType, MotionType
 from kinmo.evaluation.aggregate import macro, micro, ratios
+from kinmo.evaluation.joint_records import FalseAlarm, JointRecord, ShapeScore
 from kinmo.evaluation.paper_tables import METHODS, mean, paper_tables, table1_figures, table1_means
-from kinmo.evaluation.records import FalseAlarm, JointRecord, ShapeScore
 from kinmo.evaluation.summary import FIGURES, summarise, without_controls
-from kinmo.evaluation.table1 import Scores, by_category, overview, overviews
 from kinmo.evaluation.tables import WRITERS, Caption, Column, Table, as_latex, as_markdown, as_text, write_table
-from kinmo.joint import CoarseType, MotionType
+from kinmo.experiments.table1.table1_tables import Scores, by_category, overview, overviews
 
 CAPTION = Caption("Table 1", "procedural", 0, 0, "test", (0, 1))
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinmo.errors import InputError
+from kinmo.core.errors import InputError
 from kinmo.evaluation.tables import TEXT_WIDTH, Caption, Column, Table, as_markdown, as_text, read_table, write_table
 
 cells = st.one_of(

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from kinmo.candidates import paper_candidates
-from kinmo.config import load_config
-from kinmo.joint import CoarseType, MotionType
-from kinmo.learning.axis_selection.data import moving_leaves
-from kinmo.learning.axis_selection.predict import AxisSelector
-from kinmo.learning.axis_selection.train import train_axis_selection
-from kinmo.learning.motion_gnn.predict import MotionGnnPredictor
-from kinmo.learning.motion_gnn.train import train_motion_gnn
 from small_shapes import cabinet
+
+from kinmo.config import load_config
+from kinmo.core.joint import CoarseType, MotionType
+from kinmo.features.candidate_joints import paper_candidates
+from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
+from kinmo.learning.motion_gnn.gnn_training import train_motion_gnn
+from kinmo.methods.paper.axis_selection.axis_selector import AxisSelector
+from kinmo.methods.paper.axis_selection.axis_training import train_axis_selection
+from kinmo.methods.paper.axis_selection.cloud_pairs import moving_leaves
 
 SMALL, PAPER = load_config("small"), load_config("paper")
 

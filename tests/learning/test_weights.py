@@ -7,7 +7,7 @@ import pytest
 import torch
 from torch import nn
 
-from kinmo.errors import InputError
+from kinmo.core.errors import InputError
 from kinmo.learning.weights import load_weights, pick_device, save_weights
 
 

@@ -9,10 +9,11 @@ from pathlib import Path
 import pytest
 from whole_road import METHODS, Listener, Road, contents, undone
 
-from kinmo.pipeline import each_shape, trees_answers
-from kinmo.pipeline.evaluate import Evaluate
-from kinmo.pipeline.predict import Predict
-from kinmo.workspace import Workspace
+from kinmo.dataset.workspace import Workspace
+from kinmo.experiments.table1 import trees_answers
+from kinmo.experiments.table1.evaluate_table1 import Evaluate
+from kinmo.pipeline import each_shape
+from kinmo.pipeline.predict_shapes import Predict
 
 UNDONE = ("pseudo-label", "eval")
 

@@ -13,21 +13,21 @@ import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
 from whole_road import MADE, Listener, Road, contents, undone
 
-from kinmo.pipeline.scans.networks import NETWORKS, Cell
-from kinmo.pipeline.stage import Stage
+from kinmo.dataset.stage import Stage
+from kinmo.dataset.workspace import Workspace
+from kinmo.pipeline.scans.scan_networks import NETWORKS, Cell
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.scans.scan_file import ROLES
-from kinmo.workspace import Workspace
 
 FORK = multiprocessing.get_context("forkserver")
 FORK.set_forkserver_preload(
     [
-        "kinmo.pipeline.train",
+        "kinmo.pipeline.train_motion",
         "kinmo.pipeline.pseudo_label",
-        "kinmo.pipeline.evaluate",
-        "kinmo.pipeline.report",
-        "kinmo.pipeline.scans.render",
-        "kinmo.pipeline.scans.train",
+        "kinmo.experiments.table1.evaluate_table1",
+        "kinmo.view.report",
+        "kinmo.pipeline.scans.render_scans",
+        "kinmo.pipeline.scans.train_scans",
     ]
 )
 

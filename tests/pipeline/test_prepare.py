@@ -6,11 +6,11 @@ from pathlib import Path
 
 from whole_road import Listener
 
-from kinmo.pipeline.dataset import open_dataset
+from kinmo.dataset.folder_preparation import HELD_BACK
+from kinmo.dataset.shape_dataset import open_dataset
+from kinmo.dataset.workspace import Workspace
 from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.synth import Synth
-from kinmo.synth.generate import HELD_BACK
-from kinmo.workspace import Workspace
+from kinmo.synth.synth_stage import Synth
 
 
 def test_labels_that_nothing_holds_back_are_told(tmp_path: Path) -> None:

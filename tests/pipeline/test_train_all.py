@@ -13,11 +13,11 @@ from typer.testing import CliRunner
 from whole_road import Listener, contents
 
 from kinmo.cli.app import app
-from kinmo.errors import InputError
-from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.scans.render import USED
+from kinmo.core.errors import InputError
+from kinmo.dataset.shape_dataset import open_dataset
+from kinmo.dataset.workspace import Workspace
+from kinmo.pipeline.scans.render_scans import USED
 from kinmo.pipeline.train_all import TrainAll
-from kinmo.workspace import Workspace
 
 
 def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> None:

@@ -11,30 +11,31 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from browser import assert_shown_without_complaint, needs_browser
 from whole_road import METHODS, Listener, Road, contents, tiny_config
 
-from browser import assert_shown_without_complaint, needs_browser
-from kinmo.errors import InputError
-from kinmo.export.joints_json import read_joints_json
-from kinmo.formats import Found, Layout, discover, read_found, read_partnet, read_partnet_mobility
-from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.evaluate import Evaluate
-from kinmo.pipeline.evaluation_folder import SETTINGS
-from kinmo.pipeline.examples import read_examples
-from kinmo.pipeline.journal import runs
+from kinmo.core.errors import InputError
+from kinmo.dataset.journal import runs
+from kinmo.dataset.shape_dataset import open_dataset
+from kinmo.dataset.stage import Stage
+from kinmo.dataset.store import PreparedStore
+from kinmo.dataset.workspace import Workspace
+from kinmo.experiments.scan_tables.make_table import MakeTable
+from kinmo.experiments.table1.evaluate_table1 import Evaluate
+from kinmo.experiments.table1.evaluation_folder import SETTINGS
+from kinmo.experiments.table1.examples import read_examples
+from kinmo.experiments.table1.rows import CONTACT_EDGES, chosen_rows
+from kinmo.features.prepared_shape import leaf_meshes
+from kinmo.io.readers import Found, Layout, discover, read_found, read_partnet, read_partnet_mobility
+from kinmo.io.writers.joints_json_writer import read_joints_json
+from kinmo.learning.model_folder import CONFIG, ModelFolder
+from kinmo.methods import load_method
 from kinmo.pipeline.label_decisions import LABELS, decision_path, folder_name
-from kinmo.pipeline.model_files import CONFIG
-from kinmo.pipeline.predict import Predict
-from kinmo.pipeline.predictors import leaf_meshes, load_predictor
+from kinmo.pipeline.predict_shapes import Predict
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.pseudo_label import PseudoLabel
-from kinmo.pipeline.report import PICTURED_TOGETHER
-from kinmo.pipeline.rows import CONTACT_EDGES, chosen_rows
-from kinmo.pipeline.scans.make_table import MakeTable
-from kinmo.pipeline.stage import Stage
-from kinmo.pipeline.train import Train
-from kinmo.store import PreparedStore
-from kinmo.workspace import Workspace
+from kinmo.pipeline.train_motion import Train
+from kinmo.view.report import PICTURED_TOGETHER
 
 WANTED_ROWS = ("kinmo", "GNN_coarse", "OBB_coarse", "GNN_fine", "OBB_fine")
 STAGES = ("synth", "prepare", "train", "pseudo-label", "eval")
@@ -147,7 +148,7 @@ def test_a_higher_threshold_leaves_fewer_folders(road: Road, tmp_path: Path) -> 
 @pytest.mark.parametrize("method", METHODS)
 def test_what_is_predicted_of_a_shape_does_not_depend_on_its_annotation(method: str, road: Road) -> None:
     """So that labels of held-out shapes may be judged for truth without writing those anew without their joints."""
-    predictor = load_predictor(road.workspace, method, "cpu")
+    predictor = load_method(method, ModelFolder(road.workspace.models), "cpu")
     store = PreparedStore(road.workspace.prepared)
     for entry in [entry for entry in store.entries if entry.joint_count][:6]:
         shape = store.load(entry)

@@ -6,19 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from articulated import shape_of_boxes
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scanned import cupboard, cupboard_object, hinge, slider
 from scipy.spatial.transform import Rotation
 
-from articulated import shape_of_boxes
-from kinmo.errors import InputError
-from kinmo.joint import JointKind
-from kinmo.mobility import Body, Mobility
+from kinmo.core.errors import InputError
+from kinmo.core.joint import JointKind
+from kinmo.core.mobility import Body, Mobility
+from kinmo.core.shape import Mesh, Shape
 from kinmo.scans.articulated_object import articulated_object
 from kinmo.scans.part_order import HEIGHT_FIRST, in_a_row
-from kinmo.shape import Mesh, Shape
-from scanned import cupboard, cupboard_object, hinge, slider
 
 
 def rack(columns: int, rows: int) -> Shape:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-
-from kinmo.kinematics import forward
-from kinmo.scans.articulation import articulations
-from kinmo.scans.camera import Camera, Viewpoints
-from kinmo.scans.renderers import NOTHING, open_renderer
-from kinmo.shape import Mesh
 from scanned import UP, cupboard_object
+
+from kinmo.core.kinematics import forward
+from kinmo.core.shape import Mesh
+from kinmo.scans.camera import Camera, Viewpoints
+from kinmo.scans.joint_states import articulations
+from kinmo.scans.renderers import NOTHING, open_renderer
 
 CAMERA = Camera(160, 120, np.array([110.0, 115.0]), np.array([77.0, 66.0]), 0.01, 10.0)
 

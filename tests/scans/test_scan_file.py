@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from kinmo.config import ScansConfig
-from kinmo.errors import InputError
-from kinmo.scans.scan import Scans, scan
+from kinmo.core.errors import InputError
+from kinmo.scans.labelled_frames import Scans, scan
 from kinmo.scans.scan_file import Provenance, open_scans, write_scans
 from scanned import cupboard_object, scans_in
 
@@ -37,7 +37,7 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
 
 
 def test_whoever_opens_a_file_changes_it_for_nobody_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("kinmo.workspace._SETTLED", -1)
+    monkeypatch.setattr("kinmo.io.file_memo._SETTLED", -1)
     target, path = cupboard_object(), tmp_path / "cupboard.safetensors"
     write_scans(path, target, scan(target, CONFIG, 0), Provenance("here"))
     one, other = open_scans(path), open_scans(path)

@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from articulated import directions, shape_of_boxes, vectors
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scanned import FRONT, hinge, slider
 
-from articulated import directions, shape_of_boxes, vectors
-from kinmo.errors import InputError
-from kinmo.joint import Joint, JointKind
-from kinmo.kinematics import forward
-from kinmo.mobility import Body, Mobility
+from kinmo.core.errors import InputError
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.kinematics import forward
+from kinmo.core.mobility import Body, Mobility
+from kinmo.core.shape import Shape
 from kinmo.scans.articulated_object import articulated_object
 from kinmo.scans.visible_base import against, with_visible_base
-from kinmo.shape import Shape
-from scanned import FRONT, hinge, slider
 
 SAME = np.eye(3)
 ends = st.floats(-1.0, 1.0)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from kinmo import _core
-from kinmo.box import Box
-from kinmo.errors import InputError
-from kinmo.ground_truth import motion_type
-from kinmo.joint import Joint, JointKind, MotionType
+from kinmo.core.box import Box
+from kinmo.core.edge_labels import motion_type
+from kinmo.core.errors import InputError
+from kinmo.core.joint import Joint, JointKind, MotionType
 from kinmo.synth.draw import Draw, ParameterRange
 from kinmo.synth.families import family, family_names
 from kinmo.synth.generate import Layout, Order, build

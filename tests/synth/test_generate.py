@@ -7,15 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinmo.categories import canonical_category
-from kinmo.errors import InputError
-from kinmo.formats import discover, read_dsg_net, read_partnet, read_partnet_mobility
-from kinmo.joint import JointKind
-from kinmo.splits import Split, split_of
+from kinmo.core.categories import canonical_category
+from kinmo.core.errors import InputError
+from kinmo.core.joint import JointKind
+from kinmo.dataset.folder_preparation import HELD_BACK
+from kinmo.dataset.splits import Split, split_of
+from kinmo.io.readers import discover, read_dsg_net, read_partnet, read_partnet_mobility
 from kinmo.synth import generate as generating
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.families import family_names
-from kinmo.synth.generate import HELD_BACK, MOST_SHAPES, SPLITS, Layout, Order, build, generate, orders, write
+from kinmo.synth.generate import MOST_SHAPES, SPLITS, Layout, Order, build, generate, orders, write
 from kinmo.synth.model import JointName
 
 SOME = ("safe", "microwave", "bottle", "window")

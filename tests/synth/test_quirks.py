@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw, ParameterRange
 from kinmo.synth.families import family, family_names
 from kinmo.synth.generate import Layout, Order, build

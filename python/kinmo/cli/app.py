@@ -53,9 +53,9 @@ app = Typer(
 
 def _version(wanted: bool) -> None:
     if wanted:
-        import kinmo
+        from kinmo._core import __version__
 
-        print(f"kinmo {kinmo.__version__}")
+        print(f"kinmo {__version__}")
         raise Exit
 
 

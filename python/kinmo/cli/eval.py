@@ -9,7 +9,7 @@ from typer import Argument, BadParameter, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions, Method, ProtocolName
-from kinmo.errors import InputError
+from kinmo.core.errors import InputError
 
 
 def evaluate(
@@ -41,7 +41,7 @@ def evaluate(
         kinmo eval --category refrigerator --ablations
         kinmo eval out/ --truth partnet/
     """
-    from kinmo.workspace import Workspace
+    from kinmo.dataset.workspace import Workspace
 
     workspace = Workspace(options.workspace)
     if (files is None) != (truth is None):
@@ -59,9 +59,9 @@ def evaluate(
             raise InputError(name, "applies only to the workspace's own shapes and scans, not to FILES")
         execute(options, ScoreUrdfs(files, truth, workspace, category, options.worker_count))
         return
-    from kinmo.pipeline.evaluate import Evaluate
-    from kinmo.pipeline.evaluate_all import EvaluateAll
-    from kinmo.pipeline.scans.judge_trained import JudgeTrained
+    from kinmo.experiments.evaluate_all import EvaluateAll
+    from kinmo.experiments.scan_tables.evaluate_trained import JudgeTrained
+    from kinmo.experiments.table1.evaluate_table1 import Evaluate
 
     methods = tuple(each.value for each in Method) if method is None else (method.value,)
     stage = Evaluate(workspace, methods, category, ablations, hidden_names, options.seed, options.device, options.worker_count)

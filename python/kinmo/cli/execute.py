@@ -16,11 +16,11 @@ from typer import BadParameter, Exit
 
 from kinmo.cli.console import observer
 from kinmo.cli.options import CommonOptions
-from kinmo.errors import KinmoError
-from kinmo.wording import duration
+from kinmo.core.errors import KinmoError
+from kinmo.core.wording import duration
 
 if TYPE_CHECKING:
-    from kinmo.pipeline.stage import Outcome, Plan, Stage
+    from kinmo.dataset.stage import Outcome, Plan, Stage
 
 FAILED, INTERRUPTED = 1, 130
 

@@ -23,7 +23,7 @@ class Method(str, Enum):
 
 
 class ProtocolName(str, Enum):
-    """The protocols of `kinmo.pipeline.scans.networks`, without importing it."""
+    """The protocols of `kinmo.pipeline.scans.scan_networks`, without importing it."""
 
     KINMO = "kinmo"
     ANCSH = "ancsh"

@@ -9,7 +9,7 @@ from typer import Argument, BadParameter, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions, Method
-from kinmo.errors import InputError
+from kinmo.core.errors import InputError
 
 SCANS = "Options for scans"
 SMALLEST = 1e-9
@@ -86,16 +86,16 @@ def predict(
         kinmo predict scans/ --category refrigerator -o out/
         kinmo predict depth.png --category refrigerator --intrinsics 525,525,319.5,239.5 --depth-scale 1000 -o out/
     """
-    from kinmo.scans.scan_input import ENDINGS as SCAN_ENDINGS
-    from kinmo.workspace import Workspace
+    from kinmo.dataset.workspace import Workspace
+    from kinmo.scans.scan_reader import ENDINGS as SCAN_ENDINGS
 
     workspace = Workspace(options.workspace)
     if category is not None:
         for option, value in (("--up", up), ("--metres-per-unit", metres_per_unit)):
             if value is not None:
                 raise InputError(option, "applies only to shapes; leave --category out")
-        from kinmo.pipeline.scans.predict import PredictScans
-        from kinmo.scans.scan_input import Intrinsics
+        from kinmo.pipeline.scans.predict_scans import PredictScans
+        from kinmo.scans.scan_reader import Intrinsics
 
         camera = None if intrinsics is None else Intrinsics.parse(intrinsics)
         answering = None if method is None else method.value
@@ -107,7 +107,7 @@ def predict(
     for name, of_scans in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
         if of_scans is not None:
             raise InputError(name, "applies only to scans; give --category too")
-    from kinmo.pipeline.predict import Predict
+    from kinmo.pipeline.predict_shapes import Predict
 
     by = (method or Method.KINMO).value
     how = (by, options.seed, options.device, options.worker_count, up or "y", metres_per_unit or 1.0)

@@ -33,7 +33,7 @@ def prepare(
         kinmo prepare partnet/ --hold-back partnet/held_back
         kinmo prepare partnet/ --json > what_was_wrong.json
     """
+    from kinmo.dataset.workspace import Workspace
     from kinmo.pipeline.prepare import Prepare
-    from kinmo.workspace import Workspace
 
     execute(options, Prepare(folder, Workspace(options.workspace), options.worker_count, options.seed, tuple(hold_back or ())))

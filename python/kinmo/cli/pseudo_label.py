@@ -34,8 +34,8 @@ def pseudo_label(
         kinmo pseudo-label
         kinmo pseudo-label --category refrigerator --threshold 0.8
     """
+    from kinmo.dataset.workspace import Workspace
     from kinmo.pipeline.pseudo_label import PseudoLabel
-    from kinmo.workspace import Workspace
 
     workspace = Workspace(options.workspace, method=method.value)
     execute(options, PseudoLabel(workspace, category, threshold, options.device, options.worker_count))

@@ -9,7 +9,7 @@ from typer import Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions, Method
-from kinmo.errors import InputError
+from kinmo.core.errors import InputError
 
 
 def render(
@@ -42,9 +42,9 @@ def render(
         kinmo render --category laptop
         kinmo render --category laptop --example scan.npz
     """
-    from kinmo.pipeline.scans.example import ExampleScan
-    from kinmo.pipeline.scans.render import WITH_LABELS, Render
-    from kinmo.workspace import Workspace
+    from kinmo.dataset.workspace import Workspace
+    from kinmo.pipeline.scans.example_scan import ExampleScan
+    from kinmo.pipeline.scans.render_scans import WITH_LABELS, Render
 
     beside = (*WITH_LABELS, "unlabelled") if unlabelled else WITH_LABELS
     workspace = Workspace(options.workspace, method=method.value)

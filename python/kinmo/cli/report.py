@@ -17,7 +17,7 @@ def report(options: CommonOptions) -> None:
         kinmo report
         kinmo report --workspace experiments/first
     """
-    from kinmo.pipeline.report import Report
-    from kinmo.workspace import Workspace
+    from kinmo.dataset.workspace import Workspace
+    from kinmo.view.report import Report
 
     execute(options, Report(Workspace(options.workspace)))

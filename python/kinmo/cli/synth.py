@@ -10,7 +10,7 @@ from typer import Argument, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions
-from kinmo.errors import InputError
+from kinmo.core.errors import InputError
 
 MOST_SHAPES = 100_000
 """`kinmo.synth.generate.MOST_SHAPES`, without importing it."""
@@ -52,7 +52,7 @@ def synth(
         kinmo synth partnet/
         kinmo synth partnet/ --count 50 --family refrigerator --family door_set
     """
-    from kinmo.pipeline.synth import Synth
+    from kinmo.synth.synth_stage import Synth
 
     layouts = tuple(name.value for name in layout or ())
     if held_back and layouts and LayoutName.PARTNET.value not in layouts:

@@ -9,11 +9,11 @@ from typer import Argument, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions, Method, ProtocolName, Start
-from kinmo.errors import InputError
+from kinmo.core.errors import InputError
 
 
 class Name(str, Enum):
-    """The tables of `kinmo.pipeline.scans.make_table`, without importing it."""
+    """The tables of `kinmo.experiments.scan_tables.make_table`, without importing it."""
 
     SETTINGS = "2"
     RATIOS = "3"
@@ -54,8 +54,8 @@ def table(
         kinmo table 3 --hours 4
         kinmo table 2 --category laptop --from many
     """
-    from kinmo.pipeline.scans.make_table import MakeTable
-    from kinmo.workspace import Workspace
+    from kinmo.dataset.workspace import Workspace
+    from kinmo.experiments.scan_tables.make_table import MakeTable
 
     if name is Name.SENSORS and method is Method.PAPER:
         raise InputError("--method", "sensors has no rows with pseudo labels of paper")

@@ -9,14 +9,14 @@ from typer import Argument, Option
 
 from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions, Method, Start
-from kinmo.errors import InputError
+from kinmo.core.errors import InputError
 
 if TYPE_CHECKING:
-    from kinmo.pipeline.scans.settings import Setting
+    from kinmo.pipeline.scans.training_settings import Setting
 
 
 class What(str, Enum):
-    """The groups of `kinmo.pipeline.models`, without importing it, and the networks that see scans."""
+    """The groups of `kinmo.pipeline.motion_models`, without importing it, and the networks that see scans."""
 
     ALL = "all"
     MOTION = "motion"
@@ -27,7 +27,7 @@ class What(str, Enum):
 
 
 class SettingName(str, Enum):
-    """The settings of `kinmo.pipeline.scans.settings`, without importing it."""
+    """The settings of `kinmo.pipeline.scans.training_settings`, without importing it."""
 
     SUPERVISED = "supervised"
     SEMI = "semi"
@@ -79,11 +79,11 @@ def train(
         kinmo train ancsh --category refrigerator --setting supervised
         kinmo train motion --workspace real --from many
     """
-    from kinmo.pipeline.scans.settings import PSEUDO_LABELLED
-    from kinmo.pipeline.scans.train import TrainAncsh
-    from kinmo.pipeline.train import Train
+    from kinmo.dataset.workspace import Workspace
+    from kinmo.pipeline.scans.train_scans import TrainAncsh
+    from kinmo.pipeline.scans.training_settings import PSEUDO_LABELLED
     from kinmo.pipeline.train_all import TrainAll
-    from kinmo.workspace import Workspace
+    from kinmo.pipeline.train_motion import Train
 
     if setting is not None and what is not What.ANCSH:
         raise InputError("--setting", "applies only to kinmo train ancsh")

@@ -16,11 +16,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from kinmo.core.joint import JointKind
 from kinmo.evaluation.metrics import axis_error
 from kinmo.evaluation.scan_metrics import FrameScore, nothing_found
-from kinmo.joint import JointKind
 from kinmo.scans.articulated_object import Structure
-from kinmo.scans.estimate import ScanEstimate
+from kinmo.scans.pose_fitting import ScanEstimate
 
 F64 = NDArray[np.float64]
 

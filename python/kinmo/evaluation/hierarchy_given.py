@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from kinmo.evaluation.records import ShapeScore, annotation, false_alarm, joint_record, missed_record
-from kinmo.joint import CoarseType
-from kinmo.links import links_of
-from kinmo.normalisation import Normalisation
-from kinmo.prediction import JointEstimate, Prediction
-from kinmo.prepared import PreparedShape
+from kinmo.core.joint import CoarseType
+from kinmo.core.links import links_of
+from kinmo.core.normalisation import Normalisation
+from kinmo.core.prediction import JointEstimate, Prediction
+from kinmo.evaluation.joint_records import ShapeScore, false_alarm, joint_record, missed_record
+from kinmo.features.prepared_shape import PreparedShape
 
 LEAST_IOU = 0.5
 """Of leaf areas: bodies that overlap less are not the same."""
@@ -29,7 +29,7 @@ def hierarchy_given(
     each other count as one. A true joint is found if its body is matched to a body that moves; moving bodies that are not
     matched to a moving one are false alarms. `penetrations` are by index of the predicted body.
     """
-    mobility, _ = annotation(truth)
+    mobility, _ = truth.annotation
     links = links_of(prediction.mobility)
     overlap = overlap_of(truth, [body.leaves for body in mobility.bodies], [link.leaves for link in links])
     matched = match_bodies(overlap)
@@ -61,7 +61,7 @@ class Overlap:
 
 def overlap_of(truth: PreparedShape, bodies: Sequence[Sequence[int]], others: Sequence[Sequence[int]]) -> Overlap:
     """Overlap of two sets of bodies, each given by its leaves (indices of parts); junk leaves have no area."""
-    mobility, _ = annotation(truth)
+    mobility, _ = truth.annotation
     leaves = np.array(truth.leaves)
     areas = np.where(np.isin(leaves, list(mobility.junk)), 0.0, truth.leaf_areas)
     first, second = (np.array([np.isin(leaves, members) for members in groups], float) for groups in (bodies, others))

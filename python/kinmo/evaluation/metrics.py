@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
-from kinmo.joint import Joint, JointKind
-from kinmo.vector import Vector
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.vector import Vector
 
 PARALLEL_WITHIN = math.radians(1.0)
 """Axes closer than this are parallel: where two such lines pass each other says nothing about the joint."""

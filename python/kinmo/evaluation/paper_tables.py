@@ -8,7 +8,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from kinmo.categories import canonical_category
+from kinmo.core.categories import canonical_category
 
 METHODS = ("GNN_coarse", "OBB_coarse", "GNN_fine", "OBB_fine")
 """The four rows of Table 1: the network alone, and with its axes chosen among those of boxes; with 5 types, and with 10."""

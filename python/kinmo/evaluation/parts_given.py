@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from kinmo.evaluation.records import ShapeScore, annotation, false_alarm, joint_record
-from kinmo.joint import CoarseType
-from kinmo.prediction import JointEstimate
-from kinmo.prepared import PreparedShape
+from kinmo.core.joint import CoarseType
+from kinmo.core.prediction import JointEstimate
+from kinmo.evaluation.joint_records import ShapeScore, false_alarm, joint_record
+from kinmo.features.prepared_shape import PreparedShape
 
 
 def parts_given(
@@ -25,7 +25,7 @@ def parts_given(
     said to is a false alarm. `parents` and `penetrations`, where known, are by body
     too; so is `told`, the answers when the true types are told, to those bodies at least that otherwise got a wrong type.
     """
-    mobility, _ = annotation(truth)
+    mobility, _ = truth.annotation
     records = []
     for index, body in mobility.movable():
         record = joint_record(truth, index, estimates.get(index))

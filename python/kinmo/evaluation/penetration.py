@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from kinmo import _core
-from kinmo.joint import Joint, JointKind
-from kinmo.mobility import Mobility
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.mobility import Mobility
 
 REVOLUTE, PRISMATIC = 0, 1
 DECIMALS = 9

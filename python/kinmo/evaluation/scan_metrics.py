@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from kinmo import _core
+from kinmo.core.joint import Joint, JointKind
 from kinmo.evaluation.metrics import axis_error, line_distance
-from kinmo.joint import Joint, JointKind
-from kinmo.scans.answers import MIDDLE
 from kinmo.scans.articulated_object import Extents, Structure
-from kinmo.scans.estimate import PartPoses, ScanEstimate
+from kinmo.scans.point_predictions import MIDDLE
+from kinmo.scans.pose_fitting import PartPoses, ScanEstimate
 
 F64 = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def nothing_found(structure: Structure) -> FrameScore:
 
 
 def truth(poses: F64, values: F64, turns: F64, joints: Sequence[Joint], structure: Structure, extents: Extents) -> ScanEstimate:
-    """What there is to find in a scan with `poses` [K, 4, 4], `values` and `turns` [K - 1] (`kinmo.scans.scan.Scans`).
+    """What there is to find in a scan with `poses` [K, 4, 4], `values` and `turns` [K - 1] (`kinmo.scans.labelled_frames.Scans`).
 
     In the camera's frame; lengths are diagonals of the object, angles radians.
     """

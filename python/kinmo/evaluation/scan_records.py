@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.errors import InputError
+from kinmo.core.errors import InputError
+from kinmo.core.joint import JointKind
 from kinmo.evaluation.aggregate import Figure, Unit
 from kinmo.evaluation.scan_metrics import FrameScore
-from kinmo.joint import JointKind
+from kinmo.io.atomic_files import write_text_atomically
 from kinmo.scans.articulated_object import Structure
-from kinmo.workspace import write_text_atomically
 
 _NAMES = tuple(field.name for field in fields(FrameScore))
 

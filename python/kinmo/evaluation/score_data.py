@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from kinmo.evaluation.records import FalseAlarm, JointRecord, ShapeScore
-from kinmo.joint import CoarseType, MotionType
+from kinmo.core.joint import CoarseType, MotionType
+from kinmo.evaluation.joint_records import FalseAlarm, JointRecord, ShapeScore
 
 TYPE_SETS: dict[str, type[MotionType] | type[CoarseType]] = {kind.__name__: kind for kind in (MotionType, CoarseType)}
 """FIXED and NONE are in both."""

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from kinmo.core.joint import JointKind
 from kinmo.evaluation.aggregate import DRAWS, Estimate, Figure, Sums, Unit, macro, micro, sums_of
-from kinmo.evaluation.records import JointRecord, ShapeScore
-from kinmo.joint import JointKind
+from kinmo.evaluation.joint_records import JointRecord, ShapeScore
 
 LEAST_OBJECTS = (8, 3)
 """Macro means are over the categories with at least so many objects."""

@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from kinmo.errors import InputError
-from kinmo.wording import counted
-from kinmo.workspace import write_text_atomically
+from kinmo.core.errors import InputError
+from kinmo.core.wording import counted
+from kinmo.io.atomic_files import write_text_atomically
 
 Cell = str | float | int | None
 """None is a figure that there is none of: it is printed as a dash, and no mean counts it."""

@@ -14,9 +14,9 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 from torch import Tensor, nn
 
-from kinmo import __version__
-from kinmo.errors import InputError
-from kinmo.workspace import write_bytes_atomically, write_text_atomically
+from kinmo._core import __version__
+from kinmo.core.errors import InputError
+from kinmo.io.atomic_files import write_bytes_atomically, write_text_atomically
 
 SCHEMA = 1
 DEVICES = ("cpu", "cuda", "mps")

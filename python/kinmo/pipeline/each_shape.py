@@ -8,8 +8,8 @@ from typing import TypeVar
 
 import torch
 
+from kinmo.dataset.workers import Crashed, map_unordered, or_crashed
 from kinmo.learning.weights import processes_on
-from kinmo.workers import Crashed, map_unordered, or_crashed
 
 Job = TypeVar("Job")
 Answer = TypeVar("Answer")

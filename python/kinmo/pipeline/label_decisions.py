@@ -8,10 +8,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from kinmo.formats import Layout
-from kinmo.pseudo_label import STEPS, JudgedJoint, Judgement, Tally, tally, tally_types
-from kinmo.store import IndexEntry
-from kinmo.workspace import Workspace, name_on_disk, write_text_atomically
+from kinmo.core.names import name_on_disk
+from kinmo.dataset.store import IndexEntry
+from kinmo.dataset.workspace import Workspace
+from kinmo.io.atomic_files import write_text_atomically
+from kinmo.io.readers import Layout
+from kinmo.pipeline.label_acceptance import STEPS, JudgedJoint, Judgement, Tally, tally, tally_types
 
 LABELS = "mobility_v2.json"
 """What a folder with a pseudo label has."""
@@ -59,7 +61,7 @@ def acceptance(decisions: Sequence[Decision], method: str, copies: int, outdated
     """The acceptance report, of decisions by a method, as plain data.
 
     `outdated` are categories whose labels are of before: by other networks, say. It has `text`, `tables` (as
-    `kinmo.report.page.Table` takes them) and every refusal.
+    `kinmo.view.report_page.Table` takes them) and every refusal.
     """
     judgements = [decision.judgement for decision in decisions]
     ways = sorted({f"all joints above {decision.threshold:g}, by {method}" for decision in decisions})

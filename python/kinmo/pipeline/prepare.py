@@ -8,16 +8,16 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from kinmo.errors import InputError
-from kinmo.formats import discover
-from kinmo.formats.sources import shown
-from kinmo.pipeline.journal import seconds_per_unit, timed
-from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.prepare import PrepareReport, prepare_folder
-from kinmo.store import PreparedStore
-from kinmo.synth.generate import HELD_BACK
-from kinmo.wording import counted
-from kinmo.workspace import Workspace, write_text_atomically
+from kinmo.core.errors import InputError
+from kinmo.core.wording import counted
+from kinmo.dataset.folder_preparation import HELD_BACK, PrepareReport, prepare_folder
+from kinmo.dataset.journal import seconds_per_unit, timed
+from kinmo.dataset.stage import Observer, Outcome, Plan
+from kinmo.dataset.store import PreparedStore
+from kinmo.dataset.workspace import Workspace
+from kinmo.io.atomic_files import write_text_atomically
+from kinmo.io.readers import discover
+from kinmo.io.readers.sources import shown
 
 STAGE = "prepare"
 REPORT = "report.json"

@@ -10,14 +10,26 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kinmo import __version__
-from kinmo.errors import expecting
-from kinmo.export.partnet_mobility import write_partnet_mobility
-from kinmo.formats import Found, Layout, read_found
-from kinmo.formats.annotation import PSEUDO_LABEL
-from kinmo.pipeline.dataset import Dataset, open_dataset
+from kinmo._core import __version__
+from kinmo.core.digest import digest
+from kinmo.core.errors import expecting
+from kinmo.core.wording import counted
+from kinmo.dataset.journal import seconds_per_unit, timed
+from kinmo.dataset.shape_dataset import Dataset, open_dataset
+from kinmo.dataset.stage import Observer, Outcome, Plan
+from kinmo.dataset.store import IndexEntry, read_prepared
+from kinmo.dataset.workers import Crashed
+from kinmo.dataset.workspace import StageRecord, Workspace
+from kinmo.features.prepared_shape import leaf_meshes
+from kinmo.io.atomic_files import remove_leftovers, write_text_atomically
+from kinmo.io.readers import Found, Layout, read_found
+from kinmo.io.readers.partnet_annotation import PSEUDO_LABEL
+from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
+from kinmo.learning.model_folder import ModelFolder
+from kinmo.methods import load_method
+from kinmo.methods.method import Method
 from kinmo.pipeline.each_shape import each_shape
-from kinmo.pipeline.journal import seconds_per_unit, timed
+from kinmo.pipeline.label_acceptance import ACCEPTANCE, LABELLING, Judgement, judge
 from kinmo.pipeline.label_decisions import (
     DECISIONS,
     LABELS,
@@ -28,14 +40,6 @@ from kinmo.pipeline.label_decisions import (
     read_decision,
     write_decision,
 )
-from kinmo.pipeline.model_files import trained_config
-from kinmo.pipeline.predictors import Predictor, leaf_meshes, load_predictor
-from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.pseudo_label import ACCEPTANCE, LABELLING, Judgement, judge
-from kinmo.store import IndexEntry, read_prepared
-from kinmo.wording import counted
-from kinmo.workers import Crashed
-from kinmo.workspace import StageRecord, Workspace, digest, remove_leftovers, write_text_atomically
 
 SECONDS_PER_SHAPE = 1.5
 
@@ -56,7 +60,7 @@ class PseudoLabel:
 
     def plan(self) -> Plan:
         dataset = open_dataset(self.workspace, self.category)
-        way = self._way(load_predictor(self.workspace, self.workspace.method, self.device))
+        way = self._way(load_method(self.workspace.method, ModelFolder(self.workspace.motion.models), self.device))
         # what has gone is tried, and told, each time, but nothing can come of it that others wait for
         jobs = [job for job in self._jobs(dataset, way) if os.path.lexists(job.entry.source)]
         if not jobs and self._is_reported(way):
@@ -77,7 +81,7 @@ class PseudoLabel:
 
     def run(self, observer: Observer) -> Outcome:
         dataset = open_dataset(self.workspace, self.category)
-        predictor = load_predictor(self.workspace, self.workspace.method, self.device)
+        predictor = load_method(self.workspace.method, ModelFolder(self.workspace.motion.models), self.device)
         way = self._way(predictor)
         failures: list[str] = []
         with self.workspace.locked():
@@ -104,9 +108,9 @@ class PseudoLabel:
     def _report(self) -> Path:
         return self.workspace.pseudo / ACCEPTANCE
 
-    def _way(self, predictor: Predictor) -> dict[str, Any]:
-        way = {"method": predictor.method, "weights": predictor.weights, "config": dict(predictor.config)}
-        told = trained_config(self.workspace).refinement
+    def _way(self, predictor: Method) -> dict[str, Any]:
+        way = {"method": predictor.name, "weights": predictor.weights, "config": dict(predictor.config)}
+        told = ModelFolder(self.workspace.motion.models).config().refinement
         threshold = told.least_score(self.workspace.method) if self.threshold is None else self.threshold
         return {**way, "threshold": threshold, "doubt": told.doubt, "kinmo": __version__}
 
@@ -142,9 +146,7 @@ class PseudoLabel:
             if decision.name.removesuffix(".json") not in names:
                 decision.unlink()
 
-    def _label(
-        self, jobs: Sequence[Job], total: int, predictor: Predictor, way: dict[str, Any], observer: Observer
-    ) -> list[str]:
+    def _label(self, jobs: Sequence[Job], total: int, predictor: Method, way: dict[str, Any], observer: Observer) -> list[str]:
         """Decide on all shapes but those that it fails on, of which it returns why: of these everything stays as it was."""
         labelling = Labelling(self.workspace.prepared, predictor, way["threshold"], way["doubt"])
         done = total - len(jobs)
@@ -197,7 +199,7 @@ class Labelling:
     """Predicts shapes and writes those that are accepted, in whatever process. `store` is the folder of the prepared shapes."""
 
     store: Path
-    predictor: Predictor
+    predictor: Method
     threshold: float
     doubt: float
 

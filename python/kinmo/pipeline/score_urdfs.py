@@ -5,17 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from kinmo.categories import same_category
-from kinmo.errors import InputError, did_you_mean
+from kinmo.core.categories import same_category
+from kinmo.core.errors import InputError, did_you_mean
+from kinmo.core.wording import counted
+from kinmo.dataset.stage import Observer, Outcome, Plan
+from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.tables import Caption, as_text, write_table
-from kinmo.evaluation.urdf_files import failures_table, files_table, score_files, summarise
-from kinmo.evaluation.urdf_files.files import write_json
-from kinmo.formats import Layout, discover, read_found
-from kinmo.pipeline.evaluation_folder import URDF_FILES
-from kinmo.pipeline.stage import Observer, Outcome, Plan
-from kinmo.wording import counted
-from kinmo.workspace import Workspace
+from kinmo.evaluation.urdf_scoring import failures_table, files_table, score_files, summarise
+from kinmo.evaluation.urdf_scoring.urdf_folders import write_json
+from kinmo.io.readers import Layout, discover, read_found
 
+URDF_FILES = "urdf_files"
+"""Folder of the scores of URDF files, below the evaluations of the workspace."""
 SECONDS_PER_SHAPE = 1.0
 
 

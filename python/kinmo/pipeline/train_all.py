@@ -7,21 +7,21 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
-from kinmo.categories import same_category
 from kinmo.config import load_config
-from kinmo.errors import InputError, did_you_mean
-from kinmo.pipeline.dataset import Dataset, open_dataset
-from kinmo.pipeline.model_files import trained_config
+from kinmo.core.categories import same_category
+from kinmo.core.errors import InputError, did_you_mean
+from kinmo.core.wording import duration
+from kinmo.dataset.shape_dataset import Dataset, open_dataset
+from kinmo.dataset.splits import Split
+from kinmo.dataset.stage import LaterStage, Observer, Outcome, Plan
+from kinmo.dataset.workspace import Workspace
+from kinmo.learning.model_folder import ModelFolder
 from kinmo.pipeline.pseudo_label import PseudoLabel
-from kinmo.pipeline.scans.dataset import PAPER_CATEGORIES, open_scan_dataset
-from kinmo.pipeline.scans.render import Render
-from kinmo.pipeline.scans.settings import PSEUDO_LABELLED, Setting
-from kinmo.pipeline.scans.train import TrainAncsh
-from kinmo.pipeline.stage import LaterStage, Observer, Outcome, Plan
-from kinmo.pipeline.train import Train
-from kinmo.splits import Split
-from kinmo.wording import duration
-from kinmo.workspace import Workspace
+from kinmo.pipeline.scans.render_scans import Render
+from kinmo.pipeline.scans.scan_dataset import PAPER_CATEGORIES, open_scan_dataset
+from kinmo.pipeline.scans.train_scans import TrainAncsh
+from kinmo.pipeline.scans.training_settings import PSEUDO_LABELLED, Setting
+from kinmo.pipeline.train_motion import Train
 
 NO_CATEGORY = f"no labelled shapes of {', '.join(PAPER_CATEGORIES)}: networks for scans are trained for --category NAME"
 
@@ -48,7 +48,7 @@ class TrainAll:
     def plan(self) -> Plan:
         """What is still to do; of a stage whose input is not made yet, or will change, a guess."""
         plans = [self._motion.plan()]
-        retold = load_config(self.config).refinement != trained_config(self.workspace).refinement
+        retold = load_config(self.config).refinement != ModelFolder(self.workspace.motion.models).config().refinement
         labels_change = is_changed = retold or plans[0].seconds > 0.0
         for stage in self._later(open_dataset(self.workspace)):
             try:

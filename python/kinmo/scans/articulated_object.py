@@ -11,17 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.config import ScansConfig
-from kinmo.errors import InputError
-from kinmo.frames import z_up_rotation
-from kinmo.joint import Joint, JointKind
-from kinmo.links import Link, links_of
-from kinmo.mobility import Body, Mobility
-from kinmo.normalisation import Normalisation
-from kinmo.scans.canonical import canonical, likely_canonical
+from kinmo.core.errors import InputError
+from kinmo.core.frames import z_up_rotation
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.links import Link, links_of
+from kinmo.core.mobility import Body, Mobility
+from kinmo.core.normalisation import Normalisation
+from kinmo.core.shape import Mesh, Shape, join
+from kinmo.core.vector import Vector
+from kinmo.scans.canonical_pose import canonical, likely_canonical
+from kinmo.scans.object_variants import SIDEWAYS, changed
 from kinmo.scans.part_order import canonical_order
-from kinmo.scans.variants import SIDEWAYS, changed
-from kinmo.shape import Mesh, Shape, join
-from kinmo.vector import Vector
 
 F64 = NDArray[np.float64]
 

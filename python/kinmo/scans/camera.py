@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.kinematics import Pose
-from kinmo.vector import Vector
+from kinmo.core.kinematics import Pose
+from kinmo.core.vector import Vector
 
 F64 = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.mobility import Body
+from kinmo.core.mobility import Body
 
 HEIGHT_FIRST = 1.2
 """Parts count as lying side by side only where they lie this much farther apart sideways than upwards."""

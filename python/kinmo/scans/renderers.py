@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from kinmo import _core
+from kinmo.core.shape import Mesh
 from kinmo.scans.camera import Camera
-from kinmo.shape import Mesh
 
 F64 = NDArray[np.float64]
 

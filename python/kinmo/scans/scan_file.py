@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
-from kinmo.errors import InputError
-from kinmo.joint import Joint
+from kinmo.core.errors import InputError
+from kinmo.core.joint import Joint, joint_from_data, joint_to_data
+from kinmo.io.atomic_files import write_bytes_atomically
+from kinmo.io.file_memo import kept_while_unchanged
 from kinmo.scans.articulated_object import Extents, Structure
 from kinmo.scans.input_frame import looks
-from kinmo.scans.scan import Scans
-from kinmo.store import joint_from_data, joint_to_data
-from kinmo.workspace import kept_while_unchanged, write_bytes_atomically
+from kinmo.scans.labelled_frames import Scans
 
 F64 = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from kinmo.config import SensorConfig
+from kinmo.core.vector import Vector
 from kinmo.scans.camera import Camera
 from kinmo.scans.renderers import NOTHING, DepthImages
-from kinmo.vector import Vector
 
 F32 = NDArray[np.float32]
 

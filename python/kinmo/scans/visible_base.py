@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.joint import Joint, JointKind
-from kinmo.kinematics import Pose
-from kinmo.mobility import Body, Mobility
-from kinmo.scans.closing import moved_by
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.kinematics import Pose
+from kinmo.core.mobility import Body, Mobility
+from kinmo.core.shape import Mesh, join
+from kinmo.scans.closed_pose import moved_by
 from kinmo.scans.part_order import in_a_row
-from kinmo.shape import Mesh, join
 
 F64 = NDArray[np.float64]
 

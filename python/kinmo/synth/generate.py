@@ -13,8 +13,10 @@ from types import ModuleType
 
 import numpy as np
 
-from kinmo.errors import InputError
-from kinmo.splits import Split, split_of
+from kinmo.core.errors import InputError
+from kinmo.dataset.folder_preparation import HELD_BACK
+from kinmo.dataset.splits import Split, split_of
+from kinmo.dataset.workers import Crashed, map_unordered
 from kinmo.synth.draw import Draw, ParameterRange
 from kinmo.synth.families import family, family_names
 from kinmo.synth.hierarchy_style import arrange
@@ -22,14 +24,11 @@ from kinmo.synth.joint_quirks import misstate
 from kinmo.synth.mesh_quirks import flatten, roughen
 from kinmo.synth.model import SynthObject
 from kinmo.synth.writers import dsg_net, partnet, partnet_mobility
-from kinmo.workers import Crashed, map_unordered
 
 MOST_SHAPES = 100_000
 """Of a family and layout."""
 SPLITS = tuple(map(Split, ["train", "test", "train", "validation", "train", "train", "test", "train", "train", "train"]))
 """What every ten shapes of a family are for, where ids are chosen by that: a dozen are too few to leave it to their hashes."""
-HELD_BACK = "held_back"
-"""Subfolder of annotated copies of the shapes in PartNet's layout."""
 
 
 class Layout(str, Enum):

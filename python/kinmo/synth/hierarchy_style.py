@@ -5,7 +5,7 @@ Both kinds are about equally common among real objects, and for a tenth of their
 
 from __future__ import annotations
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.shape import Mesh, join
+from kinmo.core.shape import Mesh, join
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import SynthObject
 from kinmo.synth.primitives.place import inside_out

@@ -13,9 +13,9 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
+from kinmo.core.vector import Vector
 from kinmo.synth.primitives.place import move, rotation_about, scale, transform
-from kinmo.vector import Vector
 
 Point = Sequence[float] | Vector
 

@@ -1,4 +1,4 @@
-//! Work done a few items at a time: in parallel, without the GIL, and with a look for Ctrl-C after each batch.
+//! Parallel work in batches, without the GIL, with a check for Ctrl-C after each batch.
 
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
@@ -6,16 +6,18 @@ use std::time::{Duration, Instant};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-/// How long a batch should take: Ctrl-C waits for the end of one.
+/// Target duration of a batch. Ctrl-C waits for the end of the running batch.
 const BATCH_TIME: Duration = Duration::from_millis(50);
-/// Items for each thread in the first batch, when nothing is known of how long they take.
+/// Items per thread in the first batch, before any duration is known.
 const FIRST_ITEMS_PER_THREAD: usize = 1;
-/// A batch has at most so many times the items of the one before: those to come may take longer.
-const LARGEST_GROWTH: f64 = 16.0;
-/// The process whose threads rayon's are: none of them is there in a forked one, which would wait for them forever.
+/// Largest growth from one batch to the next. Later items may take longer than earlier ones.
+const MAX_GROWTH: f64 = 16.0;
+/// Id of the process that owns rayon's threads. A forked process has none of them and would wait for them forever.
 static PROCESS: OnceLock<u32> = OnceLock::new();
 
-/// What `work` makes of every item, in order.
+/// Results of `work` for every item, in order.
+///
+/// An error is a Python exception raised by a signal handler, such as `KeyboardInterrupt`.
 pub fn map_in_batches<I: Send, T: Send>(
     py: Python<'_>,
     items: impl IntoIterator<Item = I>,
@@ -24,7 +26,7 @@ pub fn map_in_batches<I: Send, T: Send>(
     filter_map_in_batches(py, items, |item| Some(work(item)))
 }
 
-/// As [`map_in_batches`], without the items of which `work` makes nothing.
+/// Results of `work` for every item, in order, without the items for which it returns `None`.
 pub fn filter_map_in_batches<I: Send, T: Send>(
     py: Python<'_>,
     items: impl IntoIterator<Item = I>,
@@ -38,18 +40,19 @@ pub fn filter_map_in_batches<I: Send, T: Send>(
         let batch: Vec<I> = items.by_ref().take(size).collect();
         let started = Instant::now();
         results.extend(py.detach(|| match threads {
-            // On this thread: waking the only other one takes as long as many an item, and a forked process has none.
+            // The work stays on this thread. Waking a single other thread costs as much as many items, and a forked
+            // process has no other.
             1 => batch.into_iter().filter_map(&work).collect::<Vec<T>>(),
             _ => batch.into_par_iter().filter_map(&work).collect(),
         }));
         py.check_signals()?;
         let growth = BATCH_TIME.as_secs_f64() / started.elapsed().as_secs_f64().max(1e-9);
-        size = ((size as f64 * growth.min(LARGEST_GROWTH)) as usize).max(threads);
+        size = ((size as f64 * growth.min(MAX_GROWTH)) as usize).max(threads);
     }
     Ok(results)
 }
 
-/// How many threads share the work.
+/// Number of threads that share the work; 1 in a forked process.
 fn threads() -> usize {
     let process = std::process::id();
     if *PROCESS.get_or_init(|| process) == process { rayon::current_num_threads() } else { 1 }

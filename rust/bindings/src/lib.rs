@@ -1,52 +1,81 @@
-//! The Python module `kinmo._core`: one thin file a geometry module. Documentation and types: `python/kinmo/_core.pyi`.
+//! The Python module `kinmo._core`: one thin file per algorithm of `kinmo_geometry`, in the same folders.
+//!
+//! Arguments are checked in `arguments`. Documentation and types for Python are in `python/kinmo/_core.pyi`.
 #![allow(missing_docs)]
 
-mod adjacency;
-mod arrays;
+/// Checked arguments of Python functions.
+mod arguments {
+    pub mod arrays;
+    pub mod boxes;
+    pub mod groups;
+    pub mod joints;
+    pub mod numbers;
+}
+
 mod batches;
-mod boxes;
-mod convert;
-mod grouping;
-mod groups;
-mod interaction;
-mod iou;
-mod joints;
-mod manhattan;
-mod meshes;
-mod motion;
-mod neighbours;
-mod numbers;
-mod obb;
-mod poses;
-mod proximity;
-mod raster;
-mod sampling;
-mod seen_boxes;
-mod sweep;
-mod symmetry;
+mod errors;
+
+mod mesh {
+    pub mod meshes;
+    pub mod point_projection;
+}
+
+mod points {
+    pub mod nearest_neighbours;
+    pub mod neighbour_maximum;
+    pub mod pointnet_grouping;
+    pub mod surface_sampling;
+}
+
+mod motion {
+    pub mod point_motion;
+}
+
+mod fit {
+    pub mod amodal_box;
+    pub mod bounding_boxes;
+    pub mod box_iou;
+    pub mod symmetries;
+}
+
+mod contact {
+    pub mod interaction_region;
+    pub mod part_distance;
+    pub mod sweep;
+}
+
+mod pose {
+    pub mod manhattan_frame;
+    pub mod poses;
+}
+
+mod raster {
+    pub mod depth_renderer;
+}
 
 use pyo3::prelude::*;
 
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_class::<meshes::Meshes>()?;
+    module.add_class::<mesh::meshes::Meshes>()?;
     for register in [
-        adjacency::register,
-        grouping::register,
-        interaction::register,
-        iou::register,
-        manhattan::register,
-        motion::register,
-        neighbours::register,
-        obb::register,
-        poses::register,
-        proximity::register,
-        raster::register,
-        sampling::register,
-        seen_boxes::register,
-        sweep::register,
-        symmetry::register,
+        contact::interaction_region::register,
+        contact::part_distance::register,
+        contact::sweep::register,
+        fit::amodal_box::register,
+        fit::bounding_boxes::register,
+        fit::box_iou::register,
+        fit::symmetries::register,
+        mesh::point_projection::register,
+        motion::point_motion::register,
+        points::nearest_neighbours::register,
+        points::neighbour_maximum::register,
+        points::pointnet_grouping::register,
+        points::surface_sampling::register,
+        pose::manhattan_frame::register,
+        pose::poses::register,
+        raster::depth_renderer::register,
     ] {
         register(module)?;
     }

@@ -1,21 +1,21 @@
-//! What can be wrong with an input.
+//! Error type for invalid input.
 
-/// A refused input. The message names the argument and what was expected of it.
+/// An invalid input. The message names the argument, its problem, and the expected value.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{argument}: {problem}")]
 pub struct GeometryError {
-    /// Name of the argument at fault, as the caller knows it.
+    /// Name of the invalid argument, as the caller knows it.
     pub argument: String,
-    /// What is wrong with it, and what was expected.
+    /// Problem and expected value.
     pub problem: String,
 }
 
 impl GeometryError {
-    /// Builds the error for `argument`.
+    /// Error for `argument`.
     pub fn new(argument: impl Into<String>, problem: impl Into<String>) -> Self {
         Self { argument: argument.into(), problem: problem.into() }
     }
 }
 
-/// Result of an operation that may refuse its input.
+/// Result of an operation that checks its input.
 pub type Result<T> = std::result::Result<T, GeometryError>;

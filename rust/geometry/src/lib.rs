@@ -1,59 +1,106 @@
-//! Geometry of articulated objects, one algorithm a file.
+//! Geometry of articulated objects: one algorithm per file, in folders by purpose.
 //!
-//! What has a surface is a [`mesh::Mesh`], a validated triangle mesh with `f64` coordinates; scans are points. Every function
-//! is deterministic: random draws come from a seed, and the result does not depend on the number of threads.
+//! - `mesh`: triangle meshes, their search trees, distances and components.
+//! - `points`: sampling of surfaces, neighbour searches, normals and Delaunay diagrams.
+//! - `motion`: joints, and points moved along them.
+//! - `fit`: hulls, boxes, axes and symmetries fitted to parts.
+//! - `contact`: distances, interaction regions and free travel of parts.
+//! - `pose`: rotations and similarity transforms from points with outliers.
+//! - `raster`: depth images and part images.
+//!
+//! Each folder uses only folders above it. Surfaces are [`Mesh`] values, validated and in `f64`; scans are points.
+//! Lengths are in the units of the input, angles in radians. Every function is deterministic: random draws come from a
+//! seed, and the result does not depend on the number of threads.
 
-pub mod aabb;
-pub mod adjacency;
-mod all_neighbours;
-pub mod articulated_pose;
-mod box_search;
-pub mod bvh;
-mod clearance;
-mod convex;
-mod coupled_rotations;
-mod delaunay;
+/// Triangle meshes, their search trees, distances and components.
+pub mod mesh {
+    pub mod aabb;
+    pub mod bvh;
+    pub mod connected_components;
+    pub mod part_surface;
+    pub mod point_projection;
+    pub mod triangle;
+    pub mod triangle_mesh;
+}
+
+/// Sampling of surfaces, neighbour searches, normals and Delaunay diagrams.
+pub mod points {
+    pub(crate) mod all_nearest_neighbours;
+    pub(crate) mod delaunay;
+    pub(crate) mod distinct_points;
+    pub(crate) mod kd_tree;
+    pub mod nearest_neighbours;
+    pub mod neighbour_maximum;
+    pub(crate) mod normal_estimation;
+    pub(crate) mod perpendicular;
+    pub(crate) mod point_columns;
+    pub mod pointnet_grouping;
+    pub(crate) mod quasi_random;
+    pub(crate) mod sample_elimination;
+    pub(crate) mod smallest_eigenvector;
+    pub(crate) mod stratified_sampling;
+    pub mod surface_sample;
+    pub mod surface_sampling;
+}
+
+/// Joints, and points moved along them.
+pub mod motion {
+    pub mod joint_axis;
+    pub mod point_motion;
+}
+
+/// Hulls, boxes, axes and symmetries fitted to parts.
+pub mod fit {
+    pub mod amodal_box;
+    pub(crate) mod axis_of_revolution;
+    pub mod box_iou;
+    pub(crate) mod box_search;
+    pub mod convex_hull;
+    pub(crate) mod minimum_area_rectangle;
+    pub mod minimum_volume_box;
+    pub mod oriented_box;
+    pub mod polyhedron;
+    pub(crate) mod polyhedron_clipping;
+    pub(crate) mod principal_axes;
+    pub(crate) mod quickhull;
+    pub mod round_pieces;
+    pub mod symmetric_box;
+    pub mod symmetry_detection;
+    pub mod symmetry_test;
+    pub(crate) mod vector_columns;
+}
+
+/// Distances, interaction regions and free travel of parts.
+pub mod contact {
+    pub(crate) mod clearance_grid;
+    pub mod collision_probes;
+    pub mod interaction_region;
+    pub mod part_distance;
+    pub mod sweep;
+}
+
+/// Rotations and similarity transforms from points with outliers.
+pub mod pose {
+    pub mod articulated_pose;
+    pub(crate) mod axis_alignment;
+    pub(crate) mod coupled_rotations;
+    pub mod manhattan_frame;
+    pub(crate) mod mixture_fit;
+    pub(crate) mod nearest_rotation;
+    pub mod pose_refinement;
+    pub mod similarity;
+    pub mod similarity_ransac;
+}
+
+/// Depth images and part images.
+pub mod raster {
+    pub mod depth_renderer;
+    pub(crate) mod z_buffer;
+}
+
 pub mod error;
-mod facing;
-pub mod grouping;
-pub mod hull;
-pub mod interaction;
-pub mod iou;
-mod lanes;
-pub mod manhattan;
-pub mod mesh;
-pub mod motion;
-pub mod neighbours;
-mod normals;
-pub mod obb;
-pub mod oriented_box;
-pub mod parry;
-mod pieces;
-mod point_tree;
-pub mod probes;
-pub mod proximity;
-mod quasi_random;
-mod quickhull;
-pub mod ransac;
-pub mod raster;
-mod rectangle;
-mod revolution;
-pub mod round_pieces;
-mod sample_elimination;
-pub mod sampling;
-pub mod seen_box;
-pub mod settled_pose;
-pub mod similarity;
-mod soft_fit;
 #[cfg(test)]
-mod soup;
-mod strata;
-pub mod surface;
-pub mod sweep;
-pub mod symmetric_box;
-pub mod symmetry;
-pub mod symmetry_test;
-pub mod triangle;
+mod test_shapes;
 
 pub use error::{GeometryError, Result};
-pub use mesh::Mesh;
+pub use mesh::triangle_mesh::Mesh;

@@ -10,17 +10,17 @@ import pytest
 from scan_road import prepared_in
 from whole_road import Listener, contents
 
-from kinmo.errors import InputError
-from kinmo.pipeline.dataset import open_dataset
-from kinmo.pipeline.scans import jobs
-from kinmo.pipeline.scans.dataset import ScanDataset, open_scan_dataset, scans_of
+from kinmo.core.errors import InputError
+from kinmo.dataset.shape_dataset import open_dataset
+from kinmo.dataset.splits import Split
+from kinmo.dataset.workspace import Workspace
+from kinmo.pipeline.scans import render_jobs as jobs
 from kinmo.pipeline.scans.refusal import REFUSED, Refusal, read_refusal
-from kinmo.pipeline.scans.render import Render
-from kinmo.pipeline.scans.rendered import LINES
+from kinmo.pipeline.scans.render_scans import Render
+from kinmo.pipeline.scans.render_summary import LINES
+from kinmo.pipeline.scans.scan_dataset import ScanDataset, open_scan_dataset, scans_of
 from kinmo.scans.articulated_object import Structure
 from kinmo.scans.scan_file import Role, count_objects, open_scans
-from kinmo.splits import Split
-from kinmo.workspace import Workspace
 
 FAMILY, CATEGORY = "refrigerator", "Refrigerator"
 CHOSEN: tuple[Role, ...] = ("validation", "test", "hidden")
@@ -95,7 +95,7 @@ def test_what_has_become_the_structure_of_most_is_scanned(
     train = [open_scans(path) for path in scans_of(stage.workspace, CATEGORY, "train").glob("*.safetensors")]
     other = next(file.structure for file in train if str(file.structure) in refused_before)
     assert other not in of_train
-    monkeypatch.setattr("kinmo.pipeline.scans.render.usual_structure", lambda _: other)
+    monkeypatch.setattr("kinmo.pipeline.scans.render_scans.usual_structure", lambda _: other)
     assert stage.plan().steps
     stage.run(Listener())
     assert other in {open_scans(path).structure for path in hidden.glob("*.safetensors")}

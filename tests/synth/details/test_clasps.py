@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.carrying_handles import add_carrying_handle
 from kinmo.synth.details.clasps import add_clasp, drawn_clasp
 from kinmo.synth.details.door_locks import NAMES, add_door_lock

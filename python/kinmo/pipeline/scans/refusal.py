@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from kinmo.workspace import write_text_atomically
+from kinmo.io.atomic_files import write_text_atomically
 
 REFUSED = ".refused.json"
 """Ending of its name."""

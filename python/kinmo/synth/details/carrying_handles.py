@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import Link, Node, hinge
 from kinmo.synth.primitives import X, box, cylinder, rounded_path, sweep, sweep_outline, transform

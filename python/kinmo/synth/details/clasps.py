@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import Link, Motion, Node, hinge, slider, spinner
 from kinmo.synth.primitives import X, Y, Z, box, cylinder, join, move, rounded_box, rounded_path, sweep, transform

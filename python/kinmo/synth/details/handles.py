@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import arc_path, box, cylinder, ellipsoid, join, lathe, move, rounded_path, sweep, turn
 from kinmo.synth.primitives.place import Point

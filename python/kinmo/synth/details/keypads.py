@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import button, grid_places
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import Link, Node, slider

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import Point
 from kinmo.synth.primitives import box, cylinder, join

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import Link, Motion, Node, hinge, slider
 from kinmo.synth.primitives import X, Y, Z, box, cylinder, rounded_box

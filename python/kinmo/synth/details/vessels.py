@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import Link, Node, hinge
 from kinmo.synth.primitives import X, Y, arc_path, cylinder, ellipsoid, lathe, move, rounded_path, sweep, torus, turn

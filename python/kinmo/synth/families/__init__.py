@@ -11,7 +11,7 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 
-from kinmo.errors import InputError, did_you_mean
+from kinmo.core.errors import InputError, did_you_mean
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import SynthObject
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.lid_hinges import lid_hinge
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.seat_extras import add_foot_rest, add_moving_arms, add_writing_board
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, screw, slider, spinner

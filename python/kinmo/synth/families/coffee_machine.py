@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import button, dial, grid_places
 from kinmo.synth.details.turning_handles import lever
 from kinmo.synth.draw import Draw

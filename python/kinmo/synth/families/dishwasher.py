@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.appliance import add_dial, add_feet, frame, housing
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.spouts import add_spout, arm_path, neck_path
 from kinmo.synth.details.turning_handles import lever, turned_cap, turning_handle
 from kinmo.synth.draw import Draw

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, spinner
 from kinmo.synth.primitives import Y, Z, arc_path, box, cylinder, ellipsoid, lathe, sweep, torus, turn

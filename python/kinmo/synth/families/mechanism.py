@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kinmo.core.vector import Vector
 from kinmo.synth.details.controls import grid_places
 from kinmo.synth.details.posture import lay, reorient
 from kinmo.synth.draw import Draw
@@ -23,7 +24,6 @@ from kinmo.synth.mechanisms.slender import slender
 from kinmo.synth.model import JointName, Link, Node, SynthObject
 from kinmo.synth.primitives import X, Y, Z, box, rounded_box
 from kinmo.synth.primitives.place import facing, rotation_about
-from kinmo.vector import Vector
 
 SIDES = ((Z, Y), (-Z, Y), (X, Y), (-X, Y), (Y, Z), (-Y, Z))
 """The outward normal of each side of the block, and the direction on it that is up or to the front."""

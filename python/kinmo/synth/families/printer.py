@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.details.posture import carry
 from kinmo.synth.draw import Draw

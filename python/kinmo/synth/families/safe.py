@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad

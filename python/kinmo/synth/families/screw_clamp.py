@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.posture import reorient
 from kinmo.synth.details.turning_handles import turning_handle
 from kinmo.synth.draw import Draw

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.casework import DoorNames, Fronts, Opening, add_door, add_drawer, add_sliding_doors, legs
 from kinmo.synth.details.casework_extras import (
     add_casters,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.door_locks import lock_pieces
 from kinmo.synth.details.posture import ORIGIN, carry
 from kinmo.synth.draw import Draw

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import dial
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw

@@ -1,6 +1,6 @@
 """Building blocks of procedural parts: functions that return a `Mesh`, from twelve triangles to some thousands."""
 
-from kinmo.shape import join
+from kinmo.core.shape import join
 from kinmo.synth.primitives.place import X, Y, Z, along, inside_out, mirror, move, scale, transform, turn
 from kinmo.synth.primitives.solids import (
     box,

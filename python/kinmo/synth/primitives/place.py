@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.shape import Mesh
-from kinmo.vector import Vector
+from kinmo.core.shape import Mesh
+from kinmo.core.vector import Vector
 
 Point = Sequence[float] | Vector
 X, Y, Z = (np.eye(3)[i] for i in range(3))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.box import CORNER_SIGNS
-from kinmo.shape import Mesh
+from kinmo.core.box import CORNER_SIGNS
+from kinmo.core.shape import Mesh
 from kinmo.synth.primitives.place import Point, along, move
 from kinmo.synth.primitives.turned import grid_faces, lathe
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.shape import Mesh, join
+from kinmo.core.shape import Mesh, join
 from kinmo.synth.draw import Draw
 from kinmo.synth.model import Node, SynthObject
 from kinmo.synth.writers.files import rounded, write_json, write_obj

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from kinmo.shape import Mesh
+from kinmo.core.shape import Mesh
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -1,0 +1,167 @@
+"""The one mechanism that tells whether a result on disk is still current.
+
+A result is current if its *cache key* is the key of what it would be made from now, and its files are still the ones that were
+written. A key is a hash of inputs, settings and the version of kinmo.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+from kinmo._core import __version__
+from kinmo.core.digest import digest
+from kinmo.io.atomic_files import append_line, write_text_atomically
+
+FILE = ".kinmo.jsonl"
+"""File of a cache: one JSON object per line; of several lines for one result the last counts."""
+_SPARE_LINES = 1000
+"""Outdated lines that a file may have beyond twice its results before it is written anew."""
+
+
+def cache_key(**inputs: Any) -> str:
+    """Hash of everything that a result depends on.
+
+    Args:
+        inputs: plain data (what JSON can hold): hashes of files, settings, seeds. The version of kinmo is added.
+
+    Returns:
+        32 hexadecimal digits; equal for equal inputs, whatever their order.
+    """
+    return digest({**inputs, "kinmo": __version__})
+
+
+@dataclass(frozen=True)
+class Result:
+    """A stored result: its `key`, plain `data` that belongs to it, and its `files` with their stamps."""
+
+    key: str
+    data: Any = None
+    files: Mapping[str, tuple[int, int, str]] = field(default_factory=dict)
+    """By path relative to the cache's folder: size in bytes, time of change in ns, hash of the contents."""
+
+
+class Cache:
+    """The results in one folder, each under a name.
+
+    A result is stored after its files are in place, so that an interrupted run makes it again. Only the process that holds the
+    folder's lock may store or forget.
+
+    Example:
+        >>> cache = Cache(folder)
+        >>> key = cache_key(files=hashes, seed=0)
+        >>> if not cache.is_current("cabinet", key):
+        ...     (folder / "cabinet.json").write_text(make())
+        ...     cache.store("cabinet", key, [folder / "cabinet.json"])
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = Path(folder)
+        self._results: dict[str, Result] = {}
+        self._lines = 0
+        for name, result in _read(self.folder / FILE):
+            self._lines += 1
+            if result is None:
+                self._results.pop(name, None)
+            else:
+                self._results[name] = result
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of all results, current or not."""
+        return iter(tuple(self._results))
+
+    def find(self, name: str) -> Result | None:
+        """The result of a name, whatever its key; None if there is none or one of its files is gone or has changed."""
+        result = self._results.get(name)
+        if result is None or not all(_is_unchanged(self.folder / path, stamp) for path, stamp in result.files.items()):
+            return None
+        return result
+
+    def is_current(self, name: str, key: str) -> bool:
+        """True if the result of a name has this key, and its files are the ones that were stored."""
+        result = self.find(name)
+        return result is not None and result.key == key
+
+    def store(self, name: str, key: str, files: Iterable[Path] = (), data: Any = None) -> None:
+        """Store a result whose files are in place.
+
+        Args:
+            name: name of the result within the folder.
+            key: its `cache_key`.
+            files: its files, at or below the folder.
+            data: plain data (what JSON can hold) that `find` gives back.
+        """
+        stamps = {os.path.relpath(path, self.folder): _stamp(path) for path in files}
+        result = Result(key, _plain(data), stamps)
+        if self._results.get(name) == result:
+            return
+        self._results[name] = result
+        self._append(name, result)
+
+    def forget(self, *names: str) -> None:
+        """Drop results, before their files change."""
+        for name in names:
+            if self._results.pop(name, None) is not None:
+                self._append(name, None)
+
+    def _append(self, name: str, result: Result | None) -> None:
+        self._lines += 1
+        if self._lines > 2 * len(self._results) + _SPARE_LINES:
+            text = "".join(_line(name, result) + "\n" for name, result in self._results.items())
+            write_text_atomically(self.folder / FILE, text)
+            self._lines = len(self._results)
+        else:
+            append_line(self.folder / FILE, _line(name, result))
+
+
+def _line(name: str, result: Result | None) -> str:
+    fields = {} if result is None else {"key": result.key, "data": result.data, "files": dict(result.files)}
+    return json.dumps({"name": name, **fields}, ensure_ascii=False)
+
+
+def _read(path: Path) -> Iterator[tuple[str, Result | None]]:
+    """Names and results in the order of the file; None for a result that was dropped. Damaged lines are left out."""
+    try:
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return
+    for line in lines:
+        try:
+            found = json.loads(line)
+            files = {name: (int(size), int(time), str(hashed)) for name, (size, time, hashed) in found.get("files", {}).items()}
+            yield str(found["name"]), Result(str(found["key"]), found.get("data"), files) if "key" in found else None
+        except (ValueError, TypeError, KeyError, AttributeError):
+            continue
+
+
+def _stamp(path: Path) -> tuple[int, int, str]:
+    status = path.stat()
+    return status.st_size, status.st_mtime_ns, _hash(path)
+
+
+def _is_unchanged(path: Path, stamp: tuple[int, int, str]) -> bool:
+    """True if a file has its old size, and its old time or else its old contents (a copied workspace has other times)."""
+    size, time, hashed = stamp
+    try:
+        status = path.stat()
+        return status.st_size == size and (status.st_mtime_ns == time or _hash(path) == hashed)
+    except OSError:
+        return False
+
+
+def _hash(path: Path) -> str:
+    with path.open("rb") as file:
+        hashed = blake2b(digest_size=16)
+        while block := file.read(1 << 20):
+            hashed.update(block)
+    return hashed.hexdigest()
+
+
+def _plain(data: Any) -> Any:
+    """`data` as JSON gives it back."""
+    return json.loads(json.dumps(data))

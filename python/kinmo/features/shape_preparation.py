@@ -1,0 +1,110 @@
+"""From a shape to what training reads of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from hashlib import blake2b
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo import _core
+from kinmo.core.edge_labels import EdgeLabels, label_edges, motion_type, sibling_edges
+from kinmo.core.joint import MotionType
+from kinmo.core.mobility import Mobility
+from kinmo.core.normalisation import Normalisation, geometry_hash
+from kinmo.core.shape import Shape
+from kinmo.features.candidate_features import Scene, gather
+from kinmo.features.prepared_shape import Boxes, PreparedShape, part_sizes, units_of
+
+F64 = NDArray[np.float64]
+POINTS = 1024
+
+
+def prepare_shape(shape: Shape, *, points: int = POINTS, seed: int = 0) -> PreparedShape:
+    """Points, boxes, distances and labels of `shape`, in the normalised frame.
+
+    `points` samples a leaf are drawn with a generator that depends on `seed` and the shape's id alone. Raises ValueError,
+    naming the argument, for meshes that the geometry core refuses.
+    """
+    frame = Normalisation.of(shape)
+    leaf_meshes = [frame.mesh(mesh) for mesh in shape.meshes()]
+    meshes = _core.Meshes([mesh.vertices for mesh in leaf_meshes], [mesh.faces for mesh in leaf_meshes])
+    place = {leaf: position for position, leaf in enumerate(shape.leaves)}
+    parts = [tuple(place[leaf] for leaf in leaves) for leaves in shape.leaves_below]
+    mobility = None if shape.mobility is None else frame.mobility(shape.mobility)
+    bodies = [] if mobility is None else [tuple(sorted(place[leaf] for leaf in body.leaves)) for body in mobility.bodies]
+    symmetric = _fit_boxes(lambda groups: _core.fit_symmetric_boxes(meshes, groups)[:3], parts + bodies)
+    symmetric_boxes, body_boxes = _split(symmetric, len(parts))
+    samples, normals, _ = _core.sample_surface(meshes, points, seed_of(shape.id, seed))
+    edges = sibling_edges(shape)
+    up, areas = np.array(shape.up, np.float64), meshes.areas()
+    scene = Scene.of(meshes, samples, normals, areas, up)
+    minimum_boxes = _fit_boxes(lambda groups: _core.fit_boxes(meshes, groups), parts)
+    units = units_of(parts, bodies)
+    body_types: dict[int, MotionType] = {}
+    edge_labels: EdgeLabels | None = None
+    if mobility is not None:
+        body_types = _body_types(mobility, body_boxes, up)
+        edge_labels = label_edges(shape, mobility, edges, body_types)
+    return PreparedShape(
+        id=shape.id,
+        category=shape.category,
+        layout=shape.layout,
+        source=str(shape.source),
+        partnet_id=shape.partnet_id,
+        geometry_hash=geometry_hash(leaf_meshes),
+        up=up,
+        center=frame.center,
+        diagonal=frame.diagonal,
+        part_ids=tuple(part.id for part in shape.parts),
+        part_names=tuple(part.name for part in shape.parts),
+        parents=tuple(-1 if part.parent is None else part.parent for part in shape.parts),
+        leaves=shape.leaves,
+        leaf_points=samples,
+        leaf_normals=normals,
+        leaf_areas=areas,
+        minimum_boxes=minimum_boxes,
+        symmetric_boxes=symmetric_boxes,
+        aligned_boxes=_fit_boxes(lambda groups: _core.fit_aligned_boxes(meshes, np.eye(3), groups), parts),
+        edges=edges,
+        edge_distances=_edge_distances(meshes, parts, edges),
+        mobility=mobility,
+        body_boxes=None if mobility is None else body_boxes,
+        body_types=body_types,
+        edge_labels=edge_labels,
+        evidence=gather(scene, units, part_sizes(parts, minimum_boxes)).arrays() if units else {},
+    )
+
+
+def seed_of(shape_id: str, seed: int) -> int:
+    """A seed of 63 bits for one shape."""
+    return int.from_bytes(blake2b(f"{seed}:{shape_id}".encode(), digest_size=8).digest(), "big") >> 1
+
+
+def _fit_boxes(fit: Callable[[list[list[int]]], tuple[F64, ...]], groups: Sequence[tuple[int, ...]]) -> Boxes:
+    """Boxes of all groups of leaves; equal groups, such as a body and the part it consists of, are fitted once."""
+    position = {group: index for index, group in enumerate(dict.fromkeys(groups))}
+    fitted = fit([list(group) for group in position])
+    rows = [position[group] for group in groups]
+    return Boxes(*(array[rows] for array in fitted))
+
+
+def _split(boxes: Boxes, count: int) -> tuple[Boxes, Boxes]:
+    """The first `count` boxes and the others."""
+    arrays = (boxes.centers, boxes.axes, boxes.half_extents)
+    return Boxes(*(array[:count] for array in arrays)), Boxes(*(array[count:] for array in arrays))
+
+
+def _body_types(mobility: Mobility, boxes: Boxes, up: F64) -> dict[int, MotionType]:
+    """The motion type of every movable body, whose box is `boxes[index]`."""
+    return {index: motion_type(body.joint, boxes[index], up) for index, body in mobility.movable() if body.joint is not None}
+
+
+def _edge_distances(meshes: _core.Meshes, parts: Sequence[tuple[int, ...]], edges: NDArray[np.int64]) -> F64:
+    """Exact distances [E] of pairs of parts; each pair is measured once."""
+    if not len(edges):
+        return np.zeros(0)
+    pairs, pair_of_edge = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
+    _, distances, _, _ = _core.part_distances(meshes, list(map(list, parts)), pairs.astype(np.uint32))
+    return np.asarray(distances[pair_of_edge.ravel()])

@@ -1,0 +1,123 @@
+"""Wavefront OBJ: the vertices and faces of a file, polygons as fans.
+
+Of an OBJ only `v` and `f` lines matter here. They are gathered and converted in bulk, which is several times faster than a
+line at a time: a shape of PartNet-Mobility has some fifty OBJ files.
+"""
+
+from __future__ import annotations
+
+import re
+from codecs import BOM_UTF8
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.core.errors import InputError
+from kinmo.core.shape import Mesh
+from kinmo.io.readers.untrusted_files import LARGEST_MESH, read_bytes
+
+_LARGEST_COORDINATE = 1e60
+_MOST_DIGITS = 10
+_VERTEX = re.compile(rb"\n[ \t]*v[ \t]+([^\n#]*)")
+_FACE = re.compile(rb"\n[ \t]*f[ \t]+([^\n#]*)")
+
+
+def read_obj(path: Path, folder: Path) -> Mesh | None:
+    """The triangles of an OBJ file in `folder`; None if it has no faces."""
+    return parse_obj(read_bytes(path, folder, LARGEST_MESH), path)
+
+
+def parse_obj(data: bytes, where: Path) -> Mesh | None:
+    """The triangles of an OBJ's text; None if it has no faces. `where` names the file in errors."""
+    text = b"\n" + data.removeprefix(BOM_UTF8)
+    if b"\r" in text:
+        text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    if b"\\" in text:
+        text = text.replace(b"\\\n", b" ")
+    lines = _FACE.findall(text)
+    try:
+        corners, sizes = _corners(lines)
+        if not np.any(sizes > 2):
+            return None
+        vertices = _vertices(_VERTEX.findall(text))
+    except (ValueError, OverflowError) as error:
+        raise InputError(where, f"expected numbers ({str(error)[:80]})") from None
+    if np.any(corners < 0):
+        corners = _absolute(text, corners, sizes)
+    corners -= 1
+    if np.any(corners < 0) or np.any(corners >= len(vertices)):
+        raise InputError(where, f"a face names a vertex outside 1..{len(vertices)}", "f")
+    return _compact(vertices, _fans(corners, sizes), where)
+
+
+def _vertices(lines: list[bytes]) -> NDArray[np.float64]:
+    """Coordinates [V, 3]; what follows the third number of a line is a weight or a colour."""
+    joined = b" ".join(lines)
+    numbers = joined.split()
+    has_plain_lines = {line.count(b" ") for line in lines} == {2} and b"\t" not in joined
+    if not has_plain_lines or len(numbers) != 3 * len(lines):
+        rows = [line.split()[:3] for line in lines]
+        if any(len(row) < 3 for row in rows):
+            raise ValueError("a vertex has fewer than 3")
+        numbers = list(chain.from_iterable(rows))
+    return np.array(list(map(float, numbers)), np.float64).reshape(-1, 3)
+
+
+def _corners(lines: list[bytes]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The first index of every corner `v/vt/vn` of all faces, and the number of corners a face.
+
+    All numbers grow digit by digit at once.
+    """
+    text = np.frombuffer(b"".join([b"\n".join(lines), b"\n", b" " * (_MOST_DIGITS + 2)]), np.uint8)
+    blank = (text == 32) | (text == 10) | (text == 9)
+    starts = np.flatnonzero(blank[:-1] & ~blank[1:]) + 1
+    if not blank[0]:
+        starts = np.concatenate([[0], starts])
+    ends = np.flatnonzero(text == 10)
+    sizes = np.diff(np.searchsorted(starts, ends), prepend=0)
+    negative = text[starts] == ord("-")
+    places = starts + negative
+    values, after = np.zeros(len(starts), np.int64), places.copy()
+    growing = np.ones(len(starts), bool)
+    for step in range(_MOST_DIGITS + 1):
+        digits = text[places + step].astype(np.int64) - ord("0")
+        growing &= (digits >= 0) & (digits <= 9)
+        if not growing.any():
+            break
+        values = np.where(growing, 10 * values + digits, values)
+        after += growing
+    wrong = (after == places) | growing | ~(blank[after] | (text[after] == ord("/")))
+    if wrong.any():
+        start = int(starts[int(np.argmax(wrong))])
+        raise ValueError(f"found {text[start : start + 16].tobytes().split()[0]!r}")
+    return np.where(negative, -values, values), sizes
+
+
+def _absolute(text: bytes, corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Negative indices count back from the last vertex above the face's line: here from the first of the file."""
+    vertex_places = np.array([match.start() for match in _VERTEX.finditer(text)], np.int64)
+    face_places = np.array([match.start() for match in _FACE.finditer(text)], np.int64)
+    above = np.repeat(np.searchsorted(vertex_places, face_places), sizes)
+    return np.where(corners < 0, above + corners + 1, corners)
+
+
+def _fans(corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Triangles [F, 3] of polygons whose corners stand one after the other; points and lines vanish."""
+    if np.all(sizes == 3):
+        return corners.reshape(-1, 3)
+    starts = np.cumsum(sizes) - sizes
+    counts = np.maximum(sizes - 2, 0)
+    first = np.repeat(starts, counts)
+    step = np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return np.stack([corners[first], corners[first + step + 1], corners[first + step + 2]], axis=1)
+
+
+def _compact(vertices: NDArray[np.float64], faces: NDArray[np.int64], where: Path) -> Mesh:
+    """Drops vertices that no face uses, and checks the others."""
+    is_fine = np.all(np.abs(vertices) <= _LARGEST_COORDINATE, axis=1)
+    bad = faces[~is_fine[faces]]
+    if len(bad):
+        raise InputError(where, f"vertex {bad.min() + 1} is not finite", "v")
+    return Mesh(vertices, faces.astype(np.uint32)).compact

@@ -1,0 +1,172 @@
+"""Reading a URDF file: its links with their geometry, and its joints."""
+
+from __future__ import annotations
+
+import sys
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from kinmo.core.errors import InputError
+from kinmo.io.readers.urdf_meshes import LARGEST_NUMBER, NO_TRIANGLES, Triangles, is_file, read_triangles
+
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class JointElement:
+    """A <joint>. `type` is URDF's word, `pose` [4, 4] places the child link in the parent, `axis` [3] is unit, in the child."""
+
+    type: str
+    parent: str
+    child: str
+    pose: Matrix
+    axis: Matrix
+    limits: tuple[float, float] | None
+
+
+@dataclass(frozen=True, eq=False)
+class RobotFile:
+    """A tree of links. `pieces` are the triangles of every link with their poses in it, `above` the joint of every child.
+
+    `links` are names, the root first and every link after its parent.
+    """
+
+    links: tuple[str, ...]
+    above: dict[str, JointElement]
+    pieces: dict[str, list[tuple[Triangles, Matrix]]]
+
+
+def read_robot_file(path: Path, packages: Path) -> RobotFile:
+    """The URDF at `path`, with its meshes.
+
+    `package://` meshes are looked for beside the file and in the folders above it, up to `packages`. Collision shapes stand
+    in where no link has a visual. Raises InputError for whatever makes the file unusable.
+    """
+    root = _parse(path)
+    elements = {element.get("name") or "": element for element in root.findall("link")}
+    if len(elements) < len(root.findall("link")):
+        raise InputError(path, "expected links of different names")
+    joints = [_joint_element(path, element) for element in root.findall("joint")]
+    links = _checked_order(path, list(elements), joints)
+    role = "visual" if root.find("link/visual") is not None else "collision"
+    pieces = {name: [_geometry(path, packages, piece) for piece in element.findall(role)] for name, element in elements.items()}
+    return RobotFile(links, {joint.child: joint for joint in joints}, pieces)
+
+
+def _parse(path: Path) -> ET.Element:
+    data = path.read_bytes()
+    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
+        raise InputError(path, "expected a URDF without document type or entities")
+    try:
+        root = ET.fromstring(data)
+    except (ET.ParseError, ValueError, LookupError) as error:
+        raise InputError(path, f"expected XML: {error}") from error
+    return root
+
+
+def _numbers(
+    path: Path, element: ET.Element | None, field: str, default: tuple[float, ...], largest: float = LARGEST_NUMBER
+) -> Matrix:
+    text = None if element is None else element.get(field)
+    if text is None:
+        return np.array(default)
+    try:
+        values = np.array(text.split(), float)
+    except ValueError:
+        values = np.array([np.nan])
+    if len(values) != len(default) or not np.all(np.abs(values) <= largest):
+        raise InputError(path, f"expected {len(default)} finite numbers, of at most {largest:g}, found {text[:40]!r}", field)
+    return values
+
+
+def _pose(path: Path, element: ET.Element | None) -> Matrix:
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_euler("xyz", _numbers(path, element, "rpy", (0.0, 0.0, 0.0))).as_matrix()
+    pose[:3, 3] = _numbers(path, element, "xyz", (0.0, 0.0, 0.0))
+    return pose
+
+
+def _joint_element(path: Path, element: ET.Element) -> JointElement:
+    kind = (element.get("type") or "").strip().lower()
+    ends = [end.get("link") if (end := element.find(role)) is not None else None for role in ("parent", "child")]
+    if ends[0] is None or ends[1] is None:
+        raise InputError(path, "expected a parent and a child link", f"joint {element.get('name')}")
+    axis = _numbers(path, element.find("axis"), "xyz", (1.0, 0.0, 0.0))
+    length = float(np.linalg.norm(axis))
+    if length < 1.0 / LARGEST_NUMBER:
+        raise InputError(path, "expected an axis that is not zero", f"joint {element.get('name')}")
+    limits = _limits(path, element.find("limit"))
+    pose = _pose(path, element.find("origin"))
+    return JointElement(kind, ends[0], ends[1], pose, axis / length, None if kind == "continuous" else limits)
+
+
+def _limits(path: Path, element: ET.Element | None) -> tuple[float, float] | None:
+    """A range, the right way round; None for an empty one, and for the largest floats, by which some writers mean no limit."""
+    ends = (float(_numbers(path, element, field, (0.0,), sys.float_info.max)[0]) for field in ("lower", "upper"))
+    lower, upper = sorted(ends)
+    return (lower, upper) if -LARGEST_NUMBER <= lower < upper <= LARGEST_NUMBER else None
+
+
+def _checked_order(path: Path, names: list[str], joints: list[JointElement]) -> tuple[str, ...]:
+    """Names of the links, each after its parent, provided that they form one tree."""
+    if not names:
+        raise InputError(path, "expected at least one link")
+    children: dict[str, list[str]] = {name: [] for name in names}
+    seen: set[str] = set()
+    for joint in joints:
+        for end in (joint.parent, joint.child):
+            if end not in children:
+                raise InputError(path, f"expected a link of the name {end!r}", "joint")
+        if joint.child in seen:
+            raise InputError(path, f"expected one joint above link {joint.child!r}", "joint")
+        seen.add(joint.child)
+        children[joint.parent].append(joint.child)
+    roots = [name for name in names if name not in seen]
+    if len(roots) != 1:
+        raise InputError(path, f"expected one root link, found {len(roots)}")
+    order = [roots[0]]
+    for name in order:
+        order += children[name]
+    if len(order) < len(names):
+        raise InputError(path, "expected a tree, found a cycle of joints")
+    return tuple(order)
+
+
+def _geometry(path: Path, packages: Path, piece: ET.Element) -> tuple[Triangles, Matrix]:
+    """Triangles of a visual or collision element in its own frame, and its pose in the link."""
+    pose = _pose(path, piece.find("origin"))
+    shape = next(iter(piece.findall("geometry/*")), None)
+    if shape is None:
+        return NO_TRIANGLES, pose
+    if shape.tag == "mesh":
+        file = mesh_path(shape.get("filename") or "", path, packages)
+        return read_triangles(file) * _numbers(path, shape, "scale", (1.0, 1.0, 1.0)), pose
+    if shape.tag == "box":
+        mesh = trimesh.creation.box(_numbers(path, shape, "size", (1.0, 1.0, 1.0)))
+    elif shape.tag in ("cylinder", "capsule"):
+        radius, length = (float(_numbers(path, shape, field, (1.0,))[0]) for field in ("radius", "length"))
+        mesh = (
+            trimesh.creation.cylinder(radius, length) if shape.tag == "cylinder" else trimesh.creation.capsule(length, radius)
+        )
+    elif shape.tag == "sphere":
+        mesh = trimesh.creation.icosphere()
+        mesh.apply_scale(float(_numbers(path, shape, "radius", (1.0,))[0]))  # trimesh knows no sphere of radius 0
+    else:
+        raise InputError(path, f"expected mesh, box, cylinder or sphere, found {shape.tag[:40]!r}", "geometry")
+    return np.asarray(mesh.triangles, float), pose
+
+
+def mesh_path(name: str, urdf: Path, packages: Path) -> Path:
+    """Where the mesh `name` of a URDF is: beside the file, or for package:// in the folders above it up to `packages` too."""
+    if not name.startswith("package://"):
+        return urdf.parent / name.removeprefix("file://")
+    inside = name.removeprefix("package://")
+    folders = [folder for folder in urdf.parents if folder == urdf.parent or folder == packages or packages in folder.parents]
+    places = [folder / tail for folder in folders for tail in (inside, inside.partition("/")[2])]
+    return next((place for place in places if is_file(place)), places[0])

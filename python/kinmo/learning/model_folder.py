@@ -1,0 +1,118 @@
+"""The trained networks of one folder: where each lies, and what it was trained for.
+
+Nothing here imports torch, so commands that only look at networks start fast.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from kinmo.config import Config, load_config
+from kinmo.core.digest import digest
+from kinmo.core.errors import InputError, expecting
+from kinmo.core.typed_tables import from_table
+
+WEIGHTS = "weights.safetensors"
+"""File of a network's tensors, written when its training is done."""
+HEADER = "weights.json"
+"""File that says what the weights are for, written right after them."""
+METRICS = "metrics.json"
+"""File with one entry per epoch."""
+METRICS_TABLE = "metrics.csv"
+"""The same metrics as a table."""
+CONFIG = "config.json"
+"""File with the configuration of the last training; predictions follow it."""
+
+
+@dataclass(frozen=True)
+class ModelFolder:
+    """Networks below `path`: one folder per model, and below it one per category that has a network of its own."""
+
+    path: Path
+
+    def folder(self, model: str, category: str | None = None) -> Path:
+        """Folder of a model, or of its network for one category."""
+        folder = self.path / model
+        return folder / category if category else folder
+
+    def weights_for(self, model: str, category: str) -> Path:
+        """Weights for shapes of a category: those trained for it alone, otherwise those of all categories.
+
+        Raises:
+            InputError: neither was trained.
+        """
+        for folder in (self.folder(model, category), self.folder(model)):
+            if (folder / WEIGHTS).exists():
+                return folder / WEIGHTS
+        raise InputError(self.folder(model), f"not trained for {category}: run kinmo train first")
+
+    def all_weights(self, model: str) -> list[Path]:
+        """Every file of weights of a model, those for single categories included.
+
+        Raises:
+            InputError: the model was never trained.
+        """
+        found = sorted(self.folder(model).rglob(WEIGHTS))
+        if not found and not self.path.parent.exists():
+            problem = "there is no such workspace: name one by --workspace, or run kinmo train motion first"
+            raise InputError(self.path.parent, problem)
+        if not found:
+            raise InputError(self.folder(model), "not trained yet: run kinmo train motion first")
+        return found
+
+    def digest(self, models: tuple[str, ...]) -> str:
+        """Hash of all weights of some models; empty if one of them was never trained."""
+        found: dict[str, str] = {}
+        for model in models:
+            headers = sorted(self.folder(model).rglob(HEADER))
+            if not headers:
+                return ""
+            for path in headers:
+                with expecting("a header of weights", path):
+                    found[str(path.relative_to(self.path))] = _header(path)["sha256"]
+        return digest(found)
+
+    def seeds(self, models: tuple[str, ...]) -> tuple[int, ...]:
+        """Seeds that some models were trained with, sorted, each once."""
+        seeds = set()
+        for path in (path for model in models for path in self.folder(model).rglob(HEADER)):
+            with expecting("a header of weights", path):
+                seeds.add(int(_header(path)["facts"]["seed"]))
+        return tuple(sorted(seeds))
+
+    def config(self) -> Config:
+        """The configuration of the last training; `small` if nothing was trained."""
+        path = self.path / CONFIG
+        if not path.exists():
+            return load_config("small")
+        try:
+            table = json.loads(path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise InputError(path, f"not JSON ({error}): train again") from None
+        return from_table(Config, table, path)
+
+
+def networks_digest(weights: tuple[Path, ...]) -> str:
+    """Hash of some files of weights and of the configurations they were trained with."""
+    found = []
+    for path in (path.with_suffix(".json") for path in weights):
+        with expecting("a header of weights", path):
+            header = _header(path)
+            found.append([header["sha256"], header["config"]])
+    return digest(found)
+
+
+def trained_on(weights: Path) -> tuple[int, int]:
+    """Numbers of labelled and of other objects that a network for scans was trained on."""
+    path = weights.with_suffix(".json")
+    with expecting("a header of weights", path):
+        facts = _header(path)["facts"]
+        return int(facts["labelled"]), int(facts["objects"]) - int(facts["labelled"])
+
+
+def _header(path: Path) -> dict[str, Any]:
+    header: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return header

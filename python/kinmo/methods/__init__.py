@@ -1,0 +1,41 @@
+"""The two methods that predict joints of shapes: the paper's and kinmo's own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kinmo.core.errors import InputError
+from kinmo.learning.model_folder import ModelFolder
+
+if TYPE_CHECKING:
+    from kinmo.methods.method import Method
+
+METHOD_MODELS: dict[str, tuple[str, ...]] = {"kinmo": ("gnn_fine", "ranking"), "paper": ("gnn_fine", "axis")}
+"""Networks that each method needs, by the name of the method."""
+DEFAULT_METHOD = "kinmo"
+
+
+def load_method(name: str, models: ModelFolder, device: str = "auto") -> Method:
+    """Load a trained method.
+
+    Args:
+        name: `kinmo` or `paper`.
+        models: the folder with the trained networks.
+        device: where networks run: auto, cpu, cuda, cuda:1, mps.
+
+    Raises:
+        InputError: there is no such method, or one of its networks is missing or cannot be read.
+    """
+    method: Method
+    if name == "kinmo":
+        from kinmo.methods.kinmo.kinmo_method import KinmoMethod
+
+        method = KinmoMethod(models, device)
+    elif name == "paper":
+        from kinmo.methods.paper.paper_method import PaperMethod
+
+        method = PaperMethod(models, models.config().refinement, device=device)
+    else:
+        raise InputError("--method", f"expected one of {', '.join(METHOD_MODELS)}, got {name}")
+    method.check()
+    return method

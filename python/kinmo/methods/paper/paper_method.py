@@ -1,0 +1,106 @@
+"""The paper's method: motion GNN, mobility tree, candidate axes, axis selection (section 3)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo import _core
+from kinmo.config import RefinementConfig
+from kinmo.core.prediction import Prediction
+from kinmo.core.typed_tables import to_table
+from kinmo.features.prepared_shape import PreparedShape
+from kinmo.learning.model_folder import ModelFolder
+from kinmo.learning.motion_gnn.gnn_network import TypeSet
+from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
+from kinmo.methods.method import NETWORKS_KEPT, load_gnn
+from kinmo.methods.paper.axis_selection.axis_selector import AxisSelector
+from kinmo.methods.paper.mobility_tree import MobilityTree, given_tree, predicted_tree, retyped
+from kinmo.methods.paper.refinement import Refiner
+
+
+@dataclass(frozen=True)
+class PaperMethod:
+    """The paper's method with fine (ten) or coarse (five) motion types.
+
+    Networks are read from `models` when they are first needed; a category's own networks come before those of all.
+
+    Attributes:
+        models: the folder with the trained networks.
+        refinement: candidates and scores of the refinement.
+        types: `fine` or `coarse`.
+        device: where networks run.
+        hide_names: hide the names of all parts.
+        contact_edges: use the GNN that was trained on edges between touching parts alone.
+    """
+
+    models: ModelFolder
+    refinement: RefinementConfig
+    types: TypeSet = "fine"
+    device: str = "auto"
+    hide_names: bool = False
+    contact_edges: bool = False
+    name: str = "paper"
+    finds_parents: bool = False
+
+    @cached_property
+    def weights(self) -> str:
+        """Hash of all networks that take part."""
+        return self.models.digest((self._gnn_model, "axis"))
+
+    def check(self) -> None:
+        """Raise InputError if one of the networks is missing or cannot be read."""
+        for path in self.models.all_weights(self._gnn_model):
+            load_gnn(path, self.device, self.hide_names)
+        for path in self.models.all_weights("axis"):
+            _load_selector(path, path.stat().st_mtime_ns, self.device)
+
+    @property
+    def is_fine(self) -> bool:
+        """True for ten motion types, False for five."""
+        return self.types == "fine"
+
+    @property
+    def config(self) -> Mapping[str, Any]:
+        """Everything but the networks that predictions depend on."""
+        return {"types": self.types, "refinement": to_table(self.refinement), "hide_names": self.hide_names}
+
+    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        """Predict bodies and joints from the hierarchy."""
+        return self._refined(shape, meshes, predicted_tree(shape, self._gnn(shape).predict_edges(shape)))
+
+    def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        """Predict the joints of the annotated bodies."""
+        return self._refined(shape, meshes, given_tree(shape, self._gnn(shape).predict_edges(shape)))
+
+    def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+        """Predict the joints of the bodies whose type the GNN gets wrong, with their true types."""
+        tree = given_tree(shape, self._gnn(shape).predict_edges(shape))
+        return self._refined(shape, meshes, retyped(tree, shape.body_types))
+
+    def edge_types(self, shape: PreparedShape) -> NDArray[np.int64]:
+        """Predicted motion type [E] of every edge."""
+        return self._gnn(shape).predict_edges(shape).types
+
+    @property
+    def _gnn_model(self) -> str:
+        return "gnn_contact" if self.contact_edges else f"gnn_{self.types}"
+
+    def _gnn(self, shape: PreparedShape) -> MotionGnnPredictor:
+        return load_gnn(self.models.weights_for(self._gnn_model, shape.category), self.device, self.hide_names)
+
+    def _refined(self, shape: PreparedShape, meshes: _core.Meshes, tree: MobilityTree) -> Prediction:
+        weights = self.models.weights_for("axis", shape.category)
+        selector = _load_selector(weights, weights.stat().st_mtime_ns, self.device)
+        return Refiner(shape, self.refinement, selector, meshes).refine(tree, self.name)
+
+
+@lru_cache(maxsize=NETWORKS_KEPT)
+def _load_selector(weights: Path, written: int, device: str) -> AxisSelector:
+    return AxisSelector.load(weights, device)

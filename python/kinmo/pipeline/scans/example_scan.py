@@ -1,0 +1,86 @@
+"""A scan to try `kinmo predict` on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from kinmo.core.categories import same_category
+from kinmo.core.errors import InputError
+from kinmo.core.wording import counted
+from kinmo.dataset.stage import Observer, Outcome, Plan
+from kinmo.dataset.workspace import Workspace
+from kinmo.pipeline.scans.render_scans import Render
+from kinmo.pipeline.scans.scan_dataset import open_scan_dataset, scanned_categories
+from kinmo.scans.scan_file import ScanFile
+from kinmo.scans.scan_reader import READING, write_points
+
+MARK = "example_of"
+"""The array beside the points, which has the id of the object."""
+
+
+@dataclass(frozen=True)
+class ExampleScan:
+    """Write one of the scans that networks of `category` are tested on to `path`, an .npz: its points, in the camera's frame.
+
+    It is of the scans that there are, however they were made; only where there are none `rendering` makes them. The object is
+    drawn by `seed`; of its scans it is the one that shows all parts best. Raises InputError if there is no such scan, or `path`
+    holds anything but such an example.
+    """
+
+    workspace: Workspace
+    category: str
+    path: Path
+    rendering: Render
+    seed: int = 0
+
+    def plan(self) -> Plan:
+        self._check_replaceable()
+        if self._is_scanned():
+            self._files()
+        before = Plan((), 0.0) if self._is_scanned() else self.rendering.plan()
+        return Plan((*before.steps, f"write a test scan of a {self.category} to {self.path}"), before.seconds)
+
+    def run(self, observer: Observer) -> Outcome:
+        self._check_replaceable()
+        failed = 0
+        if not self._is_scanned():
+            scanned = self.rendering.run(observer)
+            failed = scanned.failed
+            for line in scanned.text.splitlines():
+                observer.note(line)
+        files = self._files()
+        file = files[int(np.random.default_rng(self.seed).integers(len(files)))]
+        seen = np.array([(file.read("parts") == part).sum(axis=1) for part in range(file.structure.part_count)])
+        row = int(seen.min(axis=0).argmax())
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        write_points(self.path, file.read("points", row), **{MARK: np.array(file.id)})
+        return Outcome(self.path, {"scan": str(self.path), "object": file.id}, f"a scan of {file.id}", failed)
+
+    def _files(self) -> tuple[ScanFile, ...]:
+        """Scans of test objects. Raises InputError if there are none."""
+        dataset = open_scan_dataset(self.workspace, self.category)
+        files = dataset.files["test"]
+        if not files:
+            others = sum(count for (_, role, _), count in dataset.others.items() if role == "test")
+            problem = (
+                f"expected scans of a test object with {dataset.structure.in_words}, as most objects to train on have: there "
+                f"is none, but {counted(others, 'other test object')}; prepare more, or name their joints (scans.joints)"
+            )
+            raise InputError(self.workspace.scans / dataset.category, problem)
+        return files
+
+    def _is_scanned(self) -> bool:
+        return any(same_category(name, self.category) for name in scanned_categories(self.workspace))
+
+    def _check_replaceable(self) -> None:
+        if self.path.suffix != ".npz":
+            raise InputError(self.path, "expected a name that ends in .npz", "--example")
+        try:
+            is_own = MARK in getattr(np.load(self.path, allow_pickle=False), "files", ())
+        except READING:
+            is_own = False
+        if self.path.exists() and not is_own:
+            raise InputError(self.path, "is in the way: name another file", "--example")

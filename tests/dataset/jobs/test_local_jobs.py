@@ -1,0 +1,155 @@
+"""Processes of this machine: how they end, and what they survive."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from kinmo.dataset.jobs import Failure, LocalRunner
+from kinmo.dataset.jobs.local import LOST
+from tests.dataset.jobs import example_jobs as jobs
+
+OWNER = """
+import os, signal, sys, threading, time
+from pathlib import Path
+from kinmo.dataset.jobs import LocalRunner
+def job(number):
+    (Path(__file__).parent / f"{os.getpid()}.pid").touch()
+    time.sleep(60)
+def nap(seconds):
+    time.sleep(seconds)
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # the parent may ignore it
+"""
+
+
+def start_owner(folder: Path, body: str) -> subprocess.Popen[str]:
+    script = folder / "owner.py"
+    script.write_text(OWNER + "".join(f"    {line}\n" for line in body.splitlines()))
+    return subprocess.Popen([sys.executable, str(script)], stderr=subprocess.PIPE, text=True, start_new_session=True)
+
+
+def worker_pids(folder: Path) -> list[int]:
+    """The processes of two workers that are at a job."""
+    deadline = time.monotonic() + 60
+    while len(pids := [int(path.stem) for path in folder.glob("*.pid")]) < 2 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert len(pids) == 2
+    return pids
+
+
+def all_end(pids: list[int]) -> bool:
+    deadline = time.monotonic() + 30
+    while any(is_running(pid) for pid in pids) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    return not any(is_running(pid) for pid in pids)
+
+
+def is_running(pid: int) -> bool:
+    """Whether a process exists and is no zombie."""
+    try:
+        status = Path(f"/proc/{pid}/stat").read_text()
+    except OSError:
+        return False
+    return status.rpartition(")")[2].split()[0] != "Z"
+
+
+def test_one_worker_runs_jobs_in_this_process_in_order() -> None:
+    heard = []
+    pids = LocalRunner(1).run(lambda number: (number, os.getpid()), range(5))
+    assert [result for _, result in pids] == [(number, os.getpid()) for number in range(5)]
+    assert isinstance(dict(LocalRunner(1).run(jobs.misbehave, ["raise"]))["raise"], Failure)
+    assert len(list(LocalRunner(1).run(jobs.square_and_report, range(3), heard.append))) == len(heard) == 3
+
+
+def test_few_jobs_start_no_process() -> None:
+    assert dict(LocalRunner(2, jobs_per_worker=4).run(os.getpid.__class__, [])) == {}
+    (pid,) = {result for _, result in LocalRunner(2, jobs_per_worker=4).run(lambda number: os.getpid(), range(7))}
+    assert pid == os.getpid()
+
+
+def test_torch_uses_as_many_threads_in_this_process_as_in_workers() -> None:
+    torch = pytest.importorskip("torch")
+    before = torch.get_num_threads()
+    torch.set_num_threads(2)
+    try:
+        for workers in (1, 2):
+            assert {result for _, result in LocalRunner(workers).run(jobs.torch_threads, range(2))} == {1}
+        assert dict(LocalRunner(1, threads=0).run(jobs.torch_threads, [0])) == {0: 2}
+        assert torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(before)
+
+
+def test_jobs_need_no_torch() -> None:
+    script = "import sys, kinmo.dataset.jobs as jobs; list(jobs.LocalRunner(1).run(abs, [1])); print({'torch', 'ray'} & {*sys.modules})"
+    assert subprocess.check_output([sys.executable, "-c", script], text=True).strip() == "set()"
+
+
+def test_large_results_survive_workers_that_die() -> None:
+    results = dict(LocalRunner(2).run(jobs.megabytes_or_die, range(40)))
+    assert {n for n, result in results.items() if result == LOST} == {n for n in range(40) if n % 7 == 3}
+    assert all(result == bytes([n]) * 5_000_000 for n, result in results.items() if n % 7 != 3)
+
+
+def test_large_jobs_do_not_block_large_results() -> None:
+    data = [bytes([number]) * 3_000_000 for number in range(8)]
+    assert sorted(result for _, result in LocalRunner(2).run(bytes, data)) == data
+
+
+def test_a_worker_that_dies_between_two_jobs_loses_none() -> None:
+    pids = LocalRunner(2).run(_own_pid, range(6))
+    first = next(pids)
+    time.sleep(1)  # both are idle
+    os.kill(first[1], signal.SIGKILL)
+    rest = [result for _, result in pids]
+    assert len(rest) == 5 and not any(isinstance(each, Failure) for each in rest)
+
+
+def _own_pid(number: int) -> int:
+    return os.getpid()
+
+
+def test_workers_that_cannot_start_end_the_run(tmp_path: Path) -> None:
+    owner = start_owner(tmp_path, "import __main__\ndel __main__.__spec__\ndef inner(number): pass\nlist(LocalRunner(2).run(inner, range(9)))")
+    assert "ChildProcessError: No worker could start" in owner.communicate(timeout=60)[1]
+
+
+def test_workers_end_with_an_owner_that_is_killed(tmp_path: Path) -> None:
+    owner = start_owner(tmp_path, "list(LocalRunner(2).run(job, range(2)))")
+    pids = worker_pids(tmp_path)
+    owner.kill()
+    owner.communicate()
+    assert all_end(pids)
+
+
+def test_a_second_interrupt_kills_running_jobs(tmp_path: Path) -> None:
+    owner = start_owner(tmp_path, "list(LocalRunner(2).run(job, range(9)))")
+    pids = worker_pids(tmp_path)
+    owner.send_signal(signal.SIGINT)
+    time.sleep(1)
+    assert all(is_running(pid) for pid in pids), "the first one lets them finish"
+    owner.send_signal(signal.SIGINT)
+    assert owner.communicate(timeout=30)[1].rstrip().endswith("KeyboardInterrupt")
+    assert all_end(pids)
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.05, 0.2])
+def test_only_the_owner_sees_an_interrupt_while_workers_start(tmp_path: Path, seconds: float) -> None:
+    interrupt = f"threading.Timer({seconds}, os.killpg, (0, signal.SIGINT)).start()\n"
+    owner = start_owner(tmp_path, interrupt + "list(LocalRunner(2).run(nap, [0.5] * 8))")
+    stderr = owner.communicate(timeout=60)[1]
+    assert owner.returncode != 0
+    assert stderr.count("Traceback") == 1 and stderr.rstrip().endswith("KeyboardInterrupt")
+
+
+def test_an_owner_that_ends_with_an_open_run_does_not_hang(tmp_path: Path) -> None:
+    owner = start_owner(tmp_path, "results = LocalRunner(2).run(nap, [0.1] * 50)\nnext(results)")
+    assert owner.communicate(timeout=60)[1] == ""
+    assert owner.returncode == 0

@@ -1,0 +1,58 @@
+"""Pseudo labels of objects that are scanned, beside the labels that were held back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from kinmo.config import ScansConfig
+from kinmo.experiments.scan_tables.pseudo_label_truth import LabelCounts, count_labels
+from kinmo.scans.labelled_frames import scan
+from kinmo.scans.scan_file import Provenance, ScanFile, open_scans, write_scans
+from scanned import cupboard_object
+
+TARGET = cupboard_object()
+
+
+def named(file: ScanFile, name: str, variant: int = 0) -> ScanFile:
+    return replace(file, id=name, provenance=Provenance(variant=variant))
+
+
+def moved(file: ScanFile, part: int, direction: tuple[float, float, float], shift: float) -> ScanFile:
+    """With another axis of the joint of `part`."""
+    joints = list(file.joints)
+    joint = joints[part - 1]
+    joints[part - 1] = replace(joint, direction=np.array(direction), pivot=joint.pivot + shift)
+    return replace(file, joints=tuple(joints))
+
+
+def test_labels_count_as_right_if_all_axes_are_along_the_true_ones_and_in_their_places(tmp_path) -> None:
+    scans = scan(TARGET, ScansConfig(states=1, views=1, size=64, points=16), 0)
+    write_scans(tmp_path / "a.safetensors", TARGET, scans, Provenance())
+    file = open_scans(tmp_path / "a.safetensors")
+    kinds = [kind.value for kind in file.structure.kinds]
+    door, drawer = kinds.index("R") + 1, kinds.index("P") + 1
+    up, aside = (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
+    said = {
+        "right": file,
+        "reversed": moved(file, door, up, 0.0),
+        "drawer elsewhere": moved(file, drawer, tuple(file.joints[drawer - 1].direction), 0.3),
+        "hinge elsewhere": moved(file, door, up, 0.3),
+        "hinge askew": moved(file, door, aside, 0.0),
+        "truly another": file,
+    }
+    true = [named(file, name) for name in said if name != "truly another"] + [named(file, "not labelled")]
+    labels = [named(other, name) for name, other in said.items()]
+    originals = {label.object: label.id for label in labels}
+    assert count_labels(labels, true, originals) == LabelCounts(labelled=6, are=5, along=4, right=3, true=6)
+    variants = [named(moved(file, door, aside, 0.0), "right", variant=2)]
+    assert count_labels([*labels, *variants], true, originals) == count_labels(labels, true, originals)
+    more = count_labels([*labels, named(file, "new")], true, originals)
+    assert more == LabelCounts(labelled=6, are=5, along=4, right=3, true=6, unknown=1), "nobody knows of that one"
+    assert str(more).endswith("Of 1 more that they give them the truth is not known.")
+    alone = count_labels([named(file, "new")], true, originals)
+    assert str(alone) == "Pseudo labels give 1 object these joints; what the truth is, is not known."
+    other = {label.object: f"original of {label.id}" for label in labels}
+    renamed = [replace(one, id=f"original of {one.id}") for one in true]
+    assert count_labels(labels, renamed, other) == count_labels(labels, true, originals), "whatever a copy is called"

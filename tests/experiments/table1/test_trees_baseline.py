@@ -1,0 +1,60 @@
+"""Boosted trees on evidence: what they learn, and what they answer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from articulated import shape_of_boxes
+
+from kinmo.core.joint import Joint, JointKind, MotionType
+from kinmo.core.mobility import Body
+from kinmo.evaluation.joint_records import ShapeScore
+from kinmo.evaluation.parts_given import parts_given
+from kinmo.experiments.table1.trees_baseline import TreesBaseline, fit_trees
+from kinmo.features.prepared_shape import PreparedShape
+from kinmo.features.shape_preparation import prepare_shape
+
+SIDEWAYS, FRONT = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+
+
+def cabinet(seed: int) -> PreparedShape:
+    """A carcass of any size with a flap in front, hinged at its top, and a drawer below it."""
+    width, height, depth = np.random.default_rng(seed).uniform(0.8, 1.2, 3)
+    boxes = [
+        ((0, 0, 0), (width, height, depth)),
+        ((0, 0.4 * height, depth), (width, height, depth + 0.03)),
+        ((0, 0, 0.2 * depth), (width, 0.38 * height, depth + 0.03)),
+    ]
+    hinge = Joint(JointKind.REVOLUTE, SIDEWAYS, np.array([0, height, depth]), 0.0, 1.5)
+    slide = Joint(JointKind.PRISMATIC, FRONT, np.zeros(3), 0.0, 0.5)
+    bodies = (Body(0, "carcass", (1,)), Body(1, "flap", (2,), 0, hinge), Body(2, "drawer", (3,), 0, slide))
+    return prepare_shape(shape_of_boxes(boxes, bodies, shape_id=str(seed)), points=128)
+
+
+@pytest.fixture(scope="module")
+def trees() -> TreesBaseline:
+    return fit_trees(cabinet(seed) for seed in range(24))
+
+
+def score(trees: TreesBaseline, seed: int, *, kinds_given: bool = False) -> ShapeScore:
+    truth = cabinet(seed)
+    return parts_given(truth, trees.answers(truth, kinds_given=kinds_given))
+
+
+def test_trees_learn_which_part_turns_and_about_which_side(trees):
+    scores = [score(trees, seed) for seed in range(100, 106)]
+    assert np.mean([record.is_ok for each in scores for record in each.records]) > 0.8
+    assert not any(each.false_alarms for each in scores)
+
+
+def test_with_the_kinds_given_the_axes_alone_are_asked_for(trees):
+    for seed in range(100, 103):
+        assert all(record.coarse_ok for record in score(trees, seed, kinds_given=True).records)
+
+
+def test_every_body_gets_an_answer_and_what_rests_has_no_joint(trees):
+    found = trees.answers(cabinet(100))
+    assert set(found) == {0, 1, 2}
+    for answer in found.values():
+        assert (answer.joint is None) == (answer.type is MotionType.FIXED)
+        assert 0.0 <= answer.score <= 1.0

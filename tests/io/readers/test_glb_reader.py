@@ -1,0 +1,332 @@
+"""Shapes in binary glTF files."""
+
+from __future__ import annotations
+
+import json
+import re
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from articulated import rotations
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+from kinmo.cli.app import app
+from kinmo.core.errors import InputError
+from kinmo.core.shape import Shape
+from kinmo.io.readers import Found, Layout, discover, read_found
+from kinmo.io.readers import glb_reader as glb
+from kinmo.io.readers.sources import content_digest, fingerprint
+
+Node = tuple[str, np.ndarray, tuple[float, float, float] | None, tuple["Node", ...]]
+"""Name, where it is in its parent, the size of its box if it has one, and children."""
+
+
+def node(name: str, *children: Node, at: np.ndarray | None = None, box: tuple[float, float, float] | None = None) -> Node:
+    return name, np.eye(4) if at is None else at, box, children
+
+
+def shifted(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+def write(path: Path, *roots: Node) -> Path:
+    scene = trimesh.Scene()
+
+    def add(one: Node, parent: str) -> None:
+        name, pose, box, children = one
+        if box is None:
+            scene.graph.update(frame_from=parent, frame_to=name, matrix=pose)
+        else:
+            mesh = trimesh.creation.box(box)
+            scene.add_geometry(mesh, node_name=name, geom_name=f"{name} mesh", parent_node_name=parent, transform=pose)
+        for child in children:
+            add(child, name)
+
+    for root in roots:
+        add(root, "world")
+    path.write_bytes(scene.export(file_type="glb"))
+    return path
+
+
+CABINET = node(
+    "StorageFurniture",
+    node("body", box=(1.0, 2.0, 0.5)),
+    node(
+        "door",
+        node("panel", box=(1.0, 2.0, 0.05)),
+        node("handle", box=(0.05, 0.3, 0.05), at=shifted(x=0.4, z=0.05)),
+        at=shifted(z=0.3),
+    ),
+)
+
+
+def read(path: Path) -> Shape:
+    (found,) = discover(path)
+    assert found.layout is Layout.GLB
+    return read_found(found)
+
+
+def test_the_nodes_of_a_scene_are_the_parts_of_a_shape(tmp_path: Path) -> None:
+    shape = read(write(tmp_path / "cabinet 7.glb", node("Scene", CABINET)))
+    assert (shape.id, shape.category, shape.mobility) == ("cabinet 7", "StorageFurniture", None)
+    by_name = {part.name: part for part in shape.parts}
+    assert by_name.keys() == {"StorageFurniture", "body", "door", "panel", "handle"}
+    assert [shape.parts[place].name for place in (by_name["panel"].parent or 0, by_name["body"].parent or 0)] == [
+        "door",
+        "StorageFurniture",
+    ]
+    handle = by_name["handle"].mesh
+    assert handle is not None
+    np.testing.assert_allclose(handle.vertices.mean(axis=0), (0.4, 0.0, 0.35), atol=1e-6)
+    np.testing.assert_allclose(np.ptp(handle.vertices, axis=0), (0.05, 0.3, 0.05), atol=1e-6)
+
+
+def test_roots_side_by_side_are_siblings_of_an_unknown_category(tmp_path: Path) -> None:
+    shape = read(write(tmp_path / "two.glb", node("lid", box=(1, 1, 1)), node("pot", box=(2, 2, 2), at=shifted(y=-2))))
+    assert shape.category == "unknown"
+    assert sorted(part.name for part in shape.parts if part.is_leaf) == ["lid", "pot"]
+
+
+def test_a_node_with_a_mesh_and_children_has_the_mesh_as_a_child(tmp_path: Path) -> None:
+    door = node("door", node("handle", box=(0.1, 0.1, 0.1), at=shifted(z=0.1)), box=(1.0, 2.0, 0.05))
+    shape = read(write(tmp_path / "door.glb", node("frame", node("post", box=(0.1, 2.0, 0.1)), door)))
+    (inner,) = (part for part in shape.parts if part.name == "door" and not part.is_leaf)
+    leaves = {shape.parts[child].name: shape.parts[child].mesh for child in inner.children}
+    assert leaves.keys() == {"door", "handle"}
+    assert leaves["door"] is not None
+    np.testing.assert_allclose(np.ptp(leaves["door"].vertices, axis=0), (1.0, 2.0, 0.05), atol=1e-6)
+
+
+@settings(max_examples=25)
+@given(rotations, st.tuples(*[st.floats(-2.0, 2.0)] * 3), st.floats(0.2, 3.0), st.booleans())
+def test_surfaces_lie_where_transforms_have_them_and_face_outwards(
+    tmp_path_factory: pytest.TempPathFactory, rotation: np.ndarray, shift: tuple[float, ...], scale: float, mirrors: bool
+) -> None:
+    inner = shifted(x=0.5)
+    outer = np.eye(4)
+    outer[:3, :3] = scale * rotation @ np.diag([-1.0 if mirrors else 1.0, 1.0, 1.0])
+    outer[:3, 3] = shift
+    piece = node("piece", box=(1.0, 2.0, 3.0), at=inner)
+    path = tmp_path_factory.mktemp("glb") / "a.glb"
+    shape = read(write(path, node("root", piece, node("other", box=(1.0, 1.0, 1.0)), at=outer)))
+    (mesh,) = (part.mesh for part in shape.parts if part.name == "piece")
+    assert mesh is not None
+    whole = outer @ inner
+    expected = trimesh.creation.box((1.0, 2.0, 3.0)).vertices @ whole[:3, :3].T + whole[:3, 3]
+    apart = np.linalg.norm(mesh.vertices[:, None] - expected[None], axis=2)
+    assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 1e-4
+    volume = trimesh.Trimesh(mesh.vertices, mesh.faces).volume
+    assert volume == pytest.approx(6.0 * scale**3, rel=1e-3)
+
+
+def test_files_are_found_beside_other_shapes_and_known_by_their_contents(tmp_path: Path) -> None:
+    (tmp_path / "deep" / "c").mkdir(parents=True)
+    first, copy = write(tmp_path / "deep" / "a.GLB", CABINET), write(tmp_path / "b.glb", CABINET)
+    found = list(discover(tmp_path))
+    assert [(each.path, each.id) for each in found] == [(copy, "b"), (first, "a")]
+    assert [row[0] for row in fingerprint(found[0])] == ["b.glb"]
+    renamed = Found(write(tmp_path / "deep" / "b.glb", CABINET), Layout.GLB, "b")
+    assert content_digest(renamed) == content_digest(found[0])
+    other = Found(write(tmp_path / "deep" / "c" / "b.glb", node("lid", box=(1.0, 1.0, 1.0))), Layout.GLB, "b")
+    assert content_digest(other) != content_digest(found[0])
+
+
+@pytest.mark.parametrize("data", [b"", b"solid", b"glTF\x02\0\0\0"])
+def test_what_is_no_binary_gltf_is_told_in_one_line(tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / "broken.glb"
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=f"^{path}: expected a binary glTF file$"):
+        read(path)
+
+
+QUAD = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], "<f4")
+DROPPED = "(dropped)"
+
+
+def raw(path: Path, *, order: np.ndarray | None = None, mode: int | None = None, **changes: object) -> Path:
+    """A file of one square, two of its fields' paths changed or dropped: `nodes__0__name="a"` changes nodes[0].name."""
+    order = np.array([0, 1, 2, 0, 2, 3], "<u2") if order is None else order
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1} | ({} if mode is None else {"mode": mode})
+    codes = {"uint8": 5121, "uint16": 5123, "uint32": 5125}
+    value: dict[str, Any] = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"name": "sheet", "mesh": 0}],
+        "meshes": [{"primitives": [primitive]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 1, "componentType": codes[order.dtype.name], "count": len(order), "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": order.nbytes},
+        ],
+        "buffers": [{"byteLength": 48 + order.nbytes}],
+    }
+    for field, changed in changes.items():
+        *above, last = (int(key) if key.isdecimal() else key for key in field.split("__"))
+        place: Any = value
+        for key in above:
+            place = place[key]
+        if changed is DROPPED:
+            del place[last]
+        else:
+            place[last] = changed
+    text = json.dumps(value).encode()
+    text += b" " * (-len(text) % 4)
+    binary = QUAD.tobytes() + order.tobytes()
+    binary += b"\0" * (-len(binary) % 4)
+    chunks = [(b"JSON", text), (b"BIN\0", binary)]
+    body = b"".join(struct.pack("<I4s", len(data), kind) + data for kind, data in chunks)
+    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("changes", "field"),
+    [
+        ({"accessors__1__count": 7}, "accessors[1].count: expected as many as there are bytes of"),
+        ({"accessors__0__count": 10**9}, "accessors[0].count: expected as many as there are bytes of"),
+        ({"accessors__0__count": 3}, "meshes[0].primitives[0].indices: expected indices below 3, got 3"),
+        ({"accessors__0__componentType": 5122}, "accessors[0].componentType: expected float32"),
+        ({"accessors__0__bufferView": DROPPED}, "accessors[0]: expected all numbers in a bufferView"),
+        ({"accessors__0__sparse": {}}, "accessors[0]: expected all numbers in a bufferView"),
+        ({"accessors__0__bufferView": 2}, "accessors[0].bufferView: expected one of the 2 bufferViews, got 2"),
+        ({"buffers__0__uri": "other.bin"}, "bufferViews[0].buffer: expected what is in the file itself"),
+        ({"bufferViews__0__byteOffset": -4}, "bufferViews[0].byteOffset: expected a number that is not below 0"),
+        ({"nodes__0__mesh": 1}, "nodes[0].mesh: expected one of the 1 meshes, got 1"),
+        ({"nodes__0__children": [0]}, "nodes[0].children[0]: node 0 is in two places"),
+        ({"nodes__0__matrix": [1.0] * 15}, "nodes[0].matrix: expected 16 numbers"),
+        ({"nodes__0__scale": [1.0, float("nan"), 1.0]}, "nodes[0].scale[1]: expected a finite number"),
+        ({"nodes__0__rotation": [0.0] * 4}, "nodes[0].rotation: expected a quaternion"),
+        ({"meshes__0__primitives__0__mode": 7}, "meshes[0].primitives[0].mode: expected 0 to 6"),
+        ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "without KHR_draco_mesh_compression"),
+        ({"scene": 3}, "scene: expected one of the 1 scenes"),
+        ({"nodes__0__mesh": DROPPED}, "no part has geometry"),
+    ],
+    ids=str,
+)
+def test_what_cannot_be_read_is_named_by_its_field(tmp_path: Path, changes: dict[str, object], field: str) -> None:
+    with pytest.raises(InputError, match=re.escape(field)):
+        read(raw(tmp_path / "a.glb", **changes))
+
+
+@pytest.mark.parametrize("number", ["<u1", "<u2", "<u4"])
+@pytest.mark.parametrize(("mode", "order"), [(4, [0, 1, 2, 0, 2, 3]), (5, [0, 1, 3, 2]), (6, [0, 1, 2, 3])])
+def test_triangles_strips_and_fans_are_the_same_surface(tmp_path: Path, mode: int, order: list[int], number: str) -> None:
+    shape = read(raw(tmp_path / "a.glb", order=np.array(order, number), mode=mode))
+    (mesh,) = shape.meshes()
+    normals = np.cross(*(mesh.vertices[mesh.faces[:, i]] - mesh.vertices[mesh.faces[:, 0]] for i in (1, 2)))
+    np.testing.assert_allclose(normals, [[0.0, 0.0, 1.0]] * 2)
+
+
+def test_vertices_that_no_triangle_uses_are_left_out(tmp_path: Path) -> None:
+    (mesh,) = read(raw(tmp_path / "a.glb", order=np.array([0, 2, 3], "<u2"), mode=4)).meshes()
+    assert len(mesh.vertices) == 3
+    (whole,) = read(raw(tmp_path / "b.glb", order=np.array([0, 1, 2, 0, 2, 3], "<u2"), mode=4)).meshes()
+    np.testing.assert_array_equal(mesh.vertices[mesh.faces], whole.vertices[whole.faces[1:]])
+
+
+def test_extensions_that_only_change_looks_are_no_matter(tmp_path: Path) -> None:
+    shape = read(raw(tmp_path / "a.glb", extensionsRequired=["KHR_materials_unlit", "KHR_texture_transform"]))
+    assert [part.name for part in shape.parts] == ["sheet"]
+
+
+def test_a_mesh_of_several_materials_is_one_part(tmp_path: Path) -> None:
+    piece = {"attributes": {"POSITION": 0}, "indices": 1}
+    path = raw(tmp_path / "a.glb", meshes=[{"primitives": [{**piece, "material": 0}, {**piece, "material": 1}]}])
+    (part,) = read(path).parts
+    assert part.name == "sheet"
+    assert part.mesh is not None
+    assert len(part.mesh.faces) == 4
+
+
+def test_cameras_lights_and_empty_nodes_are_no_parts(tmp_path: Path) -> None:
+    nodes = [{"name": "Cabinet", "children": [1, 2]}, {"name": "door", "mesh": 0}, {"name": "body", "mesh": 0}]
+    nodes += [{"name": "Camera", "camera": 0}, {"name": "Light"}]
+    shape = read(raw(tmp_path / "a.glb", nodes=nodes, scenes=[{"nodes": [3, 0, 4]}]))
+    assert shape.category == "cabinet"
+    assert [part.name for part in shape.parts] == ["Cabinet", "door", "body"], "in the order of the file"
+    assert shape.repairs == ()
+    assert shape.partnet_id is None
+
+
+def test_a_thousand_bones_are_no_parts_either(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    nodes = [{"name": "Cabinet", "children": [1, 2, *range(3, 1203)]}, {"name": "door", "mesh": 0}, {"name": "body", "mesh": 0}]
+    path = raw(tmp_path / "a.glb", nodes=[*nodes, *({"name": f"bone {i}"} for i in range(1200))], scenes=[{"nodes": [0]}])
+    assert [part.name for part in read(path).parts] == ["Cabinet", "door", "body"]
+    monkeypatch.setattr(glb, "_MOST_NODES", 1000)
+    with pytest.raises(InputError, match="more than 1000 nodes"):
+        read(path)
+
+
+@pytest.mark.parametrize(("root", "category"), [("refrigerator", "Refrigerator"), ("door_set", "Door"), ("../../Safe", "Safe")])
+def test_categories_are_spelled_as_in_all_other_layouts(root: str, category: str, tmp_path: Path) -> None:
+    nodes = [{"name": root, "children": [1, 2]}, {"name": "door", "mesh": 0}, {"name": "body", "mesh": 0}]
+    assert read(raw(tmp_path / "a.glb", nodes=nodes)).category == category
+
+
+def test_what_has_no_name_has_none_made_up(tmp_path: Path) -> None:
+    nodes = [{"children": [1, 2]}, {"mesh": 0, "name": "a"}, {"mesh": 0, "name": "a"}]
+    shape = read(raw(tmp_path / "a.glb", nodes=nodes))
+    assert (shape.category, [part.name for part in shape.parts]) == ("unknown", ["", "a", "a"])
+    bare = read(raw(tmp_path / "b.glb", nodes=nodes, scenes=DROPPED, scene=DROPPED))
+    assert [part.name for part in bare.parts] == ["", "a", "a"], "without a scene all nodes are shown"
+
+
+def test_a_small_file_cannot_stand_for_a_vast_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(glb, "_MOST_CORNERS", 100)
+    nodes = [{"children": list(range(1, 41))}, *({"mesh": 0} for _ in range(40))]
+    with pytest.raises(InputError, match="more than 100 corners"):
+        read(raw(tmp_path / "a.glb", nodes=nodes))
+    piece = {"attributes": {"POSITION": 0}, "indices": 1}
+    with pytest.raises(InputError, match="more than 100 corners"):
+        read(raw(tmp_path / "b.glb", meshes=[{"primitives": [piece] * 20}]))
+
+
+@pytest.mark.parametrize("name", ["   .glb", "...glb"])
+def test_a_file_without_a_name_is_no_shape(tmp_path: Path, name: str) -> None:
+    raw(tmp_path / name)
+    assert list(discover(tmp_path)) == []
+    with pytest.raises(InputError, match=r"expected a folder of shapes, or a shape as \.glb"):
+        list(discover(tmp_path / name))
+
+
+def test_a_file_that_is_cut_is_refused_wherever_it_ends(tmp_path: Path) -> None:
+    whole = write(tmp_path / "whole.glb", CABINET).read_bytes()
+    for length in range(12, len(whole) - 4, max(1, len(whole) // 40)):
+        (tmp_path / "cut.glb").write_bytes(whole[:length])
+        with pytest.raises(InputError, match=r"cut\.glb"):
+            read(tmp_path / "cut.glb")
+
+
+def test_too_many_or_too_deep_nodes_are_refused(tmp_path: Path) -> None:
+    many = node("root", *(node(f"piece {i}", box=(1.0, 1.0, 1.0), at=shifted(x=2.0 * i)) for i in range(1001)))
+    with pytest.raises(InputError, match="more than 1000 parts"):
+        read(write(tmp_path / "many.glb", many))
+    deep = node("leaf", box=(1.0, 1.0, 1.0))
+    for level in range(70):
+        deep = node(f"level {level}", node(f"piece {level}", box=(1.0, 1.0, 1.0)), deep)
+    with pytest.raises(InputError, match="nested deeper"):
+        read(write(tmp_path / "deep.glb", deep))
+
+
+def test_a_scan_still_needs_a_category_and_a_shape_in_a_file_none(tmp_path: Path) -> None:
+    write(tmp_path / "cabinet.glb", CABINET)
+    where = ["--workspace", str(tmp_path / "workspace"), "-o", str(tmp_path / "out")]
+    planned = CliRunner().invoke(app, ["predict", str(tmp_path / "cabinet.glb"), *where, "--dry-run"])
+    assert planned.exit_code == 1
+    assert "there is no such workspace" in planned.output, "networks are all that is wanting"
+    (tmp_path / "scan.npz").write_bytes(b"")
+    refused = CliRunner().invoke(app, ["predict", str(tmp_path / "scan.npz"), *where])
+    assert refused.exit_code != 0
+    assert "--category" in refused.output

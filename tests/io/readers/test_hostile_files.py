@@ -1,0 +1,245 @@
+"""Files that nobody would write by mistake, and thousands that somebody might."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import os
+import random
+
+import pytest
+
+from datasets import BOXES, LEAVES, META, RESULT, box_obj, mobility, tree, write_dsg_net, write_partnet_mobility
+from kinmo.core.errors import InputError
+from kinmo.io.readers import read_dsg_net, read_partnet_mobility
+
+VALUES = [
+    None, True, False, 0, -1, 1, 2, 7, 99, 10**6, 10**30, 10**400, 0.5, -0.0, 1e-320, 1e308, math.nan, math.inf, -math.inf,
+    "", "7", "hinge", "slider", "screw", "junk", "original-1", "../original-1", "/etc/passwd", "a\0b", "\ud800", "é" * 500,
+    "a\nb", [], {}, [[]], [1], [0, 0, 0], [0, 1, 0], [math.nan, 0, 0], {"id": 1}, [{"id": 0}], [{"id": 5}], [[[[[]]]]],
+]  # fmt: skip
+
+
+def places(value, path=()):
+    """Paths to everything in nested lists and objects."""
+    yield path
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from places(item, (*path, key))
+    elif isinstance(value, list):
+        for index, item in enumerate(value):
+            yield from places(item, (*path, index))
+
+
+def mutate(value, rng):
+    """A copy with one thing replaced, removed, doubled, or put in another place."""
+    root = {"root": copy.deepcopy(value)}
+    path = rng.choice([path for path in places(root) if path])
+    holder = root
+    for step in path[:-1]:
+        holder = holder[step]
+    action = rng.choice(["replace", "replace", "remove", "double", "swap"])
+    if action == "remove":
+        del holder[path[-1]]
+    elif action == "double" and isinstance(holder, list):
+        holder.append(copy.deepcopy(holder[path[-1]]))
+    elif action == "swap":
+        other = root
+        for step in rng.choice(list(places(root["root"]))):
+            other = (other if other is not root else root["root"])[step]
+        holder[path[-1]] = copy.deepcopy(other if other is not root else root["root"])
+    else:
+        holder[path[-1]] = copy.deepcopy(rng.choice(VALUES))
+    return root.get("root")
+
+
+def check(shape):
+    """What every shape promises."""
+    assert sorted(shape.leaves) == [index for index, part in enumerate(shape.parts) if part.mesh is not None]
+    assert all(part.parent is None or part.parent < index for index, part in enumerate(shape.parts))
+    assert math.isfinite(shape.diagonal) and shape.diagonal > 0
+    assert len({part.id for part in shape.parts}) == len(shape.parts)
+    "".join([shape.id, shape.category, *shape.repairs, *(part.name for part in shape.parts)]).encode("utf-8")
+    if shape.mobility is not None:
+        assert sorted(leaf for body in shape.mobility.bodies for leaf in body.leaves) == list(shape.leaves)
+        for _, body in shape.mobility.movable():
+            assert body.parent is not None
+            assert math.isclose(sum(body.joint.direction**2), 1.0)
+            assert not body.joint.is_limited or body.joint.lower <= 0.0 <= body.joint.upper
+
+
+def try_to_read(reader, path):
+    """Whether a reader took it. It may refuse, but in one line."""
+    try:
+        check(reader(path))
+    except InputError as error:
+        assert "\n" not in str(error)
+        str(error).encode("utf-8")
+        return False
+    return True
+
+
+@pytest.mark.parametrize("name", ["mobility_v2.json", "result.json", "meta.json"])
+@pytest.mark.parametrize("seed", range(4))
+def test_mutated_annotations_are_read_or_refused(tmp_path, name, seed):
+    rng = random.Random(f"{name} {seed}")
+    folder = write_partnet_mobility(tmp_path / "4711")
+    original = {"mobility_v2.json": mobility(), "result.json": RESULT, "meta.json": META}[name]
+    taken = 0
+    for _ in range(100):
+        value = original
+        for _ in range(rng.choice([1, 1, 1, 2, 5])):
+            value = mutate(value, rng)
+        (folder / name).write_text(json.dumps(value), encoding="utf-8")
+        taken += try_to_read(read_partnet_mobility, folder)
+    assert 0 < taken < 100, "some mutations do no harm, some do"
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_mutated_trees_are_read_or_refused(tmp_path, seed):
+    rng = random.Random(seed)
+    path = write_dsg_net(tmp_path)
+    original = tree(RESULT[0])
+    original["children"][2]["geo"] = [0.1 * i for i in range(12)]
+    for _ in range(150):
+        path.write_text(json.dumps(mutate(original, rng)), encoding="utf-8")
+        try_to_read(read_dsg_net, path)
+
+
+@pytest.mark.parametrize("name", ["mobility_v2.json", "result.json", "meta.json", "textured_objs/original-6.obj"])
+def test_cut_and_garbled_files_are_read_or_refused(tmp_path, name):
+    rng = random.Random(name)
+    folder = write_partnet_mobility(tmp_path / "4711")
+    whole = (folder / name).read_bytes()
+    for _ in range(60):
+        data = bytearray(whole[: rng.randrange(len(whole) + 1)])
+        for _ in range(rng.choice([0, 1, 5])):
+            if data:
+                data[rng.randrange(len(data))] = rng.randrange(256)
+        (folder / name).write_bytes(data)
+        try_to_read(read_partnet_mobility, folder)
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        (b"", "empty"),
+        (b"[" * 100_000, "nested too deeply"),
+        (b'[{"id":0,"children":' * 5000, "json"),
+        (b"\xff\xfe", "UTF-8"),
+        (b"\0\0\0\0", "JSON"),
+        (b"[" + b"9" * 10_000 + b"]", "json"),
+        (b'"text"', "list"),
+        (b"7", "list"),
+        (b"[7]", "object"),
+        (b"{}", "list"),
+    ],
+)
+@pytest.mark.parametrize("name", ["mobility_v2.json", "result.json"])
+def test_files_of_the_wrong_kind_are_refused_by_name(tmp_path, name, content, expected):
+    folder = write_partnet_mobility(tmp_path / "4711")
+    (folder / name).write_bytes(content)
+    with pytest.raises(InputError, match=expected) as caught:
+        read_partnet_mobility(folder)
+    assert name in str(caught.value)
+
+
+def nested(depth):
+    node = {"id": 10_000, "name": "end", "objs": ["original-1"]}
+    for level in range(depth):
+        node = {"id": level + 100, "name": "level", "children": [node]}
+    return node
+
+
+def test_deep_hierarchies_are_read_up_to_a_bound_and_then_refused(tmp_path):
+    folder = write_partnet_mobility(tmp_path / "4711")
+    for depth, fits in ((60, True), (65, False), (300, False)):
+        (folder / "result.json").write_text(json.dumps([nested(depth)]))
+        (folder / "mobility_v2.json").write_text(json.dumps([mobility()[0] | {"parts": [{"id": 10_000}]}]))
+        assert try_to_read(read_partnet_mobility, folder) == fits
+
+
+def test_a_million_parts_are_refused_before_they_are_read(tmp_path):
+    folder = write_partnet_mobility(tmp_path / "4711")
+    children = ",".join(f'{{"id":{i},"name":"p","objs":["original-1"]}}' for i in range(1, 100_000))
+    (folder / "result.json").write_text('[{"id":0,"name":"root","children":[' + children + "]}]")
+    with pytest.raises(InputError, match="more than"):
+        read_partnet_mobility(folder)
+
+
+@pytest.mark.parametrize("name", ["mobility_v2.json", "result.json", "meta.json", "textured_objs/original-6.obj"])
+@pytest.mark.parametrize("kind", ["pipe", "folder", "link out", "loop", "dangling", "missing", "unreadable", "huge"])
+def test_what_is_no_file_of_the_folder_is_refused_without_waiting(tmp_path, name, kind):
+    folder = write_partnet_mobility(tmp_path / "4711")
+    path = folder / name
+    outside = tmp_path / "outside"
+    outside.write_bytes(path.read_bytes())
+    path.unlink()
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    elif kind == "link out":
+        path.symlink_to(outside)
+    elif kind == "loop":
+        path.symlink_to(path.name)
+    elif kind == "dangling":
+        path.symlink_to("nothing")
+    elif kind == "unreadable":
+        path.write_bytes(outside.read_bytes())
+        path.chmod(0)
+        if os.access(path, os.R_OK):
+            pytest.skip("this user may read everything")
+    elif kind == "huge":
+        with path.open("wb") as file:
+            file.truncate(1 << 40)
+    if name == "meta.json" and kind == "missing":
+        pytest.skip("the root part names the category")
+    with pytest.raises(InputError, match=path.name.split(".")[0]):
+        read_partnet_mobility(folder)
+
+
+def test_a_link_inside_the_folder_is_followed(tmp_path):
+    folder = write_partnet_mobility(tmp_path / "4711")
+    path = folder / "textured_objs" / "original-6.obj"
+    path.rename(folder / "kept.obj")
+    path.symlink_to("../kept.obj")
+    assert try_to_read(read_partnet_mobility, folder)
+
+
+@pytest.mark.parametrize("name", ["textured_objs", "obj folder"])
+def test_a_folder_of_meshes_that_leads_out_is_refused(tmp_path, name):
+    if name == "textured_objs":
+        folder = write_partnet_mobility(tmp_path / "data" / "4711")
+        (folder / name).rename(tmp_path / "moved")
+        (folder / name).symlink_to(tmp_path / "moved")
+        reader = read_partnet_mobility
+    else:
+        folder = write_dsg_net(tmp_path / "data")
+        (tmp_path / "data" / "storagefurniture_obj").rename(tmp_path / "moved")
+        (tmp_path / "data" / "storagefurniture_obj").symlink_to(tmp_path / "moved")
+        reader = read_dsg_net
+    with pytest.raises(InputError, match="leads out"):
+        reader(folder)
+
+
+@pytest.mark.parametrize("scale", [1e-30, 1e-3, 1e30])
+def test_tiny_and_huge_objects_are_read(tmp_path, scale):
+    bodies = mobility()
+    for body in bodies[1:]:
+        body["jointData"]["axis"]["origin"] = [x * scale for x in body["jointData"]["axis"]["origin"]]
+    folder = write_partnet_mobility(tmp_path / "4711", bodies)
+    for name, (low, high) in BOXES.items():
+        text = box_obj([x * scale for x in low], [x * scale for x in high])
+        (folder / "textured_objs" / f"{name}.obj").write_text(text)
+    assert try_to_read(read_partnet_mobility, folder)
+
+
+def test_an_object_that_is_a_single_point_is_refused(tmp_path):
+    folder = write_partnet_mobility(tmp_path / "4711")
+    for names in LEAVES.values():
+        for name in names:
+            (folder / "textured_objs" / f"{name}.obj").write_text("v 1 1 1\nf 1 1 1\n")
+    with pytest.raises(InputError, match="no part has geometry"):
+        read_partnet_mobility(folder)

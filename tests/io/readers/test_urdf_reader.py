@@ -1,0 +1,155 @@
+"""Reading URDF files: which bodies there are, how they move, and what is wrong with a file."""
+
+import pytest
+import trimesh
+from articulated import box_mesh
+
+from kinmo.core.errors import InputError
+from kinmo.core.joint import JointKind
+from kinmo.evaluation.urdf_scoring.rest_bodies import robot_bodies
+from kinmo.io.readers.urdf_meshes import read_triangles
+from kinmo.io.readers.urdf_reader import read_robot_file
+
+LINK = '<link name="{0}"><visual><geometry><box size="1 1 {1}"/></geometry></visual></link>'
+EMPTY = '<link name="{0}"/>'
+
+
+def joint(kind, parent, child, inside=""):
+    return f'<joint name="{child}_j" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{inside}</joint>'
+
+
+def bodies_of(tmp_path, *elements):
+    file = tmp_path / "robot.urdf"
+    file.write_text(f"<robot name='r'>{''.join(elements)}</robot>")
+    return robot_bodies(read_robot_file(file, tmp_path))
+
+
+def test_fixed_links_are_one_body_and_frames_are_nested(tmp_path):
+    turn = '<origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/>'
+    first, second = bodies_of(
+        tmp_path,
+        LINK.format("a", 1),
+        LINK.format("b", 2),
+        LINK.format("c", 3),
+        joint("fixed", "a", "b", turn),
+        joint("revolute", "b", "c", turn + '<axis xyz="2 0 0"/><limit lower="-1" upper="2"/>'),
+    )
+    assert len(first.triangles) == 24
+    assert second.parent == 0
+    assert second.joint.pivot == pytest.approx([1, 1, 0])
+    assert second.joint.direction == pytest.approx([-1, 0, 0])
+    assert (second.joint.lower, second.joint.upper) == (-1, 2)
+
+
+@pytest.mark.parametrize(
+    ("kinds", "axis", "expected"),
+    [
+        (("prismatic", "continuous"), "1 0 0", JointKind.SCREW),
+        (("revolute", "prismatic"), "1 0.05 0", JointKind.SCREW),
+        (("revolute", "prismatic"), "1 0.2 0", None),
+        (("revolute", "revolute"), "1 0 0", None),
+        (("floating", "prismatic"), "1 0 0", None),
+    ],
+)
+def test_joints_in_a_row_through_an_empty_link(tmp_path, kinds, axis, expected):
+    limit = '<limit lower="0.1" upper="0.4"/>'
+    body = bodies_of(
+        tmp_path,
+        LINK.format("a", 1),
+        EMPTY.format("b"),
+        LINK.format("c", 2),
+        joint(kinds[0], "a", "b", '<axis xyz="1 0 0"/>' + limit),
+        joint(kinds[1], "b", "c", f'<axis xyz="{axis}"/>' + limit),
+    )[1]
+    assert body.moves
+    assert body.parent == 0
+    assert (body.joint.kind if body.joint else None) is expected
+    if expected is JointKind.SCREW:
+        assert (body.joint.lower, body.joint.upper) == (0.1, 0.4)
+
+
+def test_a_lone_top_body_is_the_base_whatever_ties_it_to_the_world(tmp_path):
+    (body,) = bodies_of(tmp_path, EMPTY.format("world"), LINK.format("a", 1), joint("floating", "world", "a"))
+    assert (body.moves, body.joint, body.parent) == (False, None, None)
+
+
+def test_all_shapes_and_meshes_of_a_urdf_are_read(tmp_path):
+    (tmp_path / "pkg" / "meshes").mkdir(parents=True)
+    trimesh.Trimesh(*_box()).export(tmp_path / "pkg" / "meshes" / "box.stl")
+    pieces = (
+        '<mesh filename="package://pkg/meshes/box.stl" scale="2 2 2"/>',
+        '<mesh filename="pkg/meshes/box.stl"/>',
+        '<cylinder radius="1" length="2"/>',
+        '<sphere radius="3"/>',
+        '<capsule radius="1" length="2"/>',
+    )
+    visuals = "".join(f"<visual><geometry>{piece}</geometry></visual>" for piece in pieces)
+    (body,) = bodies_of(tmp_path, f'<link name="a">{visuals}</link>')
+    assert body.triangles.max() == pytest.approx(3)
+    assert len(body.triangles) > 24
+
+
+def test_a_sphere_of_radius_0_is_a_point(tmp_path):
+    (body,) = bodies_of(tmp_path, '<link name="a"><visual><geometry><sphere radius="0"/></geometry></visual></link>')
+    assert not body.triangles.any()
+
+
+@pytest.mark.parametrize("name", ["far.obj", "far.ply"])
+def test_meshes_with_coordinates_out_of_all_bounds_are_refused(tmp_path, name):
+    vertices, faces = _box()
+    trimesh.Trimesh(1e35 * vertices, faces, process=False).export(tmp_path / name)
+    with pytest.raises(InputError, match=rf"{name}: expected finite vertices, of at most 1e\+30"):
+        read_triangles(tmp_path / name)
+
+
+def _box():
+    mesh = box_mesh((0, 0, 0), (1, 1, 1))
+    return mesh.vertices, mesh.faces
+
+
+CYCLE = (EMPTY.format("r"), LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b"), joint("fixed", "b", "a"))
+TWICE = (LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b"), joint("fixed", "a", "b"))
+MESH = '<link name="a"><visual><geometry><mesh filename="{0}"/></geometry></visual></link>'
+ORIGIN = '<origin xyz="1e308 0 0"/>'
+
+
+@pytest.mark.parametrize(
+    ("elements", "problem"),
+    [
+        ((), "at least one link"),
+        ((EMPTY.format("a"), EMPTY.format("a")), "different names"),
+        ((LINK.format("a", 1), LINK.format("b", 1)), "one root"),
+        ((LINK.format("a", 1), joint("fixed", "a", "c")), "'c'"),
+        (TWICE, "one joint above"),
+        (CYCLE, "cycle"),
+        ((LINK.format("a", "nan"),), "finite"),
+        ((LINK.format("a", "1 2"),), "3 finite numbers"),
+        ((LINK.format("a", "1e200"),), r"3 finite numbers, of at most 1e\+30"),
+        ((LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b", ORIGIN)), r"at most 1e\+30"),
+        ((LINK.format("a", 1), LINK.format("b", 1), joint("revolute", "a", "b", '<axis xyz="0 0 1e-200"/>')), "not zero"),
+        ((MESH.format("no.obj"),), "found none"),
+        ((MESH.format(300 * "x"),), "found none"),
+        ((MESH.format("package://" + 300 * "x"),), "found none"),
+        (("<!DOCTYPE x>",), "document type"),
+        (("<link",), "XML"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_said_in_one_line(tmp_path, elements, problem):
+    with pytest.raises(InputError, match=problem) as caught:
+        bodies_of(tmp_path, *elements)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "limit", "expected"),
+    [
+        ("revolute", '<limit lower="2" upper="-1"/>', (-1, 2)),
+        ("prismatic", '<limit lower="0" upper="0"/>', (None, None)),
+        ("prismatic", "", (None, None)),
+        ("revolute", '<limit lower="-1.7976931348623157e308" upper="1.7976931348623157e308"/>', (None, None)),
+        ("continuous", '<limit lower="-1" upper="2"/>', (None, None)),
+    ],
+)
+def test_limits_are_put_in_order_and_equal_or_boundless_ones_are_none(tmp_path, kind, limit, expected):
+    body = bodies_of(tmp_path, LINK.format("a", 1), LINK.format("b", 1), joint(kind, "a", "b", limit))[1]
+    assert (body.joint.lower, body.joint.upper) == expected

@@ -1,0 +1,159 @@
+"""joints.json: what is written is what is read, and is what the schema says."""
+
+import copy
+import json
+
+import numpy as np
+import pytest
+from articulated import articulated_shapes, shape_of_boxes
+from hypothesis import given, settings
+
+from kinmo.core.errors import InputError
+from kinmo.core.joint import CoarseType, MotionType
+from kinmo.core.mobility import Body
+from kinmo.core.prediction import JointEstimate, Prediction
+from kinmo.io.writers.joints_json_writer import Provenance, joints_document, read_joints_json, schema, write_joints_json
+
+TYPES = {
+    "object": dict,
+    "array": list,
+    "string": str,
+    "boolean": bool,
+    "integer": int,
+    "number": (int, float),
+    "null": type(None),
+}
+
+
+def violations(value, rule, root, path="$"):
+    """What is wrong with `value` by the part of JSON Schema that the file uses."""
+    if "$ref" in rule:
+        yield from violations(value, root["$defs"][rule["$ref"].rsplit("/", 1)[1]], root, path)
+    if "anyOf" in rule and all(list(violations(value, option, root, path)) for option in rule["anyOf"]):
+        yield f"{path}: no option fits"
+    if "const" in rule and value != rule["const"]:
+        yield f"{path}: not {rule['const']}"
+    if "enum" in rule and value not in rule["enum"]:
+        yield f"{path}: {value} unknown"
+    names = rule.get("type", [])
+    names = [names] if isinstance(names, str) else names
+    if names and not any(isinstance(value, TYPES[n]) and (n == "boolean" or not isinstance(value, bool)) for n in names):
+        yield f"{path}: not {names}"
+        return
+    if isinstance(value, dict):
+        yield from (f"{path}: lacks {key}" for key in rule.get("required", []) if key not in value)
+        extra = rule.get("additionalProperties", True)
+        for key, item in value.items():
+            inside = rule.get("properties", {}).get(key, extra)
+            if inside is False:
+                yield f"{path}: has {key}"
+            elif isinstance(inside, dict):
+                yield from violations(item, inside, root, f"{path}.{key}")
+    if isinstance(value, list):
+        if not rule.get("minItems", 0) <= len(value) <= rule.get("maxItems", np.inf):
+            yield f"{path}: {len(value)} items"
+        for index, item in enumerate(value):
+            yield from violations(item, rule.get("items", {}), root, f"{path}[{index}]")
+
+
+def prediction_of(shape):
+    answers = tuple(
+        (
+            JointEstimate(body.joint, MotionType.R_V_S if body.joint else MotionType.FIXED, 0.75, {"feasibility": 0.5}, "edge"),
+            JointEstimate(None, CoarseType.NONE, 0.1),
+        )
+        for body in shape.mobility.bodies
+    )
+    return Prediction(shape.id, shape.category, shape.mobility, answers, tuple(a[1] for a in answers), "kinmo")
+
+
+def plain_shape():
+    return shape_of_boxes([((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 2, 1))], (Body(0, "a", (1,)), Body(1, "b", (2,))))
+
+
+MADE_WITH = Provenance("sha256:0123", {"tau": 0.6, "candidates": "all"})
+
+
+def plain(value):
+    """Nested dataclasses, arrays and enums as something that can be compared."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if hasattr(value, "__dataclass_fields__"):
+        return {name: plain(getattr(value, name)) for name in value.__dataclass_fields__}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return repr(value)
+
+
+@settings(max_examples=25)
+@given(articulated_shapes())
+def test_a_prediction_comes_back_as_it_was(tmp_path_factory, shape):
+    prediction = prediction_of(shape)
+    path = write_joints_json(tmp_path_factory.mktemp("out") / "joints.json", shape, prediction, MADE_WITH)
+    found, made_with = read_joints_json(path, shape)
+    assert plain(found) == plain(prediction)
+    assert made_with == MADE_WITH
+    assert [p.name for p in path.parent.iterdir()] == ["joints.json"]
+
+
+@settings(max_examples=25)
+@given(articulated_shapes())
+def test_the_file_is_what_its_schema_says(shape):
+    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), MADE_WITH)))
+    assert list(violations(document, schema(), schema())) == []
+
+
+def test_only_bodies_whose_parts_are_all_junk_are_junk():
+    boxes = [((0, i, 0), (1, i + 1, 1)) for i in range(3)]
+    bodies = (Body(0, "base", ()), Body(1, "dirt", (1,)), Body(2, "door", (2, 3)))
+    shape = shape_of_boxes(boxes, bodies, junk=frozenset({1, 2}))
+    document = joints_document(shape, prediction_of(shape), MADE_WITH)
+    assert [body["is_junk"] for body in document["bodies"]] == [False, True, False]
+
+
+def changed(document, path, value):
+    document = copy.deepcopy(document)
+    place = document
+    for key in path[:-1]:
+        place = place[key]
+    place[path[-1]] = value
+    return document
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("schema_version",), 2),
+        (("shape", "id"), "another"),
+        (("bodies", 0, "parts", 0, "id"), 999),
+        (("bodies", 0, "parent"), 17),
+        (("bodies", 0, "parent"), 0),
+        (("bodies", 0, "parts"), []),
+        (("bodies", 0, "estimates", 0, "type"), "R_X"),
+        (("bodies", 0, "estimates", 0, "score"), "high"),
+        (("bodies", 0, "network", "terms"), None),
+        (("bodies", 0, "joint"), {"kind": "R", "direction": [0, 0, 2], "pivot": [0, 0, 0]}),
+        (("bodies", 0, "joint"), {"kind": "R", "direction": [0, 0, 1], "pivot": [0, 0, 0], "lower": 1.0, "upper": 0.0}),
+        (("bodies", 0, "joint"), {"kind": "R", "direction": [0, 0, 1], "pivot": [0, 0, 0], "upper": 1.0}),
+        (("config",), []),
+    ],
+)
+def test_a_file_that_cannot_be_is_refused_by_field(tmp_path, path, value):
+    shape = plain_shape()
+    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), MADE_WITH)))
+    file = tmp_path / "joints.json"
+    file.write_text(json.dumps(changed(document, path, value)))
+    with pytest.raises(InputError, match=r"joints\.json: \w+"):
+        read_joints_json(file, shape)
+
+
+def test_the_schema_would_notice_a_change():
+    shape = plain_shape()
+    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), MADE_WITH)))
+    for path, value in (
+        (("bodies", 0, "extra"), 1),
+        (("shape", "up"), [0, 1]),
+        (("bodies", 0, "estimates", 0, "type"), "R_X"),
+        (("weights",), 3),
+    ):
+        assert list(violations(changed(document, path, value), schema(), schema()))

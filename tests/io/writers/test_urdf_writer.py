@@ -1,0 +1,213 @@
+"""Exported URDFs: the simulator's kinematics are ours, and nothing of the shape is lost."""
+
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+import numpy as np
+import pybullet
+import pytest
+import trimesh
+from articulated import articulated_shapes, rotations, shape_of_boxes
+from hypothesis import given, settings
+from scipy.spatial.transform import Rotation
+
+from kinmo.core.frames import Y_UP_TO_Z_UP, z_up_rotation
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.kinematics import forward
+from kinmo.core.links import links_of
+from kinmo.core.mobility import Body, Mobility
+from kinmo.core.names import unique_names
+from kinmo.io.writers.urdf_writer import link_origin, write_urdf
+
+UPS = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (0.6, 0.0, 0.8))
+STATES = 100
+
+
+@pytest.fixture(scope="module")
+def bullet():
+    client = pybullet.connect(pybullet.DIRECT)
+    yield client
+    pybullet.disconnect(client)
+
+
+def joint_values(mobility, rng):
+    values = {i: body.joint.rest + rng.uniform(-1, 1) for i, body in mobility.movable()}
+    turns = {i: rng.uniform(-3, 3) for i, body in mobility.movable() if body.joint.kind is JointKind.SCREW}
+    return values, turns
+
+
+def loaded(path, client):
+    robot = pybullet.loadURDF(str(path), useFixedBase=True, physicsClientId=client)
+    info = [
+        pybullet.getJointInfo(robot, i, physicsClientId=client)
+        for i in range(pybullet.getNumJoints(robot, physicsClientId=client))
+    ]
+    return robot, {row[1].decode(): row[0] for row in info}, {row[12].decode(): row[0] for row in info}
+
+
+@settings(max_examples=8)
+@given(articulated_shapes(ups=UPS))
+def test_the_simulator_moves_every_link_as_our_kinematics_do(tmp_path_factory, bullet, shape):
+    scale = 0.7
+    mobility = replace_rest(shape.mobility)
+    path = write_urdf(shape, mobility, tmp_path_factory.mktemp("robot") / "out", metres_per_unit=scale)
+    robot, joints, names = loaded(path, bullet)
+    rotation, links = z_up_rotation(np.array(shape.up)), links_of(mobility)
+    rng = np.random.default_rng(0)
+    for _ in range(STATES):
+        values, turns = joint_values(mobility, rng)
+        for link in links[1:]:
+            offset = values[link.body] - link.joint.rest
+            slides = link.joint.kind is not JointKind.REVOLUTE
+            first = f"{link.name}-slide-joint" if link.joint.kind is JointKind.SCREW else f"{link.name}-joint"
+            pybullet.resetJointState(robot, joints[first], offset * (scale if slides else 1.0), physicsClientId=bullet)
+            if link.body in turns:
+                pybullet.resetJointState(robot, joints[f"{link.name}-joint"], turns[link.body], physicsClientId=bullet)
+        poses = forward(mobility, values, turns)
+        for link in links[1:]:
+            state = pybullet.getLinkState(robot, names[link.name], computeForwardKinematics=1, physicsClientId=bullet)
+            start = rotation.T @ link_origin(shape, link, rotation, scale) / scale
+            pose = poses[link.body]
+            expected = scale * rotation @ (pose[:3, :3] @ start + pose[:3, 3])
+            turned = rotation @ pose[:3, :3] @ rotation.T
+            assert np.abs(np.array(state[4]) - expected).max() < 1e-6
+            assert np.abs(Rotation.from_quat(state[5]).as_matrix() - turned).max() < 1e-6
+    pybullet.removeBody(robot, physicsClientId=bullet)
+
+
+def replace_rest(mobility):
+    """The same tree with joints that do not rest at zero."""
+    bodies = (b if b.joint is None else replace(b, joint=replace(b.joint, rest=0.1 * b.id)) for b in mobility.bodies)
+    return Mobility(tuple(bodies))
+
+
+@settings(max_examples=15)
+@given(articulated_shapes(ups=UPS))
+def test_all_leaves_are_where_the_shape_has_them(tmp_path_factory, shape):
+    path = write_urdf(shape, shape.mobility, tmp_path_factory.mktemp("robot") / "out")
+    tree, rotation = ET.parse(path), z_up_rotation(np.array(shape.up))
+    parent_of = {j.find("child").get("link"): j for j in tree.iter("joint")}
+
+    def place(link):
+        if link not in parent_of:
+            return np.zeros(3)
+        joint = parent_of[link]
+        return place(joint.find("parent").get("link")) + np.array(joint.find("origin").get("xyz").split(), float)
+
+    seen = {}
+    for link in tree.iter("link"):
+        for visual in link.iter("visual"):
+            file = visual.find("geometry/mesh").get("filename")
+            mesh = trimesh.load(path.parent / file, process=False)
+            turn = Rotation.from_euler("xyz", np.array(visual.find("origin").get("rpy").split(), float))
+            shift = np.array(visual.find("origin").get("xyz").split(), float)
+            seen[file] = (turn.apply(mesh.vertices) + shift + place(link.get("name")), mesh.faces)
+    assert len(seen) == len(shape.leaves)
+    for leaf, (vertices, faces) in zip(shape.leaves, (seen[file] for file in sorted(seen, key=_order(shape))), strict=True):
+        mesh = shape.parts[leaf].mesh
+        assert vertices == pytest.approx(mesh.vertices @ rotation.T, abs=1e-9)
+        assert np.array_equal(faces, mesh.faces)
+
+
+def _order(shape):
+    from kinmo.io.writers.urdf_writer import leaf_files
+
+    return {file: leaf for leaf, file in leaf_files(shape).items()}.__getitem__
+
+
+def cabinet(joint, **body):
+    boxes = [((0, 0, 0), (1, 2, 1)), ((0, 0, 1), (1, 2, 1.1)), ((0.8, 1, 1.1), (0.9, 1.1, 1.2))]
+    bodies = (Body(0, "body", (1,)), Body(1, "door", (2,), 0, joint), Body(2, "handle", (3,), 1))
+    return shape_of_boxes(boxes, bodies, **body)
+
+
+def test_fastened_bodies_are_one_link(tmp_path):
+    shape = cabinet(Joint(JointKind.REVOLUTE, np.array([0.0, 1, 0]), np.array([0.0, 0, 1]), 0.0, 1.5))
+    tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
+    assert [link.get("name") for link in tree.iter("link")] == ["base", "door"]
+    assert [len(link.findall("visual")) for link in tree.iter("link")] == [1, 2]
+
+
+@pytest.mark.parametrize(
+    ("kind", "limits", "expected"),
+    [
+        (JointKind.REVOLUTE, (0.0, 1.5), ["revolute"]),
+        (JointKind.REVOLUTE, (None, None), ["continuous"]),
+        (JointKind.PRISMATIC, (0.0, 0.5), ["prismatic"]),
+        (JointKind.SCREW, (0.0, 0.5), ["prismatic", "continuous"]),
+    ],
+)
+def test_each_kind_of_joint_has_its_urdf_type(tmp_path, kind, limits, expected):
+    shape = cabinet(Joint(kind, np.array([0.0, 1, 0]), np.zeros(3), *limits))
+    tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
+    assert [joint.get("type") for joint in tree.iter("joint")] == expected
+    limited = next(tree.iter("joint")).find("limit")
+    assert (limited.get("upper") is None) == (limits[1] is None)
+
+
+def test_inertia_is_that_of_a_real_thing(tmp_path):
+    shape = cabinet(Joint(JointKind.SCREW, np.array([0.0, 1, 0]), np.zeros(3)))
+    tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
+    for inertial in tree.iter("inertial"):
+        moments = np.sort([float(inertial.find("inertia").get(key)) for key in ("ixx", "iyy", "izz")])
+        assert float(inertial.find("mass").get("value")) > 0
+        assert moments[0] > 0
+        assert moments[2] <= moments[0] + moments[1]
+
+
+def test_several_roots_hang_on_one_base():
+    joint = Joint(JointKind.PRISMATIC, np.array([0.0, 0, 1]), np.zeros(3))
+    links = links_of(Mobility((Body(0, "a", (1,)), Body(1, "b", (2,)), Body(2, "c", (3,), 1, joint))))
+    assert [(link.bodies, link.parent) for link in links] == [((0, 1), None), ((2,), 0)]
+
+
+def test_names_are_plain_and_all_different():
+    assert unique_names(["a b", "a/b", "A_B", "", "<>", "x"]) == ["a_b", "a_b_2", "A_B_3", "part", "part_2", "x"]
+
+
+def test_what_is_called_after_a_link_makes_way_for_bodies_of_that_name(tmp_path):
+    screw = Joint(JointKind.SCREW, np.array([0.0, 1, 0]), np.zeros(3))
+    names = ("base", "knob", "Knob-Slide", "knob-joint")
+    bodies = [Body(i, name, (i + 1,), 0 if i else None, screw if i else None) for i, name in enumerate(names)]
+    shape = shape_of_boxes([((i, 0, 0), (i + 1, 1, 1)) for i in range(4)], bodies)
+    tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
+    links, joints = ([element.get("name") for element in tree.iter(kind) if element.get("name")] for kind in ("link", "joint"))
+    assert {*names} <= {*links}
+    assert len({name.lower() for name in links + joints}) == len(links + joints) == 2 * 3 + 1 + 2 * 3
+    assert {end.get("link") for kind in ("parent", "child") for end in tree.iter(kind)} == {*links}
+    assert sorted(end.get("link") for end in tree.iter("child")) == sorted(set(links) - {"base"}), "a tree"
+
+
+def test_a_screw_that_nothing_is_in_the_way_of_is_called_after_its_body(tmp_path):
+    shape = cabinet(Joint(JointKind.SCREW, np.array([0.0, 1, 0]), np.zeros(3)))
+    tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
+    assert [link.get("name") for link in tree.iter("link")] == ["base", "door", "door-slide"]
+    assert [joint.get("name") for joint in tree.iter("joint")] == ["door-slide-joint", "door-joint"]
+
+
+@given(rotations)
+def test_up_becomes_z_by_a_rotation(rotation):
+    up = rotation[:, 1]
+    turn = z_up_rotation(up)
+    assert turn @ up == pytest.approx([0, 0, 1], abs=1e-9)
+    assert turn @ turn.T == pytest.approx(np.eye(3), abs=1e-9)
+    assert np.linalg.det(turn) == pytest.approx(1)
+
+
+def test_y_up_shapes_go_where_partnet_mobility_has_them():
+    assert np.array_equal(z_up_rotation(np.array([0.0, 1, 0])), Y_UP_TO_Z_UP)
+
+
+def test_a_failed_export_leaves_what_was_there(tmp_path, monkeypatch):
+    shape = cabinet(Joint(JointKind.PRISMATIC, np.array([0.0, 1, 0]), np.zeros(3)))
+    path = write_urdf(shape, shape.mobility, tmp_path / "out")
+    before = path.read_bytes()
+
+    def fail(*_):
+        raise OSError("disk full")
+
+    monkeypatch.setattr("kinmo.io.writers.urdf_writer.write_obj", fail)
+    with pytest.raises(OSError, match="disk full"):
+        write_urdf(shape, shape.mobility, tmp_path / "out", metres_per_unit=2.0)
+    assert path.read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["out"]

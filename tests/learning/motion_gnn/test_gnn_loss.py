@@ -1,0 +1,90 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import torch
+
+from kinmo.core.errors import InputError
+from kinmo.core.joint import CoarseType, MotionType
+from kinmo.learning.motion_gnn.gnn_loss import class_weights, edge_losses
+from kinmo.learning.motion_gnn.gnn_network import EdgeOutput
+
+
+def output(edges: int, classes: int = 10, seed: int = 0) -> EdgeOutput:
+    rng = torch.Generator().manual_seed(seed)
+    return EdgeOutput(*(torch.randn(edges, n, generator=rng, requires_grad=True) for n in (classes, 3, 3)))
+
+
+def unit(edges: int) -> torch.Tensor:
+    return torch.nn.functional.normalize(torch.randn(edges, 3, generator=torch.Generator().manual_seed(9)), dim=1)
+
+
+TYPES = torch.tensor([MotionType.R_V_S, MotionType.P_H, MotionType.FIXED, MotionType.NONE, MotionType.PR_V])
+
+
+def test_the_losses_are_those_written_out_by_hand() -> None:
+    found, d, p = output(5), unit(5), torch.randn(5, 3, generator=torch.Generator().manual_seed(2))
+    losses = edge_losses(found, TYPES, d, p)
+    probabilities = torch.softmax(found.logits, 1)
+    by_hand = -np.mean([np.log(probabilities[i, t].item()) for i, t in enumerate(TYPES)])
+    assert losses.type.item() == pytest.approx(by_hand, rel=1e-5)
+    directions = [np.linalg.norm((found.directions[i] - d[i]).detach().numpy()) for i in (0, 1, 4)]
+    assert losses.direction.item() == pytest.approx(np.mean(directions), rel=1e-5)
+    pivots = [np.linalg.norm(np.cross((found.pivots[i] - p[i]).detach().numpy(), d[i].numpy())) for i in (0, 4)]
+    assert losses.pivot.item() == pytest.approx(np.mean(pivots), rel=1e-5)
+    assert losses.total.item() == pytest.approx(by_hand + np.mean(directions) + np.mean(pivots), rel=1e-5)
+    frobenius = edge_losses(found, TYPES, d, p, direction_loss="frobenius").direction.item()
+    assert frobenius == pytest.approx(np.sqrt(np.sum(np.square(directions))), rel=1e-5)
+
+
+def test_the_pivot_may_slide_along_its_axis_and_the_object_may_be_elsewhere() -> None:
+    found, d, p = output(5), unit(5), torch.randn(5, 3)
+    slid = edge_losses(found, TYPES, d, p + 7.0 * d).pivot.item()
+    shift = torch.tensor([3.0, -2.0, 5.0])
+    moved = edge_losses(found._replace(pivots=found.pivots + shift), TYPES, d, p + shift).pivot.item()
+    expected = edge_losses(found, TYPES, d, p).pivot.item()
+    assert slid == pytest.approx(expected, abs=1e-5)
+    assert moved == pytest.approx(expected, abs=1e-5)
+
+
+def test_undirected_does_not_mind_the_sign() -> None:
+    found, d = output(5), unit(5)
+    losses = [edge_losses(found, TYPES, s * d, d, direction_loss="undirected").direction.item() for s in (1, -1)]
+    assert losses[0] == pytest.approx(losses[1])
+
+
+def test_edges_that_do_not_move_have_no_direction_or_pivot_loss() -> None:
+    found = output(2)
+    losses = edge_losses(found, torch.tensor([MotionType.FIXED, MotionType.NONE]), unit(2), unit(2))
+    assert losses.direction.item() == losses.pivot.item() == 0.0
+    losses.total.backward()
+    assert found.logits.grad is not None
+
+
+def test_a_coarse_network_is_asked_for_coarse_classes() -> None:
+    found = output(5, classes=5)
+    expected = [CoarseType.R, CoarseType.P, CoarseType.FIXED, CoarseType.NONE, CoarseType.PR]
+    by_hand = torch.nn.functional.cross_entropy(found.logits, torch.tensor([t.value for t in expected]))
+    assert edge_losses(found, TYPES, unit(5), unit(5)).type.item() == pytest.approx(by_hand.item())
+
+
+def test_balance_weighs_rare_classes_more_and_keeps_the_mean_at_one() -> None:
+    types = torch.tensor([MotionType.FIXED] * 90 + [MotionType.P_H] * 10)
+    weights = class_weights(types, 10, (), 0.5)
+    assert weights is not None
+    assert weights[MotionType.P_H] == pytest.approx(3 * weights[MotionType.FIXED].item())
+    assert weights[types].mean().item() == pytest.approx(1.0)
+    assert class_weights(types, 10, (), 0.0) is None
+
+
+def test_weights_of_the_ten_types_are_those_of_the_five_on_average() -> None:
+    given = tuple(float(n + 1) for n in range(len(MotionType)))
+    fine, coarse = (class_weights(torch.zeros(0, dtype=torch.long), classes, given, 0.0) for classes in (10, 5))
+    assert fine is not None and coarse is not None
+    assert fine.tolist() == list(given)
+    for kind in CoarseType:
+        own = [weight for weight, motion in zip(given, MotionType, strict=True) if motion.coarse is kind]
+        assert coarse[kind].item() == pytest.approx(sum(own) / len(own))
+    for number in (2, 5, 11):
+        with pytest.raises(InputError, match=f"gnn.class_weights: expected 10 numbers, one a motion type, got {number}"):
+            class_weights(torch.zeros(3, dtype=torch.long), 10, (1.0,) * number, 0.0)

@@ -1,0 +1,91 @@
+"""What trained networks are asked, and what they answer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from tiny_ancsh import SCAN_ALONE, TINY, turned_apart
+
+from kinmo.core.errors import InputError
+from kinmo.core.typed_tables import to_table
+from kinmo.learning.weights import save_weights
+from kinmo.scans.ancsh.ancsh_network import KIND, AncshNetwork, PartNetwork
+from kinmo.scans.ancsh.ancsh_predictor import Ancsh, to_naocs
+from kinmo.scans.category_prior import Typical
+from kinmo.scans.input_frame import base_axes, scan_rotations
+from kinmo.scans.scan_file import ScanFile
+
+
+def test_how_large_a_scan_is_does_not_matter(file: ScanFile) -> None:
+    torch.manual_seed(0)
+    parts = file.structure.part_count
+    network = AncshNetwork(TINY, parts, parts).eval()
+    networks = Ancsh(network, network, TINY, file.structure, Typical.unknown(file.structure), "cpu")
+    points = file.read("points", 0).astype(np.float64)
+    here, there = (networks.answer([cloud])[0] for cloud in (points, 1e5 * points))
+    np.testing.assert_allclose(here.npcs, there.npcs, atol=5e-3)
+    np.testing.assert_allclose(here.frame.rotation, there.frame.rotation, atol=1e-3)
+
+
+def test_where_a_scan_lies_does_not_matter_to_networks_that_see_the_scan_alone(file: ScanFile) -> None:
+    torch.manual_seed(0)
+    parts = file.structure.part_count
+    network = AncshNetwork(SCAN_ALONE, parts, parts)
+    known = Typical.unknown(file.structure)
+    networks = Ancsh(network.eval(), network, SCAN_ALONE, file.structure, known, "cpu")
+    points = file.read("points", 0).astype(np.float64)
+    here, there = (networks.answer([cloud])[0] for cloud in (points, 2.5 * points + [1.0, 2.0, -3.0]))
+    np.testing.assert_allclose(here.npcs, there.npcs, atol=1e-4)
+
+
+def test_what_takes_parts_to_the_object_is_read_off_the_points_whatever_single_points_say() -> None:
+    rng = np.random.default_rng(0)
+    npcs, scales, shifts = rng.uniform(0.1, 0.9, (90, 3, 3)), np.array([0.9, 0.5, 0.2]), rng.uniform(-0.3, 0.5, (3, 3))
+    parts = np.repeat([0, 1], 45)  # of the last part no point was seen
+    naocs = scales[:, None] * npcs + shifts
+    found = to_naocs(npcs, naocs, parts)
+    np.testing.assert_allclose(found[0], scales, rtol=1e-9)
+    np.testing.assert_allclose(found[1], shifts, atol=1e-9)
+
+
+def test_networks_look_again_along_the_axes_of_what_they_say_is_base(file: ScanFile, monkeypatch: pytest.MonkeyPatch) -> None:
+    row, count = turned_apart(file), file.structure.part_count
+    network = AncshNetwork(TINY, count, count).eval()
+    points, parts = file.read("points", row), file.read("parts", row)
+    monkeypatch.setattr(Ancsh, "_said_parts", lambda self, seen: np.tile(parts, (len(seen), 1)))
+    rotations = {}
+    for axes in ("manhattan", "base"):
+        networks = Ancsh(network, network, replace(TINY, axes=axes), file.structure, Typical.unknown(file.structure), "cpu")
+        rotations[axes] = networks.answer([points])[0].frame.rotation
+    (first,) = scan_rotations(points[None], "manhattan")
+    np.testing.assert_allclose(rotations["manhattan"], first)
+    np.testing.assert_allclose(rotations["base"], base_axes(points[None], parts[None] == 0, first[None])[0])
+    assert np.abs(rotations["base"] - first).max() > 0.1
+
+
+def test_no_scans_have_no_answers(file: ScanFile) -> None:
+    count = file.structure.part_count
+    network = AncshNetwork(TINY, count, count).eval()
+    assert Ancsh(network, network, TINY, file.structure, Typical.unknown(file.structure), "cpu").answer([]) == []
+
+
+@pytest.mark.parametrize("classes", [None, "two", 0, 10**9])
+def test_weights_that_do_not_say_how_many_classes_they_tell_apart_are_refused_in_one_line(
+    file: ScanFile, tmp_path: Path, classes: object
+) -> None:
+    count, structure = file.structure.part_count, file.structure
+    facts = {"kinds": [kind.value for kind in structure.kinds], "parents": list(structure.parents)}
+    facts["typical"] = Typical.unknown(structure).to_data()
+    whole, other, broken = (tmp_path / f"{name}.safetensors" for name in ("whole", "other", "broken"))
+    network, parts = AncshNetwork(TINY, count, count), PartNetwork(TINY, count, count)
+    save_weights(whole, network, KIND, to_table(TINY), facts | {"classes": count})
+    save_weights(other, parts, KIND, to_table(TINY), facts | {"classes": count})
+    save_weights(broken, network, KIND, to_table(TINY), facts if classes is None else facts | {"classes": classes})
+    for paths in ((broken, other), (whole, broken)):
+        with pytest.raises(InputError, match=rf"broken\.json: facts\.classes: expected {count} or {count + 1}, got"):
+            Ancsh.load(*paths, "cpu")
+    Ancsh.load(whole, other, "cpu")

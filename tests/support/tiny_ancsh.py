@@ -1,0 +1,37 @@
+"""Networks of ANCSH that are trained in a second, and what they are shown."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from kinmo.config import AncshConfig, TrainingConfig
+from kinmo.scans.ancsh.ancsh_loss import ScanBatch
+from kinmo.scans.ancsh.scan_batches import ScanData
+from kinmo.scans.input_frame import base_axes, scan_rotations
+from kinmo.scans.scan_file import ScanFile
+
+TINY = AncshConfig(
+    training=TrainingConfig(epochs=2, learning_rate=3e-3, weight_decay=0.0, decay_epochs=0, threads=1),
+    points=128,
+    centers=(32, 16),
+    neighbours=(8, 8),
+    width=0.125,
+    dropout=0.0,
+    batch_frames=8,
+    batches_per_epoch=3,
+)
+SCAN_ALONE = replace(TINY, normalised="scan", axes="camera")
+
+
+def two_scans(file: ScanFile) -> ScanBatch:
+    return ScanData([file], [file], TINY).batch([(file, 0), (file, 3)], np.random.default_rng(0))
+
+
+def turned_apart(file: ScanFile) -> int:
+    """A frame whose axes are others when it is known what is base."""
+    points, parts = file.read("points"), file.read("parts")
+    first = scan_rotations(points, "base")
+    second = base_axes(points, parts == 0, first)
+    return int(np.abs(second - first).max(axis=(1, 2)).argmax())
