@@ -1,35 +1,33 @@
-"""Exact distances between the parts of a shape, against python-fcl pruned by boxes.
+"""Exact distances between the parts of a shape, compared with python-fcl.
 
-30 parts of 1,280 to 6,144 triangles (2,905 in the mean), one thread, trees built anew on both sides in every run. Both
-look only at pairs whose boxes are within 5 % of the diagonal. Peer: `pip install python-fcl`.
+    python bench/adjacency.py [--quick]
 
-    RAYON_NUM_THREADS=1 python bench/adjacency.py [--quick]
+A shape has 30 parts of 1,280 to 6,144 triangles (2,905 on average). Both sides use one thread, build their trees anew in every
+run, and look only at pairs whose boxes are within 5 % of the shape's diagonal. Distances must agree to 1e-9 diagonals.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import os
+from common import best_time, option_parser, print_claims, print_table, ratio_claim, use_one_thread
 
-os.environ["RAYON_NUM_THREADS"] = "1"
+use_one_thread()
 
 import fcl
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
 from kinmo import _core
-from timing import best_time
+from part_meshes import MeshArrays
 
 GOAL = 10.0
-SHARE = 0.05
+REACH = 0.05
+"""Largest distance that is computed, in diagonals."""
 AGREEMENT = 1e-9
-MeshArrays = tuple[NDArray[np.float64], NDArray[np.uint32]]
+"""Largest difference of distances, in diagonals."""
 
 
 def parts(seed: int, count: int = 30) -> list[MeshArrays]:
-    """Boxes, balls, cylinders, rings and capsules, turned at random on a crowded lattice."""
+    """Boxes, balls, cylinders, rings and capsules with random rotations on a crowded lattice."""
     rng = np.random.default_rng(seed)
     made = []
     for index in range(count):
@@ -54,14 +52,14 @@ def diagonal_of(shape: list[MeshArrays]) -> float:
 
 
 def ours(shape: list[MeshArrays], within: float) -> dict[tuple[int, int], float]:
-    """Distances by kinmo."""
+    """Distances by kinmo, by pair of parts."""
     meshes = _core.Meshes([part[0] for part in shape], [part[1] for part in shape])
     pairs, distances, _, _ = _core.part_distances(meshes, max_distance=within)
     return {(int(a), int(b)): float(d) for (a, b), d in zip(pairs, distances, strict=True)}
 
 
 def peer(shape: list[MeshArrays], within: float) -> dict[tuple[int, int], float]:
-    """Distances by FCL, which says -1 where surfaces cross."""
+    """Distances by FCL, by pair of parts. FCL returns -1 where surfaces cross."""
     objects = []
     for vertices, faces in shape:
         model = fcl.BVHModel()
@@ -83,41 +81,28 @@ def peer(shape: list[MeshArrays], within: float) -> dict[tuple[int, int], float]
 
 
 def main() -> None:
-    """Compares distances, then times."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="one shape, two repeats")
-    quick = parser.parse_args().quick
+    """Compare the distances, then the times."""
+    quick = option_parser(__doc__, "one shape, two repeats").parse_args().quick
     shapes = [parts(seed) for seed in range(1 if quick else 5)]
-    print(f"{'shape':>5} {'triangles':>9} {'pairs':>5} {'touch':>5} {'worst difference':>16} {'kinmo ms':>9} {'fcl ms':>9}")
-    mine, theirs, worst = 0.0, 0.0, 0.0
+    rows = []
     for index, shape in enumerate(shapes):
         diagonal = diagonal_of(shape)
-        within = SHARE * diagonal
+        within = REACH * diagonal
         found, expected = ours(shape, within), peer(shape, within)
-        # A pair at the very limit may fall to either side.
+        # A pair at the very limit may be found by either side alone.
         inner = [pair for pair in found.keys() | expected.keys() if found.get(pair, expected.get(pair, 0)) < 0.999 * within]
         difference = max(abs(found[pair] - expected[pair]) for pair in inner) / diagonal
-        worst = max(worst, difference)
         repeats = 2 if quick else 5
         times = [1e3 * best_time(lambda f=run, s=shape, w=within: f(s, w), repeats) for run in (ours, peer)]
-        mine, theirs = mine + times[0], theirs + times[1]
-        triangles = sum(len(part[1]) for part in shape)
-        touching = sum(distance == 0 for distance in found.values())
-        print(f"{index:5} {triangles:9} {len(found):5} {touching:5} {difference:16.1e} {times[0]:9.2f} {times[1]:9.1f}")
+        triangles, touching = sum(len(part[1]) for part in shape), sum(distance == 0 for distance in found.values())
+        rows.append((index, triangles, len(found), touching, difference, *times))
+    print_table(("shape", "triangles", "pairs", "touching", "largest difference", "kinmo (ms)", "fcl (ms)"), rows)
+    worst = max(row[4] for row in rows)
     if worst > AGREEMENT:
         raise SystemExit(f"distances differ by {worst:.1e} diagonals")
-    print(
-        json.dumps(
-            {
-                "claim": f"exact part distances as python-fcl's ({worst:.0e} diagonals apart), build included, ms",
-                "ours": mine / len(shapes),
-                "peer": theirs / len(shapes),
-                "ratio": theirs / mine,
-                "goal": GOAL,
-                "met": theirs / mine >= GOAL,
-            }
-        )
-    )
+    mine, theirs = (float(np.mean([row[column] for row in rows])) for column in (5, 6))
+    claim = f"exact part distances compared with python-fcl ({worst:.0e} diagonals apart), trees included, ms"
+    print_claims(ratio_claim(claim, ours=mine, peer=theirs, goal=GOAL))
 
 
 if __name__ == "__main__":

@@ -1,29 +1,30 @@
-"""How much memory, and time, does a command take, with all processes that work for it?
+"""Memory and time of a command with all its processes.
 
     python bench/footprint.py --minutes 12 -- kinmo train all --category dishwasher --workspace demo/workspace
     python bench/footprint.py --minutes 20 -- make demo
 
-Every half second the proportional set sizes (what processes share counts once) of the command and its descendants are added up.
-Linux only. How long it takes is up to the command: there is no `--quick`.
+Memory is the sum of the proportional set sizes of the command and its descendants (shared memory counts once), read every half
+second. Linux only. --quick changes nothing: the command decides how long it takes.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import subprocess
 import time
 from collections import defaultdict
 from pathlib import Path
 
-EVERY = 0.5
+from common import budget_claim, option_parser, print_claims, print_table
+
+INTERVAL = 0.5
+"""Seconds between two readings."""
 GOAL = 6.0
-"""GiB."""
+"""Largest memory, in GiB."""
 KIB_PER_GIB = 2**20
 
 
-def family(root: int) -> list[int]:
-    """A process and its descendants, as far as they are there."""
+def process_tree(root: int) -> list[int]:
+    """Ids of a process and of its running descendants."""
     children: dict[int, list[int]] = defaultdict(list)
     for folder in Path("/proc").glob("[0-9]*"):
         try:
@@ -38,7 +39,7 @@ def family(root: int) -> list[int]:
 
 
 def kibibytes(process: int) -> int:
-    """The proportional set size of a process; none of one that has ended."""
+    """The proportional set size of a process in KiB; 0 for one that has ended."""
     try:
         lines = Path(f"/proc/{process}/smaps_rollup").read_text().splitlines()
     except OSError:
@@ -47,28 +48,25 @@ def kibibytes(process: int) -> int:
 
 
 def main() -> int:
-    """Run the command and print what it took."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--goal", type=float, default=GOAL, help="GiB")
-    parser.add_argument("--minutes", type=float, help="within which it should be done")
-    parser.add_argument("command", nargs="+")
+    """Run the command, and print its time and memory."""
+    parser = option_parser(__doc__, "changes nothing")
+    parser.add_argument("--goal", type=float, default=GOAL, help=f"memory to stay below, in GiB (default: {GOAL:g})")
+    parser.add_argument("--minutes", type=float, help="time to stay below, in minutes")
+    parser.add_argument("command", nargs="+", help="the command and its arguments")
     arguments = parser.parse_args()
     begin = time.monotonic()
     running = subprocess.Popen(arguments.command)
     most = largest = 0
     while running.poll() is None:
-        sizes = [kibibytes(process) for process in family(running.pid)]
+        sizes = [kibibytes(process) for process in process_tree(running.pid)]
         most, largest = max(most, sum(sizes)), max(largest, *sizes)
-        time.sleep(EVERY)
+        time.sleep(INTERVAL)
     took = time.monotonic() - begin
-    minutes, seconds = divmod(round(took), 60)
     what = " ".join(arguments.command)
     total, one = most / KIB_PER_GIB, largest / KIB_PER_GIB
-    print(f"{what}: {minutes} min {seconds} s, {total:.2f} GiB in all processes at once, {one:.2f} GiB in the largest")
-    for unit, ours, goal in (("minutes", took / 60.0, arguments.minutes), ("GiB", total, arguments.goal)):
-        if goal is not None:
-            claim = {"claim": f"{unit} of {what}", "ours": ours, "peer": goal, "ratio": goal / ours}
-            print(json.dumps({**claim, "goal": 1.0, "met": ours <= goal}))
+    print_table(("minutes", "GiB in all processes", "GiB in the largest"), [(took / 60.0, total, one)])
+    goals = ((f"minutes of {what}", took / 60.0, arguments.minutes), (f"GiB of {what}", total, arguments.goal))
+    print_claims(*(budget_claim(claim, ours, goal) for claim, ours, goal in goals if goal is not None))
     return running.returncode
 
 

@@ -1,31 +1,31 @@
-"""Does the memory of `prepare` stay flat in the number of shapes?
+"""Memory of `kinmo prepare` as the number of shapes grows: it should stay flat.
 
     python bench/memory.py [--shapes 10000] [--workers 1] [--family NAME ...] [--quick]
 
-Procedural shapes in the layouts of PartNet-Mobility and PartNet are prepared, by default of families with few and small parts,
-so that 10,000 of them take minutes; the memory of the process that holds the index (and of the largest worker) is read as it
-goes.
+Procedural shapes in the layouts of PartNet-Mobility and PartNet are prepared. Default families have few and small parts, so
+10,000 shapes take minutes. The memory of the process with the index is read during the run, that of
+the largest worker after it.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
 import resource
 import tempfile
 import time
 from pathlib import Path
 
+from common import option_parser, print_claims
 from kinmo.dataset.folder_preparation import prepare_folder
 from kinmo.dataset.workspace import Workspace
-from kinmo.synth.generate import Layout, generate
+from kinmo.io.readers import PARTNET, PARTNET_MOBILITY
+from kinmo.synth.generate import shape_specs, write_shapes
 
 SHAPES = 10_000
 FAMILIES = ("knife", "lighter", "mouse", "trash_can", "usb")
 QUICK = 300
 GOAL = 1.25
-"""At most so much more at the end than at a tenth of the way."""
+"""Largest ratio of the memory at the end to that after a tenth of the shapes."""
 PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
@@ -35,13 +35,12 @@ def resident() -> float:
 
 
 def main() -> int:
-    """Prepare and print memory at every tenth."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--shapes", type=int, default=SHAPES)
-    parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--family", action="append", help=f"may be repeated (default: {', '.join(FAMILIES)})")
-    parser.add_argument("--data", type=Path, help="where the shapes are, or are to be written (default: a temporary folder)")
-    parser.add_argument("--quick", action="store_true", help=f"{QUICK} shapes")
+    """Prepare, and print the memory after every tenth of the shapes."""
+    parser = option_parser(__doc__, f"{QUICK} shapes")
+    parser.add_argument("--shapes", type=int, default=SHAPES, help="number of shapes")
+    parser.add_argument("--workers", type=int, default=1, help="number of processes")
+    parser.add_argument("--family", action="append", help=f"family of shapes, repeatable (default: {', '.join(FAMILIES)})")
+    parser.add_argument("--data", type=Path, help="folder to write the shapes to (default: a temporary one)")
     args = parser.parse_args()
     shapes = QUICK if args.quick else args.shapes
     seen: dict[int, float] = {}
@@ -49,8 +48,8 @@ def main() -> int:
         data = args.data or Path(name) / "shapes"
         families = args.family or FAMILIES
         per_family = -(-shapes // (2 * len(families)))
-        layouts = [Layout.PARTNET_MOBILITY, Layout.PARTNET]
-        generate(data, count=per_family, families=families, layouts=layouts, workers=args.workers)
+        specs = shape_specs(per_family, families=families, layouts=(PARTNET_MOBILITY, PARTNET))
+        write_shapes(data, specs, workers=args.workers)
 
         def note(done: int, total: int, _: str) -> None:
             tenth = done * 10 // total
@@ -61,12 +60,12 @@ def main() -> int:
         begin = time.perf_counter()
         report = prepare_folder(data, Workspace(Path(name) / "workspace"), workers=args.workers, on_progress=note)
         seconds = time.perf_counter() - begin
-    total = len(report.taken) + len(report.repaired) + len(report.left_out)
+    total = len(report.included) + len(report.repaired) + len(report.skipped)
     worker = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
-    print(f"{total:7} shapes in {seconds:.0f} s ({total / seconds:.1f} a second), {len(report.left_out)} left out")
+    print(f"{total:7} shapes in {seconds:.0f} s ({total / seconds:.1f} a second), {len(report.skipped)} skipped")
     print(f"largest worker: {worker:.1f} MB")
-    claim = {"claim": f"prepare, {total} shapes: MB at the end and at a tenth", "ours": seen[10], "peer": seen[1]}
-    print(json.dumps({**claim, "ratio": seen[10] / seen[1], "goal": GOAL, "met": seen[10] <= GOAL * seen[1]}))
+    claim = {"claim": f"prepare, {total} shapes: MB at the end and after a tenth", "ours": seen[10], "peer": seen[1]}
+    print_claims({**claim, "ratio": seen[10] / seen[1], "goal": GOAL, "met": seen[10] <= GOAL * seen[1]})
     return 0
 
 

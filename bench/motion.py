@@ -1,25 +1,21 @@
-"""Points moved by candidate joints, against a float32 einsum: 15 candidates x 8 displacements x 4096 points, one thread.
+"""Points moved by candidate joints, compared with a float32 einsum: 15 candidates x 8 displacements x 4,096 points, one thread.
 
-The peer is given its matrices; kinmo builds them in the timed call. `einsum` may go through BLAS (`optimize=True`) or not:
-both are printed, the claim is against the plain call.
+    python bench/motion.py [--quick]
 
-    RAYON_NUM_THREADS=1 OMP_NUM_THREADS=1 python bench/motion.py [--quick]
+The einsum gets its matrices ready-made; kinmo builds them within the timed call. The einsum is timed without and with BLAS
+(`optimize=True`). The claim is about the one without.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import os
+from common import best_time, option_parser, print_claims, print_table, ratio_claim, use_one_thread
 
-for variable in ("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ[variable] = "1"
+use_one_thread()
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from kinmo import _core
-from timing import best_time
 
 GOAL = 5.0
 CANDIDATES, DISPLACEMENTS, POINTS = 15, 8, 4096
@@ -27,10 +23,8 @@ AGREEMENT = 1e-5
 
 
 def main() -> None:
-    """Compares the moved points, then times."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="a few repeats")
-    repeats = 5 if parser.parse_args().quick else 40
+    """Compare the moved points, then the times."""
+    repeats = 5 if option_parser(__doc__, "few repeats").parse_args().quick else 40
     rng = np.random.default_rng(0)
     points = rng.uniform(-0.5, 0.5, (POINTS, 3)).astype(np.float32)
     kinds = (np.arange(CANDIDATES) % 3).astype(np.uint8)
@@ -49,23 +43,20 @@ def main() -> None:
     def ours() -> np.ndarray:
         return _core.move_points(points, kinds, directions, pivots, angles, shifts)
 
-    def peer() -> np.ndarray:
-        return np.einsum("cdij,nj->cdni", matrices, points) + offsets
+    def einsum(*, blas: bool = False) -> np.ndarray:
+        return np.einsum("cdij,nj->cdni", matrices, points, optimize=blas) + offsets
 
-    def peer_by_blas() -> np.ndarray:
-        return np.einsum("cdij,nj->cdni", matrices, points, optimize=True) + offsets
-
-    difference = float(np.abs(ours() - peer()).max())
+    difference = float(np.abs(ours() - einsum()).max())
     if difference > AGREEMENT:
         raise SystemExit(f"moved points differ by {difference:.1e}")
-    times = {run.__name__: 1e3 * best_time(run, repeats) for run in (ours, peer, peer_by_blas)}
-    print(f"largest difference {difference:.1e}")
-    for name, milliseconds in times.items():
-        print(f"{name:15} {milliseconds:8.2f} ms {milliseconds / times['ours']:6.1f} x")
-    ratio = times["peer"] / times["ours"]
-    claim = f"candidate transforms as a float32 einsum, ms ({times['peer_by_blas'] / times['ours']:.1f} x with BLAS)"
-    result = {"claim": claim, "ours": times["ours"], "peer": times["peer"], "ratio": ratio, "goal": GOAL, "met": ratio >= GOAL}
-    print(json.dumps(result))
+    print(f"largest difference of points {difference:.1e}")
+    runs = {"kinmo": ours, "einsum": einsum, "einsum with BLAS": lambda: einsum(blas=True)}
+    times = {name: 1e3 * best_time(run, repeats) for name, run in runs.items()}
+    print_table(("", "time (ms)", "ratio"), [(name, time, time / times["kinmo"]) for name, time in times.items()])
+    claim = (
+        f"moved points compared with a float32 einsum, ms ({times['einsum with BLAS'] / times['kinmo']:.1f} times with BLAS)"
+    )
+    print_claims(ratio_claim(claim, ours=times["kinmo"], peer=times["einsum"], goal=GOAL))
 
 
 if __name__ == "__main__":

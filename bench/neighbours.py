@@ -1,38 +1,38 @@
-"""The nearest points of every point of clouds as networks see them, against torch's topk and SciPy's search tree, one thread;
-and the maxima of features over them, forward and backward, against torch's bags and its gathering.
-
-64 clouds of 256 points with 8 neighbours are those that axis selection judges with `small`, 16 of 1,024 points with 20 those of
-`paper`. First all must find equally near points, and the same maxima and gradients.
+"""Nearest points and maxima over them as in the networks, compared with torch and SciPy, one thread.
 
     python bench/neighbours.py [--quick]
+
+The nearest neighbours of every point of point clouds are compared with torch's topk and SciPy's search tree. The maxima of 64
+features over the neighbours, with their gradients, are compared with torch's embedding bags and with gathering. The sizes are
+those of axis selection: 64 clouds of 256 points with 8 neighbours (`small`), 16 of 1,024 with 20 (`paper`). All must find
+equally near points, and equal maxima and gradients.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import os
 from collections.abc import Callable
 from functools import partial
 
-for variable in ("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ[variable] = "1"
+from common import Claim, best_time, option_parser, print_claims, print_table, ratio_claim, use_one_thread
+
+use_one_thread()
 
 import numpy as np
 import torch
 from scipy.spatial import cKDTree
 
 from kinmo import _core
-from kinmo.learning.layers import gather_points, neighbour_max
-from timing import best_time
+from kinmo.learning.network_layers import gather_points, neighbour_max
 
 SIZES = ((64, 256, 8), (16, 1024, 20))
+"""Clouds, points a cloud and neighbours a point."""
 WIDTH = 64
+"""Number of features."""
 AGREEMENT = 1e-5
 
 
-def compare(batch: int, size: int, count: int, repeats: int) -> dict[str, float]:
-    """Times by name, once all have found the same."""
+def neighbour_times(batch: int, size: int, count: int, repeats: int) -> dict[str, float]:
+    """Times in ms of finding the neighbours, by name, after a check that all agree."""
     clouds = np.random.default_rng(0).normal(size=(batch, size, 3)).astype(np.float32)
     points = torch.from_numpy(clouds)
 
@@ -58,10 +58,10 @@ def compare(batch: int, size: int, count: int, repeats: int) -> dict[str, float]
     return {run.__name__: 1e3 * best_time(run, repeats) for run in (ours, topk, tree)}
 
 
-def compare_maxima(batch: int, size: int, count: int, repeats: int) -> dict[str, float]:
-    """The same of the maxima of `WIDTH` features, with their gradients."""
+def maxima_times(batch: int, size: int, count: int, repeats: int) -> dict[str, float]:
+    """Times in ms of the maxima of `WIDTH` features and their gradients, by name, after a check that all agree."""
     torch.manual_seed(0)
-    distinct = torch.randperm(batch * size * WIDTH).float()  # of equal ones each way gives the gradient to others
+    distinct = torch.randperm(batch * size * WIDTH).float()  # each method gives the gradient of ties to another point
     features, slopes = distinct.view(batch, size, WIDTH).requires_grad_(), torch.randn(batch, size, WIDTH)
     index = torch.from_numpy(_core.nearest_neighbours(torch.rand(batch, size, 3).numpy(), count))
     rows = (index + torch.arange(batch).view(-1, 1, 1) * size).flatten(0, 1)
@@ -72,40 +72,41 @@ def compare_maxima(batch: int, size: int, count: int, repeats: int) -> dict[str,
     def bags() -> torch.Tensor:
         return torch.nn.functional.embedding_bag(rows, features.flatten(0, 1), mode="max").view_as(features)
 
-    def gathered() -> torch.Tensor:
+    def gathering() -> torch.Tensor:
         return gather_points(features, index).amax(2)
 
     def both_ways(maxima: Callable[[], torch.Tensor]) -> tuple[torch.Tensor, torch.Tensor]:
         found = maxima()
         return found.detach(), torch.autograd.grad(found, features, slopes)[0]
 
-    expected = both_ways(gathered)
+    expected = both_ways(gathering)
     for run in (ours, bags):
         for found, wanted in zip(both_ways(run), expected, strict=True):
             difference = float((found - wanted).abs().max())
             if difference > AGREEMENT:
                 raise SystemExit(f"{run.__name__}: the maxima or their gradients differ by {difference:.1e}")
-    return {run.__name__: 1e3 * best_time(partial(both_ways, run), repeats) for run in (ours, bags, gathered)}
-
-
-def tell(what: str, times: dict[str, float], peer: str) -> None:
-    """A line to read, and one for programs."""
-    print(f"{what}: " + ", ".join(f"{name} {milliseconds:.1f} ms" for name, milliseconds in times.items()))
-    ours, other = times["ours"], times[peer]
-    print(json.dumps({"claim": f"{what} by {peer}, ms", "ours": ours, "peer": other, "ratio": other / ours}))
+    return {run.__name__: 1e3 * best_time(partial(both_ways, run), repeats) for run in (ours, bags, gathering)}
 
 
 def main() -> None:
-    """Compares and times both sizes."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="a few repeats")
-    repeats = 3 if parser.parse_args().quick else 20
+    """Compare and time both sizes."""
+    repeats = 3 if option_parser(__doc__, "few repeats").parse_args().quick else 20
     torch.set_num_threads(1)
+    claims: list[Claim] = []
+    rows: list[tuple[str, str, float, float]] = []
     for batch, size, count in SIZES:
-        clouds = f"in {batch} clouds of {size} points"
-        tell(f"{count} neighbours {clouds}", compare(batch, size, count, repeats), "topk")
-        maxima = compare_maxima(batch, size, count, repeats)
-        tell(f"maxima of {WIDTH} features over {count} neighbours {clouds}", maxima, "bags")
+        clouds = f"{batch} clouds of {size} points"
+        for what, times in (
+            (f"{count} neighbours in {clouds}", neighbour_times(batch, size, count, repeats)),
+            (f"maxima of {WIDTH} features over {count} neighbours in {clouds}", maxima_times(batch, size, count, repeats)),
+        ):
+            ours, *peers = times.items()
+            rows += [(what, name, time, time / ours[1]) for name, time in times.items()]
+            claims.append(
+                ratio_claim(f"{what} compared with torch ({peers[0][0]}), ms", ours=ours[1], peer=peers[0][1], goal=None)
+            )
+    print_table(("task", "method", "time (ms)", "ratio"), rows)
+    print_claims(*claims)
 
 
 if __name__ == "__main__":

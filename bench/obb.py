@@ -1,107 +1,84 @@
-"""Minimum-volume boxes: kinmo against trimesh's `bounds.oriented_bounds`, one thread each.
+"""Minimum-volume boxes, compared with trimesh's `bounds.oriented_bounds`, one thread each.
 
-    python bench/obb.py [--data data/partnet] [--quick]
+    python bench/obb.py [--data DIR] [--quick]
 
-The leaf parts of the real objects below `--data`, or procedural parts where there are none. First checks that no volume
-exceeds trimesh's by more than a thousandth (of flat parts the area, of line-like ones the length). Parts of which trimesh
-finds no box are left out of the times and counted. Curved parts, of whose surface more than a quarter faces no axis of the
-file, also have a row of their own. Times are seconds of processor time.
+The leaf parts of the real objects below --data, or procedural parts if there are none. No volume may exceed trimesh's by more
+than a thousandth (of flat parts the area, of line-like ones the length). Parts without a box by trimesh are left out of the
+times and counted. Curved parts, with more than a quarter of the surface off all axes of the file, have a row of their own.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ["RAYON_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
-
-import argparse
-import json
-import time
 import warnings
 from pathlib import Path
+
+from common import REAL_OBJECTS, Claim, best_time, option_parser, print_claims, print_table, ratio_claim, use_one_thread
+
+use_one_thread()
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
 from kinmo import _core
-from parts import MeshArrays, is_curved, load_parts
+from part_meshes import MeshArrays, is_curved, load_parts
 
-GOAL, WORST_VOLUME = 10.0, 1.001
-FLAT = 1e-9  # of the diagonal
+GOAL = 10.0
+MAX_VOLUME_RATIO = 1.001
+FLAT = 1e-9
+"""Sides of a box up to this length are zero to rounding, in diagonals."""
+ROUNDS = 3
 
 
 def peer_extents(mesh: trimesh.Trimesh) -> NDArray[np.float64] | None:
-    """Sides of trimesh's box, or None where it fails (it does on some flat parts)."""
+    """Sides [3] of trimesh's box; None where it fails, as on some flat parts."""
     try:
         return np.asarray(trimesh.bounds.oriented_bounds(mesh)[1])
     except (ValueError, IndexError, np.linalg.LinAlgError):
         return None
 
 
-def excess(ours: NDArray[np.float64], theirs: NDArray[np.float64]) -> float:
-    """Volume of our box over theirs; of the sides that are zero to rounding in both boxes, nothing is compared."""
+def volume_ratio(ours: NDArray[np.float64], theirs: NDArray[np.float64]) -> float:
+    """Volume of our box over theirs, without the sides that are zero to rounding in both."""
     ours, theirs = np.sort(ours), np.sort(theirs)
     spanned = np.maximum(ours, theirs) > FLAT * np.linalg.norm(theirs)
     return float(np.prod(ours[spanned]) / np.prod(theirs[spanned]))
 
 
-def compare(parts: list[MeshArrays], rounds: int) -> dict[str, float | bool]:
-    """Prints the table and returns the figures of the claim."""
-    meshes = [_core.Meshes([vertices], [faces]) for vertices, faces in parts]
-    ours, theirs, times, peer_times, round_ones = [], [], [], [], []
-    for (vertices, faces), mesh in zip(parts, meshes, strict=True):
-        rounds_taken = []
-        for _ in range(rounds):
-            start = time.process_time()
-            _, _, half_extents = _core.fit_boxes(mesh)
-            rounds_taken.append(time.process_time() - start)
-        loaded = trimesh.Trimesh(vertices, faces, process=False)
-        start = time.process_time()
-        extents = peer_extents(loaded)
-        taken = time.process_time() - start
-        if extents is not None:
-            ours.append(2 * half_extents[0])
-            theirs.append(extents)
-            times.append(min(rounds_taken))
-            peer_times.append(taken)
-            round_ones.append(is_curved(vertices, faces))
-    volumes = np.array([excess(a, b) for a, b in zip(ours, theirs, strict=True)])
-    taken, peer, curved = np.array(times), np.array(peer_times), np.array(round_ones)
-    size = np.array([len(vertices) for vertices, _ in parts])
-    print(f"{len(parts)} parts, {int(np.median(size))} vertices (median), {size.max()} (most)")
-    print(f"trimesh found no box of {len(parts) - len(ours)} parts")
-    print(f"volume over trimesh's: least {volumes.min():.4f}, median {np.median(volumes):.6f}, most {volumes.max():.6f}")
-    print(f"{'':>18} {'kinmo':>10} {'trimesh':>10} {'ratio':>8}")
-    print(f"{'all, s':>18} {taken.sum():>10.3f} {peer.sum():>10.3f} {peer.sum() / taken.sum():>8.1f}")
-    if curved.any():
-        print(f"{f'{curved.sum()} curved, s':>18} {taken[curved].sum():>10.3f} {peer[curved].sum():>10.3f}", end=" ")
-        print(f"{peer[curved].sum() / taken[curved].sum():>8.1f}, volume at most {volumes[curved].max():.6f} of trimesh's")
-    print(f"{'median part, ms':>18} {np.median(taken) * 1e3:>10.3f} {np.median(peer) * 1e3:>10.3f}", end=" ")
-    print(f"{np.median(peer / taken):>8.1f}")
-    ratio = peer.sum() / taken.sum()
-    agree = bool(volumes.max() <= WORST_VOLUME)
-    return {
-        "ours": float(taken.sum()),
-        "peer": float(peer.sum()),
-        "ratio": float(ratio),
-        "goal": GOAL,
-        "met": bool(ratio >= GOAL) and agree,
-        "worst_volume_ratio": float(volumes.max()),
-    }
+def compare(parts: list[MeshArrays], source: str) -> Claim:
+    """Print the table of the parts and return the claim."""
+    found: list[tuple[float, float, float, bool]] = []
+    for vertices, faces in parts:
+        mesh, loaded = _core.Meshes([vertices], [faces]), trimesh.Trimesh(vertices, faces, process=False)
+        _, _, half_extents = _core.fit_boxes(mesh)
+        extents: list[NDArray[np.float64] | None] = []
+        taken = best_time(lambda m=mesh: _core.fit_boxes(m), ROUNDS)
+        peer = best_time(lambda m=loaded, e=extents: e.append(peer_extents(m)), 1)
+        if extents[0] is not None:
+            found.append((taken, peer, volume_ratio(2 * half_extents[0], extents[0]), is_curved(vertices, faces)))
+    taken, peer, volumes, curved = (np.array(column) for column in zip(*found, strict=True))
+    print(f"{len(parts)} parts; trimesh found no box of {len(parts) - len(found)}")
+    rows = [
+        (name, int(mask.sum()), float(taken[mask].sum()), float(peer[mask].sum()), float(peer[mask].sum() / taken[mask].sum()))
+        for name, mask in (("all", np.ones(len(found), bool)), ("curved", curved))
+        if mask.any()
+    ]
+    print_table(("parts", "number", "kinmo (s)", "trimesh (s)", "ratio"), rows)
+    print(f"volume over trimesh's: median {np.median(volumes):.6f}, most {volumes.max():.6f}")
+    claim = f"minimum-volume boxes compared with trimesh ({source}), s"
+    agree = bool(volumes.max() <= MAX_VOLUME_RATIO)
+    return ratio_claim(claim, ours=float(taken.sum()), peer=float(peer.sum()), goal=GOAL, agree=agree)
 
 
 def main() -> None:
-    """Prints the table and the JSON line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=Path("data/partnet"), help="folder of the real objects")
-    parser.add_argument("--quick", action="store_true", help="200 parts only")
-    arguments = parser.parse_args()
+    """Compare all parts."""
+    parser = option_parser(__doc__, "200 parts only")
+    parser.add_argument("--data", type=Path, default=REAL_OBJECTS, help="folder of the real objects")
+    options = parser.parse_args()
     warnings.filterwarnings("ignore", category=RuntimeWarning, module="trimesh")
-    parts, source = load_parts(arguments.data, 200 if arguments.quick else None)
+    parts, source = load_parts(options.data, 200 if options.quick else None)
     print(source)
-    figures = compare(parts, rounds=3)
-    print(json.dumps({"claim": f"minimum-volume boxes, one thread, against trimesh ({source})", **figures}))
+    print_claims(compare(parts, source))
 
 
 if __name__ == "__main__":

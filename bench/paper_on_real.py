@@ -1,55 +1,53 @@
-"""How well does the paper's method say the joints of real objects, bodies given? (paper, Table 1; docs/metrics.md)
+"""Accuracy of the paper's method on joints of real objects, rigid bodies given (paper, Table 1; docs/metrics.md).
 
     python bench/paper_on_real.py [--data DIR] [--cache DIR] [--count 16] [--seeds 3] [--folds 5] [--quick]
 
-Every object is tested by networks that never saw it: they are trained on procedural shapes and go on with the real objects of
-the other folds (`python bench/real_objects.py` does so for the `kinmo` method, and shares data and cache). The networks have
-the sizes of `small` and the paper's inputs, losses, negatives, candidates and terms.
-
-The claim at the end is that OBB_fine beats GNN_fine, as in the paper.
+Every object is tested by networks that never saw it. They are trained on procedural shapes and continued on the real objects of
+the other folds, as in bench/real_objects.py, with the same data and cache. The networks have the sizes of `small`, and the
+paper's inputs, losses, negatives, candidates and terms. The claim is that OBB_fine is better than GNN_fine, as in the paper.
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 import torch
+from kinmo.experiments.table1.rows import TYPE_SETS, true_type_candidates
 
+from common import print_claims
 from kinmo.config import Config, TrainingConfig, load_config
 from kinmo.evaluation.joint_records import ShapeScore
-from kinmo.evaluation.parts_given import parts_given
-from kinmo.experiments.table1.rows import TYPE_SETS, true_type_candidates
+from kinmo.evaluation.parts_given import score_parts_given
 from kinmo.experiments.table1.rule_baseline import without_learning
 from kinmo.experiments.table1.upper_bound import ceiling
-from kinmo.features.part_geometry import part_geometries
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.motion_gnn.gnn_estimate import gnn_joint
 from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
 from kinmo.learning.motion_gnn.gnn_training import train_motion_gnn
+from kinmo.methods.paper.axis_selection.axis_selection_training import train_axis_selection
 from kinmo.methods.paper.axis_selection.axis_selector import AxisSelector
-from kinmo.methods.paper.axis_selection.axis_training import train_axis_selection
-from kinmo.methods.paper.mobility_tree import given_tree
+from kinmo.methods.paper.leaf_roles import leaf_roles
+from kinmo.methods.paper.mobility_tree import tree_with_given_bodies
 from kinmo.methods.paper.refinement import Refiner
 from real_figures import Figures, figures_of, print_figures
-from real_shapes import Fold, gathered, parser_for, parted_by_split
+from real_shapes import Fold, gather_shapes, shapes_parser, split_procedural
 
 Model = Literal["gnn_coarse", "gnn_fine", "axis"]
 MODELS: tuple[Model, ...] = ("gnn_coarse", "gnn_fine", "axis")
 PRETRAINING = {"gnn_coarse": 40, "gnn_fine": 40, "axis": 20}
 FINE_TUNING = {"gnn_coarse": 15, "gnn_fine": 15, "axis": 4}
-"""Epochs on procedural shapes, and on real objects."""
-SLOWER = 0.4
-"""Of the learning rate, on real objects."""
+"""Epochs on procedural shapes, and on real objects, by network."""
+FINE_TUNING_RATE = 0.4
+"""Factor of the learning rate on real objects."""
 Rows = dict[str, list[ShapeScore]]
 
 
 @dataclass(frozen=True)
 class Networks:
-    """Training of the paper's networks with a seed, each kept in `folder` and not trained twice."""
+    """Training of the paper's networks with one seed. Each is kept in `folder` and trained once."""
 
     folder: Path
     config: Config
@@ -57,15 +55,15 @@ class Networks:
 
     def pretrained(self, model: Model, shapes: Sequence[PreparedShape]) -> Path:
         """Weights trained on procedural shapes."""
-        rest, kept = parted_by_split(shapes)
+        rest, kept = split_procedural(shapes)
         return self._trained(model, "procedural", rest, kept, lambda old: replace(old, epochs=PRETRAINING[model]))
 
     def fine_tuned(self, model: Model, fold: Fold, initial: Path) -> Path:
-        """Weights that went on with the real objects of a fold."""
+        """Weights continued on the real objects of a fold."""
         name, training, validation, _ = fold
 
         def shorter(old: TrainingConfig) -> TrainingConfig:
-            return replace(old, epochs=FINE_TUNING[model], learning_rate=SLOWER * old.learning_rate)
+            return replace(old, epochs=FINE_TUNING[model], learning_rate=FINE_TUNING_RATE * old.learning_rate)
 
         return self._trained(model, name, training, validation, shorter, initial)
 
@@ -93,41 +91,40 @@ class Networks:
 
 
 def score_rows(rows: Rows, shapes: Sequence[PreparedShape], weights: dict[Model, Path], config: Config) -> None:
-    """Add the scores of the paper's four rows on some shapes, their bodies given."""
+    """Add the scores of the paper's four methods on some shapes, bodies given."""
     selector = AxisSelector.load(weights["axis"], "cpu")
     for types in TYPE_SETS:
         gnn = MotionGnnPredictor.load(weights["gnn_coarse" if types == "coarse" else "gnn_fine"], "cpu")
         for shape in shapes:
-            tree = given_tree(shape, gnn.predict_edges(shape))
+            tree = tree_with_given_bodies(shape, gnn.predict_edges(shape))
             refiner = Refiner(shape, config.refinement, selector)
             alone = {body: gnn_joint(estimate) for body, estimate in enumerate(tree.estimates)}
             refined = dict(alone)
-            for body, (part, estimate) in enumerate(zip(part_geometries(shape, tree.bodies), tree.estimates, strict=True)):
+            for body, (roles, estimate) in enumerate(zip(leaf_roles(shape, tree.bodies), tree.estimates, strict=True)):
                 if estimate is not None:
-                    refined[body] = refiner.estimates(part, estimate)[0]
-            rows.setdefault(f"GNN_{types}", []).append(parts_given(shape, alone))
-            rows.setdefault(f"OBB_{types}", []).append(parts_given(shape, refined))
+                    refined[body] = refiner.estimates(roles, estimate)[0]
+            rows.setdefault(f"GNN_{types}", []).append(score_parts_given(shape, alone))
+            rows.setdefault(f"OBB_{types}", []).append(score_parts_given(shape, refined))
 
 
 def score_frame(rows: Rows, shapes: Sequence[PreparedShape], config: Config) -> None:
-    """Add the rows that frame the table."""
+    """Add the rows to compare with: the upper bound of the candidates, and the rule without learning."""
     for shape in shapes:
         best = ceiling(shape, true_type_candidates(shape, None, config.refinement))
-        rows.setdefault("ceiling, paper's candidates", []).append(parts_given(shape, best))
-        rows.setdefault("no learning", []).append(parts_given(shape, without_learning(shape)))
+        rows.setdefault("best of the paper's candidates", []).append(score_parts_given(shape, best))
+        rows.setdefault("no learning", []).append(score_parts_given(shape, without_learning(shape)))
 
 
 def main() -> int:
-    """Train what is missing, print every row, and the claim last."""
-    parser = parser_for(__doc__, count=16)
-    parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--quick", action="store_true", help="few procedural shapes, one seed, no real shapes to learn from")
+    """Train missing networks, print every row, and the claim last."""
+    parser = shapes_parser(__doc__, "few procedural shapes, one seed, no training on real objects", count=16)
+    parser.add_argument("--seeds", type=int, default=3, help="number of seeds")
     args = parser.parse_args()
     count, folds, seeds = (6, 0, 1) if args.quick else (args.count, args.folds, args.seeds)
     torch.set_num_threads(1)
-    shapes = gathered(args.data, args.cache, count, folds)
+    shapes = gather_shapes(args.data, args.cache, count, folds)
     if shapes is None:
-        return claim({})
+        return print_claim({})
     print(f"{len(shapes.real)} real and {len(shapes.procedural)} procedural shapes, {folds} folds, {seeds} seeds")
     transferred: Rows = {}
     rows: Rows = {}
@@ -142,23 +139,16 @@ def main() -> int:
     named = {f"{name}, procedural shapes alone" if "_" in name else name: found for name, found in transferred.items()}
     figures = {name: figures_of(found) for name, found in (named | rows).items()}
     print_figures(figures)
-    return claim(figures)
+    return print_claim(figures)
 
 
-def claim(figures: dict[str, Figures]) -> int:
-    """Print the last line: the share of right joints of OBB_fine, and of GNN_fine as its peer."""
+def print_claim(figures: dict[str, Figures]) -> int:
+    """Print the last line: the share of ok joints of OBB_fine, and of GNN_fine as its peer."""
     alone = "" if "OBB_fine" in figures else ", procedural shapes alone"
     ours, peer = (figures.get(f"{row}{alone}", {}).get("ok") for row in ("OBB_fine", "GNN_fine"))
-    known = ours is not None and peer is not None
-    line = {
-        "claim": "right joints of real objects, OBB_fine over GNN_fine",
-        "ours": ours,
-        "peer": peer,
-        "ratio": ours / peer if known and peer else None,
-        "goal": 1.0,
-        "met": ours > peer if known else None,
-    }
-    print(json.dumps(line))
+    ratio, met = (ours / peer if peer else None, ours > peer) if ours is not None and peer is not None else (None, None)
+    claim = "share of ok joints of real objects, OBB_fine compared with GNN_fine"
+    print_claims({"claim": claim, "ours": ours, "peer": peer, "ratio": ratio, "goal": 1.0, "met": met})
     return 0
 
 

@@ -26,11 +26,12 @@ from scipy.spatial.transform import Rotation
 
 from kinmo import _core
 from kinmo.core.joint import JointKind
-from kinmo.scans.articulated_object import Structure
-from kinmo.scans.category_prior import Typical
-from kinmo.scans.input_frame import InputFrame
-from kinmo.scans.point_predictions import PointAnswers
-from kinmo.scans.pose_fitting import PoseOptions, ScanEstimate, estimate
+from kinmo.scans.object_structure import Structure
+from kinmo.scans.poses.category_prior import CategoryPrior
+from kinmo.scans.poses.point_predictions import PointPredictions
+from kinmo.scans.poses.pose_fitting import PoseOptions, estimate_poses
+from kinmo.scans.poses.scan_estimate import ScanEstimate
+from kinmo.scans.preprocessing.input_frame import InputFrame
 from timing import best_time
 
 F64 = NDArray[np.float64]
@@ -175,7 +176,7 @@ class Exact:
     NPCS, and directions and pivots of its joints.
     """
 
-    answer: PointAnswers
+    answer: PointPredictions
     structure: Structure
     turns: list[Rotation]
     scales: F64
@@ -212,7 +213,7 @@ def exact_object(kinds: tuple[JointKind, ...], rng: np.random.Generator) -> Exac
     parts = np.repeat(np.arange(count), EXACT_POINTS)
     # points of the base tell of joints as well
     told = np.where(parts > 0, parts, rng.integers(1, count, len(parts)))
-    answer = PointAnswers(
+    answer = PointPredictions(
         InputFrame(np.zeros(3), 1.0), points.reshape(-1, 3), parts, npcs.reshape(-1, 3), sizes, corners,
         told, np.array(axes)[told - 1], np.array(pivots)[told - 1],
     )  # fmt: skip
@@ -239,9 +240,9 @@ def exact(problems: int) -> None:
             for _ in range(problems):
                 kinds = tuple(some[index] for index in rng.integers(0, len(some), parts - 1))
                 right = exact_object(kinds, rng)
-                known = Typical(np.tile([0.0, 1.5], (parts - 1, 1)), np.ones(parts, bool), np.ones(parts - 1, bool))
+                known = CategoryPrior(np.tile([0.0, 1.5], (parts - 1, 1)), np.ones(parts, bool), np.ones(parts - 1, bool))
                 for typical in (None, known):
-                    (found,) = estimate([right.answer], right.structure, options, typical)
+                    (found,) = estimate_poses([right.answer], right.structure, options, typical)
                     worst = np.maximum(worst, exact_errors(found, right))
                     count += 1
     for what, largest, goal in zip(("poses", "joints (deg)"), worst.tolist(), (POSE_GOAL, DEGREES_GOAL), strict=True):

@@ -1,33 +1,33 @@
-"""How many objects a second does `prepare` take, with reading, points, boxes, distances, labels and writing?
+"""Objects a second of `kinmo prepare`: reading, points, boxes, distances, features, labels and writing.
 
     python bench/prepare.py [--data DIR] [--workers 2] [--quick]
 
-Without data procedural shapes are written first.
+Without real objects procedural shapes are written first.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import resource
 import tempfile
 import time
 from collections import Counter
 from pathlib import Path
 
-from kinmo.dataset.folder_preparation import PrepareReport, prepare_folder
+from common import REAL_OBJECTS, option_parser, print_claims, print_table, rate_claim
+from kinmo.dataset.folder_preparation import PreparationReport, prepare_folder
 from kinmo.dataset.store import PreparedStore
 from kinmo.dataset.workspace import Workspace
-from kinmo.io.readers import discover
-from kinmo.synth.generate import Layout, generate
+from kinmo.io.discover import discover
+from kinmo.io.readers import PARTNET_MOBILITY
+from kinmo.synth.generate import shape_specs, write_shapes
 
 GOAL = 8.0
+"""Objects a second."""
 QUICK = 32
-DATA = Path(__file__).parents[1] / "data" / "partnet"
 
 
 def some_of(data: Path, count: int, folder: Path) -> Path:
-    """A folder with `count` shapes, evenly spread over those below `data`, by way of hard links."""
+    """Fill a folder with `count` shapes, spread evenly over those below `data`, as hard links."""
     found = list(discover(data))
     for shape in found[:: max(1, len(found) // count)][:count]:
         for file in shape.path.rglob("*"):
@@ -39,29 +39,28 @@ def some_of(data: Path, count: int, folder: Path) -> Path:
 
 
 def processor_seconds() -> float:
-    """What this process and its ended workers have used."""
+    """Processor time of this process and of its ended workers."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(usage.ru_utime + usage.ru_stime for usage in used)
 
 
-def reasons(report: PrepareReport) -> list[tuple[str, int]]:
-    """What was repaired, without the names of bodies and parts, and how often."""
+def repairs(report: PreparationReport) -> list[tuple[str, int]]:
+    """Repairs by frequency, without the names of bodies and parts."""
     return Counter(reason.partition(": ")[2] or reason for row in report.repaired for reason in row.reasons).most_common(12)
 
 
 def main() -> int:
     """Prepare into an empty workspace and print the rate."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=DATA)
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--quick", action="store_true", help=f"{QUICK} objects only")
+    parser = option_parser(__doc__, f"{QUICK} objects only")
+    parser.add_argument("--data", type=Path, default=REAL_OBJECTS, help="folder of the objects")
+    parser.add_argument("--workers", type=int, default=2, help="number of processes")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory(dir=args.data.parent if args.data.exists() else None, prefix="bench-") as name:
         folder = Path(name)
-        data, what = args.data, "real" if args.data == DATA else "given"
+        data, what = args.data, "real" if args.data == REAL_OBJECTS else "given"
         if not data.exists():
             data, what = folder / "synth", "procedural"
-            generate(data, count=1 if args.quick else 4, layouts=[Layout.PARTNET_MOBILITY])
+            write_shapes(data, shape_specs(1 if args.quick else 4, layouts=(PARTNET_MOBILITY,)), workers=args.workers)
         elif args.quick:
             data = some_of(data, QUICK, folder / "some")
         begin = time.perf_counter()
@@ -72,27 +71,24 @@ def main() -> int:
         again = prepare_folder(data, Workspace(folder / "workspace"), workers=args.workers)
         seconds_again = time.perf_counter() - begin
         size = sum((store.folder / entry.file).stat().st_size for entry in store.entries)
-    total = len(store) + len(report.left_out)
-    assert again.made == 0, "nothing is prepared twice"
-    print(f"{what} objects         {total:8}")
-    print(f"taken                {len(report.taken):8}")
-    print(f"repaired             {len(report.repaired):8}")
-    for reason, count in reasons(report):
-        print(f"  {count:6}  {reason}")
-    print(f"left out             {len(report.left_out):8}")
-    for row in report.left_out:
-        print(f"          {row.reasons[0]}")
-    print(f"parts, leaves        {sum(e.part_count for e in store.entries):8} {sum(e.leaf_count for e in store.entries):6}")
-    print(f"seconds              {seconds:8.1f}")
-    print(f"seconds of processor {processor:8.1f}")
-    print(f"seconds, once more   {seconds_again:8.1f}")
-    print(f"MB in the store      {size / 1e6:8.1f}")
-    claim = {
-        "claim": f"prepare, {total} {what} objects, objects/s with {args.workers} workers",
-        "ours": total / seconds,
-        "peer": None,
+    total = len(store) + len(report.skipped)
+    assert again.new == 0, "nothing is prepared twice"
+    for row in report.skipped:
+        print(f"skipped: {row.reasons[0]}")
+    print_table(("repair", "shapes"), repairs(report))
+    rows = {
+        f"{what} objects": total,
+        "repaired": len(report.repaired),
+        "skipped": len(report.skipped),
+        "parts": sum(entry.part_count for entry in store.entries),
+        "leaf parts": sum(entry.leaf_count for entry in store.entries),
+        "seconds": seconds,
+        "seconds of processor time": processor,
+        "seconds, second run": seconds_again,
+        "MB in the store": size / 1e6,
     }
-    print(json.dumps({**claim, "ratio": total / seconds / GOAL, "goal": GOAL, "met": total / seconds >= GOAL}))
+    print_table(("", ""), list(rows.items()))
+    print_claims(rate_claim(f"prepare, {total} {what} objects, objects/s with {args.workers} workers", total / seconds, GOAL))
     return 0
 
 

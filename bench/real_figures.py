@@ -1,4 +1,4 @@
-"""The figures of docs/metrics.md for a table of rows, each row a list of scored shapes (those of several seeds together)."""
+"""Figures of real objects for a table of rows (docs/metrics.md). A row is a list of shape scores, of all seeds together."""
 
 from __future__ import annotations
 
@@ -9,19 +9,21 @@ from dataclasses import replace
 
 import numpy as np
 
+from common import print_table
 from kinmo.core.joint import JointKind
+from kinmo.evaluation import metrics
 from kinmo.evaluation.joint_records import JointRecord, ShapeScore
-from kinmo.evaluation.summary import LEAST_OBJECTS as MACRO_OVER
+from kinmo.evaluation.score_summary import MIN_OBJECTS as MACRO_MEANS
+from kinmo.evaluation.shape_tables import OVERVIEW, Scores, overview
 from kinmo.evaluation.tables import Caption, as_text
-from kinmo.experiments.table1.table1_tables import OVERVIEW, Scores, overview
 
-LEAST_OBJECTS = 3
-"""Of a category that counts in a macro mean."""
+MIN_OBJECTS = 3
+"""Smallest number of objects of a category in a macro mean."""
 Figures = dict[str, float]
 
 
 def figures_of(scores: Sequence[ShapeScore]) -> Figures:
-    """Shares, and means in degrees and diagonals; a screw counts as a slider, a missed joint as a failure of every share."""
+    """Shares, and means in degrees and diagonals. A screw counts as a slider; a missed joint is a failure in every share."""
     objects = Counter(category for category, _ in {(score.category, score.shape_id) for score in scores})
     records = [record for score in scores for record in score.records]
     found = [record for record in records if record.axis_error is not None]
@@ -32,7 +34,7 @@ def figures_of(scores: Sequence[ShapeScore]) -> Figures:
         "joints": float(len(records)),
         "type": _mean(records, _kind_ok),
         "axis": _mean(found, _degrees),
-        "axis within 5": _mean(records, lambda r: r.axis_error is not None and r.axis_error <= math.radians(5.0)),
+        "axis within 5": _mean(records, lambda r: r.axis_ok),
         "axis macro": _macro(found, _degrees, objects),
         "R within 10": _mean(hinges, lambda r: r.axis_error is not None and r.axis_error <= math.radians(10.0)),
         "line macro": _macro([r for r in hinges if r.line_at_part is not None], lambda r: r.line_at_part or 0.0, objects),
@@ -43,18 +45,19 @@ def figures_of(scores: Sequence[ShapeScore]) -> Figures:
     }
 
 
+def _hinge_or_slider(kind: JointKind | None) -> JointKind | None:
+    """The kind, with a screw counted as a slider."""
+    return JointKind.PRISMATIC if kind is JointKind.SCREW else kind
+
+
 def _kind_ok(record: JointRecord) -> bool:
-    """Whether R, or one of P and PR, was told right."""
-    coarse = record.predicted_coarse
-    if coarse is None or record.is_missed:
-        return False
-    return (coarse.name == "R") == (record.kind is JointKind.REVOLUTE)
+    return _hinge_or_slider(record.predicted_kind) is _hinge_or_slider(record.kind)
 
 
 def _is_ok(record: JointRecord) -> bool:
-    if not _kind_ok(record) or record.axis_error is None or record.axis_error > math.radians(5.0):
-        return False
-    return record.kind is not JointKind.REVOLUTE or (record.line_at_part is not None and record.line_at_part <= 0.05)
+    true, predicted = _hinge_or_slider(record.kind), _hinge_or_slider(record.predicted_kind)
+    assert true is not None, "records are of true joints"
+    return metrics.is_ok(true, predicted, record.axis_error, record.line_at_part)
 
 
 def _degrees(record: JointRecord) -> float:
@@ -68,35 +71,33 @@ def _mean(records: Sequence[JointRecord], value: Callable[[JointRecord], float])
 def _macro(records: Sequence[JointRecord], value: Callable[[JointRecord], float], objects: Mapping[str, int]) -> float:
     by_category: dict[str, list[float]] = defaultdict(list)
     for record in records:
-        if objects[record.category] >= LEAST_OBJECTS:
+        if objects[record.category] >= MIN_OBJECTS:
             by_category[record.category].append(float(value(record)))
     return float(np.mean([np.mean(values) for values in by_category.values()])) if by_category else math.nan
 
 
 def print_figures(rows: Mapping[str, Figures]) -> None:
-    """One line a row."""
+    """Print a line for each row."""
     names = list(next(iter(rows.values())))
-    width = max(len(row) for row in rows)
-    print(" " * width, *(f"{name:>16}" for name in names))
-    for row, figures in rows.items():
-        print(f"{row:<{width}}", *(f"{figures[name]:>16.4g}" for name in names), flush=True)
+    print_table(("", *names), [(row, *figures.values()) for row, figures in rows.items()])
 
 
 def print_overviews(rows: Mapping[str, Sequence[ShapeScore]], data: str, split: str, seeds: int) -> None:
-    """The tables that `kinmo eval` prints of the same rows: over joints with 95 % intervals, and over categories."""
-    caption = Caption("Rows of this bench", data, 0, 0, split, tuple(range(seeds)))
-    methods = {name: Scores(over_seeds(scores)) for name, scores in rows.items()}
+    """Print the tables of `kinmo eval` for the rows: over joints with 95 % intervals, and over categories."""
+    caption = Caption("Rows of this benchmark", data, 0, 0, split, tuple(range(seeds)))
+    methods = {name: Scores(merge_seeds(scores)) for name, scores in rows.items()}
     figures = (*OVERVIEW, "line", "line_at_part", "precision", "recall", "f1")
-    for least in (None, *MACRO_OVER):
-        print(as_text(overview(methods, caption, figures=figures, macro_over=least)), flush=True)
+    for count in (None, *MACRO_MEANS):
+        print(as_text(overview(methods, caption, figures=figures, macro_over=count)), flush=True)
 
 
-def over_seeds(scores: Iterable[ShapeScore]) -> list[ShapeScore]:
-    """One score a shape, with the joints of all its seeds: objects, not runs, are what an interval draws again."""
+def merge_seeds(scores: Iterable[ShapeScore]) -> list[ShapeScore]:
+    """One score a shape, with the joints of all its seeds. Intervals are over objects, not over runs."""
     merged: dict[str, ShapeScore] = {}
     for score in scores:
         before = merged.get(score.shape_id)
-        merged[score.shape_id] = score if before is None else replace(
-            before, records=before.records + score.records, false_alarms=before.false_alarms + score.false_alarms
-        )  # fmt: skip
+        if before is not None:
+            alarms = before.false_alarms + score.false_alarms
+            score = replace(before, records=before.records + score.records, false_alarms=alarms)
+        merged[score.shape_id] = score
     return list(merged.values())

@@ -24,7 +24,8 @@ from kinmo.core.categories import canonical_category, same_category
 from kinmo.dataset.splits import Split, split_of, within_share
 from kinmo.dataset.workspace import DEFAULT_METHOD, Workspace
 from kinmo.experiments.scan_tables.make_table import MakeTable
-from kinmo.io.readers import Layout, discover
+from kinmo.io.discover import discover
+from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.methods import METHOD_MODELS
 from kinmo.pipeline.prepare import Prepare
 
@@ -35,7 +36,7 @@ JOINTS = ("mobility_v2.json", "mobility.urdf")
 
 def arrange(data: Iterable[Path], categories: Iterable[str], share: float, folder: Path) -> dict[str, tuple[int, int]]:
     """Copy the objects into `folder`, as labelled, or as unlabelled and held back; returns how many of either, by category."""
-    objects = {found.id: found.path for root in data for found in discover(root) if found.layout is Layout.PARTNET_MOBILITY}
+    objects = {found.id: found.path for root in data for found in discover(root) if found.layout == PARTNET_MOBILITY}
     category = {name: _category_of(path) for name, path in objects.items()}
     hidden: set[str] = set()
     counts = {}

@@ -1,4 +1,4 @@
-"""What the benches on real objects train and test on: the real objects in folds, and procedural shapes to start from."""
+"""Data of the benchmarks on real objects: the real objects in folds, and procedural shapes for pre-training."""
 
 from __future__ import annotations
 
@@ -7,28 +7,35 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from common import CACHE, REAL_OBJECTS, has_real_objects, option_parser
 from kinmo.dataset.folder_preparation import prepare_folder
 from kinmo.dataset.splits import Split, fold_of, is_validation_in_fold, split_of
 from kinmo.dataset.store import PreparedStore
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import PreparedShape
+from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.families import family_names
-from kinmo.synth.generate import Layout, generate
+from kinmo.synth.generate import shape_specs, write_shapes
 
-ROOT = Path(__file__).parents[1]
 MECHANISM = "mechanism"
+"""Family of shapes without a category."""
 SEED, ANOTHER_SEED = 11, 2026
 Fold = tuple[str, list[PreparedShape], list[PreparedShape], list[PreparedShape]]
-"""A name, and the shapes to train on, to choose the epoch by, and to test."""
+"""Name, training shapes, validation shapes and test shapes."""
 
 
 @dataclass(frozen=True)
 class Shapes:
-    """The shapes, and the folder that keeps them and the networks that are trained on them.
+    """The shapes of a benchmark.
 
-    `mechanisms` are of no category: they join the training where what is tested is of categories that were never seen. `fresh`
-    are procedural shapes of another seed, which are never trained on.
+    Attributes:
+        cache: Folder of the shapes and of the networks that are trained on them.
+        real: The real objects.
+        procedural: Procedural shapes of all categories.
+        mechanisms: Procedural shapes without a category. They join the training for tests on unseen categories.
+        folds: Number of folds.
+        fresh: Procedural shapes of another seed, for tests only.
     """
 
     cache: Path
@@ -39,27 +46,27 @@ class Shapes:
     fresh: Sequence[PreparedShape] = ()
 
     def by_fold(self) -> Iterator[Fold]:
-        """Every real object is tested once."""
+        """Folds of the real objects. Every object is tested once."""
         for fold in range(self.folds):
             others = [shape for shape in self.real if fold_of(shape.id, self.folds) != fold]
             tested = [shape for shape in self.real if fold_of(shape.id, self.folds) == fold]
-            yield (f"fold{fold}", *_parted(others, fold, self.folds), tested)
+            yield (f"fold{fold}", *_split_fold(others, fold, self.folds), tested)
 
     def by_category(self) -> Iterator[Fold]:
-        """Every real object is tested once, none together with others of its category to train on."""
+        """Folds of whole categories. Every real object is tested once, and none of its category is in training."""
         for fold in range(self.folds):
             others = [shape for shape in self.real if fold_of(shape.category, self.folds) != fold]
             tested = [shape for shape in self.real if fold_of(shape.category, self.folds) == fold]
-            yield (f"categories{fold}", *_parted(others, self.folds, self.folds), tested)
+            yield (f"categories{fold}", *_split_fold(others, self.folds, self.folds), tested)
 
     def by_half(self) -> Iterator[Fold]:
-        """Either half of the families: no real shapes to train on, and its procedural test shapes to test with."""
+        """Two halves of the procedural families: no real training shapes, and the procedural test shapes of the half."""
         for half in range(2):
             tested = [shape for shape in self.procedural if fold_of(shape.category, 2) == half]
             yield f"families{half}", [], [], [shape for shape in tested if split_of(shape.id) is Split.TEST]
 
     def of_seen_families(self) -> tuple[list[PreparedShape], list[PreparedShape], list[PreparedShape]]:
-        """Procedural shapes of all families to train on, to choose the epoch by, and to test with."""
+        """Procedural shapes of all families: training, validation and test."""
         training, validation, tested = (
             [shape for shape in self.procedural if split_of(shape.id) is split]
             for split in (Split.TRAIN, Split.VALIDATION, Split.TEST)
@@ -67,23 +74,31 @@ class Shapes:
         return training, validation, tested
 
 
-def parser_for(description: str | None, count: int) -> argparse.ArgumentParser:
-    """The options of such a bench; `count` procedural shapes a family are the default."""
-    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=ROOT / "data" / "partnet" / "gensim2")
-    parser.add_argument("--cache", type=Path, default=ROOT / "workspace" / "bench")
+def shapes_parser(description: str | None, quick: str, count: int) -> argparse.ArgumentParser:
+    """A parser with the options of benchmarks on real objects; `count` is the default number of procedural shapes a family."""
+    parser = option_parser(description, quick)
+    parser.add_argument("--data", type=Path, default=REAL_OBJECTS, help="folder of the real objects")
+    parser.add_argument("--cache", type=Path, default=CACHE, help="folder of shapes and networks, which are made once")
     parser.add_argument("--count", type=int, default=count, help="procedural shapes a family")
-    parser.add_argument("--folds", type=int, default=5)
+    parser.add_argument("--folds", type=int, default=5, help="number of folds of the real objects")
     return parser
 
 
-def gathered(data: Path, cache: Path, count: int, folds: int, mechanisms: int = 0, fresh: int = 0) -> Shapes | None:
-    """The real objects below `data`, `count` procedural shapes a family and `mechanisms` of no category, all kept in `cache`.
+def gather_shapes(data: Path, cache: Path, count: int, folds: int, mechanisms: int = 0, fresh: int = 0) -> Shapes | None:
+    """Read the real objects and write the procedural shapes.
 
-    `fresh` shapes a family come from another seed. None, which is said, where there are no real ones.
+    Args:
+        data: Folder of the real objects.
+        cache: Folder to keep all shapes in.
+        count: Procedural shapes a family.
+        folds: Number of folds.
+        mechanisms: Number of shapes without a category.
+        fresh: Procedural shapes a family with another seed.
+
+    Returns:
+        The shapes; None, with a message, if there are no real objects.
     """
-    if not data.exists():
-        print(f"no real objects at {data}: docs/getting-the-data.md says where they come from")
+    if not has_real_objects(data):
         return None
     cache = cache / f"{count}-a-family"
     categories = [name for name in family_names() if name != MECHANISM]
@@ -94,29 +109,29 @@ def gathered(data: Path, cache: Path, count: int, folds: int, mechanisms: int = 
 
 
 def procedural_shapes(shapes: Path, cache: Path, families: Sequence[str], count: int, seed: int = SEED) -> list[PreparedShape]:
-    """`count` shapes of each family, of both parameter ranges, written to `shapes` and prepared in `cache`."""
+    """`count` shapes a family, of both parameter ranges, written to `shapes` and prepared in `cache`."""
     if count == 0:
         return []
-    only, both = (Layout.PARTNET_MOBILITY,), ParameterRange.BOTH
-    generate(shapes, count=count, families=families, layouts=only, seed=seed, parameter_range=both, workers=2)
+    layouts, both = (PARTNET_MOBILITY,), ParameterRange.BOTH
+    write_shapes(shapes, shape_specs(count, families=families, layouts=layouts, seed=seed, parameter_range=both), workers=2)
     return prepared(shapes, cache)
 
 
 def prepared(folder: Path, cache: Path) -> list[PreparedShape]:
-    """The labelled shapes below a folder, with joints."""
+    """The annotated shapes below a folder that have joints, prepared in `cache`."""
     workspace = Workspace(cache)
     prepare_folder(folder, workspace, workers=2)
     store = PreparedStore(workspace.prepared)
     return [store.load(entry) for entry in store.entries if entry.joint_count]
 
 
-def parted_by_split(shapes: Sequence[PreparedShape]) -> tuple[list[PreparedShape], list[PreparedShape]]:
-    """Procedural shapes to train on, and those to choose the epoch by."""
+def split_procedural(shapes: Sequence[PreparedShape]) -> tuple[list[PreparedShape], list[PreparedShape]]:
+    """Training and validation shapes of procedural shapes."""
     kept = [shape for shape in shapes if split_of(shape.id) is Split.VALIDATION]
     return [shape for shape in shapes if split_of(shape.id) is not Split.VALIDATION], kept
 
 
-def _parted(shapes: Sequence[PreparedShape], fold: int, folds: int) -> tuple[list[PreparedShape], list[PreparedShape]]:
-    """Shapes to train on, and those to choose the epoch by."""
+def _split_fold(shapes: Sequence[PreparedShape], fold: int, folds: int) -> tuple[list[PreparedShape], list[PreparedShape]]:
+    """Training and validation shapes of a fold."""
     kept = {shape.id for shape in shapes if is_validation_in_fold(shape.id, fold, folds)}
     return [shape for shape in shapes if shape.id not in kept], [shape for shape in shapes if shape.id in kept]

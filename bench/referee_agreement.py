@@ -1,14 +1,13 @@
-"""Do `kinmo eval FILES` and an independent scorer tell the same story?
+"""Agreement of `kinmo eval FILES` with an independent scorer of URDF files.
 
-Runs both on the same URDFs and compares every figure. The scorer is a Python file that is called as
-`SCORER TRUTH PREDICTIONS --json OUT` and writes micro and macro figures under the keys that kinmo uses.
+    python bench/referee_agreement.py --referee SCORER --truth DIR [--workers 1] [--quick] PREDICTIONS
 
-    python bench/referee_agreement.py --referee SCORER --truth DIR PREDICTIONS
+Both score the same URDFs, and every figure that both have is compared. The scorer is a Python file that is called as
+`SCORER TRUTH PREDICTIONS --json OUT` and writes micro and macro figures under the same keys as kinmo.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import subprocess
 import sys
@@ -16,17 +15,19 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from common import Cell, option_parser, print_claims, print_table
 from kinmo.evaluation.aggregate import Unit
-from kinmo.evaluation.urdf_scoring import score_files, summarise
+from kinmo.evaluation.urdf_scoring import score_urdf_folder, summarise_urdf_scores
 from kinmo.evaluation.urdf_scoring.urdf_figures import FIGURES, MEDIANS
 
 QUICK = 20
 TOLERANCE = {Unit.SHARE: 0.01, Unit.DEGREES: 0.1, Unit.DIAGONALS: 0.001}
+"""Largest difference by unit, since both sample surfaces. Counts must be equal."""
 UNITS = {figure.key: figure.unit for figure in FIGURES} | {"angle_median": Unit.DEGREES, "line_median": Unit.DIAGONALS}
 
 
 def referee_figures(scorer: Path, truth: Path, predictions: Path, ids: list[str], workers: int) -> dict[str, Any]:
-    """What the other scorer says of the same objects."""
+    """Figures of the other scorer for the same objects."""
     with tempfile.TemporaryDirectory() as folder:
         names, result = Path(folder) / "ids.txt", Path(folder) / "result.json"
         names.write_text("\n".join(ids))
@@ -35,12 +36,12 @@ def referee_figures(scorer: Path, truth: Path, predictions: Path, ids: list[str]
         return dict(json.loads(result.read_text()))
 
 
-def compared(ours: dict[str, Any], theirs: dict[str, Any]) -> list[tuple[str, float | None, float | None]]:
-    """Name, our value and theirs of every figure that both know."""
+def common_figures(ours: dict[str, Any], theirs: dict[str, Any]) -> list[tuple[str, float | None, float | None]]:
+    """Name, our value and their value of every figure that both have."""
     rows: list[tuple[str, float | None, float | None]] = []
     for key in ("objects", "scored", "failed", "missing", "parts", "found", "false_positives", *dict(MEDIANS)):
         rows.append((f"micro {key}", ours["micro"][key], theirs["micro"][key]))
-    for figure in FIGURES:
+    for figure in (figure for figure in FIGURES if figure.key in theirs["micro"]):
         mine, other = ours["micro"][figure.key], theirs["micro"][figure.key]
         rows.append((f"micro {figure.key}", mine and mine["value"], other))
         mine, other = ours["macro"][figure.key], theirs["macro"].get(figure.key)
@@ -49,7 +50,7 @@ def compared(ours: dict[str, Any], theirs: dict[str, Any]) -> list[tuple[str, fl
 
 
 def agree(name: str, mine: float | None, other: float | None) -> bool:
-    """Whether two values are the same within what sampling may change."""
+    """True if two values are equal within the tolerance of their unit."""
     if mine is None or other is None:
         return mine is other
     unit = UNITS.get(name.split()[1])
@@ -57,25 +58,28 @@ def agree(name: str, mine: float | None, other: float | None) -> bool:
 
 
 def main() -> int:
-    """Run both, print the figures side by side."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("predictions", type=Path)
-    parser.add_argument("--truth", type=Path, required=True)
-    parser.add_argument("--referee", type=Path, required=True)
-    parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--quick", action="store_true", help=f"the first {QUICK} objects only")
+    """Run both, and print the figures side by side."""
+    parser = option_parser(__doc__, f"the first {QUICK} objects only")
+    parser.add_argument("predictions", type=Path, help="folder of URDF files")
+    parser.add_argument("--truth", type=Path, required=True, help="folder of the annotated objects")
+    parser.add_argument("--referee", type=Path, required=True, help="Python file of the other scorer")
+    parser.add_argument("--workers", type=int, default=1, help="number of processes")
     args = parser.parse_args()
     ids = sorted(file.parent.name for file in args.truth.glob("*/mobility_v2.json"))[: QUICK if args.quick else None]
-    report = score_files(args.predictions, args.truth, ids=ids, workers=args.workers)
-    rows = compared(summarise(report), referee_figures(args.referee, args.truth, args.predictions, ids, args.workers))
-    print(f"{'figure':24}{'kinmo':>12}{'referee':>12}{'difference':>12}")
+    report = score_urdf_folder(args.predictions, args.truth, ids=ids, workers=args.workers)
+    rows = compared(
+        summarise_urdf_scores(report), referee_figures(args.referee, args.truth, args.predictions, ids, args.workers)
+    )
+    lines: list[tuple[Cell, ...]] = []
     for name, mine, other in rows:
-        values = "".join(f"{'-' if value is None else f'{value:.5g}':>12}" for value in (mine, other))
-        difference = "" if mine is None or other is None else f"{mine - other:+.2g}"
-        print(f"{name:24}{values}{difference:>12}{'' if agree(name, mine, other) else '  <- differs'}")
-    differing = sum(not agree(*row) for row in rows)
-    claim = {"claim": "kinmo eval agrees with an independent scorer", "ours": len(rows) - differing, "peer": len(rows)}
-    print(json.dumps({**claim, "ratio": (len(rows) - differing) / len(rows), "goal": 1.0, "met": differing == 0}))
+        difference = None if mine is None or other is None else mine - other
+        lines.append((name, mine, other, difference, "" if agree(name, mine, other) else "differs"))
+    print_table(("figure", "kinmo", "referee", "difference", ""), lines)
+    agreeing, total = sum(agree(*row) for row in rows), len(rows)
+    claim = "figures of kinmo eval that agree with an independent scorer"
+    print_claims(
+        {"claim": claim, "ours": agreeing, "peer": total, "ratio": agreeing / total, "goal": 1.0, "met": agreeing == total}
+    )
     return 0
 
 

@@ -27,11 +27,11 @@ from kinmo.config import ScansConfig
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.shape import Mesh
-from kinmo.scans.articulated_object import ArticulatedObject
-from kinmo.scans.camera import Camera, Viewpoints
-from kinmo.scans.labelled_frames import FAR, NEAR, scan
-from kinmo.scans.renderers import NOTHING, PybulletRenderer, RasterRenderer, Renderer
-from kinmo.scans.scan_file import Provenance, write_scans
+from kinmo.scans.canonical.articulated_object import ArticulatedObject
+from kinmo.scans.files.scan_file import ScanProvenance, write_scans
+from kinmo.scans.rendering.camera import Camera, Viewpoints
+from kinmo.scans.rendering.labelled_frames import FAR, NEAR, scan_object
+from kinmo.scans.rendering.renderers import NO_PART, PybulletRenderer, RasterRenderer, Renderer
 
 F64 = NDArray[np.float64]
 GOAL, FRAME_GOAL = 8.0, 10.0
@@ -85,12 +85,12 @@ def compare(name: str, target: ArticulatedObject, frames: int, repeats: int) -> 
     """One line of figures, and one of JSON."""
     rng = np.random.default_rng(0)
     views = Viewpoints()
-    camera = Camera.of_field(512, 512, views.field, NEAR, FAR)
-    poses = np.stack([np.tile(views.draw(rng, np.zeros(3), 0.5, UP), (len(target.meshes), 1, 1)) for _ in range(frames)])
+    camera = Camera.from_field_of_view(512, 512, views.field_of_view, NEAR, FAR)
+    poses = np.stack([np.tile(views.sample(rng, np.zeros(3), 0.5, UP), (len(target.meshes), 1, 1)) for _ in range(frames)])
     with RasterRenderer(target.meshes) as ours, PybulletRenderer(target.meshes, both_sides=False) as theirs:
         mine, reference = ours.render(poses, camera), theirs.render(poses, camera)
         same = mine.parts == reference.parts
-        both = same & (mine.parts != NOTHING)
+        both = same & (mine.parts != NO_PART)
         off = float(np.abs(mine.depths - reference.depths)[both].max() / (FAR - NEAR))
         own, peer = seconds(ours, poses, camera, repeats), seconds(theirs, poses, camera, max(1, repeats // 2))
     agrees = bool(same.mean() >= 0.999 and off < 1e-4)
@@ -109,12 +109,12 @@ def whole_frames(target: ArticulatedObject, quick: bool) -> None:
     config = ScansConfig(states=2 if quick else 10, views=10)
     for words, sensor, goal in (("", config.sensor, FRAME_GOAL), (", by a bad sensor", config.rough, None)):
         start = time.process_time()
-        frames = scan(target, replace(config, sensor=sensor), 0)
+        frames = scan_object(target, replace(config, sensor=sensor), 0)
         labelled = time.process_time()
-        drawn = len(frames) + frames.refused.total()
+        drawn = len(frames) + frames.skipped.total()
         tell(f"ms a labelled frame of 1,024 points{words}", labelled - start, drawn, goal)
         with TemporaryDirectory() as folder:
-            write_scans(Path(folder) / "scans.safetensors", target, frames, Provenance())
+            write_scans(Path(folder) / "scans.safetensors", target, frames, ScanProvenance())
         written = time.process_time()
         kept = f"{len(frames)} of {drawn} kept"
         tell(f"ms with the axes that networks see it along, written ({kept}){words}", written - start, drawn, goal)

@@ -1,22 +1,17 @@
-"""Uniform surface samples: kinmo against Open3D's `sample_points_uniformly`, one thread each.
+"""Uniform surface samples, compared with Open3D's `sample_points_uniformly`, one thread each.
 
     python bench/sampling.py [--quick]
 
-Thirty parts of 2,000 and of 50,000 triangles, 1024 points a part. First checks that both spread their points over the
-surface by area. Times are seconds of processor time, the least of several rounds in turns.
+Thirty parts of 2,000 and of 50,000 triangles, 1,024 points a part. The samples of both must be uniform by area.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ["RAYON_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
-
-import argparse
-import json
 import sys
-import time
-from collections.abc import Callable
+
+from common import Claim, best_times, option_parser, print_claims, print_table, ratio_claim, use_one_thread
+
+use_one_thread()
 
 import numpy as np
 import trimesh
@@ -29,41 +24,33 @@ try:
     import open3d
 except (ImportError, OSError) as error:
     sys.exit(
-        f"bench/sampling.py: Open3D cannot be imported ({error}). Install it with `pip install -r bench/requirements.txt`; "
-        "it also needs the system library libusb-1.0 (`apt-get install libusb-1.0-0 libgl1 libgomp1`)."
+        f"Open3D cannot be imported ({error}). Install it with `pip install -r bench/requirements.txt`; "
+        "it also needs system libraries (`apt-get install libusb-1.0-0 libgl1 libgomp1`)."
     )
 
 PARTS, POINTS = 30, 1024
 GOALS = {2_000: 4.0, 50_000: 2.5}
+"""Ratio to reach, by number of triangles."""
+MAX_UNEVENNESS = 0.06
 
 
-def lump(triangles: int, rng: np.random.Generator) -> trimesh.Trimesh:
-    """A torus with about that many triangles, squeezed and shorn so that their areas differ widely."""
+def uneven_torus(triangles: int, rng: np.random.Generator) -> trimesh.Trimesh:
+    """A torus with about this many triangles, under a random linear map that makes their areas differ widely."""
     sections = int(np.sqrt(triangles / 2))
     mesh = trimesh.creation.torus(1.0, 0.4, sections, sections)
     return trimesh.Trimesh(mesh.vertices @ rng.normal(size=(3, 3)), mesh.faces, process=False)
 
 
 def unevenness(points: NDArray[np.float64], mesh: trimesh.Trimesh) -> float:
-    """Largest Kolmogorov-Smirnov distance, over the coordinates, to a large sample by trimesh."""
+    """Largest Kolmogorov-Smirnov distance, over the coordinates, from a large sample by trimesh."""
     reference = trimesh.sample.sample_surface(mesh, 200_000, seed=0)[0]
     return max(float(ks_2samp(points[:, axis], reference[:, axis]).statistic) for axis in range(3))
 
 
-def least_times(runs: list[Callable[[], object]], rounds: int) -> list[float]:
-    times = [[] for _ in runs]
-    for _ in range(rounds):
-        for run, taken in zip(runs, times, strict=True):
-            start = time.process_time()
-            run()
-            taken.append(time.process_time() - start)
-    return [min(taken) for taken in times]
-
-
-def compare(triangles: int, rounds: int) -> dict[str, float | bool]:
-    """Checks and times both on meshes of about so many triangles."""
+def compare(triangles: int, rounds: int) -> Claim:
+    """Check and time both on meshes of about this many triangles."""
     rng = np.random.default_rng(0)
-    meshes = [lump(triangles, rng) for _ in range(PARTS)]
+    meshes = [uneven_torus(triangles, rng) for _ in range(PARTS)]
     ours = _core.Meshes([m.vertices for m in meshes], [m.faces.astype(np.uint32) for m in meshes])
     peers = [
         open3d.geometry.TriangleMesh(open3d.utility.Vector3dVector(m.vertices), open3d.utility.Vector3iVector(m.faces))
@@ -74,29 +61,26 @@ def compare(triangles: int, rounds: int) -> dict[str, float | bool]:
         theirs = np.asarray(peers[0].sample_points_uniformly(POINTS).points)
         off = {"kinmo": unevenness(drawn, meshes[0]), "Open3D": unevenness(theirs, meshes[0])}
         print("distance from uniform by area:", ", ".join(f"{name} {value:.3f}" for name, value in off.items()))
-        if max(off.values()) > 0.06:
-            sys.exit("bench/sampling.py: the samples are not uniform by area")
-    taken, peer = least_times(
+        if max(off.values()) > MAX_UNEVENNESS:
+            sys.exit("the samples are not uniform by area")
+    taken, peer = best_times(
         [
             lambda: _core.sample_surface(ours, POINTS),
             lambda: [np.asarray(m.sample_points_uniformly(POINTS).points) for m in peers],
         ],
         rounds,
     )
-    ratio = peer / taken
-    print(f"{triangles:>9,} {taken * 1e3:>12.2f} {peer * 1e3:>12.2f} {ratio:>8.2f} {GOALS[triangles]:>6}")
-    return {"ours": taken, "peer": peer, "ratio": ratio, "goal": GOALS[triangles], "met": ratio >= GOALS[triangles]}
+    claim = f"samples of {PARTS} parts of {triangles:,} triangles compared with Open3D, {POINTS} points a part, ms"
+    return ratio_claim(claim, ours=1e3 * taken, peer=1e3 * peer, goal=GOALS[triangles])
 
 
 def main() -> None:
-    """Prints the table and the JSON line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="fewer rounds")
-    rounds = 3 if parser.parse_args().quick else 100
-    print(f"{'triangles':>9} {'kinmo, ms':>12} {'Open3D, ms':>12} {'ratio':>8} {'goal':>6}")
-    small, large = (compare(triangles, rounds) for triangles in GOALS)
-    claim = f"sampling {PARTS} parts x {POINTS} points, one thread, against Open3D (2k triangles; 50k below)"
-    print(json.dumps({"claim": claim, **small, "met": bool(small["met"] and large["met"]), "at_50k_triangles": large}))
+    """Compare both numbers of triangles."""
+    rounds = 3 if option_parser(__doc__, "few rounds").parse_args().quick else 100
+    claims = [compare(triangles, rounds) for triangles in GOALS]
+    rows = [(n, c["ours"], c["peer"], c["ratio"], c["goal"]) for n, c in zip(GOALS, claims, strict=True)]
+    print_table(("triangles", "kinmo (ms)", "Open3D (ms)", "ratio", "goal"), rows)
+    print_claims(*claims)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from kinmo.pipeline.scans.scan_finder import ScanFinder
 from numpy.typing import NDArray
 
 from kinmo.cli.console import QuietObserver
@@ -25,11 +26,10 @@ from kinmo.config import load_config
 from kinmo.dataset.workspace import Workspace
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.scans.render_scans import Render
-from kinmo.pipeline.scans.scan_finder import ScanFinder
 from kinmo.scans.ancsh.ancsh_network import AncshNetwork, PartNetwork
 from kinmo.scans.ancsh.ancsh_predictor import Ancsh
-from kinmo.scans.category_prior import Typical
-from kinmo.scans.scan_file import ScanFile, open_scans
+from kinmo.scans.files.scan_file import ScanFile, open_scans
+from kinmo.scans.poses.category_prior import CategoryPrior
 from kinmo.synth.synth_stage import Synth
 
 GOAL = 10.0
@@ -51,7 +51,7 @@ def networks(files: list[ScanFile]) -> Ancsh:
     config, structure = load_config("small").ancsh, files[0].structure
     parts = structure.part_count
     own = (AncshNetwork(config, parts, parts).eval(), PartNetwork(config, parts, parts).eval())
-    return Ancsh(*own, config, structure, Typical.of(files), "cpu")
+    return Ancsh(*own, config, structure, CategoryPrior.from_scans(files), "cpu")
 
 
 def seconds(network: Ancsh, points: list[NDArray[np.float32]], repeats: int) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Prepared objects in another pose, so that what is measured is not the pose of the files."""
+"""Prepared objects with random rotations, to measure results without the pose of the files."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from scipy.spatial.transform import Rotation
 
 from kinmo.dataset.store import read_prepared, to_bytes
 from kinmo.features.prepared_shape import PreparedShape
-from kinmo.features.shape_preparation import prepare_shape, seed_of
-from kinmo.io.readers import Found, Layout, read_found
+from kinmo.features.shape_preparation import prepare_shape, shape_seed
+from kinmo.io.discover import ShapeSource
 
 
 def turned_shapes(shapes: Sequence[PreparedShape], folder: Path, *, freely: bool) -> list[PreparedShape]:
-    """All shapes, each turned at random: about `up`, or freely with `up` turned along. Kept in `folder`."""
+    """All shapes with random rotations, about `up` or free (`up` rotates along). They are kept in `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
     found = []
     for shape in shapes:
         path = folder / f"{shape.id}.safetensors"
         if not path.exists():
-            rng = np.random.default_rng(seed_of(shape.id, 1))
+            rng = np.random.default_rng(shape_seed(shape.id, 1))
             about_up = Rotation.from_rotvec(shape.up * rng.uniform(-np.pi, np.pi))
             turn = (Rotation.random(rng=rng) if freely else about_up).as_matrix()
-            source = read_found(Found(Path(shape.source), Layout(shape.layout), shape.id))
-            path.write_bytes(to_bytes(prepare_shape(source.turned(turn)), {}))
+            source = ShapeSource.of(shape).read()
+            path.write_bytes(to_bytes(prepare_shape(source.rotated(turn)), {}))
         found.append(read_prepared(path))
     return found

@@ -33,7 +33,7 @@ Amount = Annotated[float, Within(0.0, sys.float_info.max)]
 Share = Annotated[float, Within(0.0, 1.0)]
 Counts = Annotated[tuple[Count, ...], Within(1)]
 Precision = Literal["32-true", "bf16-mixed", "16-mixed"]
-"""Of the numbers that layers are worked out in, as Lightning calls it."""
+"""Numbers that layers compute in: float32, or mixed with bfloat16 or float16."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,6 @@ class TrainingConfig:
     `average` is the decay a step of a moving average of the weights, which then is what is chosen and kept (0: no average).
     `keep`: the epoch that did best on validation, or the last one, where the shapes to choose by are too few to tell.
     `threads` of the CPU (0: PyTorch's choice): small networks are faster on one, and come out the same on every machine.
-    `devices`: several are for scripts that call `learning.training.fit`, and run once a device; `kinmo train` takes one.
     """
 
     epochs: Count
@@ -56,7 +55,6 @@ class TrainingConfig:
     keep: Literal["best", "last"] = "best"
     precision: Precision = "32-true"
     threads: Annotated[int, Within(0, 1024)] = 0
-    devices: Count = 1
 
 
 @dataclass(frozen=True)
@@ -222,7 +220,7 @@ class ScansConfig:
     a frame in which a part has fewer than `least_pixels` is refused. A part smaller than `smallest_part` diagonals goes with
     what it moves against. Networks learn objects with the `joints` that are named, part by part as tables do (`R on 0`), or if
     none are, with those that most labelled ones have. They learn the `canonical` state of objects: `closed` (`scans.closing`),
-    or whatever their `file` shows. `rough` is the sensor that takes `sensor`'s place to tell what a bad one costs. `pybullet`
+    or whatever their `file` shows. `noisy_sensor` is the sensor that takes `sensor`'s place to tell what a bad one costs. `pybullet`
     is the paper's renderer.
     """
 
@@ -242,7 +240,7 @@ class ScansConfig:
     canonical: Literal["closed", "file"] = "closed"
     renderer: Literal["raster", "pybullet"] = "raster"
     sensor: SensorConfig = field(default_factory=SensorConfig)
-    rough: SensorConfig = SensorConfig(noise=0.003, holes=0.1, crop=0.3, steep=True)
+    noisy_sensor: SensorConfig = SensorConfig(noise=0.003, holes=0.1, crop=0.3, steep=True)
 
 
 @dataclass(frozen=True)

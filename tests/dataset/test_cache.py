@@ -50,6 +50,15 @@ def test_a_file_of_the_same_size_with_other_contents_is_a_changed_one(tmp_path: 
     assert not cache.is_current("one", "key")
 
 
+def test_edited_files_may_be_accepted_but_missing_ones_never(tmp_path: Path) -> None:
+    cache, file = stored(tmp_path)
+    file.write_text("edited")
+    assert cache.is_current("one", "key", edited=True)
+    file.unlink()
+    assert not cache.is_current("one", "key", edited=True)
+    assert "one" in cache and "two" not in cache
+
+
 def test_a_copied_folder_is_as_current_as_the_original(tmp_path: Path) -> None:
     stored(tmp_path / "original")
     shutil.copytree(tmp_path / "original", tmp_path / "copy", copy_function=shutil.copyfile)

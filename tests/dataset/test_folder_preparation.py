@@ -20,7 +20,8 @@ from kinmo.dataset.folder_preparation import prepare_folder
 from kinmo.dataset.store import PreparedStore
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.shape_preparation import prepare_shape
-from kinmo.io.readers import Found, sources
+from kinmo.io.discover import ShapeSource
+from kinmo.io.readers import sources
 from kinmo.synth.synth_stage import Synth
 
 SHAPES = 6
@@ -190,7 +191,7 @@ def test_what_another_workspace_has_labelled_is_no_shape_with_joints(dataset, tm
 def test_a_copy_that_cannot_be_read_does_not_stop_the_others(dataset, tmp_path, monkeypatch):
     shutil.copytree(dataset / "plain" / "100", dataset / "z" / "100")
 
-    def unreadable(found: Found) -> str:
+    def unreadable(found: ShapeSource) -> str:
         raise InputError(found.path, "cannot be read (Permission denied)")
 
     monkeypatch.setattr(sources, "content_digest", unreadable)
@@ -240,7 +241,7 @@ def test_a_shape_whose_files_cannot_be_looked_at_is_left_out_in_one_line(dataset
         return real(path)
 
     first = sorted(path.parent for path in dataset.rglob("objs"))[0]
-    monkeypatch.setattr("kinmo.io.readers.sources.os.scandir", denied)
+    monkeypatch.setattr("kinmo.io.source_files.os.scandir", denied)
     report = prepare(dataset, tmp_path / "w")
     (left_out,) = (entry for entry in report.left_out if entry.path == str(first))
     assert left_out.reasons == (f"{first / 'objs'}: cannot be read (Permission denied)",)

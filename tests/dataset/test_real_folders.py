@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from kinmo.core.joint import MotionType
+from kinmo.core.motion_types import MotionType
 from kinmo.dataset.store import read_prepared, to_bytes
 from kinmo.features.prepared_shape import Boxes
 from kinmo.features.shape_preparation import prepare_shape

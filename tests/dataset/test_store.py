@@ -54,10 +54,10 @@ def test_the_same_shape_gives_the_same_bytes(tmp_path, labelled):
     assert to_bytes(read_prepared(tmp_path / "a"), {}) == data
 
 
-def test_arrays_of_the_evidence_are_kept_by_name(tmp_path, labelled):
-    shape = replace(labelled, evidence={"features": np.arange(6, dtype=np.float32).reshape(2, 3)})
+def test_arrays_of_candidate_features_are_kept_by_name(tmp_path, labelled):
+    shape = replace(labelled, candidate_features={"features": np.arange(6, dtype=np.float32).reshape(2, 3)})
     (tmp_path / "a").write_bytes(to_bytes(shape, {}))
-    np.testing.assert_array_equal(read_prepared(tmp_path / "a").evidence["features"], [[0, 1, 2], [3, 4, 5]])
+    np.testing.assert_array_equal(read_prepared(tmp_path / "a").candidate_features["features"], [[0, 1, 2], [3, 4, 5]])
 
 
 def test_a_file_that_is_cut_or_garbled_is_refused(tmp_path, labelled):

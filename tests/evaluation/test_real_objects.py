@@ -1,4 +1,4 @@
-"""Real objects through the writers and back: the truth, exported, is judged perfect."""
+"""Real objects written and read again: the exported truth has no errors."""
 
 import pybullet
 import pytest
@@ -12,6 +12,7 @@ from kinmo.io.writers.urdf_writer import write_urdf
 
 pytestmark = pytest.mark.real
 EVERY = 48
+"""One in this many real objects is tested."""
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +20,7 @@ def shapes(real_objects):
     return [read_partnet_mobility(folder) for folder in real_objects[::EVERY]]
 
 
-def test_the_truth_as_a_urdf_is_perfect(shapes, tmp_path):
+def test_the_truth_as_a_urdf_has_no_errors(shapes, tmp_path):
     for shape in shapes:
         score = score_urdf(shape, write_urdf(shape, shape.mobility, tmp_path / shape.id), tmp_path)
         assert (score.status, score.false_alarms) == ("scored", 0)
@@ -31,7 +32,7 @@ def test_the_truth_as_a_urdf_is_perfect(shapes, tmp_path):
             assert part.range_iou is None or part.range_iou == pytest.approx(1)
 
 
-def test_the_urdf_loads_in_a_simulator_with_all_its_joints(shapes, tmp_path):
+def test_a_simulator_loads_the_urdf_with_all_its_joints(shapes, tmp_path):
     client = pybullet.connect(pybullet.DIRECT)
     for shape in shapes:
         path = write_urdf(shape, shape.mobility, tmp_path / shape.id)
@@ -42,7 +43,7 @@ def test_the_urdf_loads_in_a_simulator_with_all_its_joints(shapes, tmp_path):
     pybullet.disconnect(client)
 
 
-def test_the_writer_of_labels_loses_nothing(shapes, tmp_path):
+def test_written_labels_are_read_unchanged(shapes, tmp_path):
     for shape in shapes:
         found = read_partnet_mobility(write_partnet_mobility(shape, shape.mobility, tmp_path / shape.id))
         assert found.category == shape.category

@@ -1,4 +1,4 @@
-"""Errors of what is found in a scan, where it is known how far off that is."""
+"""Errors of estimates of a scan that are off by known amounts."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import pytest
 from articulated import directions
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scanned import cupboard_object, true_estimate
+from scanned_objects import cupboard_object, true_estimate
 from scipy.spatial.transform import Rotation
 
 from kinmo.config import ScansConfig
 from kinmo.core.joint import JointKind
 from kinmo.evaluation.scan_metrics import score_frame
-from kinmo.scans.labelled_frames import scan
-from kinmo.scans.pose_fitting import PartPoses, ScanEstimate
+from kinmo.scans.poses.scan_estimate import PartPoses, ScanEstimate
+from kinmo.scans.rendering.labelled_frames import scan_object
 
 TARGET = cupboard_object()
-TRUE = true_estimate(TARGET, scan(TARGET, ScansConfig(states=1, views=1, size=64, points=64), 3), 0)
+TRUE = true_estimate(TARGET, scan_object(TARGET, ScansConfig(states=1, views=1, size=64, points=64), 3), 0)
 KINDS = TARGET.structure.kinds
 HINGE = KINDS.index(JointKind.REVOLUTE)
 SLIDER = KINDS.index(JointKind.PRISMATIC)
@@ -31,7 +31,7 @@ def score(found: ScanEstimate):
 
 
 def turned(part: int, rotation: Rotation, shift: np.ndarray) -> ScanEstimate:
-    """A part turned about its middle, and shifted."""
+    """The true estimate with one part rotated about its middle and shifted."""
     poses = TRUE.poses
     rotations, translations, centers = poses.rotations.copy(), poses.translations.copy(), TRUE.centers.copy()
     rotations[part] = rotation.as_matrix() @ rotations[part]
@@ -41,14 +41,14 @@ def turned(part: int, rotation: Rotation, shift: np.ndarray) -> ScanEstimate:
 
 
 def with_joint(row: int, **changed) -> ScanEstimate:
-    """With other values of one joint."""
+    """The true estimate with other values of one joint."""
     values = {name: getattr(TRUE, name).copy() for name in changed}
     for name, value in changed.items():
         values[name][row] = value
     return replace(TRUE, **values)
 
 
-def test_what_is_right_has_no_errors() -> None:
+def test_the_true_estimate_has_no_errors() -> None:
     found = score(TRUE)
     assert found.is_whole
     for name in ("rotation", "translation", "state", "axis"):
@@ -59,7 +59,7 @@ def test_what_is_right_has_no_errors() -> None:
 
 @settings(max_examples=40)
 @given(directions, st.floats(0.0, 3.1), directions, st.floats(0.0, 1.0), st.integers(0, len(KINDS)))
-def test_a_part_is_off_by_the_angle_it_is_turned_and_the_way_its_middle_went(axis, angle, way, length, part) -> None:
+def test_part_errors_are_the_rotation_and_the_shift_of_the_middle(axis, angle, way, length, part) -> None:
     found = score(turned(part, Rotation.from_rotvec(angle * axis), length * way))
     expected = np.zeros(len(KINDS) + 1)
     expected[part] = angle
@@ -69,7 +69,7 @@ def test_a_part_is_off_by_the_angle_it_is_turned_and_the_way_its_middle_went(axi
 
 
 @pytest.mark.parametrize("part", range(len(KINDS) + 1))
-def test_boxes_that_are_half_as_long_or_shifted_by_half_overlap_as_they_should(part: int) -> None:
+def test_half_a_box_overlaps_by_a_half_and_a_half_shifted_one_by_a_third(part: int) -> None:
     half = TRUE.half_extents.copy()
     half[part, 1] *= 0.5
     assert score(replace(TRUE, half_extents=half)).iou[part] == pytest.approx(0.5)
@@ -79,7 +79,7 @@ def test_boxes_that_are_half_as_long_or_shifted_by_half_overlap_as_they_should(p
 
 @settings(max_examples=40)
 @given(directions, st.floats(0.0, 1.5), st.integers(0, len(KINDS) - 1))
-def test_an_axis_is_off_by_its_angle_whichever_way_it_points(across, angle, row) -> None:
+def test_the_axis_error_is_the_angle_in_either_direction(across, angle, row) -> None:
     right = TRUE.directions[row]
     across = across - (across @ right) * right
     across = across / np.linalg.norm(across) if np.linalg.norm(across) > 1e-3 else np.cross(right, np.roll(right, 1))
@@ -89,7 +89,7 @@ def test_an_axis_is_off_by_its_angle_whichever_way_it_points(across, angle, row)
 
 
 @given(st.floats(0.0, 0.5), st.floats(-1.0, 1.0))
-def test_a_line_is_off_by_the_way_across_and_not_along_it(across, along) -> None:
+def test_the_line_error_is_the_shift_across_the_axis(across, along) -> None:
     right = TRUE.directions[HINGE]
     aside = np.cross(right, np.roll(right, 1))
     pivot = TRUE.pivots[HINGE] + across * aside / np.linalg.norm(aside) + along * right
@@ -97,7 +97,7 @@ def test_a_line_is_off_by_the_way_across_and_not_along_it(across, along) -> None
 
 
 @given(angles)
-def test_states_count_along_the_true_direction(off) -> None:
+def test_states_are_compared_along_the_true_direction(off) -> None:
     for row in (HINGE, SLIDER):
         assert score(with_joint(row, states=TRUE.states[row] + off)).state[row] == pytest.approx(abs(off))
         reversed_ = with_joint(row, states=-TRUE.states[row] - off, directions=-TRUE.directions[row])
@@ -105,7 +105,7 @@ def test_states_count_along_the_true_direction(off) -> None:
 
 
 @given(angles)
-def test_of_what_slides_and_turns_both_are_measured(off) -> None:
+def test_a_screw_has_a_state_error_and_a_turn_error(off) -> None:
     (row,) = (row for row, kind in enumerate(KINDS) if kind is JointKind.SCREW)
     for sign in (1.0, -1.0):
         turn, state, direction = TRUE.turns[row] + off, TRUE.states[row], TRUE.directions[row]
@@ -115,12 +115,12 @@ def test_of_what_slides_and_turns_both_are_measured(off) -> None:
         assert np.isfinite(found.turn).sum() == 1
 
 
-def test_a_hinge_that_is_a_whole_turn_farther_is_where_it_was_and_a_slider_is_not() -> None:
+def test_a_whole_turn_is_no_error_for_a_hinge_but_for_a_slider() -> None:
     for row, error in ((HINGE, 0.0), (SLIDER, 2.0 * np.pi)):
         assert score(with_joint(row, states=TRUE.states[row] + 2.0 * np.pi)).state[row] == pytest.approx(error, abs=1e-9)
 
 
-def test_what_was_not_found_has_no_error() -> None:
+def test_a_part_that_was_not_found_has_no_error() -> None:
     poses = PartPoses(*(values.copy() for values in (TRUE.poses.rotations, TRUE.poses.scales, TRUE.poses.translations)))
     for values in (poses.rotations, poses.scales, poses.translations):
         values[1] = np.nan

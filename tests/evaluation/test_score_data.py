@@ -1,19 +1,16 @@
-"""Scores that are kept come back as they were."""
+"""Scores written as plain data are read unchanged."""
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinmo.core.joint import CoarseType, MotionType
+from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.evaluation.joint_records import FalseAlarm, JointRecord, ShapeScore
 from kinmo.evaluation.score_data import score_from_data, score_to_data
-from kinmo.experiments.table1.kept_scores import judgement_to_data, read_judgement
-from kinmo.experiments.table1.shape_scores import Judgement
 
 numbers = st.floats(allow_nan=False, allow_infinity=False)
 terms = st.dictionaries(st.text(max_size=5), numbers, max_size=3)
@@ -38,7 +35,7 @@ scores = st.builds(
     category=st.text(max_size=5),
     records=st.lists(records, max_size=3).map(tuple),
     false_alarms=st.lists(st.builds(FalseAlarm, name=st.text(max_size=5), score=numbers, terms=terms), max_size=2).map(tuple),
-    is_fine=st.booleans(),
+    has_fine_types=st.booleans(),
     failure=st.none() | st.text(max_size=5),
     edges_right=st.integers(0, 9),
     edges=st.integers(0, 9),
@@ -46,7 +43,7 @@ scores = st.builds(
 
 
 @given(score=scores)
-def test_a_score_comes_back_from_json_as_it_was(score: ShapeScore) -> None:
+def test_a_score_written_as_json_is_read_unchanged(score: ShapeScore) -> None:
     found = score_from_data(json.loads(json.dumps(score_to_data(score))))
     assert found == score
     assert [type(record.predicted_type) for record in found.records] == [
@@ -54,24 +51,12 @@ def test_a_score_comes_back_from_json_as_it_was(score: ShapeScore) -> None:
     ]
 
 
-NAMELESS = {"records": [], "false_alarms": [{"score": 0.5, "terms": {}}]}
+WITHOUT_NAME = {"records": [], "false_alarms": [{"score": 0.5, "terms": {}}]}
 
 
 @pytest.mark.parametrize(
-    "data", [{}, {"records": [{}], "false_alarms": []}, {"records": [], "false_alarms": [], "x": 1}, NAMELESS]
+    "data", [{}, {"records": [{}], "false_alarms": []}, {"records": [], "false_alarms": [], "x": 1}, WITHOUT_NAME]
 )
-def test_anything_else_is_refused(data: dict[str, object]) -> None:
+def test_data_of_another_form_raises_an_error(data: dict[str, object]) -> None:
     with pytest.raises((KeyError, TypeError, ValueError)):
         score_from_data(data)
-
-
-def test_a_kept_judgement_whose_false_alarms_have_no_names_is_made_again(tmp_path: Path) -> None:
-    score = ShapeScore("a", "Door", (), (FalseAlarm("knob", 0.5),))
-    kept = {"made_from": "x", "judgement": judgement_to_data(Judgement({}, {"kinmo": score}))}
-    path = tmp_path / "a.json"
-    path.write_text(json.dumps(kept), encoding="utf-8")
-    found = read_judgement(path, "x")
-    assert found is not None
-    assert found.hierarchy_given == {"kinmo": score}
-    path.write_text(json.dumps(kept).replace('"name": "knob", ', ""), encoding="utf-8")  # as it was before they had any
-    assert read_judgement(path, "x") is None

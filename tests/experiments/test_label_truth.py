@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kinmo.core.joint import MotionType
+from kinmo.core.motion_types import MotionType
 from kinmo.evaluation.joint_records import FalseAlarm, JointRecord, ShapeScore
 from kinmo.evaluation.tables import Caption, as_text
 from kinmo.experiments.label_truth import THRESHOLDS, curves, label_truth_table, weighted_score

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
-from scanned import cupboard_object
+from scanned_objects import cupboard_object
 from whole_road import Listener
 
 from kinmo.config import ScansConfig
@@ -22,8 +22,8 @@ from kinmo.experiments.scan_tables.make_table import MakeTable
 from kinmo.experiments.scan_tables.table_rows import SHARES, TABLES
 from kinmo.learning.model_folder import WEIGHTS, networks_digest
 from kinmo.pipeline.train_all import TrainAll
-from kinmo.scans.labelled_frames import scan
-from kinmo.scans.scan_file import open_scans, write_scans
+from kinmo.scans.files.scan_file import open_scans, write_scans
+from kinmo.scans.rendering.labelled_frames import scan_object
 
 
 def make(name: str, method: str, scanned: Scanned, folder: Path) -> MakeTable:
@@ -57,7 +57,7 @@ def test_each_training_is_judged_on_the_scans_of_both_sensors(scanned: Scanned, 
     assert not np.array_equal(clean.read("points"), noisy.read("points"))
     for path in (root.scans / CATEGORY / "train").glob("*.safetensors"):  # as if other joints had been asked for
         provenance, target = open_scans(path).provenance, cupboard_object()
-        write_scans(path, target, scan(target, ScansConfig(states=1, views=4, size=64, points=64), 0), provenance)
+        write_scans(path, target, scan_object(target, ScansConfig(states=1, views=4, size=64, points=64), 0), provenance)
     assert not any(row.judged(root, CATEGORY, 0).held() for row in TABLES["sensors"].rows)
 
 

@@ -1,3 +1,5 @@
+"""Preparation of shapes: samples, boxes, distances, labels, and the normalised frame."""
+
 from __future__ import annotations
 
 from dataclasses import replace
@@ -9,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinmo.core.errors import InputError
-from kinmo.core.joint import MotionType
+from kinmo.core.motion_types import MotionType
 from kinmo.core.normalisation import Normalisation, geometry_hash
 from kinmo.core.shape import Mesh
 from kinmo.features.prepared_shape import check_unchanged
@@ -27,7 +29,7 @@ def prepared(shape):
     return prepare_shape(shape, points=256)
 
 
-def test_a_shape_with_other_parts_or_in_another_place_is_not_what_was_prepared(shape, prepared):
+def test_a_shape_with_other_parts_or_another_position_has_changed_since_preparation(shape, prepared):
     check_unchanged(shape, prepared)
     others = [moved(shape, 1.0, 0.01), moved(shape, 1.01, 0.0), replace(shape, parts=shape.parts[:-1])]
     for other in others:
@@ -36,13 +38,13 @@ def test_a_shape_with_other_parts_or_in_another_place_is_not_what_was_prepared(s
 
 
 def moved(shape, scale, shift):
-    """A copy of a shape in another place and size."""
+    """A copy of a shape at another position and size."""
     meshes = [None if part.mesh is None else Mesh(part.mesh.vertices * scale + shift, part.mesh.faces) for part in shape.parts]
     parts = tuple(replace(part, mesh=mesh) for part, mesh in zip(shape.parts, meshes, strict=True))
     return replace(shape, parts=parts)
 
 
-def test_the_normalised_frame_has_its_origin_in_the_middle_and_the_diagonal_as_unit(shape, prepared):
+def test_the_normalised_frame_is_centred_and_has_the_diagonal_as_unit(shape, prepared):
     low, high = shape.bounds
     points = prepared.leaf_points.reshape(-1, 3) * prepared.diagonal + prepared.center
     assert np.all(points >= low - 1e-6) and np.all(points <= high + 1e-6)
@@ -50,24 +52,24 @@ def test_the_normalised_frame_has_its_origin_in_the_middle_and_the_diagonal_as_u
     np.testing.assert_allclose(prepared.center, 0.5 * (low + high))
 
 
-def test_shapes_of_arrays_fit_each_other(prepared):
+def test_the_arrays_have_matching_sizes(prepared):
     leaves, parts, edges = 5, 8, 10
     assert prepared.leaf_points.shape == prepared.leaf_normals.shape == (leaves, 256, 3)
     assert prepared.leaf_areas.shape == (leaves,)
     assert len(prepared.minimum_boxes) == len(prepared.symmetric_boxes) == len(prepared.aligned_boxes) == parts
-    assert prepared.edges.shape == (edges, 2), "three pairs below the root, one below frame and door, both ways"
+    assert prepared.edges.shape == (edges, 2), "three pairs below the root, one each below frame and door, in both directions"
     assert prepared.edge_distances.shape == (edges,)
     assert prepared.edge_labels.types.shape == (edges,)
 
 
-def test_samples_lie_on_their_leaf(prepared):
+def test_samples_lie_on_their_leaves(prepared):
     low, high = map(np.array, BOXES["original-6"])
     points = prepared.leaf_points[4] * prepared.diagonal + prepared.center
     to_side = np.minimum(np.abs(points - low), np.abs(points - high)).min(axis=1)
     np.testing.assert_allclose(to_side, 0.0, atol=1e-6)
 
 
-def test_aligned_boxes_are_the_axis_aligned_ones_of_all_leaves_below(prepared):
+def test_aligned_boxes_enclose_all_leaves_of_a_part(prepared):
     box = prepared.aligned_boxes[7]
     low, high = map(np.array, BOXES["original-6"])
     np.testing.assert_allclose(box.center * prepared.diagonal + prepared.center, 0.5 * (low + high), atol=1e-12)
@@ -78,7 +80,7 @@ def test_aligned_boxes_are_the_axis_aligned_ones_of_all_leaves_below(prepared):
     np.testing.assert_allclose(np.linalg.norm(2 * prepared.aligned_boxes[0].half_extents), 1.0)
 
 
-def test_distances_are_exact_and_the_same_both_ways(prepared):
+def test_distances_are_exact_and_symmetric(prepared):
     distance = {tuple(edge): d for edge, d in zip(prepared.edges.tolist(), prepared.edge_distances.tolist(), strict=True)}
     assert all(d == distance[j, i] for (i, j), d in distance.items())
     assert distance[4, 7] * prepared.diagonal == pytest.approx(np.hypot(0.02, 0.0), abs=1e-9), (
@@ -86,7 +88,7 @@ def test_distances_are_exact_and_the_same_both_ways(prepared):
     )
 
 
-def test_labels_say_what_moves_against_what(prepared):
+def test_edge_labels_are_the_motions_of_the_parts(prepared):
     label = {
         tuple(edge): MotionType(t) for edge, t in zip(prepared.edges.tolist(), prepared.edge_labels.types.tolist(), strict=True)
     }
@@ -96,12 +98,12 @@ def test_labels_say_what_moves_against_what(prepared):
     assert label[5, 6] is label[2, 3] is MotionType.FIXED
 
 
-def test_ranges_and_pivots_are_in_the_normalised_frame_and_come_back(shape, prepared):
+def test_limits_and_pivots_are_normalised_and_can_be_restored(shape, prepared):
     drawer = prepared.mobility.bodies[2].joint
     assert drawer.upper == pytest.approx(0.6 / shape.diagonal)
     door = prepared.mobility.bodies[1].joint
     assert door.upper == pytest.approx(np.pi / 2)
-    back = Normalisation.of(shape).undo(prepared.mobility)
+    back = Normalisation.of(shape).undo_mobility(prepared.mobility)
     for ours, theirs in zip(back.bodies, shape.mobility.bodies, strict=True):
         if theirs.joint is not None:
             np.testing.assert_allclose(ours.joint.pivot, theirs.joint.pivot)
@@ -110,14 +112,14 @@ def test_ranges_and_pivots_are_in_the_normalised_frame_and_come_back(shape, prep
 
 @settings(max_examples=10)
 @given(st.floats(1e-3, 1e3), st.tuples(*[st.floats(-10, 10)] * 3))
-def test_place_and_size_of_the_file_do_not_matter(shape, prepared, scale, shift):
+def test_position_and_size_of_the_file_do_not_matter(shape, prepared, scale, shift):
     other = prepare_shape(moved(shape, scale, np.array(shift)), points=16)
     np.testing.assert_allclose(other.aligned_boxes.centers, prepared.aligned_boxes.centers, atol=1e-6)
     np.testing.assert_allclose(other.edge_distances, prepared.edge_distances, atol=1e-6)
     np.testing.assert_allclose(other.leaf_areas, prepared.leaf_areas, rtol=1e-6)
 
 
-def test_samples_depend_on_the_seed_and_the_id_and_on_nothing_else(shape, prepared):
+def test_samples_depend_on_the_seed_and_the_id_alone(shape, prepared):
     again = prepare_shape(shape, points=256)
     np.testing.assert_array_equal(again.leaf_points, prepared.leaf_points)
     assert not np.array_equal(prepare_shape(shape, points=256, seed=1).leaf_points, prepared.leaf_points)
@@ -144,7 +146,7 @@ def test_a_screw_joint_becomes_a_screw_label(tmp_path):
     assert MotionType.PR_H in prepared.edge_labels.types
 
 
-def test_copies_that_differ_in_order_and_segmentation_have_one_geometry_hash(shape):
+def test_copies_with_another_order_or_segmentation_have_the_same_geometry_hash(shape):
     frame = Normalisation.of(shape)
     meshes = [frame.mesh(mesh) for mesh in shape.meshes()]
     reversed_ = [Mesh(mesh.vertices[::-1], len(mesh.vertices) - 1 - mesh.faces[::-1]) for mesh in meshes[::-1]]

@@ -10,13 +10,13 @@ import pytest
 from small_shapes import cabinet
 
 from kinmo.config import load_config
-from kinmo.core.joint import CoarseType, MotionType
-from kinmo.features.candidate_joints import paper_candidates
+from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
 from kinmo.learning.motion_gnn.gnn_training import train_motion_gnn
+from kinmo.methods.paper.axis_selection.axis_selection_training import train_axis_selection
 from kinmo.methods.paper.axis_selection.axis_selector import AxisSelector
-from kinmo.methods.paper.axis_selection.axis_training import train_axis_selection
-from kinmo.methods.paper.axis_selection.cloud_pairs import moving_leaves
+from kinmo.methods.paper.candidate_axes import candidate_axes
+from kinmo.methods.paper.leaf_roles import leaf_roles
 
 SMALL, PAPER = load_config("small"), load_config("paper")
 
@@ -80,11 +80,10 @@ def test_axis_selection_ranks_a_true_hinge_above_the_other_axes(tmp_path: Path) 
     selector = AxisSelector.load(tmp_path / "weights.safetensors", "cpu")
     shape = cabinet(200)
     body, _ = next(shape.mobility.movable())
-    candidates = paper_candidates(shape.body_types[body], shape.body_boxes[body], shape.up)
+    candidates = candidate_axes(shape.body_types[body], shape.body_boxes[body], shape.up)
     # the same shape is not looked at again, another that equals it is
-    scores = [
-        selector.score_candidates(seen, moving_leaves(shape, body), candidates) for seen in (shape, shape, replace(shape))
-    ]
+    moving = leaf_roles(shape, shape.mobility.bodies)[body].moving
+    scores = [selector.feasibility(seen, moving, candidates) for seen in (shape, shape, replace(shape))]
     np.testing.assert_array_equal(scores[0], scores[1])
     np.testing.assert_array_equal(scores[0], scores[2])
     assert ((scores[0] >= 0) & (scores[0] <= 1)).all()

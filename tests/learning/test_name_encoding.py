@@ -3,7 +3,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinmo.learning.name_encoding import HIDDEN, bags, name_buckets
+from kinmo.learning.name_encoding import HIDDEN, encode_names, name_buckets
 
 BUCKETS = 512
 
@@ -30,6 +30,6 @@ def test_a_name_without_letters_is_hidden() -> None:
 
 
 def test_hidden_is_no_words_bucket() -> None:
-    ids, counts = bags(["door", "handle", "leg"], 8)
+    ids, counts = encode_names(["door", "handle", "leg"], 8)
     assert HIDDEN not in ids
     assert counts.sum() == len(ids)

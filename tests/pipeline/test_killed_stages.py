@@ -17,7 +17,7 @@ from kinmo.dataset.stage import Stage
 from kinmo.dataset.workspace import Workspace
 from kinmo.pipeline.scans.scan_networks import NETWORKS, Cell
 from kinmo.pipeline.train_all import TrainAll
-from kinmo.scans.scan_file import ROLES
+from kinmo.scans.files.scan_file import ROLES
 
 FORK = multiprocessing.get_context("forkserver")
 FORK.set_forkserver_preload(

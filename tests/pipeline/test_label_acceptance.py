@@ -8,15 +8,16 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinmo.core.joint import Joint, JointKind, MotionType
+from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
-from kinmo.core.prediction import JointEstimate, Prediction
+from kinmo.core.motion_types import MotionType
+from kinmo.core.prediction import JointEstimate, ShapeEstimate
 from kinmo.pipeline.label_acceptance import STEPS, judge, tally, tally_types
 
 scores = st.lists(st.floats(0.0, 1.0), max_size=5)
 
 
-def prediction(*found: float) -> Prediction:
+def prediction(*found: float) -> ShapeEstimate:
     """A base, and a hinged or sliding body a score."""
     kinds = [(JointKind.REVOLUTE, MotionType.R_V_S), (JointKind.PRISMATIC, MotionType.P_H)]
     bodies = [Body(0, "base", (1,))]
@@ -26,7 +27,7 @@ def prediction(*found: float) -> Prediction:
         joint = Joint(kind, np.array([0.0, 1.0, 0.0]), np.zeros(3))
         bodies.append(Body(index + 1, f"door {index}", (index + 2,), 0, joint))
         answers.append(JointEstimate(joint, motion, score))
-    return Prediction("7", "Door", Mobility(tuple(bodies)), tuple((answer,) for answer in answers), tuple(answers), "paper")
+    return ShapeEstimate("7", "Door", Mobility(tuple(bodies)), tuple((answer,) for answer in answers), tuple(answers), "paper")
 
 
 @given(scores, st.floats(0.0, 1.0))
@@ -40,7 +41,7 @@ def test_a_shape_is_accepted_exactly_if_all_its_joints_pass(found: list[float], 
 
 @given(scores, st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_a_shape_is_refused_if_a_part_that_is_said_to_rest_may_well_move(found: list[float], doubt: float, most: float) -> None:
-    doubtful = replace(prediction(*found), doubt=doubt)
+    doubtful = replace(prediction(*found), missed_motion_probability=doubt)
     judgement = judge(doubtful, "partnet", 0.6, most)
     assert judgement.is_accepted == (judge(doubtful, "partnet", 0.6).is_accepted and doubt <= most)
     assert judgement.doubt == doubt

@@ -15,14 +15,14 @@ from whole_road import Listener
 
 from kinmo import _core
 from kinmo.core.errors import InputError
-from kinmo.core.joint import MotionType
 from kinmo.core.mobility import Body, Mobility
-from kinmo.core.names import LONGEST_NAME
-from kinmo.core.prediction import JointEstimate, Prediction
+from kinmo.core.motion_types import MotionType
+from kinmo.core.names import MAX_NAME_BYTES
+from kinmo.core.prediction import JointEstimate, ShapeEstimate
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape
-from kinmo.io.writers.urdf_writer import write_urdf
+from kinmo.io.writers import WRITERS, write_urdf
 from kinmo.pipeline import predict_shapes as predict
 from kinmo.pipeline.predict_shapes import Predict
 
@@ -38,9 +38,9 @@ class Stiff:
     weights: str = ""
     config: Mapping[str, Any] = field(default_factory=dict)
 
-    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
+    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
         still, bodies = JointEstimate(None, MotionType.NONE, 1.0), (Body(0, "base", shape.leaves),)
-        return Prediction(shape.id, shape.category, Mobility(bodies), ((still,),), (still,), self.method)
+        return ShapeEstimate(shape.id, shape.category, Mobility(bodies), ((still,),), (still,), self.method)
 
 
 @pytest.fixture
@@ -72,19 +72,19 @@ def test_what_cannot_be_looked_at_is_told(stage: Predict, tmp_path: Path) -> Non
     assert [note for note in told.notes if note == f"left out: {outcome.data['left_out'][0]}"]
 
 
-@pytest.mark.parametrize("name", ["d" * LONGEST_NAME, DOOR * (LONGEST_NAME // 3), "Tür"])
+@pytest.mark.parametrize("name", ["d" * MAX_NAME_BYTES, DOOR * (MAX_NAME_BYTES // 3), "Tür"])
 def test_names_that_fit_stay_as_they_are(stage: Predict, name: str) -> None:
     write_partnet(stage.source / name)
     assert [Path(shape["folder"]).name for shape in stage.run(Listener()).data["shapes"]] == [name]
 
 
 def test_a_result_that_cannot_be_written_is_its_shape_s_problem(stage: Predict, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(shape: Any, mobility: Any, folder: Path, **how: Any) -> Path:
+    def full(shape: Any, prediction: Any, folder: Path, options: Any) -> Path:
         if shape.id == "b":
             raise OSError(28, os.strerror(28), str(folder / "b.urdf"))
-        return write_urdf(shape, mobility, folder, **how)
+        return write_urdf(shape, prediction, folder, options)
 
-    monkeypatch.setattr(predict, "write_urdf", full)
+    monkeypatch.setitem(WRITERS, "urdf", full)
     for name in "abc":
         write_partnet(stage.source / name)
     told = Listener()

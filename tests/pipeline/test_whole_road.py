@@ -12,6 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browser import assert_shown_without_complaint, needs_browser
+from kinmo.experiments.table1.evaluate_table1 import Evaluate
+from kinmo.experiments.table1.evaluation_folder import SETTINGS
+from kinmo.experiments.table1.examples import read_examples
+from kinmo.experiments.table1.rows import CONTACT_EDGES, chosen_rows
+from kinmo.pipeline.label_decisions import LABELS, decision_path, folder_name
 from whole_road import METHODS, Listener, Road, contents, tiny_config
 
 from kinmo.core.errors import InputError
@@ -21,16 +26,12 @@ from kinmo.dataset.stage import Stage
 from kinmo.dataset.store import PreparedStore
 from kinmo.dataset.workspace import Workspace
 from kinmo.experiments.scan_tables.make_table import MakeTable
-from kinmo.experiments.table1.evaluate_table1 import Evaluate
-from kinmo.experiments.table1.evaluation_folder import SETTINGS
-from kinmo.experiments.table1.examples import read_examples
-from kinmo.experiments.table1.rows import CONTACT_EDGES, chosen_rows
 from kinmo.features.prepared_shape import leaf_meshes
-from kinmo.io.readers import Found, Layout, discover, read_found, read_partnet, read_partnet_mobility
-from kinmo.io.writers.joints_json_writer import read_joints_json
+from kinmo.io.discover import ShapeSource, discover
+from kinmo.io.readers import read_partnet, read_partnet_mobility
+from kinmo.io.readers.joints_json_reader import read_joints_json
 from kinmo.learning.model_folder import CONFIG, ModelFolder
 from kinmo.methods import load_method
-from kinmo.pipeline.label_decisions import LABELS, decision_path, folder_name
 from kinmo.pipeline.predict_shapes import Predict
 from kinmo.pipeline.prepare import Prepare
 from kinmo.pipeline.pseudo_label import PseudoLabel
@@ -152,7 +153,7 @@ def test_what_is_predicted_of_a_shape_does_not_depend_on_its_annotation(method: 
     store = PreparedStore(road.workspace.prepared)
     for entry in [entry for entry in store.entries if entry.joint_count][:6]:
         shape = store.load(entry)
-        meshes = leaf_meshes(read_found(Found(Path(shape.source), Layout(shape.layout), shape.id)), shape)
+        meshes = leaf_meshes(ShapeSource.of(shape).read(), shape)
         bare = replace(shape, mobility=None, body_boxes=None, body_types={}, edge_labels=None)
         told, untold = (predictor.predict(each, meshes) for each in (shape, bare))
         assert [body.leaves for body in told.mobility.bodies] == [body.leaves for body in untold.mobility.bodies]
@@ -344,7 +345,7 @@ def test_pictures_are_drawn_from_the_sources(road: Road) -> None:
     examples = read_examples(road.outcomes["eval"].path / "examples.jsonl")
     pictured = [row for example in examples for row, _ in PICTURED_TOGETHER if row in example.answers]
     assert html.count('<svg class="object"') == len(pictured) > 0
-    assert all(read_found(found) for found in list(discover(road.shapes / "partnet_mobility"))[:1])
+    assert all(found.read() for found in list(discover(road.shapes / "partnet_mobility"))[:1])
 
 
 def test_a_run_for_one_category_leaves_the_report_of_the_others(road: Road, tmp_path: Path) -> None:
@@ -487,13 +488,3 @@ def test_networks_that_cannot_start_from_trained_weights_say_so(road: Road) -> N
     for group, able in (("gnn", "motion or axis"), ("paper", "kinmo")):
         with pytest.raises(InputError, match=f"--from: {group} cannot start from trained weights; use it with {able}$"):
             Train(group, road.workspace, "small", start=road.workspace).plan()
-
-
-def test_several_devices_are_refused_before_anything_is_done(road: Road, tmp_path: Path) -> None:
-    config = tmp_path / "several.toml"
-    text = tiny_config(tmp_path).read_text(encoding="utf-8")
-    config.write_text(text.replace("[axis.training]", "[axis.training]\ndevices = 2"), encoding="utf-8")
-    stage = Train("motion", road.workspace, str(config))
-    for ask in (stage.plan, lambda: stage.run(Listener())):
-        with pytest.raises(InputError, match=r"several\.toml: axis\.training\.devices: .*one device"):
-            ask()

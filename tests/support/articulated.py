@@ -1,4 +1,4 @@
-"""Hypothesis strategies for joints and small articulated shapes made of boxes."""
+"""Hypothesis strategies for joints, and small articulated shapes made of boxes."""
 
 from __future__ import annotations
 
@@ -8,30 +8,22 @@ import numpy as np
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from kinmo.core.edge_labels import motion_type, sibling_edges
+from kinmo.core.edge_labels import sibling_edges
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
+from kinmo.core.motion_types import motion_type
 from kinmo.core.normalisation import Normalisation
 from kinmo.core.shape import Mesh, Part, Shape
 from kinmo.features.prepared_shape import Boxes, PreparedShape
 
 CUBE_FACES = np.array(
     [
-        [0, 1, 3],
-        [0, 3, 2],
-        [4, 6, 7],
-        [4, 7, 5],
-        [0, 4, 5],
-        [0, 5, 1],
-        [2, 3, 7],
-        [2, 7, 6],
-        [0, 2, 6],
-        [0, 6, 4],
-        [1, 5, 7],
-        [1, 7, 3],
+        [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+        [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
     ],
     np.uint32,
-)
+)  # fmt: skip
+"""Triangles of a cube whose corners are in the order of `kinmo.core.box.CORNER_SIGNS`."""
 
 coordinates = st.floats(-2.0, 2.0)
 vectors = st.tuples(coordinates, coordinates, coordinates).map(np.array)
@@ -41,6 +33,7 @@ directions = rotations.map(lambda r: r[:, 0])
 
 @st.composite
 def joints(draw, kinds=tuple(JointKind), limited=None):
+    """Joints of some kinds. `limited` tells if they have limits (None: some have)."""
     kind = draw(st.sampled_from(kinds))
     joint = Joint(kind, draw(directions), draw(vectors))
     if draw(st.booleans()) if limited is None else limited:
@@ -50,6 +43,7 @@ def joints(draw, kinds=tuple(JointKind), limited=None):
 
 
 def box_mesh(low, high) -> Mesh:
+    """The mesh of an axis-aligned box between two corners."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
     return Mesh(np.asarray(low) + corners * (np.asarray(high) - np.asarray(low)), CUBE_FACES.copy())
 
@@ -57,7 +51,7 @@ def box_mesh(low, high) -> Mesh:
 def shape_of_boxes(
     boxes, bodies, *, shape_id="7", category="Cabinet", names=None, up=(0.0, 1.0, 0.0), junk=frozenset()
 ) -> Shape:
-    """A shape whose root holds one box (low, high) a leaf; `bodies` own leaves by their part index (1, 2, ...)."""
+    """A shape of one root with a box (low, high) per leaf. `bodies` own leaves by the index of the part (1, 2, ...)."""
     count = len(boxes)
     leaves = [Part(i + 1, (names or {}).get(i + 1, f"part {i}"), 0, (), box_mesh(*box)) for i, box in enumerate(boxes)]
     root = Part(0, "object", None, tuple(range(1, count + 1)))
@@ -67,25 +61,25 @@ def shape_of_boxes(
 
 @st.composite
 def articulated_shapes(draw, max_bodies=6, ups=((0.0, 1.0, 0.0),)):
-    """A tree of up to `max_bodies` boxes; some bodies are fastened to their parents, some stand on their own."""
+    """A tree of 2 to `max_bodies` boxes. Some bodies are fixed to their parents. There may be several roots."""
     count = draw(st.integers(2, max_bodies))
     boxes, bodies = [], []
     for index in range(count):
         low = draw(vectors)
         boxes.append((low, low + np.array(draw(st.tuples(*[st.floats(0.05, 1.0)] * 3)))))
         parent = draw(st.integers(0, index - 1)) if index else None
-        fastened = draw(st.integers(0, 4)) == 0
-        joint = None if parent is None or fastened else draw(joints())
+        is_fixed = draw(st.integers(0, 4)) == 0
+        joint = None if parent is None or is_fixed else draw(joints())
         bodies.append(Body(index, draw(st.sampled_from(["door", "a/b <&>", "", "door"])), (index + 1,), parent, joint))
     return shape_of_boxes(boxes, bodies, up=draw(st.sampled_from(ups)))
 
 
 def prepared_from(shape: Shape, points: int = 64) -> PreparedShape:
-    """The shape in the normalised frame, with boxes along the axes of the file's frame as all kinds of boxes."""
+    """The prepared shape in the normalised frame. All kinds of boxes are the axis-aligned bounding boxes."""
     normalise = Normalisation.of(shape)
     rng = np.random.default_rng(0)
     meshes = [normalise.mesh(mesh) for mesh in shape.meshes()]
-    soups = [mesh.vertices[mesh.faces] for mesh in meshes]
+    soups = [mesh.triangles for mesh in meshes]
     areas = [0.5 * np.linalg.norm(np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1) for t in soups]
     samples, normals = [], []
     for soup, area in zip(soups, areas, strict=True):

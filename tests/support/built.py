@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.families import family
-from kinmo.synth.model import Link, SynthObject
+from kinmo.synth.families import family_builder
+from kinmo.synth.synth_object import Link, SynthObject
 
 F64 = NDArray[np.float64]
 
 
 def built(name: str, seed: int) -> SynthObject:
     """The object of a family for a seed, in its rest pose, with a diagonal of 1."""
-    shape = family(name)(Draw(np.random.default_rng(seed)))
-    shape.settle()
+    shape = family_builder(name)(Draw(np.random.default_rng(seed)))
+    shape.apply_rest_pose()
     shape.normalise(1.0)
     return shape
 
@@ -34,7 +34,7 @@ def named(shape: SynthObject, *names: str) -> Iterator[Link]:
 
 def pieces_of(shape: SynthObject, link: Link) -> tuple[list[Mesh], list[Mesh]]:
     """The pieces that move along with a link, and all others."""
-    moving = {id(leaf) for below in shape.below(link) for leaf in below.leaves()}
+    moving = {id(leaf) for below in shape.subtree(link) for leaf in below.leaves()}
     own = [piece for leaf in shape.root.leaves() if id(leaf) in moving for piece in leaf.pieces]
     return own, [piece for leaf in shape.root.leaves() if id(leaf) not in moving for piece in leaf.pieces]
 

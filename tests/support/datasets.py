@@ -1,4 +1,4 @@
-"""Small datasets on disk, written as PartNet-Mobility, PartNet and DSG-Net lay them out."""
+"""Small datasets on disk in the formats of PartNet-Mobility, PartNet and DSG-Net."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ META = {"model_cat": "StorageFurniture", "anno_id": "4711"}
 
 
 def joint_data(direction: Sequence[float], a: float = 0, b: float = 90, **limit: Any) -> dict[str, Any]:
-    """The jointData of a joint through (-0.45, 0.5, 0.38)."""
+    """The field jointData of a joint through (-0.45, 0.5, 0.38)."""
     return {
         "axis": {"origin": [-0.45, 0.5, 0.38], "direction": list(direction)},
         "limit": {"a": a, "b": b, "noLimit": False, **limit},
@@ -61,7 +61,7 @@ def joint_data(direction: Sequence[float], a: float = 0, b: float = 90, **limit:
 
 
 def mobility() -> list[dict[str, Any]]:
-    """A frame, a door that turns about y and a drawer that slides along z."""
+    """The content of mobility_v2.json: a frame, a door that rotates about y, and a drawer that slides along z."""
     return [
         {
             "id": 0,
@@ -91,7 +91,7 @@ def mobility() -> list[dict[str, Any]]:
 
 
 def box_obj(low: Sequence[float], high: Sequence[float]) -> str:
-    """A box as six quads, with texture and normal indices as in real files."""
+    """The OBJ text of a box of six quads, with texture and normal indices as in real files."""
     lines = ["# a box", "mtllib box.mtl", "o box"]
     lines += [f"v {x} {y} {z}" for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
     lines += ["vt 0 0", "vn 0 1 0", "usemtl none"]
@@ -100,12 +100,14 @@ def box_obj(low: Sequence[float], high: Sequence[float]) -> str:
 
 
 def write_json(path: Path, value: Any) -> Path:
+    """Write a JSON file and the folders above it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(value), encoding="utf-8")
     return path
 
 
 def write_meshes(folder: Path) -> None:
+    """Write the OBJ files of all boxes."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, (low, high) in BOXES.items():
         (folder / f"{name}.obj").write_text(box_obj(low, high))
@@ -114,7 +116,7 @@ def write_meshes(folder: Path) -> None:
 def write_partnet(
     folder: Path, result: Any = None, meta: Any = None, *, file: str = "result.json", meshes: str = "objs"
 ) -> Path:
-    """A shape as PartNet has it."""
+    """Write a shape in the format of PartNet. Returns its folder."""
     write_meshes(folder / meshes)
     write_json(folder / file, RESULT if result is None else result)
     write_json(folder / "meta.json", META if meta is None else meta)
@@ -122,14 +124,14 @@ def write_partnet(
 
 
 def write_partnet_mobility(folder: Path, bodies: Any = None, result: Any = None, meta: Any = None) -> Path:
-    """A shape as PartNet-Mobility has it."""
+    """Write a shape in the format of PartNet-Mobility. Returns its folder."""
     write_partnet(folder, result, meta, meshes="textured_objs")
     write_json(folder / "mobility_v2.json", mobility() if bodies is None else bodies)
     return folder
 
 
 def tree(node: dict[str, Any]) -> dict[str, Any]:
-    """A node of RESULT as StructureNet has it."""
+    """A node of RESULT in the format of StructureNet."""
     box = [0.0, 0.5, 0.0, 1.0, 1.0, 0.8, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]
     out: dict[str, Any] = {"id": node["id"], "label": node["name"], "box": box}
     if "children" in node:
@@ -137,8 +139,8 @@ def tree(node: dict[str, Any]) -> dict[str, Any]:
     return out
 
 
-def points_in(low: Sequence[float], high: Sequence[float], count: int, seed: int) -> np.ndarray:
-    """Points on the surface of a box."""
+def points_on_box(low: Sequence[float], high: Sequence[float], count: int, seed: int) -> np.ndarray:
+    """Random points [count, 3] on the surface of a box."""
     rng = np.random.default_rng(seed)
     points = rng.uniform(low, high, (count, 3))
     axis = rng.integers(0, 3, count)
@@ -147,7 +149,7 @@ def points_in(low: Sequence[float], high: Sequence[float], count: int, seed: int
 
 
 def write_dsg_net(root: Path, name: str = "4711", *, geometry: str = "obj") -> Path:
-    """A shape as DSG-Net has it, with `geometry` obj, geo (points), or none. Returns the tree file."""
+    """Write a shape in the format of DSG-Net. `geometry` is "obj", "geo" (points) or "none". Returns the tree file."""
     if geometry == "obj":
         for leaf, meshes in LEAVES.items():
             path = root / "storagefurniture_obj" / name / f"{leaf}.obj"
@@ -156,7 +158,7 @@ def write_dsg_net(root: Path, name: str = "4711", *, geometry: str = "obj") -> P
     elif geometry == "geo":
         parts = np.zeros((8, 1000, 3), np.float32)
         for leaf, meshes in LEAVES.items():
-            parts[leaf] = points_in(*BOXES[meshes[0]], 1000, leaf)
+            parts[leaf] = points_on_box(*BOXES[meshes[0]], 1000, leaf)
         (root / "storagefurniture_geo").mkdir(parents=True, exist_ok=True)
         np.savez(root / "storagefurniture_geo" / f"{name}.npz", parts=parts)
     return write_json(root / "storagefurniture_hier" / f"{name}.json", tree(RESULT[0]))

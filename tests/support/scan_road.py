@@ -19,7 +19,7 @@ from kinmo.pipeline.scans.render_scans import Render
 from kinmo.pipeline.scans.scan_networks import NETWORKS, Cell
 from kinmo.pipeline.scans.train_scans import TrainAncsh
 from kinmo.pipeline.scans.training_settings import Setting
-from kinmo.scans.scan_file import ROLES
+from kinmo.scans.files.scan_file import ROLES
 from kinmo.synth.synth_stage import Synth
 
 FAMILY, CATEGORY = "laptop", "Laptop"

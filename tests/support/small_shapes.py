@@ -1,32 +1,31 @@
-"""Small prepared shapes made of boxes, for tests of what learns."""
+"""Small prepared cabinets made of boxes, for tests of learning."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from articulated import CUBE_FACES
 from numpy.typing import NDArray
 
-from kinmo.core.edge_labels import label_edges, motion_type, sibling_edges
+from kinmo.core.box import CORNER_SIGNS
+from kinmo.core.edge_labels import label_edges, sibling_edges
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
+from kinmo.core.motion_types import motion_type
+from kinmo.core.normalisation import Normalisation
 from kinmo.core.shape import Mesh, Part, Shape
 from kinmo.features.prepared_shape import Boxes, PreparedShape
 
 UP = np.array([0.0, 1.0, 0.0])
-CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
-FACES = np.array(
-    [
-        [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
-        [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
-    ],
-    np.uint32,
-)  # fmt: skip
 BoxSpec = tuple[tuple[float, float, float], tuple[float, float, float]]
+"""Centre and half extents of an axis-aligned box."""
 
 
 def box_mesh(center: NDArray[np.float64], half: NDArray[np.float64]) -> Mesh:
-    return Mesh(CUBE * half + center, FACES)
+    """The mesh of an axis-aligned box."""
+    return Mesh(CORNER_SIGNS * half + center, CUBE_FACES)
 
 
 def box_surface(center, half, count: int, rng: np.random.Generator) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -42,7 +41,7 @@ def box_surface(center, half, count: int, rng: np.random.Generator) -> tuple[NDA
 
 
 def prepare_boxes(shape: Shape, specs: dict[int, BoxSpec], points: int = 128, seed: int = 0) -> PreparedShape:
-    """A PreparedShape of a shape whose leaves are the axis-aligned boxes `specs` (centre, half extents by part index)."""
+    """Prepare a shape whose leaves are axis-aligned boxes. `specs` are the boxes by index of the part."""
     rng = np.random.default_rng(seed)
     center, diagonal = shape.center, shape.diagonal
     low, high = np.zeros((len(shape.parts), 3)), np.zeros((len(shape.parts), 3))
@@ -64,15 +63,8 @@ def prepare_boxes(shape: Shape, specs: dict[int, BoxSpec], points: int = 128, se
     distances = np.linalg.norm(np.maximum(gap, 0.0), axis=1)
     mobility, types, labels, body_boxes = shape.mobility, {}, None, None
     if mobility is not None:
-        bodies = []
-        for body in mobility.bodies:
-            joint = body.joint
-            if joint is not None:
-                scale = 1.0 if joint.kind is JointKind.REVOLUTE else 1.0 / diagonal
-                limits = [None if v is None else v * scale for v in (joint.lower, joint.upper)]
-                joint = Joint(joint.kind, joint.direction, (joint.pivot - center) / diagonal, *limits)
-            bodies.append(Body(body.id, body.name, body.leaves, body.parent, joint))
-        mobility = Mobility(tuple(bodies))
+        mobility = Normalisation(center, diagonal).mobility(mobility)
+        bodies = mobility.bodies
         low_of = np.array([low[list(body.leaves)].min(axis=0) for body in bodies])
         high_of = np.array([high[list(body.leaves)].max(axis=0) for body in bodies])
         body_boxes = Boxes((low_of + high_of) / 2, np.tile(np.eye(3), (len(bodies), 1, 1)), (high_of - low_of) / 2)
@@ -89,7 +81,10 @@ def prepare_boxes(shape: Shape, specs: dict[int, BoxSpec], points: int = 128, se
 
 
 def cabinet_shape(seed: int = 0) -> tuple[Shape, dict[int, BoxSpec]]:
-    """A cabinet: a body of a top and a plinth, one to three doors (hinged left or right) or drawers, some with handles."""
+    """A random cabinet, and the boxes of its parts by index.
+
+    The body has a top and a plinth. One to three doors (hinged left or right) or drawers have handles.
+    """
     rng = np.random.default_rng(seed)
     width, height, depth = rng.uniform(0.4, 0.8, 3)
     parts: list[Part] = []
@@ -100,9 +95,7 @@ def cabinet_shape(seed: int = 0) -> tuple[Shape, dict[int, BoxSpec]]:
         mesh = None if center is None else box_mesh(np.array(center), np.array(half))
         parts.append(Part(100 + index, name, parent, (), mesh))
         if parent is not None:
-            parts[parent] = Part(
-                *(getattr(parts[parent], f) for f in ("id", "name", "parent")), (*parts[parent].children, index)
-            )
+            parts[parent] = replace(parts[parent], children=(*parts[parent].children, index))
         if center is not None:
             specs[index] = (tuple(center), tuple(half))
         return index
@@ -139,5 +132,5 @@ def cabinet_shape(seed: int = 0) -> tuple[Shape, dict[int, BoxSpec]]:
 
 
 def cabinet(seed: int = 0, points: int = 128) -> PreparedShape:
-    """`cabinet_shape`, prepared."""
+    """The prepared shape of `cabinet_shape`."""
     return prepare_boxes(*cabinet_shape(seed), points=points, seed=seed)

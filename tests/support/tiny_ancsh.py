@@ -9,8 +9,8 @@ import numpy as np
 from kinmo.config import AncshConfig, TrainingConfig
 from kinmo.scans.ancsh.ancsh_loss import ScanBatch
 from kinmo.scans.ancsh.scan_batches import ScanData
-from kinmo.scans.input_frame import base_axes, scan_rotations
-from kinmo.scans.scan_file import ScanFile
+from kinmo.scans.files.scan_file import ScanFile
+from kinmo.scans.preprocessing.input_frame import base_axes, initial_axes
 
 TINY = AncshConfig(
     training=TrainingConfig(epochs=2, learning_rate=3e-3, weight_decay=0.0, decay_epochs=0, threads=1),
@@ -32,6 +32,6 @@ def two_scans(file: ScanFile) -> ScanBatch:
 def turned_apart(file: ScanFile) -> int:
     """A frame whose axes are others when it is known what is base."""
     points, parts = file.read("points"), file.read("parts")
-    first = scan_rotations(points, "base")
+    first = initial_axes(points, "base")
     second = base_axes(points, parts == 0, first)
     return int(np.abs(second - first).max(axis=(1, 2)).argmax())

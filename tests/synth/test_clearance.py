@@ -8,8 +8,8 @@ from scipy.spatial import ConvexHull, QhullError
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.families import family
-from kinmo.synth.model import Link, SynthObject
+from kinmo.synth.families import family_builder
+from kinmo.synth.synth_object import Link, SynthObject
 
 DEEP = 0.04
 """Depth, over the object's diagonal, from which a point is grossly inside."""
@@ -55,7 +55,7 @@ def gross_share(obj: SynthObject, link: Link, value: float) -> float:
 def test_opening_parts_clear_their_housing(name: str) -> None:
     worse, joints = 0, 0
     for seed in range(8):
-        obj = family(name)(Draw(np.random.default_rng(seed)))
+        obj = family_builder(name)(Draw(np.random.default_rng(seed)))
         for link in obj.links:
             if link.motion is None or link.motion.no_limit:
                 continue

@@ -9,13 +9,13 @@ import pytest
 
 from kinmo import _core
 from kinmo.core.box import Box
-from kinmo.core.edge_labels import motion_type
 from kinmo.core.errors import InputError
-from kinmo.core.joint import Joint, JointKind, MotionType
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.motion_types import MotionType, motion_type
 from kinmo.synth.draw import Draw, ParameterRange
-from kinmo.synth.families import family, family_names
+from kinmo.synth.families import family_builder, family_names
 from kinmo.synth.generate import Layout, Order, build
-from kinmo.synth.model import Link, Motion
+from kinmo.synth.synth_object import Link, Motion
 
 SEEDS = 6
 UP = np.array([0.0, 1.0, 0.0])
@@ -54,9 +54,9 @@ def test_joints_lie_at_their_parts(name: str) -> None:
     for index in range(2):
         obj = build(order(name, index))
         for link in obj.links:
-            if link.motion is not None and link.motion.has_place:
+            if link.motion is not None and link.motion.has_position:
                 points = np.concatenate(
-                    [p.vertices for other in obj.below(link) for leaf in other.leaves() for p in leaf.pieces]
+                    [p.vertices for other in obj.subtree(link) for leaf in other.leaves() for p in leaf.pieces]
                 )
                 unit = link.motion.direction / np.linalg.norm(link.motion.direction)
                 offsets = points - link.motion.origin
@@ -81,7 +81,7 @@ def test_at_least_five_families_have_screws() -> None:
     screwing = set()
     for name in family_names():
         for index in range(12):
-            obj = family(name)(order(name, index).draw("shape"))
+            obj = family_builder(name)(order(name, index).draw("shape"))
             if any(link.motion is not None and link.motion.rotates for link in obj.links):
                 screwing.add(name)
                 break
@@ -90,7 +90,7 @@ def test_at_least_five_families_have_screws() -> None:
 
 def test_ranges_differ_and_overlap() -> None:
     def width(parameter_range: ParameterRange, index: int) -> float:
-        obj = family("safe")(Draw(np.random.default_rng(index), parameter_range))
+        obj = family_builder("safe")(Draw(np.random.default_rng(index), parameter_range))
         low, high = obj.bounds()
         return float((high - low)[1])
 
@@ -102,7 +102,7 @@ def test_ranges_differ_and_overlap() -> None:
 
 def test_an_unknown_family_is_named() -> None:
     with pytest.raises(InputError, match="unknown family 'spaceship'"):
-        family("spaceship")
+        family_builder("spaceship")
 
 
 def _motion_type(link: Link, motion: Motion) -> MotionType:

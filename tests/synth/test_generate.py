@@ -12,12 +12,13 @@ from kinmo.core.errors import InputError
 from kinmo.core.joint import JointKind
 from kinmo.dataset.folder_preparation import HELD_BACK
 from kinmo.dataset.splits import Split, split_of
-from kinmo.io.readers import discover, read_dsg_net, read_partnet, read_partnet_mobility
+from kinmo.io.discover import discover
+from kinmo.io.readers import read_dsg_net, read_partnet, read_partnet_mobility
 from kinmo.synth import generate as generating
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.families import family_names
-from kinmo.synth.generate import MOST_SHAPES, SPLITS, Layout, Order, build, generate, orders, write
-from kinmo.synth.model import JointName
+from kinmo.synth.generate import MAX_SHAPES, SPLITS, Layout, Order, build, generate, orders, write
+from kinmo.synth.synth_object import JointType
 
 SOME = ("safe", "microwave", "bottle", "window")
 
@@ -65,7 +66,7 @@ def test_ids_are_unique() -> None:
     assert len(ids) == len(set(ids))
 
 
-@pytest.mark.parametrize("count", [0, -1, MOST_SHAPES + 1, 10**15])
+@pytest.mark.parametrize("count", [0, -1, MAX_SHAPES + 1, 10**15])
 def test_a_count_out_of_range_is_refused(tmp_path: Path, count: int) -> None:
     with pytest.raises(InputError, match="count"):
         generate(tmp_path, count=count)
@@ -97,9 +98,9 @@ def test_mobility_reads_back_as_it_was_built(name: str, tmp_path: Path) -> None:
                 continue
             unit = link.motion.direction / np.linalg.norm(link.motion.direction)
             assert abs(float(unit @ body.joint.direction)) > 1 - 1e-9
-            assert (body.joint.kind is JointKind.REVOLUTE) == (link.motion.joint is JointName.HINGE)
+            assert (body.joint.kind is JointKind.REVOLUTE) == (link.motion.joint is JointType.HINGE)
             assert (body.joint.kind is JointKind.SCREW) == link.motion.rotates
-            if link.motion.has_place:
+            if link.motion.has_position:
                 across = np.cross(body.joint.pivot - link.motion.origin, unit)
                 assert np.linalg.norm(across) < 1e-6
             if not link.motion.no_limit and link.motion.a != link.motion.b:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kinmo.synth.model import Link, Motion, Node, SynthObject, hinge, slider, spinner
+from kinmo.synth.synth_object import Link, Motion, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import box, move, transform
 
 
@@ -29,7 +29,7 @@ def motion_of(link: Link) -> Motion:
 
 def test_what_hangs_on_a_part_moves_with_it() -> None:
     closed, opened = chain(), chain(60.0, 0.8)
-    opened.settle()
+    opened.apply_rest_pose()
     door, drawer = motion_of(closed.links[2]), motion_of(closed.links[1])
     expected = drawer.at(0.8) @ door.at(60.0)
     knob = transform(closed.links[3].nodes[0].pieces[0], expected)
@@ -41,17 +41,17 @@ def test_what_hangs_on_a_part_moves_with_it() -> None:
 
 def test_limits_count_from_the_pose_of_the_file() -> None:
     obj = chain(60.0, 0.8)
-    obj.settle()
+    obj.apply_rest_pose()
     assert (motion_of(obj.links[2]).a, motion_of(obj.links[2]).b) == (-60.0, 30.0)
     assert motion_of(obj.links[1]).b == pytest.approx(0.7)
     before = obj.links[2].nodes[0].pieces[0].vertices
-    obj.settle()
+    obj.apply_rest_pose()
     assert obj.links[2].nodes[0].pieces[0].vertices is before, "settling twice changes nothing"
 
 
 def test_going_back_to_the_lower_limit_closes_the_part() -> None:
     closed, opened = chain(), chain(60.0)
-    opened.settle()
+    opened.apply_rest_pose()
     door = motion_of(opened.links[2])
     back = transform(opened.links[2].nodes[0].pieces[0], door.at(door.a))
     np.testing.assert_allclose(back.vertices, closed.links[2].nodes[0].pieces[0].vertices, atol=1e-12)

@@ -12,17 +12,17 @@ from hypothesis import strategies as st
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw, ParameterRange
-from kinmo.synth.families import family, family_names
+from kinmo.synth.families import family_builder, family_names
 from kinmo.synth.generate import Layout, Order, build
 from kinmo.synth.hierarchy_style import arrange, lump
-from kinmo.synth.joint_quirks import misstate
-from kinmo.synth.mesh_quirks import SHEET_SHARE, as_sheet, flatten, roughen, subdivided
-from kinmo.synth.model import JointName, Motion, SynthObject
+from kinmo.synth.joint_quirks import add_joint_quirks
+from kinmo.synth.mesh_quirks import SHEET_SHARE, as_sheet, flatten, add_mesh_quirks, subdivided
+from kinmo.synth.synth_object import JointType, Motion, SynthObject
 from kinmo.synth.primitives import box, rounded_box
 
 
 def fresh(name: str, seed: int) -> SynthObject:
-    return family(name)(Draw(np.random.default_rng(seed)))
+    return family_builder(name)(Draw(np.random.default_rng(seed)))
 
 
 def draw(seed: int) -> Draw:
@@ -64,7 +64,7 @@ def test_quirks_occur_as_often_as_in_real_files() -> None:
     assert 0.01 < share([length > 1e-3 for length in lengths]) < 0.08
     assert 0.03 < needing_two / len(joints) < 0.25
     assert 0.05 < share([joint.no_limit for joint in joints]) < 0.35
-    assert 0.005 < share([any(link.kind is JointName.JUNK for link in obj.links) for obj in objects]) < 0.12
+    assert 0.005 < share([any(link.kind is JointType.JUNK for link in obj.links) for obj in objects]) < 0.12
 
 
 @settings(max_examples=20)
@@ -93,10 +93,10 @@ def test_lumped_objects_have_one_leaf_a_link() -> None:
 @given(seed=st.integers(0, 10_000))
 def test_misstated_joints_move_parts_alike(seed: int) -> None:
     obj = fresh("refrigerator", seed)
-    obj.settle()
+    obj.apply_rest_pose()
     obj.normalise(2.0)
     truth = [link.motion for link in obj.links]
-    misstate(obj, draw(seed))
+    add_joint_quirks(obj, draw(seed))
     for before, link in zip(truth, obj.links, strict=True):
         if before is None or link.motion is None:
             continue
@@ -121,7 +121,7 @@ def test_rough_meshes_keep_their_surface(seed: int) -> None:
     obj = fresh("safe", seed)
     low, high = obj.bounds()
     before = area(deepcopy(obj))
-    roughen(obj, draw(seed))
+    add_mesh_quirks(obj, draw(seed))
     np.testing.assert_allclose(obj.bounds(), (low, high), atol=1e-12)
     assert 0.9 * before < area(obj) < 2.1 * before
 

@@ -14,7 +14,7 @@ from kinmo.dataset.workspace import Workspace
 from kinmo.pipeline.scans.scan_dataset import open_scan_dataset, scans_of
 from kinmo.pipeline.scans.scan_networks import Cell, pictures_path
 from kinmo.pipeline.scans.scan_pictures import COMMON, read_pictures
-from kinmo.scans.scan_file import count_objects
+from kinmo.scans.files.scan_file import count_objects
 from kinmo.view import scan_sections as report
 from kinmo.view.report import Report
 from kinmo.view.scan_sections import OUTDATED, picture_sections

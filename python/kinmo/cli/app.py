@@ -1,4 +1,4 @@
-"""The program `kinmo`: its commands, and what they share."""
+"""The program `kinmo` and its commands."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from kinmo.cli.options import with_common_options
 
 HELP = """Joints for 3D objects.
 
-kinmo learns how parts move from shapes whose joints are annotated (PartNet-Mobility), labels those that only have a part
-hierarchy (PartNet), predicts the joints of your own segmented shapes, and finds parts and joints in depth scans. Everything it
-makes goes into one workspace; every command skips what is done already and goes on where it was stopped.
+kinmo learns how parts move from annotated shapes (PartNet-Mobility), labels shapes that only have a part hierarchy (PartNet),
+predicts the joints of your own segmented shapes, and finds parts and joints in depth scans. Everything it makes goes into one
+workspace. Every command skips finished work and continues interrupted work.
 
 Start with:
 
@@ -28,17 +28,17 @@ Start with:
     kinmo prepare partnet/             check and convert every shape
     kinmo train all                    train all networks
     kinmo eval                         the paper's tables
-    kinmo predict my_shapes/ -o out/   joints and URDFs for your own
+    kinmo predict my_shapes/ -o out/   joints and URDFs for your own shapes
 """
 
 
 def _for_rich(text: str) -> str:
-    """Help as Rich wants it: a paragraph on one line, an indented block kept as it is."""
+    """Format help for Rich: each paragraph on one line, indented blocks unchanged."""
     blocks = text.strip("\n").split("\n\n")
     return "\n\n".join(f"\b\n{block}" if block.startswith("  ") else block.replace("\n", " ") for block in blocks)
 
 
-# Read when torch is first imported: its threads are not to spin while they wait, which on a busy machine costs all the others.
+# Read when torch is first imported: threads that spin while they wait slow down everything else on a busy machine.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 app = Typer(
@@ -63,7 +63,7 @@ def _version(wanted: bool) -> None:
 def program(
     version: Annotated[bool, Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")] = False,
 ) -> None:
-    """Hold the options of the program itself; its help is HELP."""
+    """Options of the program itself."""
 
 
 def _register(name: str, function: Callable[..., None], without: Sequence[str] = ()) -> None:
@@ -90,11 +90,11 @@ _register("report", report.report, without=["workers"])
 
 def main() -> None:
     """Run the program; never returns."""
-    # Paths and names may hold characters that the terminal's encoding lacks: show them escaped rather than fail.
+    # Paths and names may have characters that the terminal's encoding lacks: they are shown escaped.
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
-    if "" in sys.argv[1:]:  # as a path it would be the current folder, which nobody means by nothing
+    if "" in sys.argv[1:]:  # as a path it would mean the current folder
         print("kinmo: an argument is empty: is a variable not set?", file=sys.stderr)
         sys.exit(2)
     app()

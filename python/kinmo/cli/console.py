@@ -1,4 +1,4 @@
-"""Progress on stderr: bars on a terminal, a line now and then elsewhere."""
+"""Progress on stderr: bars on a terminal, occasional lines elsewhere."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ SECONDS_BETWEEN_LINES = 10.0
 
 
 class QuietObserver:
-    """Says nothing but what went wrong."""
+    """Shows problems alone."""
 
     def __enter__(self) -> QuietObserver:
         return self
@@ -29,7 +29,7 @@ class QuietObserver:
 
 
 class LineObserver(QuietObserver):
-    """For logs: one line when something starts and ends, and every ten seconds between."""
+    """Shows one line when something starts and ends, and every ten seconds between, for logs."""
 
     def __init__(self) -> None:
         self._last: dict[str, float] = {}
@@ -45,7 +45,7 @@ class LineObserver(QuietObserver):
 
 
 class BarObserver(QuietObserver):
-    """For terminals: a bar for each thing in progress."""
+    """Shows a bar for each thing in progress, for terminals."""
 
     def __init__(self) -> None:
         from rich.console import Console
@@ -79,7 +79,7 @@ class BarObserver(QuietObserver):
 
 
 def observer(quiet: bool) -> QuietObserver:
-    """The observer that fits where stderr goes."""
+    """Observer for the kind of stderr."""
     if quiet:
         return QuietObserver()
     return BarObserver() if sys.stderr.isatty() else LineObserver()

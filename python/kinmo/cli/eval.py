@@ -1,4 +1,4 @@
-"""kinmo eval."""
+"""The command `kinmo eval`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated
 from typer import Argument, BadParameter, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions, Method, ProtocolName
+from kinmo.cli.options import CommonOptions, MethodName, ProtocolName
 from kinmo.core.errors import InputError
 
 
@@ -16,29 +16,28 @@ def evaluate(
     options: CommonOptions,
     files: Annotated[Path | None, Argument(help="Folder of URDF files to score instead.", show_default=False)] = None,
     truth: Annotated[
-        Path | None, Option(help="Folder of PartNet-Mobility shapes to score the URDF files by.", show_default=False)
+        Path | None, Option(help="Folder of PartNet-Mobility shapes to score the URDF files against.", show_default=False)
     ] = None,
-    category: Annotated[
-        str | None, Option(help="Only shapes of this category, however it is spelled.", show_default=False)
-    ] = None,
-    method: Annotated[Method | None, Option(help="Of Table 1, only the rows of this method.", show_default="all")] = None,
+    category: Annotated[str | None, Option(help="Only shapes of this category, in any spelling.", show_default=False)] = None,
+    method: Annotated[MethodName | None, Option(help="Table 1: only rows of this method.", show_default="all")] = None,
+    details: Annotated[bool, Option("--details", help="Print all figures, with intervals and notes.")] = False,
     ablations: Annotated[bool, Option("--ablations", help="Add rows with other candidates, terms and edges.")] = False,
     hidden_names: Annotated[bool, Option("--hidden-names", help="Add rows with all part names hidden.")] = False,
     protocol: Annotated[
-        ProtocolName, Option(help="How scans are measured: rightly, or as ANCSH's public code does, faults included.")
+        ProtocolName, Option(help="Errors of scans as kinmo defines them, or as ANCSH's public code computes them.")
     ] = ProtocolName.KINMO,
 ) -> None:
-    """Print the paper's tables for the test shapes and scans, beside the printed figures.
+    """Print the paper's tables for the test shapes and scans.
 
-    Table 1 in both settings: parts given (as in the paper) and hierarchy given (what a user has). Tables 2 to 4 as far as
-    networks are trained for scans (kinmo train ancsh, kinmo table). All tables, also as JSON, CSV, Markdown
-    and LaTeX, are in the folder on the last line; docs/metrics.md says what every figure means. With FILES and --truth,
-    anybody's URDF files are scored against annotated shapes by the same measures.
+    Table 1 is printed for both settings: parts given (as in the paper) and hierarchy given (what users have). Tables 2 to 4
+    follow for all trained networks for scans. The folder on the last line has all tables with all figures, beside the printed
+    ones, as JSON, CSV, Markdown and LaTeX. docs/background/metrics.md defines every figure. With FILES and --truth, the URDF
+    files of any tool are scored against annotated shapes with the same measures.
 
     For example:
 
         kinmo eval
-        kinmo eval --category refrigerator --ablations
+        kinmo eval --category refrigerator --ablations --details
         kinmo eval out/ --truth partnet/
     """
     from kinmo.dataset.workspace import Workspace
@@ -60,9 +59,23 @@ def evaluate(
         execute(options, ScoreUrdfs(files, truth, workspace, category, options.worker_count))
         return
     from kinmo.experiments.evaluate_all import EvaluateAll
-    from kinmo.experiments.scan_tables.evaluate_trained import JudgeTrained
-    from kinmo.experiments.table1.evaluate_table1 import Evaluate
+    from kinmo.experiments.label_truth import label_truth_tables
+    from kinmo.experiments.scan_tables.evaluate_trained import EvaluateTrained
+    from kinmo.experiments.table1.ablations import AblationRows
+    from kinmo.experiments.table1.baselines import PaperBaselines
+    from kinmo.learning.model_folder import ModelFolder
+    from kinmo.pipeline.evaluation.evaluate_shapes import EvaluateShapes
 
-    methods = tuple(each.value for each in Method) if method is None else (method.value,)
-    stage = Evaluate(workspace, methods, category, ablations, hidden_names, options.seed, options.device, options.worker_count)
-    execute(options, EvaluateAll(stage, JudgeTrained(workspace, category, protocol.value, options.device)))
+    shapes = EvaluateShapes(
+        workspace,
+        tuple(each.value for each in MethodName) if method is None else (method.value,),
+        category,
+        PaperBaselines(ModelFolder(workspace.models).config().refinement, options.seed),
+        AblationRows(ablations, hidden_names),
+        label_truth_tables,
+        options.device,
+        options.worker_count,
+        details,
+    )
+    scans = EvaluateTrained(workspace, category, protocol.value, options.device, details)
+    execute(options, EvaluateAll(shapes, scans))

@@ -1,4 +1,4 @@
-"""Run stages as the common options say, and turn what goes wrong into one line and an exit code."""
+"""Runs of stages by the common options; errors become one line and an exit code."""
 
 from __future__ import annotations
 
@@ -26,17 +26,18 @@ FAILED, INTERRUPTED = 1, 130
 
 
 def execute(options: CommonOptions, *stages: Stage) -> None:
-    """Run `stages` one after the other and print the last one's result; with --dry-run only say what they would do.
+    """Run stages one after the other and print their results; with --dry-run print their plans.
 
-    Raises Exit with code 1 if a stage failed on something that the user asked for.
+    Raises:
+        Exit: with code 1, if something that the user asked for failed.
     """
     if options.dry_run:
         _print_plans([stage.plan() for stage in stages], as_json=options.json)
         return
     outcomes = []
-    with observer(options.quiet) as told:
+    with observer(options.quiet) as shown:
         for stage in stages:
-            outcomes.append(stage.run(told))
+            outcomes.append(stage.run(shown))
     _print_outcomes(outcomes, options)
     if any(outcome.failed for outcome in outcomes):
         raise Exit(FAILED)
@@ -49,7 +50,7 @@ def _print_plans(plans: list[Plan], as_json: bool) -> None:
     steps = [step for plan in plans for step in plan.steps]
     impossible = [line for plan in plans for line in plan.impossible]
     if not steps:
-        steps = ["nothing: what can be done is done already" if impossible else "nothing: all of it is done already"]
+        steps = ["nothing: everything that is possible is up to date" if impossible else "nothing: everything is up to date"]
     for line in steps + impossible:
         print(line)
     seconds = sum(plan.seconds for plan in plans)
@@ -69,7 +70,7 @@ def _print_outcomes(outcomes: list[Outcome], options: CommonOptions) -> None:
 
 @contextmanager
 def one_line_errors() -> Iterator[None]:
-    """Errors as one line on stderr and an exit code; with KINMO_DEBUG=1 as tracebacks."""
+    """Turn errors into one line on stderr and an exit code; with KINMO_DEBUG=1 into tracebacks."""
     if os.environ.get("KINMO_DEBUG"):
         yield
         return
@@ -83,10 +84,10 @@ def one_line_errors() -> Iterator[None]:
         print(f"kinmo: {error}", file=sys.stderr)
         raise Exit(FAILED) from None
     except KeyboardInterrupt:
-        print("kinmo: stopped; the same command goes on from here", file=sys.stderr)
+        print("kinmo: interrupted; the same command continues from here", file=sys.stderr)
         raise Exit(INTERRUPTED) from None
     except BrokenPipeError:
-        # Whoever read our output has gone. Nothing more can be written, not even what Python flushes when it ends.
+        # The reader of the output is gone: nothing more can be written, not even by Python's final flush.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise Exit(FAILED) from None
     except (OSError, MemoryError) as error:
@@ -98,7 +99,7 @@ def one_line_errors() -> Iterator[None]:
 
 
 def _end_as_by_ctrl_c() -> None:
-    """Ask of SIGTERM, by which schedulers end programs, what Ctrl-C does."""
+    """Let SIGTERM, which schedulers send, do what Ctrl-C does."""
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, signal.default_int_handler)
 

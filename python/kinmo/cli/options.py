@@ -1,9 +1,8 @@
-"""Options that every command has, and the decorator that gives them to it."""
+"""Options that every command has, and the decorator that adds them."""
 
 from __future__ import annotations
 
 import inspect
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import MISSING, dataclass, fields
 from enum import Enum
@@ -15,15 +14,15 @@ from typer import Option
 COMMON = "Options of all commands"
 
 
-class Method(str, Enum):
-    """The methods of `kinmo.pipeline.predictors`, without importing it."""
+class MethodName(str, Enum):
+    """Methods of `kinmo.methods`, listed here so that help needs no heavy import."""
 
     KINMO = "kinmo"
     PAPER = "paper"
 
 
 class ProtocolName(str, Enum):
-    """The protocols of `kinmo.pipeline.scans.scan_networks`, without importing it."""
+    """Protocols of `kinmo.pipeline.scans.scan_scores`, listed here for the same reason."""
 
     KINMO = "kinmo"
     ANCSH = "ancsh"
@@ -31,46 +30,61 @@ class ProtocolName(str, Enum):
 
 Start = Annotated[
     Path | None,
-    Option("--from", help="A workspace with trained motion networks to go on from (kinmo's own method).", show_default=False),
+    Option("--from", help="Workspace whose trained networks to continue from (kinmo's own method).", show_default=False),
+]
+
+
+Cluster = Annotated[
+    str | None,
+    Option(
+        metavar="ADDRESS",
+        help="Ray cluster that runs the jobs: HOST:PORT, auto, or local (pip install 'kinmo[cluster]').",
+        show_default=False,
+    ),
 ]
 
 
 @dataclass(frozen=True)
 class CommonOptions:
-    """See the help texts."""
+    """Values of the options that every command has; the help texts describe them."""
 
     workspace: Annotated[
         Path,
-        Option("--workspace", "-w", envvar="KINMO_WORKSPACE", help="Folder of everything kinmo makes.", rich_help_panel=COMMON),
+        Option(
+            "--workspace", "-w", envvar="KINMO_WORKSPACE", help="Folder for everything kinmo makes.", rich_help_panel=COMMON
+        ),
     ] = Path("workspace")
     device: Annotated[
         str, Option(help="Where networks run: auto, cpu, cuda, cuda:1, mps.", metavar="NAME", rich_help_panel=COMMON)
     ] = "auto"
     seed: Annotated[int, Option(min=0, help="Seed of everything random.", rich_help_panel=COMMON)] = 0
     workers: Annotated[
-        int,
-        Option(min=0, help="Processes that share the work; 0 is one a CPU core.", show_default="0", rich_help_panel=COMMON),
+        int, Option(min=0, help="Number of processes; 0 for one per CPU core.", show_default="0", rich_help_panel=COMMON)
     ] = 0
     dry_run: Annotated[
-        bool, Option("--dry-run", help="Say what would run, and about how long, and stop.", rich_help_panel=COMMON)
+        bool, Option("--dry-run", help="Show what would run, and for how long; do nothing.", rich_help_panel=COMMON)
     ] = False
     quiet: Annotated[
-        bool, Option("--quiet", "-q", help="No progress, no tables; what goes wrong is told.", rich_help_panel=COMMON)
+        bool, Option("--quiet", "-q", help="Show no progress and no tables, only problems.", rich_help_panel=COMMON)
     ] = False
-    json: Annotated[
-        bool, Option("--json", help="Print the result itself, as JSON, in place of its path.", rich_help_panel=COMMON)
-    ] = False
+    json: Annotated[bool, Option("--json", help="Print the result as JSON instead of its path.", rich_help_panel=COMMON)] = (
+        False
+    )
 
     @property
     def worker_count(self) -> int:
-        """`workers`, with 0 replaced by the number of CPU cores this process may use."""
-        return self.workers or len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(os.cpu_count() or 1))
+        """`workers`, with 0 replaced by the number of CPU cores that this process may use."""
+        from kinmo.api.stages import worker_count
+
+        return worker_count(self.workers)
 
 
 def with_common_options(function: Callable[..., Any], without: Sequence[str] = ()) -> Callable[..., Any]:
-    """`function(options: CommonOptions, ...)` as a function of its other parameters and, after them, the common options.
+    """Turn a function of `CommonOptions` and other parameters into a function of the latter and each common option.
 
-    Those named in `without`, which mean nothing to the command, keep their defaults and cannot be given.
+    Args:
+        function: the command; its first parameter is the `CommonOptions`.
+        without: common options that the command does not need; they keep their defaults.
     """
     own = list(inspect.signature(function).parameters.values())[1:]
     hints = get_type_hints(function, include_extras=True)

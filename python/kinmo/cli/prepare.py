@@ -1,4 +1,4 @@
-"""kinmo prepare."""
+"""The command `kinmo prepare`."""
 
 from __future__ import annotations
 
@@ -8,32 +8,33 @@ from typing import Annotated
 from typer import Argument, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions
+from kinmo.cli.options import Cluster, CommonOptions
 
 
 def prepare(
     options: CommonOptions,
     folder: Annotated[Path, Argument(help="Folder with shapes anywhere below it.", show_default=False)],
-    hold_back: Annotated[
+    oracle: Annotated[
         list[Path] | None,
-        Option(help="Folder whose labels are for tests and comparison alone; may be repeated.", show_default=False),
+        Option(help="Folder whose labels only test and compare; nothing is trained on them. Repeatable.", show_default=False),
     ] = None,
+    cluster: Cluster = None,
 ) -> None:
     """Find, check and convert every shape below a folder.
 
-    PartNet-Mobility, PartNet and DSG-Net are told apart by what the folders contain, so unpack them anywhere below one folder;
-    files of binary glTF (.glb) are shapes without labels.
-    What can be mended is mended, what cannot be used is left out: the table at the end counts repairs and lists what was left
-    out, and prepared/report.json, and --json, have every shape. Shapes that have not changed since the last time are not
-    prepared again.
+    kinmo recognises PartNet-Mobility, PartNet, DSG-Net and binary glTF (.glb) by their contents. Unpack them anywhere below one
+    folder. Small faults are repaired; unusable shapes are skipped. The table at the end counts both, and prepared/report.json
+    and --json list every shape. Unchanged shapes are not prepared again.
 
     For example:
 
         kinmo prepare partnet/
-        kinmo prepare partnet/ --hold-back partnet/held_back
-        kinmo prepare partnet/ --json > what_was_wrong.json
+        kinmo prepare partnet/ --oracle partnet/oracle
+        kinmo prepare partnet/ --json > prepared.json
     """
-    from kinmo.dataset.workspace import Workspace
-    from kinmo.pipeline.prepare import Prepare
+    from kinmo.api.stages import prepare_stage
 
-    execute(options, Prepare(folder, Workspace(options.workspace), options.worker_count, options.seed, tuple(hold_back or ())))
+    stage = prepare_stage(
+        folder, options.workspace, oracle=oracle or (), seed=options.seed, workers=options.workers, cluster=cluster
+    )
+    execute(options, stage)

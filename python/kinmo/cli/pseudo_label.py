@@ -1,4 +1,4 @@
-"""kinmo pseudo-label."""
+"""The command `kinmo pseudo-label`."""
 
 from __future__ import annotations
 
@@ -7,27 +7,25 @@ from typing import Annotated
 from typer import Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions, Method
+from kinmo.cli.options import Cluster, CommonOptions, MethodName
 
 
 def pseudo_label(
     options: CommonOptions,
-    category: Annotated[
-        str | None, Option(help="Only shapes of this category, however it is spelled.", show_default=False)
-    ] = None,
-    method: Annotated[Method, Option(help="Which method labels.")] = Method.KINMO,
+    category: Annotated[str | None, Option(help="Only shapes of this category, in any spelling.", show_default=False)] = None,
+    method: Annotated[MethodName, Option(help="Method that predicts the labels.")] = MethodName.KINMO,
     threshold: Annotated[
         float | None,
         Option(min=0.0, max=1.0, help="Score that every joint of a shape must exceed.", show_default="0.3; of paper 0.6"),
     ] = None,
+    cluster: Cluster = None,
 ) -> None:
-    """Give joints to the prepared shapes that have none.
+    """Predict joints for the unlabelled prepared shapes, and keep the certain ones as labels.
 
-    A shape whose joints all score above the threshold, and whose other parts surely rest, is written to pseudo/<id>/ in
-    PartNet-Mobility's own layout, so that whatever reads that reads it too. Copies of labelled shapes are left alone.
-    pseudo/acceptance.json says how many shapes and joints there are at which score, by category and type, and what was refused
-    and why. Labels of --method paper lie beside those of kinmo, in by-paper/. kinmo train all and kinmo table label anew by the
-    threshold of the configuration (refinement.chance; of paper refinement.threshold), whatever was said here.
+    A shape is accepted if all its joints score above the threshold and its other parts surely rest. It is written to
+    pseudo_labels/METHOD/ID/ in PartNet-Mobility's layout. Copies of labelled shapes are skipped. acceptance.json beside the
+    labels counts shapes and joints by score, category and type, and gives the reasons of refusals. kinmo train all and kinmo
+    table use the thresholds of the configuration (refinement.chance, and refinement.threshold for paper).
 
     For example:
 
@@ -37,5 +35,6 @@ def pseudo_label(
     from kinmo.dataset.workspace import Workspace
     from kinmo.pipeline.pseudo_label import PseudoLabel
 
-    workspace = Workspace(options.workspace, method=method.value)
-    execute(options, PseudoLabel(workspace, category, threshold, options.device, options.worker_count))
+    workspace = Workspace(options.workspace)
+    how = (options.device, options.worker_count, cluster)
+    execute(options, PseudoLabel(workspace, category, method.value, threshold, *how))

@@ -1,4 +1,4 @@
-"""kinmo render."""
+"""The command `kinmo render`."""
 
 from __future__ import annotations
 
@@ -8,33 +8,28 @@ from typing import Annotated
 from typer import Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions, Method
+from kinmo.cli.options import Cluster, CommonOptions, MethodName
 from kinmo.core.errors import InputError
 
 
 def render(
     options: CommonOptions,
     config: Annotated[str, Option("--config", "-c", help="small, paper, or a TOML file with a table scans.")] = "small",
-    category: Annotated[
-        str | None, Option(help="Only shapes of this category.", show_default="those of the paper that are there")
-    ] = None,
+    category: Annotated[str | None, Option(help="Only shapes of this category.", show_default="the paper's five")] = None,
     example: Annotated[
         Path | None,
-        Option(
-            help="Write a scan of a test object, which is made if there is none, to this .npz, to try kinmo predict on.",
-            show_default=False,
-        ),
+        Option(help="Write one test scan to this .npz file, to try kinmo predict on.", show_default=False),
     ] = None,
-    method: Annotated[Method, Option(help="Whose pseudo labels to go by.")] = Method.KINMO,
+    method: Annotated[MethodName, Option(help="Method whose pseudo labels are used.")] = MethodName.KINMO,
     unlabelled: Annotated[bool, Option("--unlabelled", help="Scan shapes without joints too, as they stand.")] = False,
+    cluster: Cluster = None,
 ) -> None:
     """Scan shapes with a virtual depth camera.
 
-    Every shape with joints, or with pseudo labels, is seen in many states from many sides; each frame is 1024 points with the
-    part that every one is of and where on it. What is too small to be seen goes with what it moves against, and frames that
-    show too little of a part are refused and counted. Shapes with other joints than most of those to train on are counted too,
-    and not scanned unless they are among these: no network would see them. Sensor noise, holes, crops and a floor can be asked
-    for in a TOML file.
+    Shapes with joints, or with pseudo labels, are scanned in many joint states from many views. Each frame has 1024 points with
+    their parts and their positions on them. Small parts count as one with the part that they move against. Frames that show too
+    little of a part are skipped and counted. Only shapes with the joints of most training shapes are scanned. A TOML file can
+    add sensor noise, holes, crops and a floor.
 
     For example:
 
@@ -44,14 +39,15 @@ def render(
     """
     from kinmo.dataset.workspace import Workspace
     from kinmo.pipeline.scans.example_scan import ExampleScan
-    from kinmo.pipeline.scans.render_scans import WITH_LABELS, Render
+    from kinmo.pipeline.scans.render_scans import WITH_LABELS, RenderScans
 
-    beside = (*WITH_LABELS, "unlabelled") if unlabelled else WITH_LABELS
-    workspace = Workspace(options.workspace, method=method.value)
-    rendering = Render(workspace, config, category, options.seed, options.worker_count, beside)
+    roles = (*WITH_LABELS, "unlabelled") if unlabelled else WITH_LABELS
+    workspace = Workspace(options.workspace)
+    how = (category, options.seed, options.worker_count, roles, method.value)
+    rendering = RenderScans(workspace, config, *how, cluster=cluster)
     if example is None:
         execute(options, rendering)
     elif category is None:
-        raise InputError("--example", "expected --category too, which it is to be of")
+        raise InputError("--example", "expected --category too: the category of the scan")
     else:
         execute(options, ExampleScan(workspace, category, example, rendering, options.seed))

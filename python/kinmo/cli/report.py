@@ -1,4 +1,4 @@
-"""kinmo report."""
+"""The command `kinmo report`."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from kinmo.cli.options import CommonOptions
 def report(options: CommonOptions) -> None:
     """Write one HTML page about the workspace.
 
-    What was run, the data, the tables beside the paper's, training curves, and pictures of right and wrong answers with their
-    axes. It shows whatever is there already, is one file, and needs no network.
+    The page shows right and wrong predictions with their axes, summaries of all tables, and folded details: all tables, the
+    data, pseudo labels, training curves and runs. It is one file that fetches nothing.
 
     For example:
 

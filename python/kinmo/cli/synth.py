@@ -1,4 +1,4 @@
-"""kinmo synth."""
+"""The command `kinmo synth`."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from kinmo.cli.execute import execute
 from kinmo.cli.options import CommonOptions
 from kinmo.core.errors import InputError
 
-MOST_SHAPES = 100_000
-"""`kinmo.synth.generate.MOST_SHAPES`, without importing it."""
+MAX_SHAPES = 100_000
+"""`kinmo.synth.generate.MAX_SHAPES`, without importing it."""
 
 
 class LayoutName(str, Enum):
-    """The layouts of `kinmo.synth`, without importing it."""
+    """Layouts that can be written, listed here so that help needs no heavy import."""
 
     PARTNET_MOBILITY = "partnet_mobility"
     PARTNET = "partnet"
@@ -28,24 +28,20 @@ def synth(
     options: CommonOptions,
     folder: Annotated[Path, Argument(help="Folder to write the shapes into.", show_default=False)],
     count: Annotated[
-        int, Option("--count", "-n", min=1, max=MOST_SHAPES, help="Shapes a family and layout; of DSG-Net's a third.")
+        int, Option("--count", "-n", min=1, max=MAX_SHAPES, help="Shapes per family and layout; a third of it for DSG-Net.")
     ] = 12,
     family: Annotated[
-        list[str] | None, Option(help="Only this family, such as laptop; may be repeated.", show_default=False)
+        list[str] | None, Option(help="Only this family, such as laptop. Repeatable.", show_default=False)
     ] = None,
-    layout: Annotated[
-        list[LayoutName] | None,
-        Option(help="Only this layout; may be repeated.", show_default=False),
-    ] = None,
-    held_back: Annotated[
-        bool,
-        Option("--held-back", help="Write PartNet's shapes with their joints too, into held_back/."),
+    layout: Annotated[list[LayoutName] | None, Option(help="Only this layout. Repeatable.", show_default=False)] = None,
+    oracle: Annotated[
+        bool, Option("--oracle", help="Write PartNet's shapes with their joints too, into the folder oracle.")
     ] = False,
 ) -> None:
-    """Write procedural shapes, for when there is no PartNet yet.
+    """Write procedural shapes, to try kinmo without PartNet.
 
     Furniture, appliances and tools with their joints, in the layouts of PartNet-Mobility (labelled), PartNet and DSG-Net
-    (unlabelled): the same files that real data comes in, their quirks included. The same seed gives the same files.
+    (unlabelled). The files are like the real ones, with their irregularities. The same seed gives the same files.
 
     For example:
 
@@ -55,6 +51,6 @@ def synth(
     from kinmo.synth.synth_stage import Synth
 
     layouts = tuple(name.value for name in layout or ())
-    if held_back and layouts and LayoutName.PARTNET.value not in layouts:
-        raise InputError("--held-back", "applies only to --layout partnet")
-    execute(options, Synth(folder, count, tuple(family or ()), layouts, None, held_back, options.seed, options.worker_count))
+    if oracle and layouts and LayoutName.PARTNET.value not in layouts:
+        raise InputError("--oracle", "applies only to --layout partnet")
+    execute(options, Synth(folder, count, tuple(family or ()), layouts, None, oracle, options.seed, options.worker_count))

@@ -10,14 +10,22 @@ from numpy.typing import NDArray
 from kinmo.core.vector import Vector
 
 CORNER_SIGNS: NDArray[np.float64] = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
-SAME_SIZE = 0.15
-"""Boxes whose sorted extents differ by less than this (in logarithms) are alike."""
-SMALLEST = 0.003
+"""Signs [8, 3] of the half extents at the corners of a box."""
+SIZE_TOLERANCE = 0.15
+"""Largest difference of the logarithms of sorted extents between boxes of similar size."""
+MIN_EXTENT = 0.003
+"""Length added to every half extent before sizes are compared, in diagonals of the shape."""
 
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """An oriented box: `center` [3], `axes` [3, 3] with unit rows (right-handed), `half_extents` [3] along them."""
+    """An oriented box.
+
+    Attributes:
+        center: [3].
+        axes: [3, 3], orthonormal rows that form a right-handed frame.
+        half_extents: [3], half of the box's length along each axis.
+    """
 
     center: Vector
     axes: NDArray[np.float64]
@@ -32,11 +40,16 @@ class Box:
         return float(8.0 * np.prod(self.half_extents))
 
 
-def are_alike(half_extents: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which of the boxes with half extents `others` [..., 3] are as large as one with `half_extents` [3], in diagonals.
+def have_similar_size(half_extents: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Compare the size of one box with the sizes of others, whatever the order of their axes and their positions.
 
-    Order and place do not matter; what is smaller than SMALLEST counts as that.
+    Args:
+        half_extents: [3], in diagonals of the shape.
+        others: [..., 3], in diagonals of the shape.
+
+    Returns:
+        [...], True for every box whose sorted extents match within `SIZE_TOLERANCE`.
     """
-    here, there = np.sort(half_extents)[::-1] + SMALLEST, np.sort(others, axis=-1)[..., ::-1] + SMALLEST
-    alike: NDArray[np.bool_] = np.asarray((np.abs(np.log(there / here)) < SAME_SIZE).all(axis=-1))
-    return alike
+    here, there = np.sort(half_extents)[::-1] + MIN_EXTENT, np.sort(others, axis=-1)[..., ::-1] + MIN_EXTENT
+    similar: NDArray[np.bool_] = np.asarray((np.abs(np.log(there / here)) < SIZE_TOLERANCE).all(axis=-1))
+    return similar

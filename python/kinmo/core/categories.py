@@ -1,9 +1,8 @@
-"""Names of object categories, whatever their spelling.
+"""One spelling for the names of object categories.
 
-PartNet-Mobility writes `StorageFurniture` and `Door`, PartNet's trees `storage_furniture` and `door_set`, the paper's tables a
-mixture of both. `canonical_category` brings them to the first spelling, and a category that it does not know to that of
-PartNet's trees: lower case, words joined by underscores. Every category is the name of a folder sooner or later, and is fit
-for one.
+PartNet-Mobility writes `StorageFurniture` and `Door`. PartNet's hierarchies write `storage_furniture` and `door_set`. The
+tables of the paper mix both. `canonical_category` converts every spelling of a known category to that of PartNet-Mobility.
+Unknown categories are written in lower case with underscores, as in PartNet. The result is a valid folder name.
 """
 
 from __future__ import annotations
@@ -19,20 +18,20 @@ _KNOWN = (
     "Suitcase", "Switch", "Table", "Toaster", "Toilet", "TrashCan", "USB", "Vase", "WashingMachine", "Window"
 )  # fmt: skip
 _PROCEDURAL = ("Clamp", "Mechanism", "Vice")
-"""Of procedural shapes alone (`kinmo.synth`)."""
+"""Categories that only procedural shapes have (`kinmo.synth`)."""
 _ALIASES = {"doorset": "Door", "cuttinginstrument": "Knife", "garbagecan": "TrashCan", "monitor": "Display"}
-_OF_WORDS = "LMN"
-"""Letters, the marks on them, and digits."""
-_NEXT_WORD = re.compile(r"(?<=[^\W\d_])(?=[A-Z][a-z])|(?<=[a-z])(?=[A-Z])")
-LONGEST = 80
-"""Bytes of an unknown category that are kept, in UTF-8."""
+_WORD_CHARACTERS = "LMN"
+"""Unicode classes that belong to words: letters, marks and digits."""
+_WORD_START = re.compile(r"(?<=[^\W\d_])(?=[A-Z][a-z])|(?<=[a-z])(?=[A-Z])")
+MAX_CATEGORY_BYTES = 80
+"""Longest name of an unknown category, in bytes of UTF-8."""
 
 
 def _words(name: str) -> list[str]:
-    """In lower case; `GardenGnome`, `garden_gnome` and `garden gnome` have the same."""
-    apart = _NEXT_WORD.sub(" ", unicodedata.normalize("NFKC", name)).lower()
+    """Lower-case words of a name: `GardenGnome`, `garden_gnome` and `garden gnome` give the same."""
+    apart = _WORD_START.sub(" ", unicodedata.normalize("NFKC", name)).lower()
     apart = unicodedata.normalize("NFKC", apart)
-    return "".join(letter if unicodedata.category(letter)[0] in _OF_WORDS else " " for letter in apart).split()
+    return "".join(letter if unicodedata.category(letter)[0] in _WORD_CHARACTERS else " " for letter in apart).split()
 
 
 def _key(name: str) -> str:
@@ -43,15 +42,24 @@ _SPELLING = {_key(name): name for name in (*_KNOWN, *_PROCEDURAL)} | _ALIASES
 
 
 def canonical_category(name: str) -> str:
-    """The one spelling of a category: `door_set` and `Door` give `Door`, `GardenGnome`, which is not known, `garden_gnome`.
+    """The one spelling of a category that kinmo uses.
 
-    What has no letter and no digit is a dash.
+    Args:
+        name: the category in any spelling.
+
+    Returns:
+        The spelling of PartNet-Mobility for a known category, else lower-case words joined by underscores. A name without
+        letters and digits gives a dash.
+
+    Example:
+        >>> canonical_category("door_set"), canonical_category("GardenGnome")
+        ('Door', 'garden_gnome')
     """
     words = _words(name)
-    own = "_".join(words).encode()[:LONGEST].decode(errors="ignore").rstrip("_")
+    own = "_".join(words).encode()[:MAX_CATEGORY_BYTES].decode(errors="ignore").rstrip("_")
     return _SPELLING.get("".join(words)) or own or "-"
 
 
 def same_category(one: str, other: str) -> bool:
-    """Whether two spellings mean the same category."""
+    """True if two spellings mean the same category."""
     return canonical_category(one) == canonical_category(other)

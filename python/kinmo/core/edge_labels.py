@@ -1,8 +1,9 @@
-"""What the edges of a hierarchy should say, from an annotated mobility (paper, section 3.1).
+"""True labels of the edges between sibling parts, from an annotated mobility (paper, section 3.1).
 
-A part moves as its *carrier*: the body that the whole part goes along with. An edge i -> j then says how i moves against j: by
-the joint of i's carrier if j's carrier is the body that the joint is attached to, FIXED if both have the same carrier, NONE
-otherwise. Stated so, a label depends on the tree alone, and never on the order in which a file lists children.
+Every part has a *carrier*: the body that the whole part moves along with. The edge i -> j describes the motion of part i
+relative to part j. Its label is the motion type of the joint of i's carrier if that joint is attached to j's carrier. The label
+is FIXED if both parts have the same carrier, else NONE. It depends on the hierarchy alone, not on the order of children in a
+file.
 """
 
 from __future__ import annotations
@@ -13,32 +14,26 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.box import Box
-from kinmo.core.joint import Joint, JointKind, MotionType
 from kinmo.core.mobility import Mobility
+from kinmo.core.motion_types import MotionType
 from kinmo.core.shape import Shape
-from kinmo.core.vector import Vector
 
 
-def distance_to_line(points: NDArray[np.float64], pivot: Vector, direction: Vector) -> NDArray[np.float64]:
-    """Distance [N] of points [N, 3] from the line through `pivot` along the unit vector `direction`."""
-    offsets = points - pivot
-    along = offsets @ direction
-    squared: NDArray[np.float64] = np.sum(offsets * offsets, axis=-1) - along * along
-    return np.sqrt(np.maximum(squared, 0.0))
+@dataclass(frozen=True, eq=False)
+class EdgeLabels:
+    """The labels of E edges, in the frame and the length unit of the shape.
 
-
-def motion_type(joint: Joint, box: Box, up: Vector) -> MotionType:
-    """The fine motion type of `joint` for a moving part with the oriented box `box`, all in one frame.
-
-    H or V by the angle to `up`; C if the box's centre is nearer to the axis than every corner is, S otherwise.
+    Attributes:
+        types: [E] int64, values of `MotionType`.
+        bodies: [E] int64, index of the moving body, or -1 for an edge without motion.
+        directions: [E, 3] float64, unit axis directions, or zero for an edge without motion.
+        pivots: [E, 3] float64, points of the axes, or zero for an edge without motion.
     """
-    orientation = "V" if joint.is_vertical(up) else "H"
-    if joint.kind is not JointKind.REVOLUTE:
-        return MotionType[f"{joint.kind.value}_{orientation}"]
-    places = np.vstack([box.corners(), box.center])
-    nearest = int(np.argmin(distance_to_line(places, joint.pivot, joint.direction)))
-    return MotionType[f"R_{orientation}_{'C' if nearest == 8 else 'S'}"]
+
+    types: NDArray[np.int64]
+    bodies: NDArray[np.int64]
+    directions: NDArray[np.float64]
+    pivots: NDArray[np.float64]
 
 
 def sibling_edges(shape: Shape) -> NDArray[np.int64]:
@@ -48,40 +43,45 @@ def sibling_edges(shape: Shape) -> NDArray[np.int64]:
 
 
 def carriers_of(leaf_sets: Sequence[Sequence[int]], mobility: Mobility) -> tuple[int | None, ...]:
-    """For every set of leaves, the index of the body it goes along with; None if it spans bodies that do not hang together."""
+    """The body that each set of leaves moves along with.
+
+    Args:
+        leaf_sets: sets of leaves, such as the leaves below each part.
+        mobility: the bodies.
+
+    Returns:
+        For each set the index of the topmost body that owns one of its leaves, if all its other leaves move along with that
+        body. Otherwise None.
+    """
     body_of = {leaf: index for index, body in enumerate(mobility.bodies) for leaf in body.leaves}
-    along = [set(mobility.descendants(index)) for index in range(len(mobility.bodies))]
+    moved_along = [set(mobility.descendants(index)) for index in range(len(mobility.bodies))]
 
     def carrier(leaves: Sequence[int]) -> int | None:
         present = {body_of[leaf] for leaf in leaves}
-        return next((body for body in sorted(present) if present <= along[body]), None)
+        return next((body for body in sorted(present) if present <= moved_along[body]), None)
 
     return tuple(carrier(leaves) for leaves in leaf_sets)
 
 
-@dataclass(frozen=True, eq=False)
-class EdgeLabels:
-    """One label an edge.
-
-    `types` [E] int64 (MotionType), `bodies` [E] int64 (the moving body of a motion edge, else -1), `directions` and `pivots`
-    [E, 3] float64 in the frame and lengths of the shape (zero where there is no motion).
-    """
-
-    types: NDArray[np.int64]
-    bodies: NDArray[np.int64]
-    directions: NDArray[np.float64]
-    pivots: NDArray[np.float64]
-
-
 def label_edges(shape: Shape, mobility: Mobility, edges: NDArray[np.int64], body_types: dict[int, MotionType]) -> EdgeLabels:
-    """Labels of `edges` [E, 2]; `body_types` holds the motion type of every movable body (`motion_type`)."""
-    carried_by = carriers_of(shape.leaves_below, mobility)
+    """Label edges between parts by the joints of a mobility.
+
+    Args:
+        shape: the part hierarchy.
+        mobility: the true bodies and joints.
+        edges: [E, 2] indices into `shape.parts`: the moving part and the reference part.
+        body_types: motion type of every movable body, by index of the body (see `motion_type`).
+
+    Returns:
+        One label per edge.
+    """
+    carriers = carriers_of(shape.leaves_below, mobility)
     count = len(edges)
     labels = EdgeLabels(
         np.full(count, MotionType.NONE, np.int64), np.full(count, -1, np.int64), np.zeros((count, 3)), np.zeros((count, 3))
     )
     for edge, (moving, reference) in enumerate(edges.tolist()):
-        carrier, other = carried_by[moving], carried_by[reference]
+        carrier, other = carriers[moving], carriers[reference]
         if carrier is None or other is None:
             continue
         body = mobility.bodies[carrier]

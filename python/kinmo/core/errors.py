@@ -1,4 +1,4 @@
-"""Errors that are told in one line."""
+"""Errors that the command line prints in one line."""
 
 from __future__ import annotations
 
@@ -9,7 +9,13 @@ from pathlib import Path
 
 
 class KinmoError(Exception):
-    """What keeps a command from being done, in one line that names where. The command line prints it and exits with 1."""
+    """A command cannot do its work. The command line prints the message in one line and exits with 1.
+
+    Args:
+        where: the file, folder or option that the problem is about.
+        problem: what is wrong, what was expected, and what to do.
+        field: the field of the file, if the problem is about one.
+    """
 
     def __init__(self, where: Path | str, problem: str, field: str | None = None) -> None:
         self.where = str(where).encode("utf-8", "backslashreplace").decode("utf-8")
@@ -19,15 +25,23 @@ class KinmoError(Exception):
         super().__init__(" ".join(f"{place}: {problem}".split()))
 
     def __reduce__(self) -> tuple[type[KinmoError], tuple[str, str, str | None]]:
-        return type(self), (self.where, self.problem, self.field)  # it comes out of worker processes
+        return type(self), (self.where, self.problem, self.field)  # lets worker processes return the error
 
 
 class InputError(KinmoError, ValueError):
-    """A file or value given by the user that cannot be used: its text names the file, the field, and what was expected."""
+    """A file or value of the user cannot be used. The message names the file, the field, and what was expected."""
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """What to put after a name that is not among the `known` ones: the nearest of them as a question, if one is near."""
+    """A suggestion to append to a message about an unknown name.
+
+    Args:
+        name: the unknown name.
+        known: all names that are known.
+
+    Returns:
+        `" (did you mean x?)"` with the most similar known name, or an empty text if none is similar.
+    """
     spelled = {each.lower(): each for each in known}
     near = get_close_matches(name.lower(), spelled, n=1)
     return f" (did you mean {spelled[near[0]]}?)" if near else ""
@@ -35,7 +49,15 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 @contextmanager
 def expecting(what: str, where: Path | str) -> Iterator[None]:
-    """Turns what goes wrong with data of another form than `what`, read from `where`, into an InputError."""
+    """Convert errors about the form of data into an InputError.
+
+    Args:
+        what: the expected form, for the message.
+        where: the file that the data come from.
+
+    Raises:
+        InputError: the block raised ValueError, TypeError, KeyError, IndexError or AttributeError.
+    """
     try:
         yield
     except InputError:

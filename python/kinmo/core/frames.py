@@ -1,4 +1,4 @@
-"""Which way is up: from a shape's own frame to the z-up frame of robotics, and to the y-up frame of what kinmo learns from."""
+"""Coordinate frames: from a shape's own frame to the z-up frame of robotics, and to the y-up frame that models see."""
 
 from __future__ import annotations
 
@@ -11,34 +11,70 @@ from scipy.spatial.transform import Rotation
 from kinmo.core.vector import Vector
 
 Y_UP_TO_Z_UP: NDArray[np.float64] = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-"""x, y, z of PartNet-Mobility's object files to its own URDFs: up is z, the front (+z) is -x."""
+"""Rotation from PartNet-Mobility's OBJ files (y up, front at +z) to its URDF files (z up, front at -x)."""
 
 Up = Literal["y", "z"]
-"""Which axis of a shape's own frame points up; its front is then at +z or at -y."""
+"""The up axis of a shape's own frame. The front is at +z for "y" and at -y for "z"."""
 TO_Y_UP: dict[Up, NDArray[np.float64]] = {
     "y": np.eye(3),
     "z": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
 }
-"""Rotations [3, 3] to a frame with y up and the front at +z."""
+"""Rotations [3, 3] from a shape's own frame to the frame with y up and the front at +z."""
+UP_VECTORS: dict[Up, tuple[float, float, float]] = {"y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+"""Unit vectors that point up, by the name of the axis."""
+
+
+def y_up_rotation(up: Vector) -> NDArray[np.float64]:
+    """Rotation from a frame with a given up direction to the y-up frame that models see.
+
+    A y-up shape stays as it is. A z-up shape is rotated so that its front at -y comes to +z. Any other `up` is rotated to y by
+    the smallest angle.
+
+    Args:
+        up: [3], unit vector in the frame of the shape.
+
+    Returns:
+        Rotation matrix [3, 3].
+    """
+    for axis, vector in UP_VECTORS.items():
+        if np.allclose(up, vector, atol=1e-9):
+            return TO_Y_UP[axis]
+    return _shortest_rotation(np.asarray(up, float), np.array([0.0, 1.0, 0.0]))
 
 
 def z_up_rotation(up: Vector) -> NDArray[np.float64]:
-    """Rotation [3, 3] from a frame in which the unit vector `up` [3] points up to one where z does.
+    """Rotation from a frame with a given up direction to the z-up frame of exports.
 
-    y-up shapes go where PartNet-Mobility's own URDFs have them, z-up shapes stay as they are, any other `up` is turned into y
-    first, the short way.
+    A y-up shape is rotated as in PartNet-Mobility's own URDF files. A z-up shape stays as it is. Any other `up` is first
+    rotated to y by the smallest angle.
+
+    Args:
+        up: [3], unit vector in the frame of the shape.
+
+    Returns:
+        Rotation matrix [3, 3].
     """
-    y_up, z_up = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
-    if np.allclose(up, z_up, atol=1e-9):
+    if np.allclose(up, UP_VECTORS["z"], atol=1e-9):
         return np.eye(3)
-    axis = np.cross(up, y_up)
-    sine, cosine = float(np.linalg.norm(axis)), float(np.dot(up, y_up))
+    return np.asarray(Y_UP_TO_Z_UP @ _shortest_rotation(np.asarray(up, float), np.array([0.0, 1.0, 0.0])))
+
+
+def _shortest_rotation(start: Vector, end: Vector) -> NDArray[np.float64]:
+    """Rotation [3, 3] of the unit vector `start` to the y axis `end` by the smallest angle; a half turn is about x."""
+    axis = np.cross(start, end)
+    sine, cosine = float(np.linalg.norm(axis)), float(np.dot(start, end))
     if sine < 1e-9:
-        return Y_UP_TO_Z_UP @ np.diag([1.0, np.sign(cosine), np.sign(cosine)])
-    turn = Rotation.from_rotvec(axis / sine * np.arctan2(sine, cosine)).as_matrix()
-    return np.asarray(Y_UP_TO_Z_UP @ turn)
+        return np.diag([1.0, np.sign(cosine), np.sign(cosine)])
+    return np.asarray(Rotation.from_rotvec(axis / sine * np.arctan2(sine, cosine)).as_matrix())
 
 
 def roll_pitch_yaw(rotation: NDArray[np.float64]) -> Vector:
-    """Angles [3] (radians) about the fixed axes x, y, z, as URDF writes a rotation."""
+    """Angles about the fixed axes x, y, z, as URDF writes a rotation.
+
+    Args:
+        rotation: rotation matrix [3, 3].
+
+    Returns:
+        Roll, pitch and yaw [3] in radians.
+    """
     return np.asarray(Rotation.from_matrix(rotation).as_euler("xyz"))

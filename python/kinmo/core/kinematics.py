@@ -16,7 +16,7 @@ Pose = NDArray[np.float64]
 
 
 def rotation_about(joint: Joint, angle: float) -> Pose:
-    """Rotation by `angle` (radians) about the joint's axis line."""
+    """Rotation [4, 4] by `angle` (radians) about the axis of the joint."""
     pose = np.eye(4)
     pose[:3, :3] = Rotation.from_rotvec(angle * joint.direction).as_matrix()
     pose[:3, 3] = joint.pivot - pose[:3, :3] @ joint.pivot
@@ -24,40 +24,50 @@ def rotation_about(joint: Joint, angle: float) -> Pose:
 
 
 def translation_along(joint: Joint, distance: float) -> Pose:
-    """Translation by `distance` along the joint's direction."""
+    """Translation [4, 4] by `distance` along the direction of the joint."""
     pose = np.eye(4)
     pose[:3, 3] = distance * joint.direction
     return pose
 
 
-def joint_motion(joint: Joint, value: float, turn: float = 0.0) -> Pose:
-    """How the joint moves its body from the pose of the file to the value `value`.
+def joint_motion(joint: Joint, value: float, screw_angle: float = 0.0) -> Pose:
+    """Motion of a joint from the pose of the file to a joint value.
 
-    `value` is an angle (REVOLUTE) or a length (PRISMATIC, SCREW), and the file shows the body at `joint.rest`. `turn` is the
-    angle of a SCREW, which turns freely while it slides; other kinds have no use for it.
+    Args:
+        joint: the joint. The file shows its body at `joint.rest`.
+        value: the joint value, an angle in radians (REVOLUTE) or a length (PRISMATIC, SCREW).
+        screw_angle: rotation of a SCREW in radians, which is independent of its translation. Other kinds ignore it.
+
+    Returns:
+        Rigid transform [4, 4] in the frame of the joint.
     """
     if joint.kind is JointKind.REVOLUTE:
         return rotation_about(joint, value - joint.rest)
     slide = translation_along(joint, value - joint.rest)
-    return slide @ rotation_about(joint, turn) if joint.kind is JointKind.SCREW else slide
+    return slide @ rotation_about(joint, screw_angle) if joint.kind is JointKind.SCREW else slide
 
 
-def forward(mobility: Mobility, values: Mapping[int, float], turns: Mapping[int, float] | None = None) -> Pose:
-    """Poses [B, 4, 4] that take every body from the pose of the file to the given joint values, in the frame of the shape.
+def forward(mobility: Mobility, values: Mapping[int, float], screw_angles: Mapping[int, float] | None = None) -> Pose:
+    """Poses of all bodies at given joint values. Every body moves along with its parent.
 
-    `values` and `turns` are by index of the body, as in `joint_motion`; a joint without a value rests. A body moves along with
-    its parent.
+    Args:
+        mobility: B bodies.
+        values: joint values by index of the body (see `joint_motion`). A joint without a value stays at rest.
+        screw_angles: rotations of screws in radians, by index of the body.
+
+    Returns:
+        Rigid transforms [B, 4, 4] from the pose of the file, in the frame of the shape.
     """
-    angles = turns or {}
+    angles = screw_angles or {}
     poses: dict[int, Pose] = {}
 
     def pose_of(index: int) -> Pose:
         if index not in poses:
             body = mobility.bodies[index]
-            above = np.eye(4) if body.parent is None else pose_of(body.parent)
+            pose = np.eye(4) if body.parent is None else pose_of(body.parent)
             if body.joint is not None:
-                above = above @ joint_motion(body.joint, values.get(index, body.joint.rest), angles.get(index, 0.0))
-            poses[index] = above
+                pose = pose @ joint_motion(body.joint, values.get(index, body.joint.rest), angles.get(index, 0.0))
+            poses[index] = pose
         return poses[index]
 
     return np.array([pose_of(index) for index in range(len(mobility.bodies))]).reshape(-1, 4, 4)

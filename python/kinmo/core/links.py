@@ -1,4 +1,4 @@
-"""The links of a robot: bodies that are fastened to each other are one."""
+"""Robot links: bodies that are fixed to each other form one link."""
 
 from __future__ import annotations
 
@@ -9,13 +9,20 @@ from kinmo.core.mobility import Mobility
 from kinmo.core.names import unique_names
 
 BASE = "base"
+"""Name of the root link."""
 
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A rigid piece of the robot. `body` is the body whose joint moves it (None for the base), `bodies` all that it is made of.
+    """A rigid link of a robot.
 
-    `parent` is the index of the link that `joint` is attached to; both are None for the base, which comes first.
+    Attributes:
+        name: unique name of the link.
+        body: index of the body whose joint moves the link. None for the base.
+        bodies: indices of all bodies that form the link.
+        leaves: indices of all leaf parts that form the link.
+        parent: index of the link that `joint` is attached to. None for the base.
+        joint: the joint to the parent link. None for the base.
     """
 
     name: str
@@ -27,38 +34,36 @@ class Link:
 
 
 def links_of(mobility: Mobility) -> tuple[Link, ...]:
-    """The links of a mobility tree, every link after its parent.
+    """The links of a mobility as one tree.
 
-    The base takes all bodies that stand on their own, and every link the bodies that are fastened to it, so that the links form
-    one tree whatever the number of roots. A mobility without a root body gets an empty base.
+    The base holds all root bodies. It is empty if there is none. Every link also holds the bodies that are fixed to it.
+
+    Args:
+        mobility: bodies with any number of roots.
+
+    Returns:
+        The links, the base first and every link after its parent.
     """
     bodies = mobility.bodies
 
-    def owner(index: int) -> int | None:
-        """The movable body that `index` goes along with; None for the base."""
-        node: int | None = index
-        while node is not None and bodies[node].joint is None:
-            node = bodies[node].parent
-        return node
+    def mover(index: int | None) -> int | None:
+        """The body whose joint moves body `index`. None if the base holds it."""
+        while index is not None and bodies[index].joint is None:
+            index = bodies[index].parent
+        return index
 
-    owners = [owner(index) for index in range(len(bodies))]
+    movers = [mover(index) for index in range(len(bodies))]
     order: list[int | None] = [None]
     for above in order:
-        order += [i for i, body in enumerate(bodies) if body.joint is not None and _owner_above(owners, body.parent) == above]
+        order += [i for i, body in enumerate(bodies) if body.joint is not None and mover(body.parent) == above]
     place = {body: index for index, body in enumerate(order)}
     names = unique_names(BASE if body is None else bodies[body].name for body in order)
     links = []
     for name, body in zip(names, order, strict=True):
-        members = tuple(i for i, owning in enumerate(owners) if owning == body)
+        members = tuple(i for i, found in enumerate(movers) if found == body)
         leaves = tuple(sorted(leaf for i in members for leaf in bodies[i].leaves))
         if body is None:
             links.append(Link(name, None, members, leaves))
         else:
-            links.append(
-                Link(name, body, members, leaves, place[_owner_above(owners, bodies[body].parent)], bodies[body].joint)
-            )
+            links.append(Link(name, body, members, leaves, place[mover(bodies[body].parent)], bodies[body].joint))
     return tuple(links)
-
-
-def _owner_above(owners: list[int | None], parent: int | None) -> int | None:
-    return None if parent is None else owners[parent]

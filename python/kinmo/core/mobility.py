@@ -1,4 +1,4 @@
-"""Which parts of a shape form rigid bodies, and how the bodies move against each other."""
+"""The mobility tree of a shape: its rigid bodies and the joints between them."""
 
 from __future__ import annotations
 
@@ -13,10 +13,14 @@ from kinmo.core.joint import Joint
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Leaves that move as one. `leaves` are indices into `Shape.parts`.
+    """A rigid body: leaf parts that move as one.
 
-    `parent` is the index of the body that `joint` moves this one against; None for a body that stands on its own. A body with a
-    parent and no joint is fastened to it. `id` and `name` are those of the source.
+    Attributes:
+        id: number of the body in its source.
+        name: name of the body in its source.
+        leaves: indices into `Shape.parts`.
+        parent: index of the body that this one is attached to. None for a root.
+        joint: the joint to the parent. A body with a parent and no joint is fixed to it.
     """
 
     id: int
@@ -32,26 +36,33 @@ class Body:
 
 @dataclass(frozen=True, eq=False)
 class Mobility:
-    """The mobility tree of a shape: every leaf belongs to exactly one body, and parents form no cycle.
+    """The mobility tree of a shape. Every leaf belongs to exactly one body, and parents form no cycle.
 
-    `junk` are leaves that the annotation marks as not belonging to the object (they belong to bodies too).
+    Attributes:
+        bodies: the bodies, in any order. There may be several roots.
+        junk: leaves that the annotation marks as not belonging to the object. They belong to bodies too.
     """
 
     bodies: tuple[Body, ...]
     junk: frozenset[int] = frozenset()
 
     def movable(self) -> Iterator[tuple[int, Body]]:
-        """Index and body of everything that has a joint."""
+        """Index and body of every body that has a joint."""
         return ((i, body) for i, body in enumerate(self.bodies) if body.is_movable)
 
     def with_joints(self, change: Callable[[Joint], Joint]) -> Mobility:
-        """The same bodies, their joints changed."""
+        """The same bodies with changed joints."""
         bodies = (replace(body, joint=None if body.joint is None else change(body.joint)) for body in self.bodies)
         return replace(self, bodies=tuple(bodies))
 
-    def turned(self, rotation: NDArray[np.float64]) -> Mobility:
-        """The same bodies and joints in a frame to which `rotation` [3, 3] takes this one's."""
-        return self.with_joints(lambda joint: joint.turned(rotation))
+    def rotated(self, rotation: NDArray[np.float64]) -> Mobility:
+        """The mobility in a frame that `rotation` [3, 3] rotates the present frame to."""
+        return self.with_joints(lambda joint: joint.rotated(rotation))
+
+    def is_junk(self, index: int) -> bool:
+        """True if body `index` has leaves and all of them are junk."""
+        leaves = self.bodies[index].leaves
+        return bool(leaves) and self.junk >= set(leaves)
 
     def descendants(self, index: int) -> tuple[int, ...]:
         """Indices of the bodies that move along with body `index`, itself first."""
@@ -59,15 +70,23 @@ class Mobility:
 
 
 def descendants(parents: Sequence[int | None], index: int) -> tuple[int, ...]:
-    """Indices below `index` in a forest given by `parents`, `index` first, breadth first."""
+    """All nodes at or below a node of a forest.
+
+    Args:
+        parents: the parent of each node, None for roots.
+        index: the node.
+
+    Returns:
+        Indices in breadth-first order, `index` first.
+    """
     found = [index]
     for node in found:
         found += [i for i, parent in enumerate(parents) if parent == node]
     return tuple(found)
 
 
-def upwards(parents: Mapping[int, int], index: int) -> Iterator[int]:
-    """`index`, what it is attached to by `parents`, and so on."""
+def path_to_root(parents: Mapping[int, int], index: int) -> Iterator[int]:
+    """`index`, its parent, the parent's parent and so on. `parents` has no entry for roots."""
     node: int | None = index
     while node is not None:
         yield node
@@ -75,7 +94,7 @@ def upwards(parents: Mapping[int, int], index: int) -> Iterator[int]:
 
 
 def has_cycle(parents: Sequence[int | None]) -> bool:
-    """Whether following parents ever comes back."""
+    """True if a node is its own ancestor. `parents` holds the parent of each node, None for roots."""
     state = [0] * len(parents)
     for start in range(len(parents)):
         path = []

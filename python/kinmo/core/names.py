@@ -8,23 +8,50 @@ from urllib.parse import quote
 
 from kinmo.core.digest import digest
 
-LONGEST_NAME = 150
-"""Bytes of a name on disk: what comes before and after it has room in the 255 that there are."""
+MAX_NAME_BYTES = 150
+"""Longest name on disk, in bytes of UTF-8. File systems allow 255: prefixes and endings need some of them."""
 
 
 def name_on_disk(text: str) -> str:
-    """A name for a file or folder, without ending, with nothing in it that a file system minds: another one for other text."""
+    """A valid name for a file or folder, without ending. Different texts give different names.
+
+    Args:
+        text: any text, such as the id of a shape.
+
+    Returns:
+        The text, percent-encoded and cut to `MAX_NAME_BYTES`.
+    """
     return short_name(quote(text, safe=" "), text)
 
 
 def short_name(name: str, text: str) -> str:
-    """`name`, for a file or folder, which stands for `text`: if it is too long it is cut, and told from others by a hash."""
+    """Shorten a name for a file or folder to `MAX_NAME_BYTES`.
+
+    Args:
+        name: the name.
+        text: the full text that the name stands for. Its hash keeps shortened names apart.
+
+    Returns:
+        `name` if it is short enough, else its beginning followed by `~` and the hash.
+    """
     encoded = name.encode()
-    return name if len(encoded) <= LONGEST_NAME else f"{encoded[:LONGEST_NAME].decode(errors='ignore')}~{digest(text)}"
+    return name if len(encoded) <= MAX_NAME_BYTES else f"{encoded[:MAX_NAME_BYTES].decode(errors='ignore')}~{digest(text)}"
 
 
 def unique_names(names: Iterable[str], fallback: str = "part") -> list[str]:
-    """Names of letters, digits, - and _ only, all different whatever their case; a repeated name gets a number."""
+    """Convert names to unique identifiers of letters, digits, `-` and `_`.
+
+    Args:
+        names: any texts.
+        fallback: the name for texts without a valid character.
+
+    Returns:
+        One name for each text, all different even if case is ignored. A repeated name gets a number.
+
+    Example:
+        >>> unique_names(["top door", "top/door", ""])
+        ['top_door', 'top_door_2', 'part']
+    """
     taken: set[str] = set()
     result = []
     for name in names:

@@ -1,4 +1,4 @@
-"""From a shape's own frame and lengths to the normalised frame, in which models see it."""
+"""The normalised frame that models see: a shape centred on its bounding box and divided by its diagonal."""
 
 from __future__ import annotations
 
@@ -16,55 +16,64 @@ from kinmo.core.shape import Mesh, Shape, bounds_of
 from kinmo.core.vector import Vector
 
 _HASH_STEPS = 1e5
+"""Resolution of `geometry_hash`, in steps per diagonal."""
 _HASH_RANGE = 1 << 18
+"""Number of steps that `geometry_hash` can tell apart along each axis."""
 
 
 @dataclass(frozen=True, eq=False)
 class Normalisation:
-    """normalised = (file - `center`) / `diagonal`: the file's axes, no turn."""
+    """The map from a shape's own frame to the normalised frame: normalised = (own - `center`) / `diagonal`, without rotation.
+
+    Attributes:
+        center: [3], centre of the axis-aligned bounding box.
+        diagonal: diagonal of that box.
+    """
 
     center: Vector
     diagonal: float
 
     @classmethod
     def of(cls, shape: Shape) -> Normalisation:
-        """Centre and diagonal of the shape's axis-aligned box."""
+        """The normalisation of a shape, from its axis-aligned bounding box."""
         return cls(shape.center, shape.diagonal)
 
     @classmethod
     def about(cls, meshes: Iterable[Mesh]) -> Normalisation:
-        """Centre and diagonal of the axis-aligned box of some meshes."""
+        """The normalisation by the axis-aligned bounding box of some meshes."""
         low, high = bounds_of(meshes)
         return cls(0.5 * (low + high), float(np.linalg.norm(high - low)))
 
     def points(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Points [..., 3] of the file's frame in the normalised one."""
+        """Normalise points [..., 3]."""
         return (points - self.center) / self.diagonal
 
     def mesh(self, mesh: Mesh) -> Mesh:
+        """Normalise a mesh."""
         return Mesh(self.points(mesh.vertices), mesh.faces)
 
     def joint(self, joint: Joint) -> Joint:
+        """Normalise a joint: its pivot, and its range if that is in lengths."""
         return _rescaled(joint, self.points(joint.pivot), 1.0 / self.diagonal)
 
     def mobility(self, mobility: Mobility) -> Mobility:
-        """The same bodies and joints in the normalised frame."""
+        """Normalise all joints of a mobility."""
         return mobility.with_joints(self.joint)
 
-    def undo(self, mobility: Mobility) -> Mobility:
-        """Bodies and joints of the normalised frame in the file's."""
-        return mobility.with_joints(self.undo_joint)
-
-    def undo_joint(self, joint: Joint) -> Joint:
-        """A joint of the normalised frame in the file's."""
-        return _rescaled(joint, joint.pivot * self.diagonal + self.center, self.diagonal)
-
     def estimate(self, estimate: JointEstimate) -> JointEstimate:
-        """An estimate of the file's frame in the normalised one."""
+        """Normalise the joint of an estimate."""
         return estimate if estimate.joint is None else replace(estimate, joint=self.joint(estimate.joint))
 
+    def undo_joint(self, joint: Joint) -> Joint:
+        """A normalised joint in the shape's own frame."""
+        return _rescaled(joint, joint.pivot * self.diagonal + self.center, self.diagonal)
+
+    def undo_mobility(self, mobility: Mobility) -> Mobility:
+        """A normalised mobility in the shape's own frame."""
+        return mobility.with_joints(self.undo_joint)
+
     def undo_estimate(self, estimate: JointEstimate) -> JointEstimate:
-        """An estimate of the normalised frame in the file's."""
+        """A normalised estimate in the shape's own frame."""
         return estimate if estimate.joint is None else replace(estimate, joint=self.undo_joint(estimate.joint))
 
 
@@ -77,13 +86,19 @@ def _rescaled(joint: Joint, pivot: Vector, scale: float) -> Joint:
 
 
 def geometry_hash(meshes: Iterable[Mesh]) -> str:
-    """A hash of a shape's surface, given as meshes in the normalised frame.
+    """Hash of a shape's surface, to recognise copies of a shape.
 
-    It is that of the set of vertices to 1e-5 diagonals: copies of a shape that differ in place, size, segmentation, or the
-    order of parts, vertices and faces have the same, but for what rounding takes to the next step.
+    The hash covers the set of used vertices, rounded to 1e-5 diagonals. It does not depend on position, size, segmentation, or
+    the order of parts, vertices and faces. Rounding errors at the border between two steps change it.
+
+    Args:
+        meshes: all parts of the shape, in the normalised frame.
+
+    Returns:
+        32 hexadecimal digits.
     """
     vertices = np.concatenate([mesh.corners for mesh in meshes])
     steps = np.round(vertices * _HASH_STEPS).astype(np.int64) + _HASH_RANGE // 2
-    x, y, z = steps.T  # within half a diagonal of the origin, so that one number holds all three
+    x, y, z = steps.T  # coordinates are within half a diagonal of the origin: one integer holds all three
     numbers = np.unique((x * _HASH_RANGE + y) * _HASH_RANGE + z)
     return blake2b(numbers.astype("<i8").tobytes(), digest_size=16).hexdigest()

@@ -1,23 +1,30 @@
-"""What kinmo says of a shape: bodies, joints, and how sure it is of each."""
+"""Predictions of a method for a shape: bodies, ranked joint estimates, and their scores."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.joint import CoarseType, Joint, MotionType
+from kinmo.core.joint import Joint
 from kinmo.core.mobility import Mobility
+from kinmo.core.motion_types import CoarseType, MotionType
 
 
 @dataclass(frozen=True, eq=False)
 class JointEstimate:
-    """One answer for one body: `joint` is None where the body is thought not to move.
+    """One estimate of the joint of a body.
 
-    `score` is in [0, 1]; `terms` holds the score's parts by name (feasibility, direction, position, sweep, ...). `source` says
-    where the axis comes from (the network itself, an edge of a box, ...).
+    Attributes:
+        joint: the estimated joint. None if the body is estimated not to move.
+        type: the motion type, fine or coarse as the model has it.
+        score: confidence in [0, 1]. The `paper` method gives the consistency score of the paper (section 3.3), the `kinmo`
+            method a probability.
+        terms: the terms of the score by name, such as feasibility, direction, position or sweep.
+        source: where the axis comes from: "network" for a regressed axis, else the kind of candidate axis, such as "box edge".
     """
 
     joint: Joint | None
@@ -26,33 +33,53 @@ class JointEstimate:
     terms: Mapping[str, float] = field(default_factory=dict)
     source: str = "network"
 
-    def turned(self, rotation: NDArray[np.float64]) -> JointEstimate:
-        """The same answer in a frame to which `rotation` [3, 3] takes this one's."""
-        return self if self.joint is None else replace(self, joint=self.joint.turned(rotation))
+    def rotated(self, rotation: NDArray[np.float64]) -> JointEstimate:
+        """The estimate in a frame that `rotation` [3, 3] rotates the present frame to."""
+        return self if self.joint is None else replace(self, joint=self.joint.rotated(rotation))
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction:
-    """A mobility tree for one shape, in the shape's own frame and lengths.
+class ShapeEstimate:
+    """The predicted mobility of one shape, in the frame and the length unit of the shape.
 
-    `estimates[i]` holds the ranked answers for body `i` of `mobility`, best first; the first one is the body's joint.
-    `network_estimates[i]` is what the motion GNN alone said of that body, before refinement. `doubt` is the largest chance that
-    a part of those moves that are said to rest; 0 where none is told.
+    Attributes:
+        shape_id: the id of the shape.
+        category: the category that was assumed.
+        mobility: the predicted bodies and joints.
+        estimates: for each body its ranked estimates, the best one first. The first one is the joint of the body, the others
+            are the alternatives.
+        gnn_estimates: for each body the joint as the motion GNN regressed it, before refinement.
+        method: name of the method, `paper` or `kinmo`.
+        missed_motion_probability: the largest probability that a part moves although the prediction leaves it at rest. 0 if the
+            method does not estimate it.
     """
 
     shape_id: str
     category: str
     mobility: Mobility
     estimates: tuple[tuple[JointEstimate, ...], ...]
-    network_estimates: tuple[JointEstimate, ...]
+    gnn_estimates: tuple[JointEstimate, ...]
     method: str
-    doubt: float = 0.0
+    missed_motion_probability: float = 0.0
 
-    def turned(self, rotation: NDArray[np.float64]) -> Prediction:
-        """The same prediction in a frame to which `rotation` [3, 3] takes this one's."""
+    def rotated(self, rotation: NDArray[np.float64]) -> ShapeEstimate:
+        """The prediction in a frame that `rotation` [3, 3] rotates the present frame to."""
         return replace(
             self,
-            mobility=self.mobility.turned(rotation),
-            estimates=tuple(tuple(each.turned(rotation) for each in ranked) for ranked in self.estimates),
-            network_estimates=tuple(each.turned(rotation) for each in self.network_estimates),
+            mobility=self.mobility.rotated(rotation),
+            estimates=tuple(tuple(each.rotated(rotation) for each in ranked) for ranked in self.estimates),
+            gnn_estimates=tuple(each.rotated(rotation) for each in self.gnn_estimates),
         )
+
+
+@dataclass(frozen=True)
+class PredictionProvenance:
+    """The models and settings that made a prediction.
+
+    Attributes:
+        weights: hash of the models. None for a method without models.
+        config: the settings of the method, as plain data.
+    """
+
+    weights: str | None = None
+    config: Mapping[str, Any] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""A 3D object as a hierarchy of parts, in the frame and the lengths of its source file."""
+"""A 3D object as a hierarchy of parts, in the frame and the length unit of its source file."""
 
 from __future__ import annotations
 
@@ -18,23 +18,29 @@ Y_UP: tuple[float, float, float] = (0.0, 1.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles. `vertices` [V, 3] float64 in the file's lengths, `faces` [F, 3] uint32."""
+    """A triangle mesh.
+
+    Attributes:
+        vertices: [V, 3] float64, in the length unit of the file.
+        faces: [F, 3] uint32, indices into `vertices`.
+    """
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.uint32]
 
-    def turned(self, rotation: NDArray[np.float64]) -> Mesh:
-        """The same triangles in a frame to which `rotation` [3, 3] takes this one's."""
-        return Mesh(self.vertices @ rotation.T, self.faces)
+    @property
+    def triangles(self) -> NDArray[np.float64]:
+        """The corners [F, 3, 3] of all faces."""
+        return self.vertices[self.faces]
 
     @property
     def corners(self) -> NDArray[np.float64]:
-        """The vertices [U, 3] that triangles use, each once, in their order."""
+        """The vertices [U, 3] that faces use, each once, in their order."""
         return self.vertices[self._is_used]
 
     @property
     def compact(self) -> Mesh:
-        """The same triangles without vertices that none of them uses."""
+        """The same faces without the vertices that no face uses."""
         used = self._is_used
         return Mesh(self.vertices[used], (np.cumsum(used) - 1)[self.faces].astype(np.uint32))
 
@@ -44,9 +50,13 @@ class Mesh:
         used[self.faces] = True
         return used
 
+    def rotated(self, rotation: NDArray[np.float64]) -> Mesh:
+        """The mesh in a frame that `rotation` [3, 3] rotates the present frame to."""
+        return Mesh(self.vertices @ rotation.T, self.faces)
+
 
 def join(*meshes: Mesh) -> Mesh:
-    """One mesh with all vertices and faces of some, or of none."""
+    """One mesh with the vertices and faces of all given meshes. It is empty if none is given."""
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)]).astype(np.uint32)
     faces = [mesh.faces + start for mesh, start in zip(meshes, starts[:-1], strict=True)]
     nothing = np.zeros((0, 3))
@@ -56,16 +66,28 @@ def join(*meshes: Mesh) -> Mesh:
 
 
 def bounds_of(meshes: Iterable[Mesh]) -> tuple[Vector, Vector]:
-    """Smallest and largest corner [3] of the axis-aligned box of all vertices that a face uses; there must be some."""
+    """Axis-aligned bounding box of some meshes.
+
+    Args:
+        meshes: at least one mesh with a face. Vertices that no face uses are ignored.
+
+    Returns:
+        The smallest and the largest corner [3].
+    """
     used = [mesh.corners for mesh in meshes]
     return np.min([v.min(axis=0) for v in used], axis=0), np.max([v.max(axis=0) for v in used], axis=0)
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A node of the hierarchy. A part without children is a leaf and carries the geometry.
+    """A node of the part hierarchy. A leaf has no children and carries the geometry.
 
-    `parent` and `children` are indices into `Shape.parts`; `id` is the number that the source file gives the node.
+    Attributes:
+        id: number of the node in the source file.
+        name: name of the node in the source file.
+        parent: index into `Shape.parts`. None for the root.
+        children: indices into `Shape.parts`.
+        mesh: the geometry of a leaf. None for other nodes.
     """
 
     id: int
@@ -81,11 +103,18 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """An object: its part hierarchy and, where it is annotated, its mobility.
+    """An object: its part hierarchy and, if it is annotated, its mobility.
 
-    `parts` is in preorder: the root is `parts[0]` and a parent stands before its children. `up` is a unit vector in the file's
-    frame. `mobility` is None for a shape that is not annotated. `partnet_id` is the PartNet annotation the shape comes from
-    (`anno_id`), by which copies of one shape are recognised. `repairs` says what the reader had to mend.
+    Attributes:
+        id: name of the shape, such as its folder or file name.
+        category: canonical name of the object category (see `canonical_category`).
+        parts: the nodes of the hierarchy in preorder: the root first, every parent before its children.
+        source: the file or folder that the shape was read from.
+        layout: name of the input format (see `kinmo.io.readers`).
+        up: unit vector that points up, in the frame of the file.
+        mobility: the annotated bodies and joints. None for a shape without annotation.
+        partnet_id: the PartNet annotation (`anno_id`) of the shape, to recognise copies. None if there is none.
+        repairs: one line for each problem that the reader repaired.
     """
 
     id: str
@@ -105,7 +134,7 @@ class Shape:
 
     @cached_property
     def leaves_below(self) -> tuple[tuple[int, ...], ...]:
-        """For every part, the indices of the leaves at or below it."""
+        """Indices of the leaves at or below each part."""
         below: list[list[int]] = [[] for _ in self.parts]
         for leaf in self.leaves:
             node: int | None = leaf
@@ -116,31 +145,34 @@ class Shape:
 
     @cached_property
     def bounds(self) -> tuple[Vector, Vector]:
-        """Smallest and largest corner [3] of the axis-aligned box of all vertices that a face uses."""
+        """Smallest and largest corner [3] of the axis-aligned bounding box. Unused vertices are ignored."""
         return bounds_of(self.meshes())
 
     @property
     def center(self) -> Vector:
-        """Centre [3] of the axis-aligned box: the origin of the normalised frame."""
+        """Centre [3] of the axis-aligned bounding box: the origin of the normalised frame."""
         low, high = self.bounds
         return 0.5 * (low + high)
 
     @property
     def diagonal(self) -> float:
-        """Diagonal of the axis-aligned box: the unit of length of the normalised frame."""
+        """Diagonal of the axis-aligned bounding box: the length unit of the normalised frame."""
         low, high = self.bounds
         return float(np.linalg.norm(high - low))
 
-    def turned(self, rotation: NDArray[np.float64]) -> Shape:
-        """The same shape in a frame to which `rotation` [3, 3] takes its own."""
+    def rotated(self, rotation: NDArray[np.float64]) -> Shape:
+        """The shape in a frame that `rotation` [3, 3] rotates the present frame to."""
         x, y, z = (rotation @ self.up).tolist()
-        parts = (part if part.mesh is None else replace(part, mesh=part.mesh.turned(rotation)) for part in self.parts)
-        mobility = None if self.mobility is None else self.mobility.turned(rotation)
+        parts = (part if part.mesh is None else replace(part, mesh=part.mesh.rotated(rotation)) for part in self.parts)
+        mobility = None if self.mobility is None else self.mobility.rotated(rotation)
         return replace(self, parts=tuple(parts), up=(x, y, z), mobility=mobility)
+
+    def leaf_mesh(self, leaf: int) -> Mesh:
+        """The mesh of a leaf. `leaf` is an index into `parts`."""
+        mesh = self.parts[leaf].mesh
+        assert mesh is not None, "readers give every leaf a mesh"
+        return mesh
 
     def meshes(self) -> Iterator[Mesh]:
         """Meshes of the leaves, in the order of `leaves`."""
-        for leaf in self.leaves:
-            mesh = self.parts[leaf].mesh
-            assert mesh is not None, "a leaf carries a mesh: readers make sure of it"
-            yield mesh
+        return map(self.leaf_mesh, self.leaves)

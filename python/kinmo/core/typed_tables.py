@@ -1,4 +1,4 @@
-"""Tables, as TOML and JSON have them, for frozen dataclasses: read with every type checked, and written."""
+"""Typed tables: frozen dataclasses read from TOML or JSON with every type and bound checked, and written back."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Within:
-    """Bounds of a number, or of the length of a list."""
+    """Bounds of a number, or of the length of a list: `Annotated[int, Within(1, 9)]`."""
 
     low: float
     high: float = math.inf
@@ -29,7 +29,14 @@ class Within:
 
 
 def to_table(record: Any) -> dict[str, Any]:
-    """A dataclass as nested dictionaries, tuples as lists: what `from_table` reads and JSON can hold."""
+    """Convert a dataclass to plain data for JSON.
+
+    Args:
+        record: the dataclass. Its fields hold numbers, texts, tuples, dictionaries and dataclasses.
+
+    Returns:
+        Nested dictionaries with lists for tuples. `from_table` reads them.
+    """
 
     def plain(value: Any) -> Any:
         if isinstance(value, dict):
@@ -40,9 +47,19 @@ def to_table(record: Any) -> dict[str, Any]:
 
 
 def from_table(kind: type[T], table: Mapping[str, Any], where: Path | str, prefix: str = "") -> T:
-    """Build the dataclass `kind` from a table of TOML or JSON; `where` and `prefix` are for messages.
+    """Build a dataclass from a table of TOML or JSON.
 
-    Raises InputError for unknown keys, missing keys, and values of the wrong type.
+    Args:
+        kind: the dataclass. Its type hints give the expected types and bounds.
+        table: the values by field name.
+        where: the file, for messages.
+        prefix: the path of the table within the file, for messages.
+
+    Returns:
+        The dataclass.
+
+    Raises:
+        InputError: a key is unknown or missing, or a value has the wrong type or is out of bounds.
     """
     assert is_dataclass(kind)
     hints = get_type_hints(kind, include_extras=True)

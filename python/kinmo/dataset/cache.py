@@ -75,16 +75,35 @@ class Cache:
         """Names of all results, current or not."""
         return iter(tuple(self._results))
 
-    def find(self, name: str) -> Result | None:
-        """The result of a name, whatever its key; None if there is none or one of its files is gone or has changed."""
-        result = self._results.get(name)
-        if result is None or not all(_is_unchanged(self.folder / path, stamp) for path, stamp in result.files.items()):
-            return None
-        return result
+    def __contains__(self, name: object) -> bool:
+        """True if there is a result of this name, current or not."""
+        return name in self._results
 
-    def is_current(self, name: str, key: str) -> bool:
-        """True if the result of a name has this key, and its files are the ones that were stored."""
-        result = self.find(name)
+    def find(self, name: str, *, edited: bool = False) -> Result | None:
+        """The result of a name, whatever its key.
+
+        Args:
+            name: name of the result.
+            edited: accept files that were edited since they were stored.
+
+        Returns:
+            The result; None if there is none, or one of its files is gone or has changed.
+        """
+        result = self._results.get(name)
+        if result is None:
+            return None
+        files = ((self.folder / path, stamp) for path, stamp in result.files.items())
+        is_whole = all(path.is_file() if edited else _is_unchanged(path, stamp) for path, stamp in files)
+        return result if is_whole else None
+
+    def data(self, name: str) -> Any:
+        """Plain data of a result, current or not; None if there is no such result."""
+        result = self._results.get(name)
+        return None if result is None else result.data
+
+    def is_current(self, name: str, key: str, *, edited: bool = False) -> bool:
+        """True if the result of a name has this key, and its files are the ones that were stored (see `find`)."""
+        result = self.find(name, edited=edited)
         return result is not None and result.key == key
 
     def store(self, name: str, key: str, files: Iterable[Path] = (), data: Any = None) -> None:

@@ -1,36 +1,36 @@
-"""Preparing every shape below a folder, resumably and on several processes."""
+"""Preparation of every shape below a folder: resumable, and on several processes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from kinmo._core import __version__
-from kinmo.core.digest import digest
 from kinmo.core.errors import InputError
-from kinmo.dataset.store import FORMAT, INDEX, IndexEntry, file_name, index_text, read_header, to_bytes
-from kinmo.dataset.workers import Crashed, map_unordered, or_crashed
+from kinmo.core.wording import printable_path
+from kinmo.dataset.cache import Cache, Result, cache_key
+from kinmo.dataset.jobs import Failure, runner_for
+from kinmo.dataset.jobs.worker import attempt
+from kinmo.dataset.store import FORMAT, IndexEntry, entry_from_data, file_name, to_bytes, write_index
 from kinmo.dataset.workspace import Workspace
-from kinmo.features.shape_preparation import POINTS, prepare_shape
-from kinmo.io.atomic_files import remove_leftovers, write_bytes_atomically, write_text_atomically
-from kinmo.io.readers import Found, Layout, discover, read_found
-from kinmo.io.readers.discover import WORKSPACE
+from kinmo.features.shape_preparation import POINTS_PER_LEAF, prepare_shape
+from kinmo.io.atomic_files import remove_leftovers, write_bytes_atomically
+from kinmo.io.discover import WORKSPACE, ShapeSource, discover
+from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.io.readers.partnet_annotation import check_annotated
-from kinmo.io.readers.sources import are_alike, fingerprint, shown
+from kinmo.io.source_files import fingerprint, have_same_contents
 
-HELD_BACK = "held_back"
-"""Subfolder in which `kinmo synth` writes annotated copies of unlabelled shapes."""
+ORACLE = "oracle"
+"""Subfolder in which `kinmo synth --oracle` writes annotated copies of unlabelled shapes."""
 
 Progress = Callable[[int, int, str], None]
-"""Called with the number of shapes done so far, the number there are, and the last one's id."""
+"""Called with the number of shapes done, the number of all shapes, and the id of the last one."""
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
-    """What became of one shape. `id` is empty for a folder or link that could not be looked into."""
+class ReportEntry:
+    """The outcome for one shape: its `id` (empty for a folder that cannot be opened), its `path`, and the `reasons`."""
 
     id: str
     path: str
@@ -38,38 +38,38 @@ class Entry:
 
 
 @dataclass
-class PrepareReport:
-    """Shapes by what became of them, sorted by path. Repaired ones are taken too, but are not listed among `taken`."""
+class PreparationReport:
+    """Shapes by outcome, sorted by path. A repaired shape is included, but listed only among `repaired`."""
 
-    taken: list[Entry] = field(default_factory=list)
-    repaired: list[Entry] = field(default_factory=list)
-    left_out: list[Entry] = field(default_factory=list)
-    made: int = 0
-    """How many were prepared now; the rest was there from before."""
+    included: list[ReportEntry] = field(default_factory=list)
+    repaired: list[ReportEntry] = field(default_factory=list)
+    skipped: list[ReportEntry] = field(default_factory=list)
+    new: int = 0
+    """Number of shapes that were prepared now; the others were up to date."""
 
     def as_data(self) -> dict[str, list[dict[str, Any]]]:
-        """Plain data: {"taken": [...], "repaired": [...], "left_out": [...]}, each entry with id, path and reasons."""
+        """Plain data: a list of entries for each of `included`, `repaired` and `skipped`."""
         return {
             name: [{**asdict(entry), "reasons": list(entry.reasons)} for entry in getattr(self, name)]
-            for name in ("taken", "repaired", "left_out")
+            for name in ("included", "repaired", "skipped")
         }
 
 
 @dataclass(frozen=True)
-class Job:
-    """One shape to prepare, if it is not yet prepared from the same files in the same way."""
+class PreparationJob:
+    """One shape to prepare into the file `target`, unless `cached` shows that it is up to date."""
 
-    found: Found
+    found: ShapeSource
     target: Path
     points: int
     seed: int
+    cached: Result | None
 
 
 @dataclass(frozen=True)
-class Result:
-    """A line of the index and a file's bytes (None if the file is there already), or the `problem` why there are none."""
+class PreparedFile:
+    """The index entry of a prepared shape and the bytes of its file (None if up to date), or the `problem` with the shape."""
 
-    job: Job
     entry: IndexEntry | None = None
     data: bytes | None = None
     problem: str = ""
@@ -81,78 +81,98 @@ def prepare_folder(
     *,
     workers: int = 1,
     seed: int = 0,
-    points: int = POINTS,
-    hold_back: Sequence[Path] = (),
+    points: int = POINTS_PER_LEAF,
+    oracle: Sequence[Path] = (),
+    cluster: str | None = None,
     on_progress: Progress = lambda done, total, name: None,
-) -> PrepareReport:
-    """Prepares all shapes below `root` into `workspace.prepared`, and lists them in its index.
+) -> PreparationReport:
+    """Prepare all shapes below a folder into a workspace, and list them in its index.
 
-    Shapes that were prepared before from the same files, with the same seed, number of points and version of kinmo, are not
-    prepared again. Those at or below the folders of `hold_back` are held back (`store.IndexEntry`). Index and files do not
-    depend on `workers`, nor on how often a run was cut off. Of copies of one shape the first that can be read is taken. Raises
-    InputError if `root` or what is to be held back is no folder, nothing in `root` is a shape, or another process works in
-    the workspace; then the index stays as it was.
+    A shape that was prepared from the same files with the same settings is not prepared again. Of several copies of a shape the
+    first readable one is included. Index and files do not depend on `workers`, nor on interruptions.
+
+    Args:
+        root: the folder with the shapes.
+        workspace: the workspace whose `prepared` folder gets them.
+        workers: number of processes.
+        seed: seed of the sampled points.
+        points: samples per leaf part.
+        oracle: folders whose labels are oracle labels (`IndexEntry.is_oracle`).
+        cluster: address of a Ray cluster that runs the jobs; None for this machine.
+        on_progress: called after each shape.
+
+    Returns:
+        The outcome for every shape.
+
+    Raises:
+        InputError: `root` or an oracle folder is no folder, no shape is below `root`, or another process works in the
+            workspace. The index then stays as it was.
     """
     root = Path(root)
     total = _count(root, workspace)
     with workspace.locked():
         store = workspace.prepared
         remove_leftovers(store)
-        run = _Run(store, _folders(hold_back))
-        jobs = (
-            Job(found, store / file_name(found.layout.value, found.id), points, seed) for found in run.choose(root, workspace)
-        )
-        for job, result in map_unordered(partial(or_crashed, work), jobs, workers):
-            name = run.settle(job, result)
+        run = _Run(store, Cache(store), points, seed, _folders(oracle))
+        jobs = map(run.job, run.choose(root, workspace))
+        for job, result in runner_for(workers, cluster).run(prepare_file, jobs):
+            run.settle(job, result)
             run.done += 1
-            on_progress(run.done, total, name)
+            on_progress(run.done, total, job.found.id)
         for found in run.copies_instead():
-            job = Job(found, store / file_name(found.layout.value, found.id), points, seed)
-            run.settle(job, or_crashed(work, job))
-        write_text_atomically(store / INDEX, index_text(run.entries))
+            job = run.job(found)
+            run.settle(job, attempt(prepare_file, job))
+        write_index(store, run.entries)
         return run.report()
 
 
 def _count(root: Path, workspace: Workspace) -> int:
-    """How many shapes there are at or below `root`, copies included. Raises InputError if there is none."""
+    """Number of shapes at or below a folder, copies included. Raises InputError if there is none."""
     problems: list[InputError] = []
     total = sum(1 for _ in discover(root, skip=(workspace.path,), report=problems.append))
     if not total and (root / WORKSPACE).is_file():
-        raise InputError(root, "is a workspace, which is passed over: expected the folder with the shapes")
+        raise InputError(root, "is a workspace, which is skipped: expected the folder with the shapes")
     if not total and workspace.path.resolve() in (root.resolve(), *root.resolve().parents):
-        raise InputError(root, f"lies in the workspace {workspace.path}, which is passed over: name another --workspace")
+        raise InputError(root, f"lies in the workspace {workspace.path}, which is skipped: name another --workspace")
     if not total:
-        seen = f"; {problems[0]}" if problems else ""
-        raise InputError(root, f"expected at least one shape at or below it (docs/formats.md says what is one){seen}")
+        first = f"; {problems[0]}" if problems else ""
+        raise InputError(root, f"expected at least one shape at or below it (docs/reference/formats.md lists formats){first}")
     return total
 
 
 @dataclass
 class _Run:
-    """The state of one run, in the process that writes the files."""
+    """State of one run, in the process that writes the files."""
 
     store: Path
-    held_back: tuple[Path, ...] = ()
+    cache: Cache
+    points: int
+    seed: int
+    oracle: tuple[Path, ...] = ()
     entries: list[IndexEntry] = field(default_factory=list)
-    left_out: list[Entry] = field(default_factory=list)
+    skipped: list[ReportEntry] = field(default_factory=list)
     copies: dict[str, list[str]] = field(default_factory=dict)
-    others: dict[Path, list[Found]] = field(default_factory=dict)
-    """Copies that differ from the first one, by where either is written to."""
+    others: dict[Path, list[ShapeSource]] = field(default_factory=dict)
+    """Copies that differ from the first one, by their common target."""
     read: dict[Path, Path] = field(default_factory=dict)
-    """What was read, by the same."""
+    """Source that was read, by target."""
     unread: list[Path] = field(default_factory=list)
-    made: int = 0
+    new: int = 0
     done: int = 0
 
-    def choose(self, root: Path, workspace: Workspace) -> Iterator[Found]:
-        """What is below `root`, without copies."""
+    def job(self, found: ShapeSource) -> PreparationJob:
+        name = file_name(found.layout, found.id)
+        return PreparationJob(found, self.store / name, self.points, self.seed, self.cache.find(name))
+
+    def choose(self, root: Path, workspace: Workspace) -> Iterator[ShapeSource]:
+        """Shapes below a folder, without copies."""
 
         def report(error: InputError) -> None:
-            self.left_out.append(Entry("", shown(error.where), (str(error),)))
+            self.skipped.append(ReportEntry("", printable_path(error.where), (str(error),)))
 
         first: dict[Path, Path] = {}
         for found in discover(root, skip=(workspace.path,), report=report):
-            target = self.store / file_name(found.layout.value, found.id)
+            target = self.store / file_name(found.layout, found.id)
             original = first.setdefault(target, found.path)
             if original == found.path:
                 yield found
@@ -161,91 +181,90 @@ class _Run:
             if not self._is_copy(found, original):
                 self.others.setdefault(target, []).append(found)
 
-    def _is_copy(self, found: Found, original: Path) -> bool:
-        """Whether a shape has the contents of `original`, beside which it is told of then."""
-        is_copy = are_alike(found, replace(found, path=original))
+    def _is_copy(self, found: ShapeSource, original: Path) -> bool:
+        """True if a shape has the contents of `original`; it is then reported beside it."""
+        is_copy = have_same_contents(found, replace(found, path=original))
         if is_copy:
-            self.copies.setdefault(str(original.absolute()), []).append(f"identical copy left aside: {shown(found.path)}")
+            self.copies.setdefault(str(original.absolute()), []).append(f"identical copy skipped: {printable_path(found.path)}")
         return is_copy
 
-    def copies_instead(self) -> Iterator[Found]:
-        """Of every shape that cannot be read one differing copy after another, until one can be; drops what none can be of."""
+    def copies_instead(self) -> Iterator[ShapeSource]:
+        """For each unreadable shape one differing copy after another; removes the file if no copy can be read."""
         while self.unread:
             target = self.unread.pop()
             if copies := self.others.get(target):
                 yield copies.pop(0)
             else:
-                target.unlink(missing_ok=True)
+                self._remove(target)
 
-    def settle(self, job: Job, result: Result | Crashed) -> str:
-        """Writes what a worker made. Returns the shape's id."""
+    def settle(self, job: PreparationJob, result: PreparedFile | Failure) -> None:
+        """Write what a worker made, and list it."""
         found = job.found
-        if isinstance(result, Crashed):  # what may end a process is not tried again in this one
-            result = Result(job, problem=str(InputError(shown(found.path), f"cannot be prepared: {result.why}")))
-            job.target.unlink(missing_ok=True)
+        if isinstance(result, Failure):  # a shape that may end a process is not tried again in this one
+            result = PreparedFile(problem=str(InputError(printable_path(found.path), f"cannot be prepared: {result.reason}")))
+            self._remove(job.target)
         elif result.entry is None:
             self.unread.append(job.target)
         if result.entry is None:
-            self.left_out.append(Entry(found.id, shown(found.path), (result.problem,)))
-            return found.id
+            self.skipped.append(ReportEntry(found.id, printable_path(found.path), (result.problem,)))
+            return
         self.read[job.target] = found.path
         if result.data is not None:
             write_bytes_atomically(job.target, result.data)
-            self.made += 1
-        is_held_back = any(found.path.resolve().is_relative_to(folder) for folder in self.held_back)
-        self.entries.append(replace(result.entry, is_held_back=is_held_back))
-        return found.id
+            self.cache.store(result.entry.file, result.entry.key, [job.target], asdict(result.entry))
+            self.new += 1
+        is_oracle = any(found.path.resolve().is_relative_to(folder) for folder in self.oracle)
+        self.entries.append(replace(result.entry, is_oracle=is_oracle))
 
-    def report(self) -> PrepareReport:
+    def _remove(self, target: Path) -> None:
+        self.cache.forget(target.relative_to(self.store).as_posix())
+        target.unlink(missing_ok=True)
+
+    def report(self) -> PreparationReport:
         for target, others in self.others.items():
             read = self.read.get(target)
-            what_of_it = "which cannot be prepared" if read is None else f"which is read instead: {shown(read)}"
+            remark = "which cannot be prepared" if read is None else f"which is read instead: {printable_path(read)}"
             for found in others:
                 if read is None or not self._is_copy(found, read):
-                    reason = f"differs from another copy of {found.id}, {what_of_it}"
-                    self.left_out.append(Entry(found.id, shown(found.path), (reason,)))
-        report = PrepareReport(left_out=sorted(self.left_out, key=lambda entry: (entry.path, entry.id)), made=self.made)
+                    reason = f"differs from another copy of {found.id}, {remark}"
+                    self.skipped.append(ReportEntry(found.id, printable_path(found.path), (reason,)))
+        report = PreparationReport(skipped=sorted(self.skipped, key=lambda entry: (entry.path, entry.id)), new=self.new)
         for entry in sorted(self.entries, key=lambda entry: entry.source):
             copies = tuple(self.copies.get(entry.source, ()))
-            row = Entry(entry.id, shown(entry.source), entry.repairs + copies)
-            (report.repaired if entry.repairs else report.taken).append(row)
+            row = ReportEntry(entry.id, printable_path(entry.source), entry.repairs + copies)
+            (report.repaired if entry.repairs else report.included).append(row)
         return report
 
 
 def _folders(paths: Sequence[Path]) -> tuple[Path, ...]:
-    """The folders without links. Raises InputError for what is none."""
+    """The folders without links. Raises InputError for a path that is no folder."""
     for path in paths:
         if not path.is_dir():
-            raise InputError(path, "expected a folder with shapes to hold back", "--hold-back")
+            raise InputError(path, "expected a folder with shapes", "--oracle")
     return tuple(path.resolve() for path in paths)
 
 
-def work(job: Job) -> Result:
-    """Reads and prepares one shape. What is wrong with the shape becomes the result's `problem`."""
+def prepare_file(job: PreparationJob) -> PreparedFile:
+    """Read and prepare one shape. A problem with the shape becomes the result's `problem`."""
+    found = job.found
     try:
-        if job.found.layout is Layout.PARTNET_MOBILITY:
-            check_annotated(job.found.path)
-        made_from = {
-            "files": fingerprint(job.found),
-            "points": job.points,
-            "seed": job.seed,
-            "kinmo": __version__,
-            "format": FORMAT,
-        }
-        source = str(job.found.path.absolute())
-        known = _known(job.target)
-        if known is not None and known["made_from"] == digest(made_from) and known["entry"]["source"] == source:
-            return Result(job, IndexEntry(**{**known["entry"], "repairs": tuple(known["entry"]["repairs"])}))
-        shape = read_found(job.found)
+        if found.layout == PARTNET_MOBILITY:
+            check_annotated(found.path)
+        key = cache_key(files=fingerprint(found), points=job.points, seed=job.seed, format=FORMAT)
+        source = str(found.path.absolute())
+        if job.cached is not None and job.cached.key == key and job.cached.data["source"] == source:
+            return PreparedFile(entry_from_data(job.cached.data))
+        shape = found.read()
         prepared = prepare_shape(shape, points=job.points, seed=job.seed)
     except InputError as error:
-        return Result(job, problem=str(error))
+        return PreparedFile(problem=str(error))
     entry = IndexEntry(
         id=shape.id,
         layout=shape.layout,
         category=shape.category,
         file=file_name(shape.layout, shape.id),
         source=source,
+        key=key,
         partnet_id=shape.partnet_id,
         geometry_hash=prepared.geometry_hash,
         part_count=len(shape.parts),
@@ -254,13 +273,4 @@ def work(job: Job) -> Result:
         is_labelled=shape.mobility is not None,
         repairs=shape.repairs,
     )
-    return Result(job, entry, to_bytes(prepared, {"made_from": digest(made_from), "entry": asdict(entry)}))
-
-
-def _known(target: Path) -> dict[str, Any] | None:
-    """The provenance of the file that is there already."""
-    try:
-        provenance: dict[str, Any] = read_header(target)["provenance"]
-    except InputError:
-        return None
-    return provenance
+    return PreparedFile(entry, to_bytes(prepared))

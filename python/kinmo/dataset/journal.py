@@ -1,30 +1,34 @@
-"""When each stage ran and how long it took: what the report shows, and what estimates are made from.
-
-Workspaces that lie in another one have no journal of their own: theirs is the root's, which so knows how long everything takes.
-"""
+"""Record of all runs of a workspace: the report shows it, and estimates of duration are made from it."""
 
 from __future__ import annotations
 
-import io
 import json
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from datetime import datetime, timezone
-from pathlib import Path
-from typing import BinaryIO
 
 from kinmo._core import __version__
 from kinmo.dataset.workspace import Workspace
+from kinmo.io.atomic_files import append_line
 
-LITTLE = 0.1
-"""Of the largest amount that was ever done at once."""
+SMALL_SHARE = 0.1
+"""Runs that did less than this share of the largest run do not count for estimates: they measure the start-up."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """One finished run of a stage. `started` is ISO 8601 in UTC; `amount` says how much was done, in the stage's own unit."""
+    """One finished run of a stage.
+
+    Attributes:
+        stage: name of the stage.
+        started: start in UTC, ISO 8601.
+        seconds: duration.
+        amount: work done, in the stage's own unit.
+        what: the same for people.
+        kinmo: version of kinmo.
+    """
 
     stage: str
     started: str
@@ -43,32 +47,22 @@ class Stopwatch:
 
 @contextmanager
 def timed(workspace: Workspace, stage: str) -> Iterator[Stopwatch]:
-    """Add a line to the journal when the block ends well and some work was done."""
+    """Record a run when the block ends without an exception and some work was done."""
     watch, started, begin = Stopwatch(), datetime.now(timezone.utc), time.monotonic()
     yield watch
     if watch.amount:
-        seconds = time.monotonic() - begin
-        place = "" if workspace.path == workspace.root else f"{workspace.path.relative_to(workspace.root).as_posix()}: "
-        run = Run(stage, started.isoformat(timespec="seconds"), round(seconds, 2), watch.amount, place + watch.what)
-        with _path(workspace).open("a+b") as lines:
-            begun = "\n" if _ends_within_a_line(lines) else ""  # by a process that was killed
-            lines.write(f"{begun}{json.dumps(asdict(run), ensure_ascii=False)}\n".encode())
-
-
-def _ends_within_a_line(file: BinaryIO) -> bool:
-    if file.seek(0, io.SEEK_END) == 0:
-        return False
-    file.seek(-1, io.SEEK_END)
-    return file.read(1) != b"\n"
+        seconds = round(time.monotonic() - begin, 2)
+        run = Run(stage, started.isoformat(timespec="seconds"), seconds, watch.amount, watch.what)
+        append_line(workspace.journal, json.dumps(asdict(run), ensure_ascii=False))
 
 
 def runs(workspace: Workspace) -> list[Run]:
-    """All runs, in order. Lines that a killed process left unfinished are passed over."""
-    found = []
+    """All runs, in order. Lines that a killed process left unfinished are skipped."""
     try:
-        lines = _path(workspace).read_text(encoding="utf-8").splitlines()
+        lines = workspace.journal.read_text(encoding="utf-8").splitlines()
     except OSError:
         return []
+    found = []
     for line in lines:
         try:
             found.append(Run(**json.loads(line)))
@@ -77,20 +71,22 @@ def runs(workspace: Workspace) -> list[Run]:
     return found
 
 
-def seconds_per_unit(workspace: Workspace, stage: str, otherwise: float, kind: str | None = None) -> float:
-    """How long a unit of the stage's work took the last time, or else of a stage whose name begins with `kind`.
+def seconds_per_unit(workspace: Workspace, stage: str, otherwise: float, prefix: str | None = None) -> float:
+    """Duration of a unit of a stage's work, from the journal.
 
-    Runs that did little beside the largest one do not count: they tell how long starting takes. `otherwise` if none of these
-    ever ran.
+    Args:
+        workspace: the workspace whose journal is read.
+        stage: name of the stage.
+        otherwise: the answer if no run is known.
+        prefix: if the stage never ran, stages whose names begin with this count.
+
+    Returns:
+        Seconds per unit in the last run that did a fair amount of work.
     """
     known = runs(workspace)
     past = [run for run in known if run.stage == stage]
-    if not past and kind is not None:
-        past = [run for run in known if run.stage.startswith(kind)]
+    if not past and prefix is not None:
+        past = [run for run in known if run.stage.startswith(prefix)]
     largest = max((run.amount for run in past), default=0)
-    past = [run for run in past if run.amount >= LITTLE * largest]
+    past = [run for run in past if run.amount >= SMALL_SHARE * largest]
     return past[-1].seconds / past[-1].amount if past else otherwise
-
-
-def _path(workspace: Workspace) -> Path:
-    return workspace.root / "journal.jsonl"

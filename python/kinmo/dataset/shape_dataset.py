@@ -1,4 +1,4 @@
-"""Which prepared shapes train, choose, test, and get pseudo labels."""
+"""The prepared shapes of a workspace by their use: training, validation, test, and pseudo-labelling."""
 
 from __future__ import annotations
 
@@ -8,21 +8,26 @@ from dataclasses import dataclass, field
 from kinmo.core.categories import same_category
 from kinmo.core.digest import digest
 from kinmo.core.errors import InputError, did_you_mean
-from kinmo.dataset.splits import Split, leaks, split_of, within_share
-from kinmo.dataset.store import IndexEntry, PreparedStore, made_from
+from kinmo.dataset.splits import Split, leaks, split_of
+from kinmo.dataset.store import IndexEntry, PreparedStore
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import PreparedShape
 
 
 @dataclass(frozen=True)
-class Dataset:
-    """The prepared shapes of a workspace by their use. `copies` of labelled ones are left alone: those without labels, and
-    those that have them too where one of both is for tests or to choose by.
+class ShapeDataset:
+    """The prepared shapes of a workspace by their use.
 
-    `category` is what all of them are, as the index spells it, or None. `hidden` are shapes that could be trained on, had their
-    labels not been held back, or left out by the workspace's share of labels. They are `unlabelled` too, unless they have an
-    unlabelled copy, which then is. `truths` tells for shapes (id and layout) that are hidden ones, or copies of such, the id of
-    the hidden one.
+    Attributes:
+        store: where the prepared shapes are read from.
+        category: the category of all shapes, spelled as in the index; None if there are several.
+        labelled: labelled shapes by split.
+        unlabelled: shapes to pseudo-label: those without labels, and those with oracle labels, unless such a shape has an
+            unlabelled copy, which then stands for it.
+        copies: copies of labelled shapes that are not used: unlabelled ones, and labelled ones whose original is in another
+            split.
+        oracle: shapes with oracle labels that could be trained on.
+        oracle_ids: id of the shape with the oracle label, by id and layout, for that shape and its copies.
     """
 
     store: PreparedStore
@@ -30,25 +35,35 @@ class Dataset:
     labelled: Mapping[Split, tuple[IndexEntry, ...]]
     unlabelled: tuple[IndexEntry, ...]
     copies: tuple[IndexEntry, ...]
-    hidden: tuple[IndexEntry, ...] = ()
-    truths: Mapping[tuple[str, str], str] = field(default_factory=dict)
+    oracle: tuple[IndexEntry, ...] = ()
+    oracle_ids: Mapping[tuple[str, str], str] = field(default_factory=dict)
 
     def load(self, entries: Iterable[IndexEntry]) -> list[PreparedShape]:
+        """Read the prepared shapes of some entries."""
         return [self.store.load(entry) for entry in entries]
 
-    def fingerprint(self, entries: Iterable[IndexEntry]) -> str:
-        """Changes whenever the files or the preparation of one of the shapes do."""
-        return digest([made_from(self.store.folder / entry.file) for entry in entries])
-
     def categories(self) -> tuple[str, ...]:
-        """Categories of the labelled shapes."""
+        """Categories of the labelled shapes, sorted."""
         return tuple(sorted({entry.category for entries in self.labelled.values() for entry in entries}))
 
 
-def open_dataset(workspace: Workspace, category: str | None = None) -> Dataset:
-    """The dataset of a workspace, or its shapes of one category whatever the spelling.
+def fingerprint(entries: Iterable[IndexEntry]) -> str:
+    """Hash that changes with the files or the preparation of any of the shapes."""
+    return digest([entry.key for entry in entries])
 
-    Splits are `kinmo.dataset.splits`'. Raises InputError if nothing was prepared, or nothing of that category.
+
+def open_dataset(workspace: Workspace, category: str | None = None) -> ShapeDataset:
+    """Open the prepared shapes of a workspace.
+
+    Args:
+        workspace: the workspace.
+        category: only shapes of this category, in any spelling; None for all.
+
+    Returns:
+        The shapes by their use, split by a hash of their ids (`kinmo.dataset.splits`).
+
+    Raises:
+        InputError: nothing was prepared, or nothing of the category.
     """
     store = PreparedStore(workspace.prepared)
     entries = [entry for entry in store.entries if category is None or same_category(entry.category, category)]
@@ -58,27 +73,28 @@ def open_dataset(workspace: Workspace, category: str | None = None) -> Dataset:
             raise InputError(workspace.prepared, "no prepared shapes: run kinmo prepare first")
         near = did_you_mean(category or "", known)
         raise InputError(workspace.prepared, f"no prepared shape of {category}{near}; there are {', '.join(known)}")
+    is_oracle = {entry for entry in store.entries if _has_oracle_labels(entry)}
     labelled = [entry for entry in entries if entry.is_labelled]
-    hidden = _hidden(store.entries, workspace.labels)
-    by_split, twice = _splits([entry for entry in labelled if entry not in hidden])
+    by_split, twice = _splits([entry for entry in labelled if entry not in is_oracle])
     unlabelled = [entry for entry in entries if not entry.is_labelled]
-    names = {entry.id for entry in hidden}
-    is_copy = leaks(unlabelled, (entry for entry in store.entries if entry.is_labelled), names)
-    originals, copies = (
-        tuple(entry for entry, leaking in zip(unlabelled, is_copy, strict=True) if leaking is wanted)
-        for wanted in (False, True)
-    )
-    own_hidden = tuple(entry for entry in labelled if entry in hidden)
-    counted = (*(entry for entry in store.entries if entry.is_labelled and entry not in hidden), *originals)
-    alone = tuple(entry for entry, copied in zip(own_hidden, leaks(own_hidden, counted, ()), strict=True) if not copied)
+    is_copy = leaks(unlabelled, (entry for entry in store.entries if entry.is_labelled), {entry.id for entry in is_oracle})
+    originals = tuple(entry for entry, copied in zip(unlabelled, is_copy, strict=True) if not copied)
+    copies = tuple(entry for entry, copied in zip(unlabelled, is_copy, strict=True) if copied)
+    oracle = tuple(entry for entry in labelled if entry in is_oracle)
+    known_labels = (entry for entry in store.entries if entry.is_labelled and entry not in is_oracle)
+    has_copy = leaks(oracle, (*known_labels, *originals), ())
+    to_label = originals + tuple(entry for entry, copied in zip(oracle, has_copy, strict=True) if not copied)
     spelling = None if category is None else min(entry.category for entry in entries)
-    unlabelled_ones = originals + alone
-    truths = _truths(unlabelled_ones, own_hidden)
-    return Dataset(store, spelling, by_split, unlabelled_ones, copies + twice, own_hidden, truths)
+    return ShapeDataset(store, spelling, by_split, to_label, copies + twice, oracle, _oracle_ids(to_label, oracle))
+
+
+def _has_oracle_labels(entry: IndexEntry) -> bool:
+    """True for an oracle label that could be trained on; in the test split it is a test label like any other."""
+    return entry.is_labelled and entry.is_oracle and split_of(entry.id) is not Split.TEST
 
 
 def _splits(labelled: Iterable[IndexEntry]) -> tuple[dict[Split, tuple[IndexEntry, ...]], tuple[IndexEntry, ...]]:
-    """The shapes of each split; and what else would be in one of them, but has a copy in another, that comes before it."""
+    """The shapes of each split, and the shapes that are copies of a shape in another split, of which test comes first."""
     known = list(labelled)
     by_split: dict[Split, tuple[IndexEntry, ...]] = {}
     twice: list[IndexEntry] = []
@@ -91,25 +107,14 @@ def _splits(labelled: Iterable[IndexEntry]) -> tuple[dict[Split, tuple[IndexEntr
     return by_split, tuple(twice)
 
 
-def _hidden(entries: Iterable[IndexEntry], share: float) -> frozenset[IndexEntry]:
-    """Labelled shapes that are not for tests and whose labels nothing may be learnt from: those that are held back, and all but
-    a `share` of those to train on, of each category.
-    """
-    labelled = [entry for entry in entries if entry.is_labelled]
-    hidden = {entry for entry in labelled if entry.is_held_back and split_of(entry.id) is not Split.TEST}
-    training = [entry for entry in labelled if entry not in hidden and split_of(entry.id) is Split.TRAIN]
-    kept = within_share(((entry.id, entry.category) for entry in training), share)
-    return frozenset(hidden | {entry for entry, keep in zip(training, kept, strict=True) if not keep})
-
-
-def _truths(unlabelled: Iterable[IndexEntry], hidden: Iterable[IndexEntry]) -> dict[tuple[str, str], str]:
-    """What tells copies is what `leaks` goes by."""
-    known = list(hidden)
+def _oracle_ids(unlabelled: Iterable[IndexEntry], oracle: Iterable[IndexEntry]) -> dict[tuple[str, str], str]:
+    """Ids of shapes with oracle labels, by id and layout of the shape and of its copies (recognised as in `leaks`)."""
+    known = list(oracle)
     by_annotation = {entry.partnet_id: entry.id for entry in known if entry.partnet_id is not None}
     by_hash = {entry.geometry_hash: entry.id for entry in known}
     found = {(entry.id, entry.layout): entry.id for entry in known}
     for entry in unlabelled:
-        truth = by_annotation.get(entry.partnet_id or "") or by_hash.get(entry.geometry_hash)
-        if truth is not None:
-            found[entry.id, entry.layout] = truth
+        original = by_annotation.get(entry.partnet_id or "") or by_hash.get(entry.geometry_hash)
+        if original is not None:
+            found[entry.id, entry.layout] = original
     return found

@@ -1,4 +1,4 @@
-"""Which shapes train, which choose and which test: fixed by a hash of the id, the same everywhere and for ever."""
+"""Train, validation and test split of shapes, fixed by a hash of the id on every machine."""
 
 from __future__ import annotations
 
@@ -13,19 +13,21 @@ PAPER_TEST_IDS = frozenset(
         "30341", "30869", "32174",
     )
 )  # fmt: skip
-"""Test ids of the paper's release (refrigerator, scissors, table), which are always test."""
+"""Ids of test shapes in the paper's release (refrigerator, scissors, table); they are always in the test split."""
 _VALIDATION_SHARE = 0.1
 _TEST_SHARE = 0.2
 
 
 class Split(str, Enum):
+    """Use of a labelled shape."""
+
     TRAIN = "train"
     VALIDATION = "validation"
     TEST = "test"
 
 
 class Identified(Protocol):
-    """What tells copies of a shape: its PartNet annotation, if it has one, and a hash of its geometry."""
+    """A shape with the marks by which its copies are recognised: PartNet annotation and geometry hash."""
 
     @property
     def id(self) -> str: ...
@@ -38,12 +40,12 @@ class Identified(Protocol):
 
 
 def _position(shape_id: str, purpose: str) -> float:
-    """A number in [0, 1) that depends on the id and the purpose alone."""
+    """Number in [0, 1) that depends on the id and the purpose alone."""
     return int.from_bytes(blake2b(f"{purpose}:{shape_id}".encode(), digest_size=8).digest(), "big") / 2.0**64
 
 
 def split_of(shape_id: str) -> Split:
-    """The split of a shape: a fifth test, a tenth validation, the rest train; `PAPER_TEST_IDS` are test."""
+    """Split of a shape: a fifth test, a tenth validation, the rest train; `PAPER_TEST_IDS` are test."""
     position = _position(shape_id, "split")
     if shape_id in PAPER_TEST_IDS or position < _TEST_SHARE:
         return Split.TEST
@@ -51,46 +53,37 @@ def split_of(shape_id: str) -> Split:
 
 
 def fold_of(shape_id: str, folds: int = 5) -> int:
-    """The fold, 0 to `folds` - 1, in which a shape is tested in a cross-validation."""
+    """Fold (0 to `folds` - 1) of a cross-validation that tests a shape."""
     return int(_position(shape_id, "fold") * folds)
 
 
 def is_validation_in_fold(shape_id: str, fold: int, folds: int = 5) -> bool:
-    """Whether a shape that fold `fold` does not test is kept from training, to choose the model by."""
+    """True if fold `fold` uses a shape for validation: it neither trains nor tests on it."""
     return fold_of(shape_id, folds) != fold and _position(shape_id, f"validation {fold}") < _VALIDATION_SHARE
 
 
-def kept_to_choose_by(shape_ids: Collection[str]) -> frozenset[str]:
-    """A tenth of some shapes, at least one, by a hash: where none of a kind that is to be trained on is a validation shape."""
+def validation_from_training(shape_ids: Collection[str]) -> frozenset[str]:
+    """Ids of a tenth of the training shapes, at least one, for validation where no validation shape exists."""
     ranked = sorted(shape_ids, key=lambda shape_id: _position(shape_id, "choose"))
     return frozenset(ranked[: max(1, round(_VALIDATION_SHARE * len(ranked)))])
 
 
-def within_share(shapes: Iterable[tuple[str, str]], share: float) -> list[bool]:
-    """For every shape, given as its id and its category, whether it is among the `share` of labelled ones.
+def leaks(unlabelled: Iterable[Identified], labelled: Iterable[Identified], oracle: Collection[str]) -> list[bool]:
+    """Find unlabelled shapes whose pseudo labels must not be trained on.
 
-    Of each category that share is kept, at least one shape; a smaller share is part of any larger one.
+    These are copies (same PartNet id or same geometry hash) of labelled shapes: a copy of a validation or test shape would
+    carry it over to training, and a copy of a training shape has its label already. Copies of shapes with oracle labels are no leaks:
+    nothing is trained on those labels.
+
+    Args:
+        unlabelled: the shapes to look at.
+        labelled: all labelled shapes.
+        oracle: ids of labelled shapes whose labels are oracle labels.
+
+    Returns:
+        True for each shape of `unlabelled` that is a copy.
     """
-    known = list(shapes)
-    ranked: dict[str, list[tuple[float, str]]] = {}
-    for shape_id, category in known:
-        ranked.setdefault(category, []).append((_position(shape_id, "share"), shape_id))
-    kept = {
-        (shape_id, category)
-        for category, ids in ranked.items()
-        for _, shape_id in sorted(ids)[: max(1, round(share * len(ids)))]
-    }
-    return [shape in kept for shape in known]
-
-
-def leaks(unlabelled: Iterable[Identified], labelled: Iterable[Identified], hidden: Collection[str]) -> list[bool]:
-    """For every unlabelled shape, whether a pseudo label for it must not be trained on.
-
-    It must not if the shape is a copy (same PartNet id, or same geometry hash) of a labelled one: a copy of a validation or
-    test shape would carry it over to training, and a copy of a training shape has its label already. Excepted are copies of
-    the training shapes whose ids are in `hidden`: those whose label is kept from training by the ratio of labelled data.
-    """
-    known = [shape for shape in labelled if shape.id not in hidden]
+    known = [shape for shape in labelled if shape.id not in oracle]
     annotations = {shape.partnet_id for shape in known} - {None}
     hashes = {shape.geometry_hash for shape in known}
     return [shape.partnet_id in annotations or shape.geometry_hash in hashes for shape in unlabelled]

@@ -1,4 +1,4 @@
-"""What all stages have in common."""
+"""The common interface of all stages, such as preparing shapes, training or predicting."""
 
 from __future__ import annotations
 
@@ -8,23 +8,39 @@ from typing import Any, Protocol
 
 
 class Observer(Protocol):
-    """Where a stage tells how far it is."""
+    """Receiver of a stage's progress and messages."""
 
     def progress(self, what: str, done: int, total: int, detail: str = "") -> None:
-        """`done` of `total` steps of `what` are finished; `detail` is the latest figure or name."""
+        """Show that `done` of `total` steps of `what` are finished; `detail` is the latest figure or name."""
 
     def note(self, text: str) -> None:
-        """One line that is worth reading afterwards."""
+        """Show one line of information."""
 
     def problem(self, text: str) -> None:
-        """One line on what the user asked for and does not get, which is told however quiet it is to be."""
+        """Show one line about something that the user asked for and does not get, even if output is to be quiet."""
+
+
+class SilentObserver:
+    """Observer that shows nothing."""
+
+    def progress(self, what: str, done: int, total: int, detail: str = "") -> None:
+        """Ignore the progress."""
+
+    def note(self, text: str) -> None:
+        """Ignore the line."""
+
+    def problem(self, text: str) -> None:
+        """Ignore the line."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What a stage would do now, and what it cannot, with the reason.
+    """Work that a stage would do now.
 
-    `seconds` is a rough guess for this machine; zero where there is nothing to do.
+    Attributes:
+        steps: one line per step; empty if everything is up to date.
+        seconds: rough estimate for this machine; 0 if there is nothing to do.
+        impossible: one line for each part that cannot be done, with the reason.
     """
 
     steps: tuple[str, ...]
@@ -34,9 +50,13 @@ class Plan:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a stage made: the `path` to look at, the result itself as plain `data` (JSON), the same as `text` for people.
+    """Result of a stage.
 
-    `failed` counts what the user asked for and did not get.
+    Attributes:
+        path: file or folder to look at.
+        data: the result as plain data, which JSON can hold.
+        text: the result for people.
+        failed: number of things that the user asked for and did not get.
     """
 
     path: Path
@@ -46,15 +66,17 @@ class Outcome:
 
 
 class Stage(Protocol):
-    """A piece of work that can say what it would do. Nothing is read or written before one of the two is called."""
+    """A resumable piece of work. Nothing is read or written before `plan` or `run` is called."""
 
-    def plan(self) -> Plan: ...
+    def plan(self) -> Plan:
+        """Find out what is left to do."""
 
-    def run(self, observer: Observer) -> Outcome: ...
+    def run(self, observer: Observer) -> Outcome:
+        """Do what is left to do."""
 
 
 class LaterStage(Stage, Protocol):
-    """A stage that works on what others leave."""
+    """A stage that works on the results of other stages."""
 
     def guess(self) -> Plan:
-        """What it will do about, where stages before it have not been run yet, or will change what it is done for."""
+        """Estimate the work while the stages before it have not been run, or will change its inputs."""

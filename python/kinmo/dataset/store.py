@@ -1,14 +1,13 @@
-"""Prepared shapes on disk: one safetensors file a shape, and one index.
+"""Prepared shapes on disk: one safetensors file per shape, and one index.
 
-The arrays of a `PreparedShape` are the tensors of its file; everything else is JSON under the key `kinmo` of the file's
-header. The same shape gives the same bytes.
+The arrays of a `PreparedShape` are the tensors of its file. Everything else is JSON under the key `kinmo` of the file's header.
+The same shape gives the same bytes.
 """
 
 from __future__ import annotations
 
 import json
-import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -20,17 +19,19 @@ from safetensors.numpy import save
 
 from kinmo.core.edge_labels import EdgeLabels
 from kinmo.core.errors import InputError
-from kinmo.core.joint import MotionType, joint_from_data, joint_to_data
+from kinmo.core.joint import joint_from_data, joint_to_data
 from kinmo.core.mobility import Body, Mobility
+from kinmo.core.motion_types import MotionType
 from kinmo.core.names import name_on_disk
 from kinmo.features.prepared_shape import Boxes, PreparedShape
+from kinmo.io.atomic_files import write_text_atomically
 from kinmo.io.file_memo import kept_while_unchanged
 
-FORMAT = 7
-"""Of the files; files of another format are made again."""
+FORMAT = 8
+"""Version of the file format; files of another version are made again."""
 INDEX = "index.jsonl"
+"""File that lists the shapes of the dataset, one JSON object per line."""
 _HEADER_KEY = "kinmo"
-_LARGEST_HEADER = 64 << 20
 _BOXES = ("minimum_boxes", "symmetric_boxes", "aligned_boxes", "body_boxes")
 _ARRAYS = ("up", "center", "leaf_points", "leaf_normals", "leaf_areas", "edges", "edge_distances")
 _LABELS = ("types", "bodies", "directions", "pivots")
@@ -51,9 +52,23 @@ _PLAIN = (
 
 @dataclass(frozen=True, slots=True)
 class IndexEntry:
-    """One line of the index. `file` is relative to the store; `source` is what was read, `repairs` what the reader mended.
+    """One shape of the dataset.
 
-    The labels of a shape that `is_held_back` are for tests, and to measure what labels are worth: nothing is trained on them.
+    Attributes:
+        id: id of the shape, unique within its layout.
+        layout: dataset layout that it was read from.
+        category: object category, spelled as in the source.
+        file: path of the prepared shape, relative to the store (or absolute).
+        source: path that the shape was read from.
+        key: cache key of the prepared shape: it changes with the source files and with the preparation.
+        partnet_id: PartNet annotation that the shape comes from; None if unknown.
+        geometry_hash: hash of the surface, equal for copies.
+        part_count: number of parts.
+        leaf_count: number of leaf parts.
+        joint_count: number of annotated joints.
+        is_labelled: the shape has an annotation of its joints, maybe with none.
+        repairs: what the reader repaired.
+        is_oracle: its labels are oracle labels. Nothing is trained on them; they test, and measure what labels are worth.
     """
 
     id: str
@@ -61,6 +76,7 @@ class IndexEntry:
     category: str
     file: str
     source: str
+    key: str
     partnet_id: str | None
     geometry_hash: str
     part_count: int
@@ -68,16 +84,21 @@ class IndexEntry:
     joint_count: int
     is_labelled: bool
     repairs: tuple[str, ...] = ()
-    is_held_back: bool = False
+    is_oracle: bool = False
+
+
+def entry_from_data(data: Mapping[str, Any]) -> IndexEntry:
+    """The entry that `dataclasses.asdict` took apart. Raises TypeError or KeyError for anything else."""
+    return IndexEntry(**{**data, "repairs": tuple(data["repairs"])})
 
 
 def file_name(layout: str, shape_id: str) -> str:
-    """Path of a shape's file relative to the store."""
+    """Path of a prepared shape, relative to the store."""
     return f"{layout}/{name_on_disk(shape_id)}.safetensors"
 
 
-def to_bytes(shape: PreparedShape, provenance: Mapping[str, Any]) -> bytes:
-    """A file's bytes. `provenance` is plain data on what the shape was made from; `read_header` gives it back."""
+def to_bytes(shape: PreparedShape) -> bytes:
+    """Contents of the file of a prepared shape."""
     tensors = {name: np.ascontiguousarray(getattr(shape, name)) for name in _ARRAYS}
     for name in _BOXES:
         boxes: Boxes | None = getattr(shape, name)
@@ -85,46 +106,26 @@ def to_bytes(shape: PreparedShape, provenance: Mapping[str, Any]) -> bytes:
             tensors |= {f"{name}.{field.name}": np.ascontiguousarray(getattr(boxes, field.name)) for field in fields(Boxes)}
     if shape.edge_labels is not None:
         tensors |= {f"edge_labels.{name}": np.ascontiguousarray(getattr(shape.edge_labels, name)) for name in _LABELS}
-    tensors |= {f"evidence.{name}": np.ascontiguousarray(array) for name, array in shape.evidence.items()}
+    tensors |= {f"candidate_features.{name}": np.ascontiguousarray(array) for name, array in shape.candidate_features.items()}
     header = {name: getattr(shape, name) for name in _PLAIN} | {
         "format": FORMAT,
         "mobility": None if shape.mobility is None else _mobility_to_data(shape.mobility),
         "body_types": {str(body): kind.name for body, kind in shape.body_types.items()},
-        "provenance": provenance,
     }
     return save(tensors, {_HEADER_KEY: json.dumps(header, sort_keys=True)})
 
 
-def read_header(path: Path) -> dict[str, Any]:
-    """The JSON of a file's header, without its arrays. Raises InputError if it is not a whole file of this format."""
-    try:
-        with path.open("rb") as file:
-            (length,) = struct.unpack("<Q", file.read(8))
-            if length > _LARGEST_HEADER:
-                raise ValueError("header too long")
-            header = json.loads(file.read(length))
-        end = max((entry["data_offsets"][1] for name, entry in header.items() if name != "__metadata__"), default=0)
-        data: dict[str, Any] = json.loads(header["__metadata__"][_HEADER_KEY])
-        if data["format"] != FORMAT:
-            raise ValueError(f"of format {data['format']}, expected {FORMAT}")
-        if path.stat().st_size != 8 + length + end:
-            raise ValueError("not whole")
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, struct.error) as error:
-        raise InputError(path, f"not a prepared shape ({error}): run kinmo prepare again") from None
-    return data
-
-
-@kept_while_unchanged
-def made_from(path: Path) -> str:
-    """A hash of all that a file was prepared from. Raises InputError as `read_header` does."""
-    return str(read_header(path)["provenance"]["made_from"])
-
-
 def read_prepared(path: Path) -> PreparedShape:
-    """Reads a prepared shape. Raises InputError if the file is missing, cut, or of another format."""
-    header = read_header(path)
+    """Read a prepared shape.
+
+    Raises:
+        InputError: the file is missing, damaged, or of another format.
+    """
     try:
         with safe_open(path, framework="numpy") as file:
+            header = json.loads(file.metadata()[_HEADER_KEY])
+            if header["format"] != FORMAT:
+                raise ValueError(f"format {header['format']}, expected {FORMAT}")
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
         return _from_parts(header, tensors)
     except (SafetensorError, OSError, KeyError, TypeError, ValueError) as error:
@@ -144,7 +145,11 @@ def _from_parts(header: dict[str, Any], tensors: dict[str, NDArray[Any]]) -> Pre
         **arrays,
         mobility=None if header["mobility"] is None else _mobility_from_data(header["mobility"]),
         body_types={int(body): MotionType[name] for body, name in header["body_types"].items()},
-        evidence={name.removeprefix("evidence."): array for name, array in tensors.items() if name.startswith("evidence.")},
+        candidate_features={
+            name.removeprefix("candidate_features."): array
+            for name, array in tensors.items()
+            if name.startswith("candidate_features.")
+        },
     )
 
 
@@ -177,10 +182,13 @@ def _mobility_from_data(data: dict[str, Any]) -> Mobility:
 
 
 class PreparedStore:
-    """The prepared shapes that an index lists, in the order of layout and id."""
+    """The prepared shapes that an index lists, in the order of layout and id.
+
+    Raises:
+        InputError: the folder has no index, or it cannot be read.
+    """
 
     def __init__(self, folder: Path) -> None:
-        """Reads the index of `folder`. Raises InputError if there is none, or it is not whole."""
         self.folder = Path(folder)
         self.entries: tuple[IndexEntry, ...] = _read_index(self.folder / INDEX)
 
@@ -196,18 +204,17 @@ class PreparedStore:
         return read_prepared(self.folder / entry.file)
 
 
-def index_text(entries: Sequence[IndexEntry]) -> str:
-    """The text of an index, sorted, so that it does not depend on the order in which shapes were done."""
+def write_index(folder: Path, entries: Iterable[IndexEntry]) -> None:
+    """Write the index of a store, sorted, so that it does not depend on the order in which shapes were prepared."""
     ordered = sorted(entries, key=lambda entry: (entry.layout, entry.id))
-    return "".join(json.dumps(asdict(entry), sort_keys=True) + "\n" for entry in ordered)
+    write_text_atomically(folder / INDEX, "".join(json.dumps(asdict(entry), sort_keys=True) + "\n" for entry in ordered))
 
 
 @kept_while_unchanged
 def _read_index(path: Path) -> tuple[IndexEntry, ...]:
     try:
         with path.open(encoding="utf-8") as lines:
-            every = [json.loads(line) for line in lines]
-        return tuple(IndexEntry(**{**data, "repairs": tuple(data["repairs"])}) for data in every)
+            return tuple(entry_from_data(json.loads(line)) for line in lines)
     except FileNotFoundError:
         raise InputError(path, "missing: run kinmo prepare first") from None
     except (OSError, ValueError, TypeError, KeyError) as error:

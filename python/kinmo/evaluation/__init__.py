@@ -1,1 +1,1 @@
-"""What every figure means and how it is taken (docs/metrics.md)."""
+"""Metrics, test protocols and tables of results (docs/metrics.md)."""

@@ -1,14 +1,14 @@
-"""What ANCSH's public evaluation code prints for an estimate, its faults included, so that printed figures can be compared.
+"""The figures that ANCSH's public evaluation code would print, with its faults, to compare with printed figures.
 
-Its faults, of which the default measures (`scan_metrics`) have none:
+The default measures (`scan_metrics`) have none of these faults:
 
-- An angle that rounding makes no number counts as zero.
-- Translations are those of the corner of NPCS, which turns carry along.
-- The overlap of boxes is counted on a grid, by a test with edges in the wrong order: one of the three is a face's diagonal.
-- A hinge's state is off by the angle between the two turns against the base, axes that are off included. A slider is taken to
-  move along x of the base: from where the part's box begins by the network to where its visible points do.
-- The distance of parallel axes counts as zero, and so do angle and distance of a joint that no point tells of.
-- Frames are left out without a word, measure by measure, where what it is of was not found of any part.
+* A rotation angle that rounding makes NaN counts as zero.
+* The translation is that of the corner of the NPCS frame, which rotation errors move along.
+* The overlap of boxes is counted on a grid, by a test with edges in the wrong order: one of the three is a face's diagonal.
+* The state error of a hinge is the angle between the two rotations relative to the base, axis errors included.
+* A slider is taken to move along x of the base, from the start of the predicted box to the start of the visible points.
+* Parallel axes have distance zero. A joint that no point predicts has angle and distance zero.
+* A frame is dropped silently from a measure that it lacks something for.
 """
 
 from __future__ import annotations
@@ -19,22 +19,35 @@ from numpy.typing import NDArray
 from kinmo.core.joint import JointKind
 from kinmo.evaluation.metrics import axis_error
 from kinmo.evaluation.scan_metrics import FrameScore, nothing_found
-from kinmo.scans.articulated_object import Structure
-from kinmo.scans.pose_fitting import ScanEstimate
+from kinmo.scans.object_structure import Structure
+from kinmo.scans.poses.scan_estimate import ScanEstimate
 
 F64 = NDArray[np.float64]
 
 GRID = 50
-"""Points along each side of the grid that boxes are compared on."""
-CORNER, ENDS = (1, -1, 1), ((1, -1, -1), (-1, -1, -1), (1, 1, 1))
-"""Signs of the corner from which a point is looked at, and of the three that are taken for its neighbours."""
+"""Number of grid points along each side of the space in which boxes are compared."""
+CORNER = (1, -1, 1)
+"""Signs of the corner that the point-in-box test starts from."""
+NEIGHBOURS = ((1, -1, -1), (-1, -1, -1), (1, 1, 1))
+"""Signs of the three corners that it takes for the neighbours of `CORNER`."""
 
 
 def score_as_ancsh(
     found: ScanEstimate, true: ScanEstimate, structure: Structure, points: NDArray[np.floating], parts: NDArray[np.integer]
 ) -> FrameScore:
-    """Errors of `found` in the scan `points` [n, 3] that are said to be of `parts` [n]; NaN in measures without the frame."""
-    if not np.isfinite(found.poses.scales[0]):  # nothing can be told against the base
+    """Errors of an estimate as the public code computes them.
+
+    Args:
+        found: The estimate in the camera's frame, in diagonals of the object.
+        true: The true one in the same frame and unit.
+        structure: The structure of the object.
+        points: The points of the scan [n, 3].
+        parts: The predicted part of each point [n].
+
+    Returns:
+        The score; NaN in measures that the frame is dropped from.
+    """
+    if not np.isfinite(found.poses.scales[0]):  # nothing is known relative to the base
         return nothing_found(structure)
     has_poses, has_boxes, has_states = (
         bool(np.isfinite(values).all()) for values in (found.poses.scales, found.half_extents, found.states)
@@ -43,7 +56,7 @@ def score_as_ancsh(
     clouds = [points[parts == row + 1] for row in range(len(structure.kinds))]
     are_seen = all(len(cloud) or kind is JointKind.REVOLUTE for cloud, kind in zip(clouds, structure.kinds, strict=True))
     with np.errstate(invalid="ignore", divide="ignore"):
-        turned = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
+        rotation = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
         corners = np.linalg.norm(found.poses.translations - true.poses.translations, axis=1)
         lines = [_line(found, true, row) for row in range(len(structure.kinds))]
         state = [
@@ -53,7 +66,7 @@ def score_as_ancsh(
     axis = [axis_error(found.directions[row], true.directions[row]) for row in range(len(structure.kinds))]
     overlap = [box_overlap(_corners(found, part), _corners(true, part)) for part in range(structure.part_count)]
     return FrameScore(
-        _only_if(has_poses, np.nan_to_num(np.array(turned))),
+        _only_if(has_poses, np.nan_to_num(np.array(rotation))),
         _only_if(has_poses, corners),
         _only_if(has_poses and has_boxes, np.array(overlap)),
         _only_if(has_poses and has_boxes and has_states and are_seen, np.nan_to_num(np.array(state))),
@@ -67,27 +80,32 @@ def _only_if(is_known: bool, values: F64) -> F64:
     return values if is_known else np.full_like(values, np.nan)
 
 
-def box_overlap(mine: F64, right: F64) -> float:
-    """The overlap of two boxes, given as functions of signs would be: corners [2, 2, 2, 3] by sign along x, y and z."""
-    both = np.concatenate([mine.reshape(-1, 3), right.reshape(-1, 3)])
+def box_overlap(first: F64, second: F64) -> float:
+    """Overlap of two boxes on the public code's grid; too large, see the module.
+
+    Args:
+        first: Corners [2, 2, 2, 3] of a box, by sign along its x, y and z.
+        second: Corners of the other box.
+    """
+    both = np.concatenate([first.reshape(-1, 3), second.reshape(-1, 3)])
     sides = [np.linspace(low, high, GRID) for low, high in zip(both.min(axis=0), both.max(axis=0), strict=True)]
     places = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
-    inside = [_said_inside(places, corners) for corners in (mine, right)]
+    inside = [_counted_inside(places, corners) for corners in (first, second)]
     union = np.count_nonzero(inside[0] | inside[1])
     return float(np.count_nonzero(inside[0] & inside[1]) / union) if union else 1.0
 
 
-def _said_inside(places: F64, corners: F64) -> NDArray[np.bool_]:
-    origin = _at(corners, CORNER)
+def _counted_inside(places: F64, corners: F64) -> NDArray[np.bool_]:
+    origin = _corner(corners, CORNER)
     inside = np.ones(len(places), bool)
-    for end in ENDS:
-        edge = _at(corners, end) - origin
+    for signs in NEIGHBOURS:
+        edge = _corner(corners, signs) - origin
         along = (places - origin) @ edge
         inside &= (along > 0.0) & (along < edge @ edge)
     return inside
 
 
-def _at(corners: F64, signs: tuple[int, int, int]) -> F64:
+def _corner(corners: F64, signs: tuple[int, int, int]) -> F64:
     return np.asarray(corners[tuple((sign + 1) // 2 for sign in signs)])
 
 
@@ -98,7 +116,7 @@ def _corners(estimate: ScanEstimate, part: int) -> F64:
 
 
 def _angle(rotation: F64) -> float:
-    """Not held to what an arc cosine can be of."""
+    """Rotation angle without clipping the cosine to [-1, 1]: NaN for some rotations of almost no angle."""
     return float(np.arccos((np.trace(rotation) - 1.0) / 2.0))
 
 
@@ -109,17 +127,17 @@ def _line(found: ScanEstimate, true: ScanEstimate, row: int) -> float:
 
 
 def _turn_error(found: ScanEstimate, true: ScanEstimate, part: int) -> float:
-    mine, right = (said.poses.rotations[0].T @ said.poses.rotations[part] for said in (found, true))
+    mine, right = (estimate.poses.rotations[0].T @ estimate.poses.rotations[part] for estimate in (found, true))
     return _angle(mine @ right.T)
 
 
 def _slide_error(found: ScanEstimate, true: ScanEstimate, row: int, cloud: NDArray[np.floating]) -> float:
-    """For the visible points `cloud` [n, 3] of the part that joint `row` moves against the base."""
+    """State error of the slider `row`; `cloud` [n, 3] are the visible points of its part."""
     if not len(cloud):
         return np.nan
     base, part = found.poses.rotations[0], row + 1
-    begins = ((cloud - found.poses.translations[0]) @ base)[:, 0].min()
+    start = ((cloud - found.poses.translations[0]) @ base)[:, 0].min()
     middle = (found.centers[part] - found.poses.translations[part]) @ found.poses.rotations[part]
-    begins_by_network = (middle[0] - found.half_extents[part, 0]) / found.poses.scales[part]
-    slid = base[:, 0] * (begins - begins_by_network)
+    predicted_start = (middle[0] - found.half_extents[part, 0]) / found.poses.scales[part]
+    slid = base[:, 0] * (start - predicted_start)
     return float(np.linalg.norm(true.states[row] * true.directions[row] - slid))

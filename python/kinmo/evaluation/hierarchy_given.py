@@ -1,4 +1,4 @@
-"""The second setting, which is a user's: only the part hierarchy is given, and the bodies are predicted too."""
+"""Evaluation with the hierarchy given: a method gets only the part hierarchy, as from users, and predicts bodies and joints."""
 
 from __future__ import annotations
 
@@ -9,58 +9,63 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from kinmo.core.joint import CoarseType
 from kinmo.core.links import links_of
+from kinmo.core.motion_types import CoarseType
 from kinmo.core.normalisation import Normalisation
-from kinmo.core.prediction import JointEstimate, Prediction
+from kinmo.core.prediction import ShapeEstimate
 from kinmo.evaluation.joint_records import ShapeScore, false_alarm, joint_record, missed_record
 from kinmo.features.prepared_shape import PreparedShape
 
-LEAST_IOU = 0.5
-"""Of leaf areas: bodies that overlap less are not the same."""
+MIN_IOU = 0.5
+"""Smallest overlap (IoU of leaf areas) of two bodies that match."""
 
 
-def hierarchy_given(
-    truth: PreparedShape, prediction: Prediction, *, penetrations: Mapping[int, float] | None = None
+def score_hierarchy_given(
+    truth: PreparedShape, prediction: ShapeEstimate, *, penetrations: Mapping[int, float] | None = None
 ) -> ShapeScore:
-    """Score a prediction (in the frame and the lengths of the file) for the annotated shape `truth`.
+    """Score predicted bodies and joints.
 
-    Bodies are matched one to one by the areas of the leaves they share, junk left out; predicted bodies that are fastened to
-    each other count as one. A true joint is found if its body is matched to a body that moves; moving bodies that are not
-    matched to a moving one are false alarms. `penetrations` are by index of the predicted body.
+    Bodies are matched one to one by the area of the leaves they share, without junk. Predicted bodies that are fixed to each
+    other count as one. A true joint is found if its body matches a body that moves. A predicted body that moves is a false
+    alarm if it does not match a true body that moves.
+
+    Args:
+        truth: The annotated shape.
+        prediction: The prediction in the frame and the lengths of the file.
+        penetrations: Shares of the surface that collide (`PenetrationMeter`), by index of the predicted body.
     """
     mobility, _ = truth.annotation
-    links = links_of(prediction.mobility)
-    overlap = overlap_of(truth, [body.leaves for body in mobility.bodies], [link.leaves for link in links])
-    matched = match_bodies(overlap)
-    records, right = [], set()
+    links, frame = links_of(prediction.mobility), Normalisation(truth.center, truth.diagonal)
+    overlap = body_overlap(truth, [body.leaves for body in mobility.bodies], [link.leaves for link in links])
+    link_of_body = match_bodies(overlap)
+    records, found_links = [], set()
     for index, body in mobility.movable():
-        place = matched.get(index)
-        moving = None if place is None else links[place].body
-        if place is None or moving is None:
+        link = link_of_body.get(index)
+        moving = None if link is None else links[link].body
+        if link is None or moving is None:
             records.append(missed_record(truth, index))
             continue
-        right.add(place)
-        record = joint_record(truth, index, _normalised(_answer(prediction, moving), truth))
-        parent_ok = body.parent is not None and int(np.argmax(overlap.shared[body.parent])) == links[place].parent
+        found_links.add(link)
+        record = joint_record(truth, index, frame.estimate(prediction.estimates[moving][0]))
+        parent_ok = body.parent is not None and int(np.argmax(overlap.shared[body.parent])) == links[link].parent
         penetration = None if penetrations is None else penetrations.get(moving)
         records.append(replace(record, parent_ok=parent_ok, penetration=penetration))
-    wrong = [link.body for place, link in enumerate(links) if link.body is not None and place not in right]
-    alarms = tuple(false_alarm(prediction.mobility.bodies[body].name, _answer(prediction, body)) for body in wrong)
-    is_fine = not any(isinstance(answers[0].type, CoarseType) for answers in prediction.estimates if answers)
-    return ShapeScore(truth.id, truth.category, tuple(records), alarms, is_fine)
+    wrong = [link.body for index, link in enumerate(links) if link.body is not None and index not in found_links]
+    alarms = tuple(false_alarm(prediction.mobility.bodies[body].name, prediction.estimates[body][0]) for body in wrong)
+    has_fine_types = not any(isinstance(ranked[0].type, CoarseType) for ranked in prediction.estimates if ranked)
+    return ShapeScore(truth.id, truth.category, tuple(records), alarms, has_fine_types)
 
 
 @dataclass(frozen=True, eq=False)
 class Overlap:
-    """What K true bodies and B predicted ones share: areas [K, B] in squared diagonals, and their union."""
+    """Areas [K, B] shared by K true and B predicted bodies, and of their unions, in squared diagonals."""
 
     shared: NDArray[np.float64]
     union: NDArray[np.float64]
 
 
-def overlap_of(truth: PreparedShape, bodies: Sequence[Sequence[int]], others: Sequence[Sequence[int]]) -> Overlap:
-    """Overlap of two sets of bodies, each given by its leaves (indices of parts); junk leaves have no area."""
+def body_overlap(truth: PreparedShape, bodies: Sequence[Sequence[int]], others: Sequence[Sequence[int]]) -> Overlap:
+    """Overlap of two sets of bodies, each body given by its leaves (indices of parts). Junk leaves have no area."""
     mobility, _ = truth.annotation
     leaves = np.array(truth.leaves)
     areas = np.where(np.isin(leaves, list(mobility.junk)), 0.0, truth.leaf_areas)
@@ -70,20 +75,8 @@ def overlap_of(truth: PreparedShape, bodies: Sequence[Sequence[int]], others: Se
 
 
 def match_bodies(overlap: Overlap) -> dict[int, int]:
-    """The predicted body of every matched true body: the best one-to-one assignment of overlaps of at least `LEAST_IOU`."""
+    """The predicted body of every matched true body: the one-to-one assignment of overlaps >= `MIN_IOU` with largest total."""
     iou = np.divide(overlap.shared, overlap.union, out=np.zeros_like(overlap.shared), where=overlap.union > 0)
-    wanted = np.where(iou >= LEAST_IOU, iou, 0.0)
-    pairs = zip(*linear_sum_assignment(wanted, maximize=True), strict=True)
-    return {int(true): int(predicted) for true, predicted in pairs if wanted[true, predicted] > 0}
-
-
-def _answer(prediction: Prediction, body: int) -> JointEstimate:
-    """The answer that became the joint of a moving body."""
-    return prediction.estimates[body][0]
-
-
-def _normalised(estimate: JointEstimate, truth: PreparedShape) -> JointEstimate:
-    """An estimate in the file's frame, in the normalised frame of `truth`."""
-    if estimate.joint is None:
-        return estimate
-    return replace(estimate, joint=Normalisation(truth.center, truth.diagonal).joint(estimate.joint))
+    allowed = np.where(iou >= MIN_IOU, iou, 0.0)
+    pairs = zip(*linear_sum_assignment(allowed, maximize=True), strict=True)
+    return {int(true): int(predicted) for true, predicted in pairs if allowed[true, predicted] > 0}

@@ -1,40 +1,34 @@
-"""What was measured of one true joint, and of one shape.
-
-Everything is in the normalised frame: lengths are diagonals of the object's box.
-"""
+"""Evaluation records of true joints, false alarms and whole shapes, in the normalised frame (lengths in diagonals)."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.joint import CoarseType, Joint, JointKind, MotionType
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.core.prediction import JointEstimate
 from kinmo.evaluation import metrics
 from kinmo.features.prepared_shape import PreparedShape
 
-AXIS_WITHIN = math.radians(5.0)
-LINE_WITHIN = 0.05
-"""In diagonals."""
 CONTROLS = ("button", "knob", "switch")
-"""Small parts that nearly any axis of their box fits: figures are also given without them."""
+"""Names of small parts that nearly any axis of their box fits. Tables are also printed without them."""
 
 
 def is_control(name: str) -> bool:
-    """Whether a part of this name is a button, knob or switch."""
+    """True if the name of a part contains the name of a control (`CONTROLS`), in any case."""
     return any(word in name.lower() for word in CONTROLS)
 
 
 @dataclass(frozen=True)
 class JointRecord:
-    """One true joint and the answer to it.
+    """One true joint, its prediction and the errors of the prediction.
 
-    Angles in radians, lengths in diagonals. A joint is *missed* if no moving body answers to it; a figure is None where it
-    has no meaning: the axis of a missed joint, the line of a slider, the range of an unlimited joint, what was not asked for.
+    Angles are in radians, lengths in diagonals. A joint is *missed* if no predicted body that moves matches its body. An error
+    is None where it has no meaning: the axis of a missed joint, the line of a slider, the range of an unlimited joint.
     """
 
     shape_id: str
@@ -43,27 +37,28 @@ class JointRecord:
     name: str
     true_type: MotionType
     diagonal: float
-    """Of the object, in the lengths of its file."""
+    """Diagonal of the object's box in the lengths of its file."""
     predicted_type: MotionType | CoarseType | None = None
     axis_error: float | None = None
     typed_axis_error: float | None = None
-    """Of the answer when the true type is told."""
+    """Axis error of the prediction given the true type."""
     line_distance: float | None = None
-    """Smallest distance of the two lines."""
+    """Smallest distance of the two axis lines."""
     line_at_part: float | None = None
-    """Distance of the predicted line from the true one at the part: the stricter figure."""
+    """Distance of the axis lines at the part, the stricter error."""
     pivot_distance: float | None = None
     """Distance of the predicted line from the annotated pivot."""
     range_iou: float | None = None
     parent_ok: bool | None = None
     penetration: float | None = None
-    """Share of the part's surface that runs into the rest on the way through the predicted range."""
+    """Share of the part's surface that collides on the way through the predicted range."""
     score: float | None = None
     terms: Mapping[str, float] = field(default_factory=dict)
+    """Parts of `score` by name."""
 
     @property
     def is_control(self) -> bool:
-        """Whether the part is a button, knob or switch by name."""
+        """True if the part is a button, knob or switch by name."""
         return is_control(self.name)
 
     @property
@@ -74,47 +69,49 @@ class JointRecord:
         return kind
 
     @property
-    def predicted_coarse(self) -> CoarseType | None:
-        """The predicted type among five."""
-        return self.predicted_type.coarse if isinstance(self.predicted_type, MotionType) else self.predicted_type
+    def predicted_kind(self) -> JointKind | None:
+        """The predicted kind, None for a missed joint."""
+        return None if self.predicted_type is None else self.predicted_type.kind
 
     @property
     def is_missed(self) -> bool:
-        return self.predicted_coarse in (None, CoarseType.FIXED, CoarseType.NONE)
+        """True if no predicted body that moves matches the body of the joint."""
+        return self.predicted_kind is None
 
     @property
-    def coarse_ok(self) -> bool:
-        return self.predicted_coarse is self.true_type.coarse
+    def coarse_type_ok(self) -> bool:
+        """True if the type is right among five, which for a joint is its kind."""
+        return self.predicted_kind is self.kind
 
     @property
-    def type_ok(self) -> bool:
-        """Right among the types that the method tells apart."""
-        return self.fine_ok if isinstance(self.predicted_type, MotionType) else self.coarse_ok
-
-    @property
-    def fine_ok(self) -> bool:
+    def fine_type_ok(self) -> bool:
+        """True if the type is right among ten; never for a method that distinguishes five."""
         return self.predicted_type is self.true_type
 
     @property
-    def axis_ok(self) -> bool:
-        """Axis within 5 degrees, whatever the type."""
-        return self.axis_error is not None and self.axis_error <= AXIS_WITHIN
+    def type_ok(self) -> bool:
+        """True if the type is right among the types that the method distinguishes."""
+        return self.fine_type_ok if isinstance(self.predicted_type, MotionType) else self.coarse_type_ok
 
     @property
-    def placed_ok(self) -> bool:
-        """Axis within 5 degrees and, unless the truth is a slider, the line within 0.05 diagonals."""
-        is_slider = self.kind is JointKind.PRISMATIC
-        return self.axis_ok and (is_slider or (self.line_at_part is not None and self.line_at_part <= LINE_WITHIN))
+    def axis_ok(self) -> bool:
+        """True if the axis is ok, whatever the type."""
+        return metrics.is_axis_ok(self.axis_error)
+
+    @property
+    def axis_and_line_ok(self) -> bool:
+        """True if the axis is ok and, unless the true joint slides, the line too."""
+        return metrics.is_axis_and_line_ok(self.kind, self.axis_error, self.line_at_part)
 
     @property
     def is_ok(self) -> bool:
-        """Right kind, right axis, right line."""
-        return self.coarse_ok and self.placed_ok
+        """True if kind, axis and line are ok (`metrics.is_ok`)."""
+        return metrics.is_ok(self.kind, self.predicted_kind, self.axis_error, self.line_at_part)
 
 
 @dataclass(frozen=True)
 class FalseAlarm:
-    """A moving body of the prediction that is no moving body of the truth. `name` is its own, in the prediction."""
+    """A body that moves in the prediction but not in the truth. `name` is its name in the prediction."""
 
     name: str
     score: float
@@ -122,63 +119,75 @@ class FalseAlarm:
 
     @property
     def is_control(self) -> bool:
-        """Whether the part is a button, knob or switch by name."""
+        """True if the body is a button, knob or switch by name."""
         return is_control(self.name)
 
 
 @dataclass(frozen=True)
 class ShapeScore:
-    """All true joints of one shape, with the moving bodies that it does not have. `failure` says why there is no prediction.
+    """The records of all true joints of one shape, and the false alarms of its prediction.
 
-    `is_fine` tells whether the method speaks of ten types or of five.
+    Attributes:
+        has_fine_types: True if the method distinguishes ten types, False if five.
+        failure: The reason why there is no prediction.
+        edges_right: Number of edges of the hierarchy with the right type.
+        edges: Number of edges with a predicted type; 0 if the method predicts none.
     """
 
     shape_id: str
     category: str
     records: tuple[JointRecord, ...]
     false_alarms: tuple[FalseAlarm, ...] = ()
-    is_fine: bool = True
+    has_fine_types: bool = True
     failure: str | None = None
     edges_right: int = 0
     edges: int = 0
-    """How many edges of the hierarchy were classed, and how many of them right; 0 where a method has none."""
 
     def without_controls(self) -> ShapeScore:
-        """The same without buttons, knobs and switches, true ones and false alarms."""
+        """The score without buttons, knobs and switches, in the records and in the false alarms."""
         records = tuple(record for record in self.records if not record.is_control)
         return replace(self, records=records, false_alarms=tuple(alarm for alarm in self.false_alarms if not alarm.is_control))
 
 
 def missed_record(truth: PreparedShape, body: int) -> JointRecord:
-    """The record of the joint of `body`, a movable body of the truth, without an answer."""
+    """The record of the joint of `body`, a movable body of the truth, that was not predicted."""
     mobility, _ = truth.annotation
     name = mobility.bodies[body].name
     return JointRecord(truth.id, truth.category, body, name, truth.body_types[body], truth.diagonal)
 
 
-def terms_of(estimate: JointEstimate) -> dict[str, float]:
-    """The terms of an answer's score that mean something: a slider has no position."""
+def false_alarm(name: str, estimate: JointEstimate) -> FalseAlarm:
+    """The false alarm of an `estimate` for a body called `name`."""
+    return FalseAlarm(name, estimate.score, _score_terms(estimate))
+
+
+def joint_record(truth: PreparedShape, body: int, estimate: JointEstimate | None) -> JointRecord:
+    """Compare an estimate with the true joint of a body.
+
+    Args:
+        truth: The annotated shape.
+        body: Index of a movable body of the truth.
+        estimate: The predicted joint in the normalised frame, None if there is none.
+
+    Returns:
+        The record; a missed one if nothing or no motion was predicted.
+    """
+    record = missed_record(truth, body)
+    if estimate is None:
+        return record
+    record = replace(record, predicted_type=estimate.type, score=estimate.score, terms=_score_terms(estimate))
+    return record if estimate.joint is None or record.is_missed else _with_errors(record, truth, estimate.joint)
+
+
+def _score_terms(estimate: JointEstimate) -> dict[str, float]:
+    """The terms of an estimate's score that have a meaning: a slider has no position."""
     slides = estimate.joint is not None and not estimate.joint.has_pivot
     return {name: value for name, value in estimate.terms.items() if not (slides and name == "position")}
 
 
-def false_alarm(name: str, estimate: JointEstimate) -> FalseAlarm:
-    """What is remembered of a joint that there is not, of a body called `name`."""
-    return FalseAlarm(name, estimate.score, terms_of(estimate))
-
-
-def joint_record(truth: PreparedShape, body: int, estimate: JointEstimate | None) -> JointRecord:
-    """The record of the joint of `body`, a movable body of the truth, with the answer `estimate` in the normalised frame."""
-    record = missed_record(truth, body)
-    if estimate is None:
-        return record
-    record = replace(record, predicted_type=estimate.type, score=estimate.score, terms=terms_of(estimate))
-    return record if estimate.joint is None or record.is_missed else _measured(record, truth, body, estimate.joint)
-
-
-def _measured(record: JointRecord, truth: PreparedShape, body: int, predicted: Joint) -> JointRecord:
+def _with_errors(record: JointRecord, truth: PreparedShape, predicted: Joint) -> JointRecord:
     mobility, boxes = truth.annotation
-    true, middle = mobility.bodies[body].joint, boxes[body].center
+    true, middle = mobility.bodies[record.body].joint, boxes[record.body].center
     assert true is not None, "records are of true joints"
     record = replace(
         record,
@@ -195,17 +204,26 @@ def _measured(record: JointRecord, truth: PreparedShape, body: int, predicted: J
     )
 
 
-def with_edges(score: ShapeScore, truth: PreparedShape, predicted: NDArray[np.int64]) -> ShapeScore:
-    """The score with the types [E] that a method gives to the edges of `truth`: MotionType, or CoarseType if it is coarse."""
+def with_edge_types(score: ShapeScore, truth: PreparedShape, predicted: NDArray[np.int64]) -> ShapeScore:
+    """Add the accuracy of edge types to a score.
+
+    Args:
+        score: The score of the shape.
+        truth: The annotated shape, with E labelled edges.
+        predicted: Predicted types [E]: MotionType, or CoarseType if the method distinguishes five types.
+
+    Raises:
+        ValueError: if the shape has no labelled edges, or another number of them.
+    """
     if truth.edge_labels is None or len(predicted) != len(truth.edges):
         raise ValueError(f"predicted: expected the types of the {len(truth.edges)} edges of a labelled shape")
     types = truth.edge_labels.types
-    wanted = types if score.is_fine else np.array([MotionType(label).coarse for label in types], np.int64)
-    return replace(score, edges_right=int(np.sum(wanted == predicted)), edges=len(predicted))
+    expected = types if score.has_fine_types else np.array([MotionType(label).coarse for label in types], np.int64)
+    return replace(score, edges_right=int(np.sum(expected == predicted)), edges=len(predicted))
 
 
-def failed_shape(truth: PreparedShape, reason: str, *, is_fine: bool = True) -> ShapeScore:
-    """The score of a shape that got no prediction: all its joints are missed."""
+def failed_shape(truth: PreparedShape, reason: str, *, has_fine_types: bool = True) -> ShapeScore:
+    """The score of a shape without a prediction: all its joints are missed."""
     mobility, _ = truth.annotation
     records = tuple(missed_record(truth, body) for body, _ in mobility.movable())
-    return ShapeScore(truth.id, truth.category, records, is_fine=is_fine, failure=reason)
+    return ShapeScore(truth.id, truth.category, records, has_fine_types=has_fine_types, failure=reason)

@@ -1,29 +1,35 @@
-"""The first setting: the rigid bodies of the truth are given, and their joints are asked for (paper, Table 1)."""
+"""Evaluation with parts given: a method gets the true rigid bodies and predicts their joints (paper, Table 1)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
 
-from kinmo.core.joint import CoarseType
+from kinmo.core.motion_types import CoarseType
 from kinmo.core.prediction import JointEstimate
 from kinmo.evaluation.joint_records import ShapeScore, false_alarm, joint_record
 from kinmo.features.prepared_shape import PreparedShape
 
 
-def parts_given(
+def score_parts_given(
     truth: PreparedShape,
     estimates: Mapping[int, JointEstimate],
     *,
     parents: Mapping[int, int | None] | None = None,
     penetrations: Mapping[int, float] | None = None,
-    told: Mapping[int, JointEstimate] | None = None,
+    typed_estimates: Mapping[int, JointEstimate] | None = None,
 ) -> ShapeScore:
-    """Score the answers to the bodies of `truth`, by index of the body, joints in the normalised frame.
+    """Score predicted joints of the true bodies.
 
-    A movable body without an answer, or with one that does not move, is missed; a body of the truth that does not move but is
-    said to is a false alarm. `parents` and `penetrations`, where known, are by body
-    too; so is `told`, the answers when the true types are told, to those bodies at least that otherwise got a wrong type.
+    A movable body without an estimate, or with one that does not move, is missed. A body of the truth that does not move, with
+    an estimate that does, is a false alarm. All mappings are by index of the body; joints are in the normalised frame.
+
+    Args:
+        truth: The annotated shape.
+        estimates: The predicted joints.
+        parents: The predicted parents, if the method predicts them.
+        penetrations: Shares of the surface that collide (`PenetrationMeter`), where they are known.
+        typed_estimates: The predictions given the true types, at least for bodies with a wrong type in `estimates`.
     """
     mobility, _ = truth.annotation
     records = []
@@ -33,15 +39,15 @@ def parts_given(
             record = replace(record, parent_ok=parents.get(index) == body.parent)
         if penetrations is not None and index in penetrations:
             record = replace(record, penetration=penetrations[index])
-        if told is not None:
-            typed = record if record.type_ok else joint_record(truth, index, told.get(index))
+        if typed_estimates is not None:
+            typed = record if record.type_ok else joint_record(truth, index, typed_estimates.get(index))
             record = replace(record, typed_axis_error=typed.axis_error)
         records.append(record)
-    still = {index: body.name for index, body in enumerate(mobility.bodies) if not body.is_movable}
+    fixed = {index: body.name for index, body in enumerate(mobility.bodies) if not body.is_movable}
     alarms = tuple(
-        false_alarm(still[index], estimate)
+        false_alarm(fixed[index], estimate)
         for index, estimate in estimates.items()
-        if index in still and estimate.joint is not None
+        if index in fixed and estimate.joint is not None
     )
-    is_fine = not any(isinstance(estimate.type, CoarseType) for estimate in estimates.values())
-    return ShapeScore(truth.id, truth.category, tuple(records), alarms, is_fine)
+    has_fine_types = not any(isinstance(estimate.type, CoarseType) for estimate in estimates.values())
+    return ShapeScore(truth.id, truth.category, tuple(records), alarms, has_fine_types)

@@ -1,4 +1,4 @@
-"""How much of a moving part runs into the rest on its way through its range."""
+"""Penetration of moving parts into the rest of the object, on the way through their ranges."""
 
 from __future__ import annotations
 
@@ -11,36 +11,41 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Mobility
 
 REVOLUTE, PRISMATIC = 0, 1
+"""Codes of the two kinds of motion in `_core.sweep`."""
 DECIMALS = 9
-"""Joints that agree to so many are swept once."""
+"""Joints that agree to this many decimals are swept once."""
 
 _Sweep = tuple[tuple[int, ...], JointKind, bytes]
 
 
 class PenetrationMeter:
-    """Sweeps the parts of one shape through the ranges of the joints that several methods say they have.
+    """Sweeps the parts of one shape through the ranges that several methods predict. Equal sweeps are computed once.
 
-    `meshes` are those of `leaves`, in the frame of the mobilities. What has been swept once is remembered, as methods often
-    agree.
+    Args:
+        meshes: The meshes of `leaves`, in the frame of the mobilities to measure.
+        leaves: Indices of the leaf parts.
     """
 
     def __init__(self, meshes: _core.Meshes, leaves: tuple[int, ...]) -> None:
         self._meshes = meshes
-        self._place = {leaf: index for index, leaf in enumerate(leaves)}
+        self._index_of_leaf = {leaf: index for index, leaf in enumerate(leaves)}
         self._known: dict[_Sweep, float] = {}
 
-    def of(self, mobility: Mobility) -> dict[int, float]:
-        """The share [0, 1] of surface probes that collide on the way through the joint's range, by index of the movable body.
+    def measure(self, mobility: Mobility) -> dict[int, float]:
+        """Penetration of every movable body.
 
-        A body takes its descendants along; a screw is swept as a slide, an unlimited hinge half a turn either way. A body that
-        nothing else is beside, or a slider without limits, has no figure.
+        A body takes its descendants along. A screw is swept as a slide, an unlimited hinge half a turn either way.
+
+        Returns:
+            The share (0 to 1) of surface probes that collide, by index of the body. There is none for a body that is all of
+            the object, and for a slider without limits.
         """
         shares: dict[int, float] = {}
         for index, body in mobility.movable():
             below = mobility.descendants(index)
-            moving = tuple(sorted(self._place[leaf] for other in below for leaf in mobility.bodies[other].leaves))
-            span = None if body.joint is None else _span(body.joint)
-            if body.joint is not None and span is not None and 0 < len(moving) < len(self._place):
+            moving = tuple(sorted(self._index_of_leaf[leaf] for other in below for leaf in mobility.bodies[other].leaves))
+            span = None if body.joint is None else _sweep_range(body.joint)
+            if body.joint is not None and span is not None and 0 < len(moving) < len(self._index_of_leaf):
                 shares[index] = self._share(moving, body.joint, span)
         return shares
 
@@ -48,22 +53,25 @@ class PenetrationMeter:
         numbers = np.concatenate([joint.direction, joint.pivot, span]).round(DECIMALS)
         key = moving, joint.kind, numbers.tobytes()
         if key not in self._known:
-            rest = [leaf for leaf in range(len(self._place)) if leaf not in set(moving)]
-            self._known[key] = _swept(self._meshes, list(moving), rest, joint, span)
+            rest = sorted(set(range(len(self._index_of_leaf))).difference(moving))
+            code = REVOLUTE if joint.kind is JointKind.REVOLUTE else PRISMATIC
+            lower, upper = (np.array([end]) for end in span)
+            *_, depth = _core.sweep(
+                self._meshes,
+                list(moving),
+                rest,
+                np.array([code], np.uint8),
+                joint.direction[None],
+                joint.pivot[None],
+                lower,
+                upper,
+            )
+            self._known[key] = float(depth.max())
         return self._known[key]
 
 
-def _span(joint: Joint) -> tuple[float, float] | None:
-    """The range from the pose of the file: at most 0 below, at least 0 above."""
+def _sweep_range(joint: Joint) -> tuple[float, float] | None:
+    """The range relative to the pose of the file: at most 0 below, at least 0 above. None for an unlimited slider."""
     if joint.lower is None or joint.upper is None:
         return (-math.pi, math.pi) if joint.kind is JointKind.REVOLUTE else None
     return min(0.0, joint.lower - joint.rest), max(0.0, joint.upper - joint.rest)
-
-
-def _swept(core: _core.Meshes, moving: list[int], rest: list[int], joint: Joint, span: tuple[float, float]) -> float:
-    kind = REVOLUTE if joint.kind is JointKind.REVOLUTE else PRISMATIC
-    lower, upper = (np.array([end]) for end in span)
-    *_, depth = _core.sweep(
-        core, moving, rest, np.array([kind], np.uint8), joint.direction[None], joint.pivot[None], lower, upper
-    )
-    return float(depth.max())

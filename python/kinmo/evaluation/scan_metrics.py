@@ -1,4 +1,4 @@
-"""How far the parts and joints that were found in a scan are from the true ones (paper, section 4.2; docs/metrics.md)."""
+"""Errors of the parts and joints that were found in a scan (paper, section 4.2; docs/metrics.md, "Scans")."""
 
 from __future__ import annotations
 
@@ -13,22 +13,30 @@ from scipy.spatial.transform import Rotation
 from kinmo import _core
 from kinmo.core.joint import Joint, JointKind
 from kinmo.evaluation.metrics import axis_error, line_distance
-from kinmo.scans.articulated_object import Extents, Structure
-from kinmo.scans.point_predictions import MIDDLE
-from kinmo.scans.pose_fitting import PartPoses, ScanEstimate
+from kinmo.scans.object_structure import Extents, Structure
+from kinmo.scans.poses.point_predictions import MIDDLE
+from kinmo.scans.poses.scan_estimate import PartPoses, ScanEstimate
 
 F64 = NDArray[np.float64]
 
-NEAR_TURN, NEAR_PLACE = math.radians(5.0), 0.05
+MAX_ROTATION_ERROR = math.radians(5.0)
+"""Largest rotation error of an accurate part pose, in radians (ANCSH's accuracy at 5 degrees)."""
+MAX_TRANSLATION_ERROR = 0.05
+"""Largest translation error of an accurate part pose, in diagonals."""
 
 
 @dataclass(frozen=True, eq=False)
 class FrameScore:
-    """Errors of one scan with K parts; NaN where the part or the joint was not found.
+    """Errors of one scan with K parts. NaN where the part or the joint was not found. Lengths are diagonals of the object.
 
-    By part [K]: `rotation` (radians), `translation` of the part's middle by its pose, `iou` of the amodal boxes. By joint [K
-    - 1]: `state` (radians, or diagonals where it slides), `turn` (radians, of a joint that slides and turns), `axis` (radians)
-    and `line`, the distance of the two axes (NaN too for a joint without a pivot). Lengths are diagonals of the object.
+    Attributes:
+        rotation: Rotation errors of the parts [K], in radians.
+        translation: Distances of the parts' middles from the true ones [K].
+        iou: Overlaps of the amodal boxes [K].
+        state: Errors of the joint states [K - 1], in radians, or in diagonals where the joint slides.
+        turn: Errors of the turn of joints that slide and turn [K - 1], in radians.
+        axis: Angles between the joint axes [K - 1], in radians.
+        line: Distances of the joint axes [K - 1]; NaN too for a joint without a pivot.
     """
 
     rotation: F64
@@ -41,30 +49,41 @@ class FrameScore:
 
     @property
     def is_whole(self) -> bool:
-        """Whether every part and the axis of every joint was found."""
+        """True if every part and the axis of every joint was found."""
         return bool(np.isfinite(self.rotation).all() and np.isfinite(self.axis).all())
 
     @property
-    def turned_right(self) -> F64:
-        """1 for each part that is turned at most 5 degrees too far, else 0 [K]; NaN where it was not found."""
-        return np.where(np.isfinite(self.rotation), self.rotation <= NEAR_TURN, np.nan)
+    def rotation_ok(self) -> F64:
+        """1 for each part with a rotation error of at most 5 degrees, else 0 [K]; NaN where it was not found."""
+        return np.where(np.isfinite(self.rotation), self.rotation <= MAX_ROTATION_ERROR, np.nan)
 
     @property
-    def placed_right(self) -> F64:
-        """1 for each part that moreover lies at most .05 diagonals off, else 0 [K]; NaN where it was not found."""
-        return np.where(np.isfinite(self.rotation), self.turned_right * (self.translation <= NEAR_PLACE), np.nan)
+    def pose_ok(self) -> F64:
+        """1 for each part with `rotation_ok` and at most 0.05 diagonals of translation error, else 0 [K]; NaN if not found."""
+        return np.where(np.isfinite(self.rotation), self.rotation_ok * (self.translation <= MAX_TRANSLATION_ERROR), np.nan)
 
 
 def nothing_found(structure: Structure) -> FrameScore:
-    """That of a scan in which nothing was found."""
+    """The score of a scan in which nothing was found."""
     parts, joints = np.full(structure.part_count, np.nan), np.full(len(structure.kinds), np.nan)
     return FrameScore(parts, parts, parts, joints, joints, joints, joints)
 
 
-def truth(poses: F64, values: F64, turns: F64, joints: Sequence[Joint], structure: Structure, extents: Extents) -> ScanEstimate:
-    """What there is to find in a scan with `poses` [K, 4, 4], `values` and `turns` [K - 1] (`kinmo.scans.labelled_frames.Scans`).
+def true_scan_estimate(
+    poses: F64, values: F64, turns: F64, joints: Sequence[Joint], structure: Structure, extents: Extents
+) -> ScanEstimate:
+    """The true parts and joints of a scan, in the form of an estimate.
 
-    In the camera's frame; lengths are diagonals of the object, angles radians.
+    Args:
+        poses: True poses of the parts [K, 4, 4], from the normalised frame to the camera's.
+        values: Values of the joints [K - 1], in radians, or in diagonals where the joint slides.
+        turns: Turns of joints that slide and turn [K - 1], in radians.
+        joints: The K - 1 joints in the normalised frame.
+        structure: The structure of the object.
+        extents: The boxes of the parts in the normalised frame.
+
+    Returns:
+        The estimate in the camera's frame, in diagonals of the object.
     """
     rotations, sizes = poses[:, :3, :3], extents.diagonals
     corners = extents.centers - MIDDLE * sizes[:, None]
@@ -79,19 +98,25 @@ def truth(poses: F64, values: F64, turns: F64, joints: Sequence[Joint], structur
 
 
 def score_frame(found: ScanEstimate, true: ScanEstimate, structure: Structure) -> FrameScore:
-    """Errors of `found`; both in the camera's frame, in diagonals of the object."""
-    turned = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
+    """Errors of an estimate.
+
+    Args:
+        found: The estimate in the camera's frame, in diagonals of the object.
+        true: The true one in the same frame and unit (`true_scan_estimate`).
+        structure: The structure of the object.
+    """
+    rotation = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
     signs = np.where((found.directions * true.directions).sum(axis=1) < 0.0, -1.0, 1.0)  # states count along the true axis
     hinged = np.array([kind is JointKind.REVOLUTE for kind in structure.kinds], bool)
-    state = np.abs(_off(signs * found.states - true.states, hinged))
-    turn = np.abs(_off(signs * found.turns - true.turns, np.ones_like(hinged)))
+    state = np.abs(_difference(signs * found.states - true.states, hinged))
+    turn = np.abs(_difference(signs * found.turns - true.turns, np.ones_like(hinged)))
     known = np.asarray(np.isfinite(found.directions).all(axis=1))
     axis = [axis_error(found.directions[row], true.directions[row]) if known[row] else math.nan for row in range(len(known))]
     line = [_line(found, true, row, kind) if known[row] else math.nan for row, kind in enumerate(structure.kinds)]
     return FrameScore(
-        np.array(turned),
+        np.array(rotation),
         np.linalg.norm(found.poses.middles - true.poses.middles, axis=1),
-        _overlaps(found, true),
+        _box_overlaps(found, true),
         state,
         turn,
         np.array(axis),
@@ -103,24 +128,28 @@ def _angle(rotation: F64) -> float:
     return float(Rotation.from_matrix(rotation).magnitude()) if np.isfinite(rotation).all() else math.nan
 
 
-def _off(off: F64, turning: NDArray[np.bool_]) -> F64:
-    """Differences of states, those of what turns within half a turn."""
-    return np.where(turning, (off + np.pi) % (2.0 * np.pi) - np.pi, off)
+def _difference(difference: F64, turning: NDArray[np.bool_]) -> F64:
+    """Differences of states, wrapped to half a turn where the joint is turning."""
+    return np.where(turning, (difference + np.pi) % (2.0 * np.pi) - np.pi, difference)
 
 
 def _line(found: ScanEstimate, true: ScanEstimate, row: int, kind: JointKind) -> float:
     if kind is JointKind.PRISMATIC:
         return math.nan
-    mine, right = (Joint(kind, said.directions[row], said.pivots[row]) for said in (found, true))
+    mine, right = (Joint(kind, estimate.directions[row], estimate.pivots[row]) for estimate in (found, true))
     return line_distance(right, mine, true.centers[row + 1])
 
 
-def _overlaps(found: ScanEstimate, true: ScanEstimate) -> F64:
+def _box_overlaps(found: ScanEstimate, true: ScanEstimate) -> F64:
     overlaps = np.full(len(found.half_extents), np.nan)
     known = np.flatnonzero(found.poses.found & np.isfinite(found.half_extents).all(axis=1))
     boxes = [
-        (said.centers[known], np.swapaxes(said.poses.rotations[known], 1, 2).copy(), said.half_extents[known])
-        for said in (found, true)
+        (
+            estimate.centers[known],
+            np.swapaxes(estimate.poses.rotations[known], 1, 2).copy(),
+            estimate.half_extents[known],
+        )
+        for estimate in (found, true)
     ]
     overlaps[known] = _core.box_iou(*boxes[0], *boxes[1])
     return overlaps

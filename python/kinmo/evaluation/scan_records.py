@@ -1,4 +1,4 @@
-"""Errors of the frames of test objects, and the figures that they sum up to (docs/metrics.md, "Scans")."""
+"""Scores of the frames of test objects, the measures of the scan tables, and the files of scores (docs/metrics.md, "Scans")."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from kinmo.core.joint import JointKind
 from kinmo.evaluation.aggregate import Figure, Unit
 from kinmo.evaluation.scan_metrics import FrameScore
 from kinmo.io.atomic_files import write_text_atomically
-from kinmo.scans.articulated_object import Structure
+from kinmo.scans.object_structure import Structure
 
-_NAMES = tuple(field.name for field in fields(FrameScore))
+_ERRORS = tuple(field.name for field in fields(FrameScore))
 
 
 @dataclass(frozen=True, eq=False)
 class ObjectScans:
-    """What was found in the frames of one test object, by networks of one seed or of several."""
+    """Scores of the frames of one test object, of one or several seeds."""
 
     id: str
     frames: tuple[FrameScore, ...]
@@ -32,12 +32,23 @@ class ObjectScans:
 
 @dataclass(frozen=True)
 class Measure:
-    """A column of the paper's tables. `of_joints`: of joints 1 and up, else of parts 0 and up; of joints those of `kinds`."""
+    """One column of the paper's scan tables.
+
+    Attributes:
+        key: Name of the field of `FrameScore`.
+        title: Head of the column.
+        unit: Unit of the figure.
+        per_joint: True for a measure of joints (of parts 1 and up), False for one of parts (0 and up).
+        factor: Factor from the field to the unit of the column.
+        decimals: Number of printed decimals.
+        larger_is_better: True for overlaps and accuracies, False for errors.
+        kinds: The kinds of joints that a measure of joints is of.
+    """
 
     key: str
     title: str
     unit: Unit
-    of_joints: bool
+    per_joint: bool
     factor: float = 1.0
     decimals: int = 2
     larger_is_better: bool = False
@@ -54,16 +65,16 @@ MEASURES: tuple[Measure, ...] = (
     Measure("axis", "axis (deg)", Unit.DEGREES, True, math.degrees(1.0)),
     Measure("line", "line", Unit.DIAGONALS, True, decimals=3, kinds=(JointKind.REVOLUTE, JointKind.SCREW)),
 )
-"""Lengths are diagonals of the object."""
+"""The measures of all scan tables. Lengths are diagonals of the object."""
 ACCURACIES: tuple[Measure, ...] = (
-    Measure("turned_right", "within 5 deg (%)", Unit.SHARE, False, 100.0, 1, larger_is_better=True),
-    Measure("placed_right", "within 5 deg, .05 (%)", Unit.SHARE, False, 100.0, 1, larger_is_better=True),
+    Measure("rotation_ok", "within 5 deg (%)", Unit.SHARE, False, 100.0, 1, larger_is_better=True),
+    Measure("pose_ok", "within 5 deg, .05 (%)", Unit.SHARE, False, 100.0, 1, larger_is_better=True),
 )
-"""What ANCSH's public evaluation code prints besides."""
+"""Further measures that ANCSH's public evaluation code prints."""
 
 
-def failed() -> Figure[ObjectScans]:
-    """The share of frames in which a part was not found; what was not found counts in no mean."""
+def failed_frames() -> Figure[ObjectScans]:
+    """The percentage of frames in which a part or an axis was not found. These count in no mean."""
     return Figure(
         "failed",
         "failed (%)",
@@ -72,14 +83,19 @@ def failed() -> Figure[ObjectScans]:
     )
 
 
-def of_rows(measure: Measure, rows: Sequence[int]) -> Figure[ObjectScans]:
-    """The mean of a measure over frames and over the parts (or joints) with the places `rows` in `FrameScore`."""
+def measure_figure(measure: Measure, rows: Sequence[int]) -> Figure[ObjectScans]:
+    """The mean of a measure over frames and over some parts or joints.
+
+    Args:
+        measure: The measure.
+        rows: Places of the parts or joints in the arrays of `FrameScore` (`measured_rows`).
+    """
     return Figure(measure.key, measure.title, measure.unit, _sums(measure, list(rows)))
 
 
-def rows_of(measure: Measure, structure: Structure) -> dict[int, int]:
-    """The parts that a measure is of, and their places in `FrameScore`."""
-    if not measure.of_joints:
+def measured_rows(measure: Measure, structure: Structure) -> dict[int, int]:
+    """The parts that have a measure, with their places in the arrays of `FrameScore`."""
+    if not measure.per_joint:
         return {part: part for part in range(structure.part_count)}
     return {row + 1: row for row, kind in enumerate(structure.kinds) if kind in measure.kinds}
 
@@ -94,10 +110,15 @@ def _sums(measure: Measure, rows: list[int]) -> Callable[[ObjectScans], tuple[fl
 
 
 def found_by_all(rows: Sequence[Sequence[ObjectScans]]) -> list[list[ObjectScans]]:
-    """Of every row the objects that all have, without what any of the rows has not found of a frame.
+    """Restrict several table rows to the objects that all have, and to the parts and joints of each frame that all have found.
 
-    What is hard to find has large errors where it is found: a row that loses it would seem to gain by that. The rows are of
-    the same frames, in one order.
+    What is hard to find has large errors where it is found. A row that loses it would seem to gain otherwise.
+
+    Args:
+        rows: The scored objects of each table row. Frames of an object are the same in all, in the same order.
+
+    Returns:
+        The rows with NaN for what any row has not found, objects in the order of their ids.
     """
     by_id = [{scored.id: scored for scored in row} for row in rows]
     common = sorted(set(by_id[0]).intersection(*by_id))
@@ -112,31 +133,38 @@ def found_by_all(rows: Sequence[Sequence[ObjectScans]]) -> list[list[ObjectScans
 
 
 def _known(frames: Sequence[FrameScore]) -> dict[str, NDArray[np.bool_]]:
-    """What all of some rows have found of a frame."""
-    return {key: np.all([np.isfinite(getattr(frame, key)) for frame in frames], axis=0) for key in _NAMES}
+    """Masks of the errors that are known in all of several scores of a frame."""
+    return {key: np.all([np.isfinite(getattr(frame, key)) for frame in frames], axis=0) for key in _ERRORS}
 
 
 def _only(frame: FrameScore, known: Mapping[str, NDArray[np.bool_]]) -> FrameScore:
-    return FrameScore(**{key: np.where(known[key], getattr(frame, key), np.nan) for key in _NAMES})
+    return FrameScore(**{key: np.where(known[key], getattr(frame, key), np.nan) for key in _ERRORS})
 
 
 def write_scores(path: Path, scores: Iterable[tuple[str, FrameScore]]) -> None:
-    """Write one JSON line a frame, with the id of its object; what was not found is null."""
-    lines = (json.dumps({"id": name, **{key: _plain(getattr(score, key)) for key in _NAMES}}) + "\n" for name, score in scores)
+    """Write one JSON line a frame, with the id of its object. Errors of what was not found are null."""
+    lines = (json.dumps({"id": name, **{key: _plain(getattr(score, key)) for key in _ERRORS}}) + "\n" for name, score in scores)
     write_text_atomically(path, "".join(lines))
 
 
 def read_scores(paths: Sequence[Path]) -> list[ObjectScans]:
-    """The objects of some files of `write_scores`, with the frames of all. Raises InputError for anything else."""
+    """Read files of `write_scores`.
+
+    Returns:
+        The objects in the order of their ids, each with its frames of all files.
+
+    Raises:
+        InputError: if a file cannot be read or has another form.
+    """
     found: dict[str, list[FrameScore]] = {}
     for path in paths:
         try:
             for line in path.read_text(encoding="utf-8").splitlines():
                 data: Mapping[str, Any] = json.loads(line)
-                score = FrameScore(**{key: np.array(data[key], np.float64) for key in _NAMES})
+                score = FrameScore(**{key: np.array(data[key], np.float64) for key in _ERRORS})
                 found.setdefault(data["id"], []).append(score)
         except (OSError, ValueError, TypeError, KeyError) as error:
-            raise InputError(path, f"expected errors of scans, as kinmo eval writes them ({error})") from None
+            raise InputError(path, f"expected scores of scans as kinmo eval writes them ({error})") from None
     return [ObjectScans(name, tuple(frames)) for name, frames in sorted(found.items())]
 
 

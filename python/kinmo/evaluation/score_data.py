@@ -1,4 +1,4 @@
-"""Scores of shapes as plain data, so that they can be kept in JSON and come back as they were."""
+"""Conversion of shape scores to plain data for JSON, and back."""
 
 from __future__ import annotations
 
@@ -6,20 +6,24 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from kinmo.core.joint import CoarseType, MotionType
+from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.evaluation.joint_records import FalseAlarm, JointRecord, ShapeScore
 
 TYPE_SETS: dict[str, type[MotionType] | type[CoarseType]] = {kind.__name__: kind for kind in (MotionType, CoarseType)}
-"""FIXED and NONE are in both."""
+"""The two sets of types by name. FIXED and NONE are in both."""
 
 
 def score_to_data(score: ShapeScore) -> dict[str, Any]:
-    """What `score_from_data` reads."""
+    """A score as plain data, to be read by `score_from_data`."""
     return {**asdict(score), "records": [_record_to_data(record) for record in score.records]}
 
 
 def score_from_data(data: Mapping[str, Any]) -> ShapeScore:
-    """The score that `score_to_data` took apart. Raises KeyError, TypeError or ValueError for anything else."""
+    """The score of data made by `score_to_data`.
+
+    Raises:
+        KeyError, TypeError, ValueError: if the data has another form.
+    """
     records = tuple(_record_from_data(record) for record in data["records"])
     alarms = tuple(FalseAlarm(**alarm) for alarm in data["false_alarms"])
     return ShapeScore(**{**data, "records": records, "false_alarms": alarms})

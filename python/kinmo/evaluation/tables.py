@@ -1,4 +1,4 @@
-"""Tables as text, JSON, CSV, Markdown and LaTeX."""
+"""Tables of results, written as text, JSON, CSV, Markdown and LaTeX."""
 
 from __future__ import annotations
 
@@ -15,20 +15,27 @@ from kinmo.core.wording import counted
 from kinmo.io.atomic_files import write_text_atomically
 
 Cell = str | float | int | None
-"""None is a figure that there is none of: it is printed as a dash, and no mean counts it."""
+"""Content of a cell. None is a missing figure: it is printed as a dash, and no mean counts it."""
 
 DASH = "–"
 
 TEXT_WIDTH = 100
-"""Characters of a line of a caption in a terminal. (Tables are as wide as they are.)"""
+"""Largest width of a caption in a terminal, in characters. Tables may be wider."""
 
 
 @dataclass(frozen=True)
 class Caption:
-    """What a figure is worth nothing without.
+    """The facts that a table needs to be understood.
 
-    `shapes` and `joints` are counts, or of what is about scans `shapes` and judged `scans`; `seeds` are those of the runs. A
-    `note` may have several lines.
+    Attributes:
+        title: The title of the table.
+        data: The data set.
+        shapes: Number of shapes.
+        joints: Number of true joints; 0 for tables of scans.
+        split: The split of the data.
+        seeds: Seeds of the runs.
+        note: Further lines.
+        scans: Number of test scans; 0 for tables of shapes.
     """
 
     title: str
@@ -44,39 +51,39 @@ class Caption:
         return f"{self.title}. {self.facts}"
 
     def noting(self, *notes: str) -> Caption:
-        """The same with more lines in its note, one for each that is not empty."""
+        """The caption with more lines in its note, one for each note that is not empty."""
         return replace(self, note="\n".join(filter(None, [self.note, *notes])))
 
     @property
     def facts(self) -> str:
-        """All but the title."""
+        """Everything but the title."""
         seeds = ", ".join(map(str, self.seeds)) or "none"
-        counts = f"{counted(self.scans, 'judged scan')}" if self.scans else f"{counted(self.joints, 'joint')}"
+        counts = counted(self.scans, "test scan") if self.scans else counted(self.joints, "joint")
         facts = f"{self.data}; {counted(self.shapes, 'shape')}, {counts}; {self.split}; seeds {seeds}."
         return "\n".join(filter(None, [facts, self.note]))
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column of numbers with so many decimals, or of words where `decimals` is None."""
+    """A column of numbers with `decimals` digits after the point, or of words if `decimals` is None."""
 
     title: str
     decimals: int | None = None
 
     def text(self, cell: Cell) -> str:
-        """The cell as it is printed."""
+        """The printed text of a cell."""
         if cell is None:
             return DASH
         return f"{cell:.{self.decimals}f}" if isinstance(cell, float) and self.decimals is not None else str(cell)
 
 
 INTERVAL = Column("95 %")
-"""Of the intervals of the figures in the column before."""
+"""Column of the 95 % intervals of the figures in the column before."""
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of cells under columns."""
+    """A table: a caption, columns, and rows with one cell a column."""
 
     caption: Caption
     columns: tuple[Column, ...]
@@ -84,16 +91,16 @@ class Table:
 
     def __post_init__(self) -> None:
         if any(len(row) != len(self.columns) for row in self.rows):
-            raise ValueError("rows: every row needs a cell a column")
+            raise ValueError("rows: expected one cell a column in every row")
 
     def cells(self) -> list[list[str]]:
-        """All rows as they are printed, the head first."""
+        """Printed text of all cells by row, the head first."""
         body = [[column.text(cell) for column, cell in zip(self.columns, row, strict=True)] for row in self.rows]
         return [[column.title for column in self.columns], *body]
 
 
 def as_text(table: Table) -> str:
-    """Aligned columns for a terminal: words to the left, numbers to the right."""
+    """A table for a terminal, in aligned columns: words to the left, numbers to the right."""
     cells = table.cells()
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
 
@@ -110,7 +117,7 @@ def as_text(table: Table) -> str:
 
 
 def as_json(table: Table) -> str:
-    """Caption, columns and full-precision rows; absent figures are null. `read_table` reads it."""
+    """Caption, columns and rows as JSON with full precision, to be read by `read_table`. Missing figures are null."""
     caption = table.caption
     document = {
         **asdict(caption),
@@ -122,7 +129,11 @@ def as_json(table: Table) -> str:
 
 
 def read_table(path: Path) -> Table:
-    """The table of a file that `as_json` made. Raises InputError if it is none."""
+    """Read a JSON file of `as_json`.
+
+    Raises:
+        InputError: if the file cannot be read or has another form.
+    """
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
         caption = {key: data[key] for key in ("title", "data", "shapes", "joints", "split", "note", "scans")}
@@ -135,7 +146,7 @@ def read_table(path: Path) -> Table:
 
 
 def as_csv(table: Table) -> str:
-    """Full-precision rows under their head; absent figures are empty. The caption is not in it."""
+    """Head and rows as CSV with full precision, without the caption. Missing figures are empty."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([column.title for column in table.columns])
@@ -144,7 +155,7 @@ def as_csv(table: Table) -> str:
 
 
 def as_markdown(table: Table) -> str:
-    """A table of GitHub's Markdown, the caption above it."""
+    """A table in GitHub's Markdown, below its caption."""
     head, *body = ([cell.replace("\\", "\\\\").replace("|", "\\|").replace("\n", " ") for cell in row] for row in table.cells())
     rule = [":--" if column.decimals is None else "--:" for column in table.columns]
     lines = ["| " + " | ".join(row) + " |" for row in (head, rule, *body)]
@@ -163,12 +174,12 @@ _LATEX = {
 
 
 def latex_escaped(text: str) -> str:
-    """Text that LaTeX prints as it is."""
+    """Text with its special characters escaped for LaTeX."""
     return "".join(_LATEX.get(character, character) for character in text)
 
 
 def as_latex(table: Table) -> str:
-    """A table environment with booktabs rules."""
+    """A LaTeX table environment with rules of the package booktabs."""
     head, *body = ([latex_escaped(cell) for cell in row] for row in table.cells())
     layout = "".join("l" if column.decimals is None else "r" for column in table.columns)
     return "\n".join(
@@ -196,14 +207,14 @@ WRITERS: dict[str, Callable[[Table], str]] = {
     "md": as_markdown,
     "tex": as_latex,
 }
-"""By the ending of the file."""
+"""Writers by the ending of the file."""
 
 
 def write_table(table: Table, folder: Path, name: str) -> list[Path]:
-    """Write `folder`/`name`.txt, .json, .csv, .md and .tex, those that are not so already; returns their paths."""
+    """Write a table to `folder`/`name`.txt, .json, .csv, .md and .tex. Returns the five paths."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
-    for ending, written in WRITERS.items():
+    for ending, write in WRITERS.items():
         paths.append(folder / f"{name}.{ending}")
-        write_text_atomically(paths[-1], written(table))
+        write_text_atomically(paths[-1], write(table))
     return paths

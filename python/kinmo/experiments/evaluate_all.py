@@ -1,4 +1,4 @@
-"""Every table of the paper that there are networks for."""
+"""The stage `eval`: every table of the paper that there are networks for."""
 
 from __future__ import annotations
 
@@ -7,27 +7,29 @@ from dataclasses import dataclass
 from kinmo.core.categories import same_category
 from kinmo.core.errors import InputError
 from kinmo.dataset.stage import Observer, Outcome, Plan
-from kinmo.experiments.scan_tables.evaluate_trained import JudgeTrained
-from kinmo.experiments.table1.evaluate_table1 import Evaluate
-from kinmo.pipeline.scans.scan_networks import trained_by_all_methods
+from kinmo.experiments.scan_tables.evaluate_trained import EvaluateTrained
+from kinmo.pipeline.evaluation.evaluate_shapes import EvaluateShapes
+from kinmo.pipeline.scans.scan_networks import trained_runs
 
 
 @dataclass(frozen=True)
 class EvaluateAll:
-    """Table 1, then those of scans; their data are beside the settings of Table 1, by the name of the table.
+    """Evaluate shapes (Table 1), then scans (Tables 2 to 4).
 
-    Where there are networks for scans, Table 1 may be missing for a reason that is told.
+    Where there are networks for scans, Table 1 may be missing; the reason is noted.
     """
 
-    shapes: Evaluate
-    scans: JudgeTrained
+    shapes: EvaluateShapes
+    scans: EvaluateTrained
 
     def plan(self) -> Plan:
+        """List the scores that are not up to date."""
         first = Plan((), 0.0) if self._problem() else self.shapes.plan()
         second = self.scans.plan()
         return Plan(first.steps + second.steps, first.seconds + second.seconds)
 
     def run(self, observer: Observer) -> Outcome:
+        """Write all tables."""
         problem = self._problem()
         if problem is not None:
             observer.note(f"no Table 1: {problem}")
@@ -37,13 +39,12 @@ class EvaluateAll:
         return Outcome(second.path, {**first.data, **second.data}, text, first.failed + second.failed)
 
     def _problem(self) -> InputError | None:
-        """Why there can be no Table 1. Raised if there are no networks for scans of what is asked for either."""
+        """The reason why there can be no Table 1. It is raised if there are no networks for scans either."""
         category = self.scans.category
         try:
             self.shapes.plan()
         except InputError as error:
-            trained = trained_by_all_methods(self.scans.workspace)
-            if not any(category is None or same_category(cell.category, category) for _, cell in trained):
-                raise
-            return error
+            if any(category is None or same_category(run.category, category) for run in trained_runs(self.scans.workspace)):
+                return error
+            raise
         return None

@@ -1,20 +1,20 @@
-"""Do pseudo labels tell the truth? Scores of labelled shapes whose joints were hidden, against what the joints really are.
+"""Truth of pseudo labels: scores of labelled shapes, predicted without their labels, against the true joints.
 
-A joint is written as a pseudo label if its score is above a threshold. A score that does not sort right joints from wrong
-ones is not a score: precision must rise with the threshold, and the errors of what is accepted lie below those of what is
-refused.
+A joint becomes a pseudo label if its score is above a threshold. A useful score sorts right joints from wrong ones: precision
+rises with the threshold, and accepted joints have smaller errors than refused ones.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.evaluation.joint_records import FalseAlarm, JointRecord, ShapeScore
-from kinmo.evaluation.summary import axis_degrees
+from kinmo.evaluation.score_summary import axis_degrees
+from kinmo.evaluation.shape_tables import Rows, caption_for
 from kinmo.evaluation.tables import Caption, Column, Table
 
 THRESHOLDS: NDArray[np.float64] = np.linspace(0.0, 0.9, 19)
@@ -25,7 +25,7 @@ WEIGHTS: dict[str, dict[str, float]] = {
     "consistency alone": {"direction": 0.3, "position": 0.2},
     "full and sweep": {"feasibility": 0.5, "direction": 0.3, "position": 0.2, "sweep": 0.5},
 }
-"""The paper's score (section 3.3) and others: weighted means of its terms, and with the free travel as one more."""
+"""Weights of the terms in the paper's score (section 3.3) and in others, by name."""
 
 RANKING_WEIGHTS: dict[str, dict[str, float]] = {
     "full": {"score": 1.0},
@@ -34,11 +34,11 @@ RANKING_WEIGHTS: dict[str, dict[str, float]] = {
     "axis alone": {"axis": 1.0},
     "full and sweep": {"score": 1.0, "sweep": 0.5},
 }
-"""The same for the `kinmo` method, whose score is a probability of its own; the term `score` stands for it."""
+"""The same for kinmo's own method; its score is a probability, the term `score`."""
 
 
 def weighted_score(terms: Mapping[str, float], weights: Mapping[str, float]) -> float | None:
-    """The weighted mean of those terms that there are; None if there are none."""
+    """Weighted mean of the known terms; None if none is known."""
     known = {name: weight for name, weight in weights.items() if name in terms and weight > 0}
     total = sum(known.values())
     return sum(weight * terms[name] for name, weight in known.items()) / total if total > 0 else None
@@ -46,10 +46,10 @@ def weighted_score(terms: Mapping[str, float], weights: Mapping[str, float]) -> 
 
 @dataclass(frozen=True)
 class Point:
-    """What a threshold lets through. Errors are means, in degrees and diagonals; None where there is nothing to average.
+    """Accepted and refused joints at one threshold.
 
-    `precision` is the share of right joints among the accepted ones, false alarms counted; `recall` is the share of true
-    joints that are accepted and right. Right is the `is_ok` of a record.
+    Errors are means, in degrees and diagonals; None where there is nothing to average. `precision` is the share of right joints
+    among the accepted ones, false alarms included. `recall` is the share of true joints that are accepted and right.
     """
 
     threshold: float
@@ -66,7 +66,7 @@ class Point:
 def curves(
     scores: Sequence[ShapeScore], *, weights: Mapping[str, Mapping[str, float]] | None = None
 ) -> dict[str, tuple[Point, ...]]:
-    """One curve over THRESHOLDS for each way of scoring, for shapes scored in either setting."""
+    """One curve over `THRESHOLDS` for each set of weights."""
     ways = WEIGHTS if weights is None else weights
     return {name: tuple(_point(scores, way, float(threshold)) for threshold in THRESHOLDS) for name, way in ways.items()}
 
@@ -121,7 +121,7 @@ COLUMNS = (
 
 
 def label_truth_table(found: Mapping[str, Sequence[Point]], caption: Caption) -> Table:
-    """The points of all curves as a table."""
+    """Points of all curves as a table."""
     rows = tuple(
         (
             name,
@@ -139,3 +139,18 @@ def label_truth_table(found: Mapping[str, Sequence[Point]], caption: Caption) ->
         for point in points
     )
     return Table(caption, COLUMNS, rows)
+
+
+LABELLING_ROWS = {"kinmo": RANKING_WEIGHTS, "OBB_fine": WEIGHTS}
+"""Rows of Table 1 whose predictions become pseudo labels, and the weights to compare."""
+
+
+def label_truth_tables(rows: Rows, caption: Caption) -> dict[str, Table]:
+    """A table for each row of Table 1 whose predictions become pseudo labels (see `evaluate_shapes.MoreTables`)."""
+    tables = {}
+    for name, weights in LABELLING_ROWS.items():
+        if name in rows:
+            shapes = rows[name].shapes
+            title = replace(caption_for(shapes, caption), title=f"{caption.title}: truth of the pseudo labels of {name}")
+            tables[f"label_truth_{name}"] = label_truth_table(curves(shapes, weights=weights), title)
+    return tables

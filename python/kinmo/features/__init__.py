@@ -1,0 +1,1 @@
+"""Geometric features of parts and of candidate joints, shared by both methods."""

@@ -1,7 +1,6 @@
-"""Every motion that one part might have: axes from its boxes, its contact with the rest, and what is round about a line.
+"""Candidate axes of one part, as undirected lines: from its boxes, its contact with other parts, and round geometry.
 
-The `kinmo` method decides kind and axis of a joint together, as one choice among these. Nothing here depends on how the object
-is turned: the only outside directions are `up` and the object's own horizontal axes (`object_frame`).
+The lines turn with the object. The only outside direction is `up`; horizontal directions are the object's own.
 """
 
 from __future__ import annotations
@@ -18,12 +17,13 @@ from kinmo.core.box import Box
 F64 = NDArray[np.float64]
 
 SAME_DIRECTION = np.cos(np.radians(0.5))
+"""Cosine above which two lines are parallel (0.5 degrees)."""
 SAME_LINE = 0.004
-"""Two lines closer than this (in diagonals) at the part, and as parallel as SAME_DIRECTION, are one candidate."""
+"""Distance, in diagonals at the part, below which parallel lines are one candidate."""
 
 
-class Source(IntEnum):
-    """Where a candidate axis comes from."""
+class LineSource(IntEnum):
+    """Geometry that a candidate axis comes from; the values index the columns of `CandidateLines.sources`."""
 
     MINIMUM_BOX_EDGE = 0
     MINIMUM_BOX_CENTER = 1
@@ -32,17 +32,28 @@ class Source(IntEnum):
     CONTACT_LINE = 4
     CONTACT_CENTER = 5
     OWN_ROUND_PIECE = 6
-    NEXT_ROUND_PIECE = 7
+    NEIGHBOUR_ROUND_PIECE = 7
     SYMMETRY_AXIS = 8
 
 
-CENTRAL = (Source.MINIMUM_BOX_CENTER, Source.ALIGNED_BOX_CENTER, Source.CONTACT_CENTER, Source.SYMMETRY_AXIS)
-"""Sources of the axes about which a part may screw."""
+CENTRAL_SOURCES = (
+    LineSource.MINIMUM_BOX_CENTER,
+    LineSource.ALIGNED_BOX_CENTER,
+    LineSource.CONTACT_CENTER,
+    LineSource.SYMMETRY_AXIS,
+)
+"""Sources of the axes that a screw joint may have."""
 
 
 @dataclass(frozen=True, eq=False)
-class Lines:
-    """Undirected lines: unit `directions` [K, 3], `pivots` [K, 3] (nearest to the part's centre), `sources` [K, 9] bool."""
+class CandidateLines:
+    """K undirected lines.
+
+    Attributes:
+        directions: [K, 3] unit vectors.
+        pivots: [K, 3] points of the lines nearest to the part's centre.
+        sources: [K, 9] bool, one column per `LineSource`; merged lines have several sources.
+    """
 
     directions: F64
     pivots: F64
@@ -52,33 +63,15 @@ class Lines:
         return len(self.directions)
 
 
-def object_frame(normals: F64, weights: F64, up: F64) -> F64:
-    """The object's own axes [3, 3], rows: two horizontal ones and `up`.
-
-    The horizontal axes are the directions that most surface faces, counted modulo quarter turns, so that they turn with the
-    object. `normals` [N, 3] with `weights` [N] (areas).
-    """
-    east = np.cross(up, [0.0, 0.0, 1.0] if abs(up[2]) < 0.9 else [1.0, 0.0, 0.0])
-    east /= np.linalg.norm(east)
-    north = np.cross(up, east)
-    x, y = normals @ east, normals @ north
-    flatness = x * x + y * y
-    angle = np.arctan2(y, x)
-    mass = weights * flatness * flatness
-    turn = np.angle(np.sum(mass * np.exp(4j * angle))) / 4.0
-    # The mean is pulled by round surfaces; the median of what lies close to it is the flat faces' own direction.
-    offset = np.angle(np.exp(4j * (angle - turn))) / 4.0
-    near = np.abs(offset) < np.radians(6.0)
-    if np.any(near & (mass > 0)):
-        order = np.argsort(offset[near])
-        cumulative = np.cumsum(mass[near][order])
-        turn += offset[near][order][np.searchsorted(cumulative, 0.5 * cumulative[-1])]
-    first = np.cos(turn) * east + np.sin(turn) * north
-    return np.stack([first, np.cross(up, first), up])
-
-
 def box_lines(box: Box) -> tuple[F64, F64, NDArray[np.bool_]]:
-    """Directions [15, 3] and pivots [15, 3] of the 12 edges and 3 centre lines of a box, and which are edges [15]."""
+    """The 12 edges and 3 centre lines of a box.
+
+    Args:
+        box: an oriented box.
+
+    Returns:
+        Unit directions [15, 3], pivots [15, 3] (midpoints of the edges, the box centre), and a mask [15] of the edges.
+    """
     directions, pivots, is_edge = [], [], []
     for axis in range(3):
         others = [i for i in range(3) if i != axis]
@@ -90,55 +83,70 @@ def box_lines(box: Box) -> tuple[F64, F64, NDArray[np.bool_]]:
     return np.array(directions), np.array(pivots), np.array(is_edge)
 
 
-def merge_lines(directions: F64, pivots: F64, sources: NDArray[np.int64], center: F64) -> Lines:
-    """Lines [K, 3] with the near-equal ones made one; the first of equals is kept, with the sources of all."""
+def merge_lines(directions: F64, pivots: F64, sources: NDArray[np.int64], center: F64) -> CandidateLines:
+    """Merge near-equal lines: keep the first of each set, with the sources of all.
+
+    Args:
+        directions: [K, 3] unit vectors.
+        pivots: [K, 3] one point of each line.
+        sources: [K] `LineSource` of each line.
+        center: [3] centre of the part; pivots move along their lines to the points nearest to it.
+    """
     pivots = pivots + np.sum((center - pivots) * directions, axis=1, keepdims=True) * directions
     parallel = np.abs(directions @ directions.T) > SAME_DIRECTION
     close = np.linalg.norm(pivots[:, None] - pivots[None], axis=-1) < SAME_LINE
     same = parallel & close
-    hot = np.eye(len(Source), dtype=bool)[sources]
+    one_hot = np.eye(len(LineSource), dtype=bool)[sources]
     kept: list[int] = []
-    taken = np.zeros(len(directions), bool)
+    merged = np.zeros(len(directions), bool)
     for index in range(len(directions)):
-        if not taken[index]:
+        if not merged[index]:
             kept.append(index)
-            hot[index] = hot[same[index] & ~taken].any(axis=0)
-            taken |= same[index]
-    return Lines(directions[kept], pivots[kept], hot[kept])
+            one_hot[index] = one_hot[same[index] & ~merged].any(axis=0)
+            merged |= same[index]
+    return CandidateLines(directions[kept], pivots[kept], one_hot[kept])
 
 
 def candidate_lines(
-    minimum: Box, aligned: Box, contact_points: F64, contact_weights: F64, others: Mapping[Source, F64] | None = None
-) -> Lines:
-    """All candidate axes of a part.
+    minimum: Box,
+    aligned: Box,
+    contact_points: F64,
+    contact_weights: F64,
+    others: Mapping[LineSource, F64] | None = None,
+) -> CandidateLines:
+    """All candidate axes of a part, near-equal ones merged.
 
-    `minimum` is its minimum-volume box and `aligned` its box along the object's own frame; `contact_points` [M, 3] with weights
-    [M] lie on the part where it comes closest to the rest; `others` [S, 2, 3] are (point, direction), by where they come from.
+    Args:
+        minimum: minimum-volume box of the part.
+        aligned: box of the part along the object's own axes.
+        contact_points: [M, 3] points of the part where it comes closest to the other parts.
+        contact_weights: [M] weights of these points.
+        others: further lines by source, [S, 2, 3] pairs of (point, direction).
     """
     directions, pivots, sources = [], [], []
     for box, edge, middle in (
-        (minimum, Source.MINIMUM_BOX_EDGE, Source.MINIMUM_BOX_CENTER),
-        (aligned, Source.ALIGNED_BOX_EDGE, Source.ALIGNED_BOX_CENTER),
+        (minimum, LineSource.MINIMUM_BOX_EDGE, LineSource.MINIMUM_BOX_CENTER),
+        (aligned, LineSource.ALIGNED_BOX_EDGE, LineSource.ALIGNED_BOX_CENTER),
     ):
-        d, p, is_edge = box_lines(box)
-        directions.append(d)
-        pivots.append(p)
+        box_directions, box_pivots, is_edge = box_lines(box)
+        directions.append(box_directions)
+        pivots.append(box_pivots)
         sources += [edge if e else middle for e in is_edge]
     centroid = np.average(contact_points, axis=0, weights=contact_weights)
     spread = (contact_points - centroid).T * contact_weights @ (contact_points - centroid)
     principal = np.linalg.eigh(spread)[1][:, -1]
     directions += [principal[None], aligned.axes, minimum.axes]
     pivots += [centroid[None], np.repeat(centroid[None], 6, axis=0)]
-    sources += [Source.CONTACT_LINE] + [Source.CONTACT_CENTER] * 6
-    for source, axes in (others or {}).items():
-        directions.append(axes[:, 1])
-        pivots.append(axes[:, 0])
-        sources += [source] * len(axes)
+    sources += [LineSource.CONTACT_LINE] + [LineSource.CONTACT_CENTER] * 6
+    for source, lines in (others or {}).items():
+        directions.append(lines[:, 1])
+        pivots.append(lines[:, 0])
+        sources += [source] * len(lines)
     return merge_lines(np.concatenate(directions), np.concatenate(pivots), np.array(sources), aligned.center)
 
 
-def distinct_directions(lines: Lines) -> NDArray[np.int64]:
-    """Indices of lines with pairwise distinct directions, first come first kept."""
+def distinct_directions(lines: CandidateLines) -> NDArray[np.int64]:
+    """Indices of lines with pairwise distinct directions; the first of each direction is kept."""
     parallel = np.abs(lines.directions @ lines.directions.T) > SAME_DIRECTION
     kept: list[int] = []
     for index in range(len(lines)):

@@ -1,4 +1,4 @@
-"""Numbers that describe an axis relative to its part and the rest, whatever the motion."""
+"""Features of candidate axes relative to their part and its surroundings, the same for every kind of motion."""
 
 from __future__ import annotations
 
@@ -7,33 +7,49 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from kinmo import _core
-from kinmo.features.candidate_lines import SAME_LINE, Lines, Source
+from kinmo.features.candidate_lines import SAME_LINE, CandidateLines, LineSource
+from kinmo.features.group_geometry import GroupGeometry
 from kinmo.features.round_pieces import RoundPieces
-from kinmo.features.scene import Scene, Unit
+from kinmo.features.shape_geometry import ShapeGeometry
 
 F64 = NDArray[np.float64]
 
 SPARSE_POINTS = 192
-TURNED_POINTS = 64
-ALONG = np.linspace(-0.5, 0.5, 9)
-TURNS = np.radians([40.0, 90.0, 180.0])
-ECCENTRIC = 0.15
-"""An axis farther from the part's centre than this share of its reach is no axis of symmetry."""
-UNCLEAR = 0.02
-"""A part that lies less than this far to either side of the object's middle faces neither way for sure."""
-ALONG_THE_AXIS = np.cos(np.radians(3.0))
-"""Round pieces along a line to within this (cosine), and as near to it as SAME_LINE, lie about it."""
-LONGEST = 2.0
-"""Of a round piece, in lengths of the part: longer ones count as this."""
-SMALL_LEAF = 0.1
-"""A leaf with less than this share of the part's surface is a detail of it, or of what stands around it."""
+"""Surface samples for distances from the axes."""
+ROTATED_POINTS = 64
+"""Surface samples that are rotated to test rotational symmetry."""
+ROTATIONS = np.radians([40.0, 90.0, 180.0])
+"""Angles of that test, in radians."""
+ALONG_AXIS = np.linspace(-0.5, 0.5, 9)
+"""Positions along an axis, in lengths of the part, where its distances to surfaces are measured."""
+MAX_ECCENTRICITY = 0.15
+"""Largest distance between a symmetry axis and the part's centre, as a share of the part's radius about the axis."""
+CLEAR_OFFSET = 0.02
+"""Distance from the object's middle, in diagonals, beyond which it is clear to which side of it a part lies."""
+COAXIAL = np.cos(np.radians(3.0))
+"""Least cosine between an axis and a round piece about it (3 degrees)."""
+MAX_PIECE_LENGTH = 2.0
+"""Upper bound of the length of a round piece, in lengths of the part."""
+DETAIL_AREA = 0.1
+"""Details are leaves with less than this share of the part's surface."""
 
 
-def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
-    """Direction, place, contact, protrusion, surroundings and symmetry of each of K axes [K, A]."""
-    up, d, p = scene.up, lines.directions, lines.pivots
-    half = unit.half_diagonal
-    center = unit.aligned.center
+def line_features(shape: ShapeGeometry, group: GroupGeometry, lines: CandidateLines) -> F64:
+    """Features of each axis: direction, position, contact, protrusion, surroundings and symmetry.
+
+    The features do not change when the object turns about `up`.
+
+    Args:
+        shape: the shape.
+        group: the part that the axes belong to.
+        lines: its K candidate axes.
+
+    Returns:
+        [K, A] features.
+    """
+    up, d, p = shape.up, lines.directions, lines.pivots
+    half = group.half_diagonal
+    center = group.aligned.center
 
     def perpendicular(points: F64) -> F64:
         """Offsets [K, n, 3] of points [n, 3] from each axis."""
@@ -41,118 +57,129 @@ def line_features(scene: Scene, unit: Unit, lines: Lines) -> F64:
         offset -= np.einsum("kni,ki->kn", offset, d)[..., None] * d[:, None]
         return offset
 
-    sparse = unit.points[:: max(1, len(unit.points) // SPARSE_POINTS)]
-    away = np.linalg.norm(perpendicular(sparse), axis=-1)
-    reach = np.maximum(away.max(axis=1), 1e-4)
+    sparse = group.points[:: max(1, len(group.points) // SPARSE_POINTS)]
+    radii = np.linalg.norm(perpendicular(sparse), axis=-1)
+    reach = np.maximum(radii.max(axis=1), 1e-4)
     length = np.ptp(sparse @ d.T, axis=0) + 1e-4
 
-    w = unit.contact_weights
-    contact = perpendicular(unit.contact)
-    contact_away = np.linalg.norm(contact, axis=-1)
+    w = group.contact_weights
+    contact = perpendicular(group.contact)
+    contact_radii = np.linalg.norm(contact, axis=-1)
     contact_mean = np.einsum("n,kni->ki", w, contact)
-    contact_along = (unit.contact - center) @ d.T
+    contact_along = (group.contact - center) @ d.T
     contact_middle = w @ contact_along
     spread = np.sqrt(np.maximum(w @ contact_along**2 - contact_middle**2, 0.0))
-    protrusion = perpendicular(unit.protrusion[None])[:, 0]
+    protrusion = perpendicular(group.protrusion[None])[:, 0]
 
-    from_center = p - center  # perpendicular to the axis: p is the axis' point nearest to the centre
+    from_center = p - center  # perpendicular to the axis, because p is the point of the axis nearest to the centre
     eccentricity = np.linalg.norm(from_center, axis=1)
-    aside = np.divide(from_center, eccentricity[:, None], where=eccentricity[:, None] > 1e-6, out=np.zeros_like(p))
+    side = np.divide(from_center, eccentricity[:, None], where=eccentricity[:, None] > 1e-6, out=np.zeros_like(p))
 
-    samples = (p[:, None] + (ALONG * length[:, None])[..., None] * d[:, None]).reshape(-1, 3)
-    own = _core.closest_points(scene.meshes, list(unit.leaves), samples)[0].reshape(len(lines), -1)
-    rest = _core.closest_points(scene.meshes, unit.rest, samples)[0].reshape(len(lines), -1) if unit.rest else np.ones_like(own)
+    samples = (p[:, None] + (ALONG_AXIS * length[:, None])[..., None] * d[:, None]).reshape(-1, 3)
+    own = _core.closest_points(shape.meshes, list(group.leaves), samples)[0].reshape(len(lines), -1)
+    rest = np.ones_like(own)
+    if group.rest:
+        rest = _core.closest_points(shape.meshes, group.rest, samples)[0].reshape(len(lines), -1)
 
-    from_middle = p - scene.middle
-    half_object = 0.5 * np.maximum(scene.extents[1] - scene.extents[0], 1e-6)
-    support = np.maximum(np.abs(aside @ scene.frame.T) @ half_object, 1e-6)
+    from_middle = p - shape.middle
+    half_object = 0.5 * np.maximum(shape.extents[1] - shape.extents[0], 1e-6)
+    support = np.maximum(np.abs(side @ shape.frame.T) @ half_object, 1e-6)
     horizontal = from_middle - (from_middle @ up)[:, None] * up
-    outward = center - scene.middle
+    outward = center - shape.middle
     outward = outward - (outward @ up) * up
     outward = outward / max(float(np.linalg.norm(outward)), 0.02)
-    # Seen from the front: objects are made for right-handed people, and doors of a kind hang on the same side.
-    right_of_part, right_of_object = np.cross(up, facing(scene, unit)), np.cross(up, outward)
+    # Right as seen from the front. Objects are made for right-handed people: doors of a kind hang on the same side.
+    right_of_part, right_of_object = np.cross(up, front_normal(shape, group)), np.cross(up, outward)
 
-    def sideways(points: F64) -> F64:
-        """How far [K] the mean of points [n, 3] lies towards the axis from the part's centre; 0 without points."""
-        return aside @ (points.mean(axis=0) - center) / half if len(points) else np.zeros(len(lines))
+    def offset_to_side(points: F64) -> F64:
+        """Offset [K] of the mean of points [n, 3] from the part's centre towards each axis; 0 without points."""
+        return side @ (points.mean(axis=0) - center) / half if len(points) else np.zeros(len(lines))
 
-    def round_about(pieces: RoundPieces) -> F64:
-        """Length and radius [K, 2] of the longest of some pieces about each axis, to the part's own; 0 where there is none."""
+    def coaxial_piece(pieces: RoundPieces) -> F64:
+        """Length and radius [K, 2] of the longest piece about each axis, relative to the part's; 0 without one."""
         if len(pieces) == 0:
             return np.zeros((len(lines), 2))
-        about = np.abs(d @ pieces.directions.T) > ALONG_THE_AXIS
+        about = np.abs(d @ pieces.directions.T) > COAXIAL
         about &= np.linalg.norm(perpendicular(pieces.middles), axis=-1) < SAME_LINE
         longest = np.where(about, pieces.half_lengths, -1.0).argmax(axis=1)
-        long = np.minimum(2.0 * pieces.half_lengths[longest] / length, LONGEST)
+        long = np.minimum(2.0 * pieces.half_lengths[longest] / length, MAX_PIECE_LENGTH)
         thick = np.minimum(pieces.radii[longest] / reach, 1.0)
         return np.where(about.any(axis=1, keepdims=True), np.stack([long, thick], axis=1), 0.0)
 
-    area = scene.areas[list(unit.leaves)]
-    details = [leaf for leaf, a in zip(unit.leaves, area, strict=True) if a < SMALL_LEAF * area.sum()]
-    nearby = [leaf for leaf in unit.rest if scene.areas[leaf] < SMALL_LEAF * area.sum()]
+    area = shape.areas[list(group.leaves)]
+    details = [leaf for leaf, a in zip(group.leaves, area, strict=True) if a < DETAIL_AREA * area.sum()]
+    nearby = [leaf for leaf in group.rest if shape.areas[leaf] < DETAIL_AREA * area.sum()]
     features = {
         "against up": np.abs(d @ up),
         "against outward": np.abs(d @ outward),
-        "against the part's axes": np.abs(d @ unit.sorted_axes.T),
-        "against the object's axes": np.abs(d @ scene.frame[:2].T).max(axis=1),
-        "against the contact": np.abs(d @ unit.mean_toward),
+        "against the part's axes": np.abs(d @ group.sorted_axes.T),
+        "against the object's axes": np.abs(d @ shape.frame[:2].T).max(axis=1),
+        "against the contact": np.abs(d @ group.mean_toward),
         "eccentricity": np.stack([eccentricity / half, eccentricity, eccentricity / reach], axis=1),
-        "side": np.stack([aside @ up, aside @ outward, np.abs(aside @ unit.sorted_axes[2])], axis=1),
-        "handed side": np.stack([aside @ right_of_part, aside @ right_of_object], axis=1),
-        "place": np.stack([from_center @ up, from_center @ outward], axis=1) / half,
-        "outer side": aside @ (center - scene.middle) / half,
-        "at the object's edge": np.sum(aside * from_middle, axis=1) / support,
+        "side": np.stack([side @ up, side @ outward, np.abs(side @ group.sorted_axes[2])], axis=1),
+        "left or right side": np.stack([side @ right_of_part, side @ right_of_object], axis=1),
+        "position": np.stack([from_center @ up, from_center @ outward], axis=1) / half,
+        "outer side": side @ (center - shape.middle) / half,
+        "at the object's edge": np.sum(side * from_middle, axis=1) / support,
         "reach": np.log(reach),
-        "lever": np.stack([away.min(axis=1), away.mean(axis=1), away.std(axis=1)], axis=1) / reach[:, None],
+        "lever": np.stack([radii.min(axis=1), radii.mean(axis=1), radii.std(axis=1)], axis=1) / reach[:, None],
         "length": np.log(length),
-        "contact lever": np.stack([contact_away @ w, contact_away.min(axis=1)], axis=1) / reach[:, None],
-        "contact distance": contact_away @ w,
-        "contact on the axis": np.stack([(contact_away < near) @ w for near in (0.02, 0.06)], axis=1),
-        "contact place": np.stack([contact_mean @ up, contact_mean @ outward], axis=1) / half,
+        "contact lever": np.stack([contact_radii @ w, contact_radii.min(axis=1)], axis=1) / reach[:, None],
+        "contact distance": contact_radii @ w,
+        "contact on the axis": np.stack([(contact_radii < near) @ w for near in (0.02, 0.06)], axis=1),
+        "contact position": np.stack([contact_mean @ up, contact_mean @ outward], axis=1) / half,
         "contact along": np.stack([spread / length, np.abs(contact_middle) / length, np.log(spread + 1e-3)], axis=1),
-        "contact side": np.sum(aside * (contact_mean + from_center), axis=1) / half,
+        "contact side": np.sum(side * (contact_mean + from_center), axis=1) / half,
         "protrusion lever": np.linalg.norm(protrusion, axis=1) / reach,
-        "protrusion place": np.stack([protrusion @ up, protrusion @ outward], axis=1) / half,
+        "protrusion position": np.stack([protrusion @ up, protrusion @ outward], axis=1) / half,
         "protrusion against contact": np.sum(protrusion * contact_mean, axis=1) / reach**2,
-        "protrusion side": sideways(unit.protrusion[None]),
-        "riders' side": sideways(scene.centroids[unit.riders]),
-        "details' side": sideways(scene.centroids[details]),
-        "neighbours' side": sideways(scene.centroids[nearby]),
-        "on the part": np.stack([own.mean(axis=1), own.min(axis=1), own.max(axis=1)], axis=1),
-        "on the rest": np.stack([rest.mean(axis=1), rest.min(axis=1), rest.max(axis=1)], axis=1),
-        "height": (p @ up - scene.extents[0, 2]) / (2.0 * half_object[2]),
+        "protrusion side": offset_to_side(group.protrusion[None]),
+        "riders' side": offset_to_side(shape.centroids[group.riders]),
+        "details' side": offset_to_side(shape.centroids[details]),
+        "neighbours' side": offset_to_side(shape.centroids[nearby]),
+        "distance to the part": np.stack([own.mean(axis=1), own.min(axis=1), own.max(axis=1)], axis=1),
+        "distance to the rest": np.stack([rest.mean(axis=1), rest.min(axis=1), rest.max(axis=1)], axis=1),
+        "height": (p @ up - shape.extents[0, 2]) / (2.0 * half_object[2]),
         "from the middle": np.stack([np.linalg.norm(horizontal, axis=1), horizontal @ outward], axis=1),
-        "mismatch when turned": turned_mismatch(unit, lines, eccentricity / reach),
-        "own round pieces": round_about(unit.own_round),
-        "neighbours' round pieces": round_about(unit.next_round),
-        "sources": lines.sources[:, : Source.SYMMETRY_AXIS].astype(float),
+        "rotational mismatch": rotational_mismatch(group, lines, eccentricity / reach),
+        "own round pieces": coaxial_piece(group.own_round),
+        "neighbours' round pieces": coaxial_piece(group.neighbour_round),
+        "sources": lines.sources[:, : LineSource.SYMMETRY_AXIS].astype(float),
         "agreeing sources": lines.sources.sum(axis=1),
     }
     return np.column_stack(list(features.values()))
 
 
-def facing(scene: Scene, unit: Unit) -> F64:
-    """Where the part's thin side faces, horizontally and away from the object's middle [3]; shorter where that is unclear."""
-    normal = unit.sorted_axes[2]
-    outside = float(np.clip(normal @ (unit.aligned.center - scene.middle) / UNCLEAR, -1.0, 1.0))
-    horizontal: F64 = outside * (normal - (normal @ scene.up) * scene.up)
+def front_normal(shape: ShapeGeometry, group: GroupGeometry) -> F64:
+    """Horizontal normal [3] of the part's thin side, away from the object's middle; shorter where its sign is unclear."""
+    normal = group.sorted_axes[2]
+    outside = float(np.clip(normal @ (group.aligned.center - shape.middle) / CLEAR_OFFSET, -1.0, 1.0))
+    horizontal: F64 = outside * (normal - (normal @ shape.up) * shape.up)
     return horizontal
 
 
-def turned_mismatch(unit: Unit, lines: Lines, eccentricity: F64) -> F64:
-    """How far a part is from itself when turned about each axis [K, 3], in tenths of its size; 1 at most."""
-    mismatch = np.ones((len(lines), len(TURNS)))
-    central = np.flatnonzero(eccentricity < ECCENTRIC)
+def rotational_mismatch(group: GroupGeometry, lines: CandidateLines, eccentricity: F64) -> F64:
+    """Mean distance between the part and itself rotated about each axis, in tenths of its size.
+
+    Args:
+        group: the part.
+        lines: its K candidate axes.
+        eccentricity: [K] distances of the axes from the part's centre, as a share of its radius about them.
+
+    Returns:
+        [K, 3] mismatch for each of `ROTATIONS`, at most 1; 1 for axes that are not central.
+    """
+    mismatch = np.ones((len(lines), len(ROTATIONS)))
+    central = np.flatnonzero(eccentricity < MAX_ECCENTRICITY)
     if len(central) == 0:
         return mismatch
-    few = unit.points[:: max(1, len(unit.points) // TURNED_POINTS)].astype(np.float32)
+    few = group.points[:: max(1, len(group.points) // ROTATED_POINTS)].astype(np.float32)
     count = len(central)
     moved = _core.move_points(
         few, np.zeros(count, np.uint8), lines.directions[central], lines.pivots[central],
-        np.tile(TURNS, (count, 1)), np.zeros((count, len(TURNS))),
+        np.tile(ROTATIONS, (count, 1)), np.zeros((count, len(ROTATIONS))),
     )  # fmt: skip
-    distance = cKDTree(unit.points).query(moved.reshape(-1, 3))[0].reshape(count, len(TURNS), -1).mean(axis=-1)
-    size = np.linalg.norm(np.ptp(unit.points, axis=0)) + 1e-6
+    distance = cKDTree(group.points).query(moved.reshape(-1, 3))[0].reshape(count, len(ROTATIONS), -1).mean(axis=-1)
+    size = np.linalg.norm(np.ptp(group.points, axis=0)) + 1e-6
     mismatch[central] = np.minimum(10.0 * distance / size, 1.0)
     return mismatch

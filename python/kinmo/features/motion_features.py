@@ -1,44 +1,62 @@
-"""The motions that a part's axes allow, and numbers that describe each against the rest."""
+"""Candidate motions of one part, and features of each motion relative to the contact region."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.features.candidate_lines import CENTRAL, Lines, distinct_directions
-from kinmo.features.scene import Unit
+from kinmo.core.joint import KINDS, JointKind
+from kinmo.features.candidate_lines import CENTRAL_SOURCES, CandidateLines, distinct_directions
+from kinmo.features.group_geometry import GroupGeometry
 
 F64 = NDArray[np.float64]
 
-REVOLUTE, PRISMATIC, SCREW = 0, 1, 2
 
+def candidate_motions(lines: CandidateLines) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Kind and line of every candidate joint.
 
-def hypotheses_of(lines: Lines) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Kind [h] and line [h] of every hypothesis: turn about each line, slide along each direction, screw about central ones."""
+    A part may turn about each line, slide along each distinct direction, and screw about each central line.
+
+    Args:
+        lines: candidate axes of the part.
+
+    Returns:
+        Codes of the kinds [C] (`JointKind.code`) and indices of the lines [C].
+    """
     slides = distinct_directions(lines)
-    screws = np.flatnonzero(lines.sources[:, list(CENTRAL)].any(axis=1))
-    kinds = np.repeat([REVOLUTE, PRISMATIC, SCREW], [len(lines), len(slides), len(screws)])
+    screws = np.flatnonzero(lines.sources[:, list(CENTRAL_SOURCES)].any(axis=1))
+    kinds = np.repeat([kind.code for kind in KINDS], [len(lines), len(slides), len(screws)])
     return kinds, np.concatenate([np.arange(len(lines)), slides, screws])
 
 
-def motion_features(unit: Unit, kinds: NDArray[np.int64], directions: F64, pivots: F64) -> F64:
-    """Kind, and how each motion slides along the contact or runs into it [h, B].
+def motion_features(group: GroupGeometry, kinds: NDArray[np.int64], directions: F64, pivots: F64) -> F64:
+    """Features of each motion: its kind, and the share of its velocity that slides along or runs into the contact.
 
-    Swept collisions (`kinmo.features.free_travel`) are no evidence here: they cost more than all the rest and decided nothing.
+    Swept collisions (`kinmo.features.joint_limits`) are no features: they cost more time than all others and did not improve
+    the ranking.
+
+    Args:
+        group: the moving part.
+        kinds: [C] codes of the kinds.
+        directions: [C, 3] unit vectors along the axes.
+        pivots: [C, 3] points of the axes.
+
+    Returns:
+        [C, 7] features.
     """
-    w = unit.contact_weights
-    turning = np.cross(directions[:, None], unit.contact[None] - pivots[:, None])
+    w = group.contact_weights
+    turning = np.cross(directions[:, None], group.contact[None] - pivots[:, None])
     turning /= np.maximum(np.linalg.norm(turning, axis=-1).max(axis=1), 1e-6)[:, None, None]
-    velocity = np.where((kinds == PRISMATIC)[:, None, None], directions[:, None], turning)
-    across = np.einsum("hni,ni->hn", velocity, unit.toward)
+    velocity = np.where((kinds == JointKind.PRISMATIC.code)[:, None, None], directions[:, None], turning)
+    normal_velocity = np.einsum("hni,ni->hn", velocity, group.toward)
     speed = np.linalg.norm(velocity, axis=-1) @ w
-    normal = np.abs(across) @ w
-    one_sided = np.abs(across @ w) / np.maximum(normal, 1e-6)
+    normal_speed = np.abs(normal_velocity) @ w
+    one_sided = np.abs(normal_velocity @ w) / np.maximum(normal_speed, 1e-6)
     features = {
         "kind": np.eye(3)[kinds],
-        "into the contact": normal,
-        "against sliding": normal / np.maximum(speed, 1e-6),
-        "one-sided": one_sided,
-        "blocked one way": one_sided * normal,
+        "speed into the contact": normal_speed,
+        "share of speed into the contact": normal_speed / np.maximum(speed, 1e-6),
+        "one-sided contact": one_sided,
+        "blocked in one direction": one_sided * normal_speed,
     }
     return np.column_stack(list(features.values()))

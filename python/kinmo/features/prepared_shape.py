@@ -1,4 +1,4 @@
-"""A shape as training reads it: points, boxes, distances and labels, computed once."""
+"""A shape as networks read it: samples, boxes, distances and labels, computed once by `kinmo prepare`."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from kinmo import _core
 from kinmo.core.box import Box
 from kinmo.core.edge_labels import EdgeLabels
 from kinmo.core.errors import InputError
-from kinmo.core.joint import MotionType
 from kinmo.core.mobility import Mobility
+from kinmo.core.motion_types import MotionType
 from kinmo.core.normalisation import Normalisation
 from kinmo.core.shape import Shape
 
-SAME = 1e-9
-"""In diagonals: other machines round otherwise."""
+SAME_POSITION = 1e-9
+"""Largest difference, in diagonals, between equal positions; rounding differs between machines."""
 
 F32 = NDArray[np.float32]
 I64 = NDArray[np.int64]
@@ -27,7 +27,13 @@ I64 = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Boxes:
-    """Oriented boxes of N parts: `centers` [N, 3], `axes` [N, 3, 3] (unit rows), `half_extents` [N, 3], float64."""
+    """N oriented boxes.
+
+    Attributes:
+        centers: [N, 3] float64.
+        axes: [N, 3, 3] float64, unit rows.
+        half_extents: [N, 3] float64, along the axes.
+    """
 
     centers: NDArray[np.float64]
     axes: NDArray[np.float64]
@@ -40,24 +46,34 @@ class Boxes:
         return Box(self.centers[index], self.axes[index], self.half_extents[index])
 
 
-def units_of(parts: Sequence[tuple[int, ...]], bodies: Sequence[tuple[int, ...]]) -> tuple[tuple[int, ...], ...]:
-    """The distinct sets of leaves that are a part below the root (all `parts` but the first) or a body, parts first."""
+def leaf_groups(parts: Sequence[tuple[int, ...]], bodies: Sequence[tuple[int, ...]]) -> tuple[tuple[int, ...], ...]:
+    """Distinct sets of leaves that form a part below the root or a body, parts first.
+
+    Args:
+        parts: leaves of every part; the root comes first.
+        bodies: leaves of every body.
+    """
     return tuple(dict.fromkeys((*parts[1:], *bodies)))
 
 
 def part_sizes(parts: Sequence[tuple[int, ...]], boxes: Boxes) -> NDArray[np.float64]:
-    """Half extents [P, 3] of the distinct parts below the root (`units_of(parts, ())`); `boxes` are those of all `parts`."""
-    place = {part: index for index, part in enumerate(parts)}
-    return boxes.half_extents[[place[part] for part in units_of(parts, ())]]
+    """Half extents [P, 3] of the distinct parts below the root.
+
+    Args:
+        parts: leaves of every part; the root comes first.
+        boxes: boxes of all parts.
+    """
+    position = {part: index for index, part in enumerate(parts)}
+    return boxes.half_extents[[position[part] for part in leaf_groups(parts, ())]]
 
 
 @dataclass(frozen=True, eq=False)
 class PreparedShape:
-    """Everything the stages after `prepare` need of a shape, in the *normalised frame*.
+    """All data of a shape that the stages after `kinmo prepare` need, in the *normalised frame*.
 
-    The normalised frame has the file's axes, its origin at `center` (the middle of the axis-aligned box, in the file's lengths)
-    and `diagonal` (of that box) as its unit of length: file = normalised * diagonal + center. N parts in preorder, L leaves, E
-    edges (all ordered sibling pairs).
+    The normalised frame has the file's axes. Its origin is `center`, the middle of the axis-aligned box in the file's lengths,
+    and its unit of length is `diagonal`, the diagonal of that box: file = normalised * diagonal + center. The shape has N parts
+    in preorder, L leaves and E edges.
     """
 
     id: str
@@ -72,24 +88,25 @@ class PreparedShape:
     part_ids: tuple[int, ...]
     part_names: tuple[str, ...]
     parents: tuple[int, ...]
-    """Index of every part's parent, -1 for the root."""
+    """[N], index of every part's parent, -1 for the root."""
     leaves: tuple[int, ...]
+    """[L], indices of the parts that are leaves."""
     leaf_points: F32
     """[L, n, 3], area-uniform samples of the leaves' surfaces."""
     leaf_normals: F32
     """[L, n, 3], unit normals at the samples."""
     leaf_areas: NDArray[np.float64]
-    """[L], in squared diagonals."""
+    """[L], surface areas in squared diagonals."""
     minimum_boxes: Boxes
     """Minimum-volume boxes of all N parts."""
     symmetric_boxes: Boxes
-    """Symmetry-aligned boxes of all N parts (Fish 2014)."""
+    """Symmetry-aligned boxes of all N parts (Fish et al. 2014; paper, section 3.2)."""
     aligned_boxes: Boxes
     """Boxes of all N parts along the axes of the file's frame."""
     edges: I64
-    """[E, 2] (moving, reference) indices of parts."""
+    """[E, 2] (moving, reference) indices of parts: all ordered pairs of siblings."""
     edge_distances: NDArray[np.float64]
-    """[E], exact distance between the two parts."""
+    """[E], exact distances between the two parts."""
     mobility: Mobility | None = None
     """The annotation, in the normalised frame; None for a shape without one."""
     body_boxes: Boxes | None = None
@@ -97,8 +114,9 @@ class PreparedShape:
     body_types: Mapping[int, MotionType] = field(default_factory=dict)
     """Motion type of every movable body."""
     edge_labels: EdgeLabels | None = None
-    evidence: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
-    """Arrays of the `kinmo` method by name (`kinmo.features.candidate_features.Evidence`), for the units of `units_of`."""
+    """Labels of the edges, from the annotation."""
+    candidate_features: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
+    """Arrays of `kinmo.features.candidate_features.CandidateFeatures` by name, for the groups of `leaf_groups`."""
 
     @property
     def annotation(self) -> tuple[Mobility, Boxes]:
@@ -113,7 +131,7 @@ class PreparedShape:
 
     @cached_property
     def body_leaves(self) -> tuple[tuple[int, ...], ...]:
-        """For every body of the annotation, the positions *in `leaves`* of its leaves, ascending."""
+        """Positions *in `leaves`* of the leaves of every body of the annotation, ascending."""
         if self.mobility is None:
             return ()
         position = {leaf: place for place, leaf in enumerate(self.leaves)}
@@ -121,7 +139,7 @@ class PreparedShape:
 
     @cached_property
     def leaves_below(self) -> tuple[tuple[int, ...], ...]:
-        """For every part, the positions *in `leaves`* of the leaves at or below it."""
+        """Positions *in `leaves`* of the leaves at or below every part, ascending."""
         below: list[list[int]] = [[] for _ in self.parents]
         for position, leaf in enumerate(self.leaves):
             node = leaf
@@ -132,15 +150,23 @@ class PreparedShape:
 
 
 def check_unchanged(shape: Shape, prepared: PreparedShape) -> None:
-    """Raises InputError where `shape`, read from its files, has other parts than were prepared, or another size or place."""
+    """Check that a shape, read from its files, is the one that was prepared.
+
+    Raises:
+        InputError: `shape` has other parts, or another size or position.
+    """
     has_parts = tuple(part.id for part in shape.parts) == prepared.part_ids
-    place, wanted = ([*one.center, one.diagonal] for one in (shape, prepared))
-    if not has_parts or not np.allclose(place, wanted, rtol=0.0, atol=SAME * prepared.diagonal):
+    found, expected = ([*one.center, one.diagonal] for one in (shape, prepared))
+    if not has_parts or not np.allclose(found, expected, rtol=0.0, atol=SAME_POSITION * prepared.diagonal):
         raise InputError(prepared.source, "has changed since it was prepared: run kinmo prepare again")
 
 
 def leaf_meshes(shape: Shape, prepared: PreparedShape) -> _core.Meshes:
     """Meshes of the leaves of `shape`, in the normalised frame of `prepared`.
+
+    Args:
+        shape: the shape, read from its files.
+        prepared: the same shape, prepared.
 
     Raises:
         InputError: `shape` is not the one that was prepared.

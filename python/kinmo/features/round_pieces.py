@@ -1,7 +1,7 @@
-"""Round pieces of a shape, such as the pins, barrels and axles that joints are made with.
+"""Round pieces of a shape, such as the pins, barrels and axles that joints are built from.
 
-Boxes and contact miss the line of many a hinge: the screw of a pair of scissors is no edge of a blade, and closed blades touch
-all along. The piece that makes the joint is often there, round about the very line.
+Boxes and contact miss the axis of many hinges. The screw of a pair of scissors lies on no box edge of a blade, and closed
+blades touch along their whole length. A round piece often lies exactly on the axis.
 """
 
 from __future__ import annotations
@@ -16,14 +16,20 @@ from kinmo import _core
 
 F64 = NDArray[np.float64]
 
-MOST = 8
-"""Of a part's own round pieces, and of those of its neighbours: those nearest to its contact."""
+MAX_PIECES = 8
+"""Largest number of round pieces kept per group, and of its neighbours."""
 
 
 @dataclass(frozen=True, eq=False)
 class RoundPieces:
-    """K pieces in the normalised frame: the leaf [K] each is of, its `middles` [K, 3] on its line, the line's unit `directions`
-    [K, 3], and how far it reaches from the line (`radii` [K]) and from the middle along it (`half_lengths` [K]).
+    """K connected pieces of mesh that are round about a line, in the normalised frame.
+
+    Attributes:
+        leaves: [K] position of the leaf that each piece belongs to.
+        middles: [K, 3] middle of each piece, on its line.
+        directions: [K, 3] unit vectors along the lines.
+        radii: [K] largest distance of a piece from its line.
+        half_lengths: [K] half the length of each piece along its line.
     """
 
     leaves: NDArray[np.int64]
@@ -34,44 +40,53 @@ class RoundPieces:
 
     @classmethod
     def of(cls, meshes: _core.Meshes) -> RoundPieces:
-        """Those of all leaves."""
+        """Round pieces of all leaves."""
         leaves, *rest = _core.find_round_pieces(meshes)
         return cls(leaves.astype(np.int64), *rest)
 
     def __len__(self) -> int:
         return len(self.leaves)
 
-    def where(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> RoundPieces:
-        """Some of them."""
+    def subset(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> RoundPieces:
+        """The pieces at a mask or at indices."""
         return RoundPieces(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
     @property
     def lines(self) -> F64:
-        """(point, direction) [K, 2, 3]."""
+        """Lines of the pieces as (point, direction) [K, 2, 3]."""
         return np.stack([self.middles, self.directions], axis=1)
 
     @property
     def reaches(self) -> F64:
-        """How far [K] any point of a piece may be from its middle."""
+        """Largest distance [K] of a point of each piece from its middle."""
         reaches: F64 = np.hypot(self.radii, self.half_lengths)
         return reaches
 
     def nearest_to(self, point: F64) -> RoundPieces:
-        """The `MOST` whose lines pass nearest to a point [3]."""
+        """At most `MAX_PIECES` pieces, those whose lines pass nearest to `point` [3]."""
         distances = np.linalg.norm(np.cross(point - self.middles, self.directions), axis=1)
-        return self.where(np.sort(np.argsort(distances, kind="stable")[:MOST]))
+        return self.subset(np.sort(np.argsort(distances, kind="stable")[:MAX_PIECES]))
 
 
-def round_pieces_of(
-    pieces: RoundPieces, meshes: _core.Meshes, leaves: Sequence[int], touching: NDArray[np.bool_], near: float, contact: F64
+def joint_pieces(
+    pieces: RoundPieces, meshes: _core.Meshes, group: Sequence[int], touched: NDArray[np.bool_], near: float, contact: F64
 ) -> tuple[RoundPieces, RoundPieces]:
-    """The part's own round pieces, and those of the leaves that it touches (`touching` [L] bool) nearer to it than `near`.
+    """Round pieces that a group of leaves may turn about.
 
-    Of many, those are taken whose lines pass nearest to the middle of the `contact` [3].
+    Args:
+        pieces: round pieces of all L leaves.
+        meshes: meshes of the leaves.
+        group: positions of the group's leaves.
+        touched: [L] bool, leaves that the group touches.
+        near: largest distance between the group and a piece of a touched leaf, in diagonals.
+        contact: [3] middle of the group's contact region.
+
+    Returns:
+        Pieces of the group, and pieces of the touched leaves, each limited to those nearest to `contact`.
     """
-    own = np.isin(pieces.leaves, leaves)
-    others = pieces.where(~own & touching[pieces.leaves])
+    own = np.isin(pieces.leaves, group)
+    others = pieces.subset(~own & touched[pieces.leaves])
     if len(others):
-        distances = _core.closest_points(meshes, list(leaves), others.middles)[0]
-        others = others.where(distances <= others.reaches + near)
-    return pieces.where(own).nearest_to(contact), others.nearest_to(contact)
+        distances = _core.closest_points(meshes, list(group), others.middles)[0]
+        others = others.subset(distances <= others.reaches + near)
+    return pieces.subset(own).nearest_to(contact), others.nearest_to(contact)

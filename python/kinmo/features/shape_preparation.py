@@ -1,4 +1,4 @@
-"""From a shape to what training reads of it."""
+"""Preparation of shapes: from meshes to the samples, boxes, distances, features and labels of a `PreparedShape`."""
 
 from __future__ import annotations
 
@@ -9,39 +9,54 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
-from kinmo.core.edge_labels import EdgeLabels, label_edges, motion_type, sibling_edges
-from kinmo.core.joint import MotionType
+from kinmo.core.edge_labels import EdgeLabels, label_edges, sibling_edges
 from kinmo.core.mobility import Mobility
+from kinmo.core.motion_types import MotionType, motion_type
 from kinmo.core.normalisation import Normalisation, geometry_hash
 from kinmo.core.shape import Shape
-from kinmo.features.candidate_features import Scene, gather
-from kinmo.features.prepared_shape import Boxes, PreparedShape, part_sizes, units_of
+from kinmo.features.candidate_features import compute_candidate_features
+from kinmo.features.prepared_shape import Boxes, PreparedShape, leaf_groups, part_sizes
+from kinmo.features.shape_geometry import ShapeGeometry
 
 F64 = NDArray[np.float64]
-POINTS = 1024
+POINTS_PER_LEAF = 1024
+"""Surface samples per leaf (paper, section 3.2)."""
 
 
-def prepare_shape(shape: Shape, *, points: int = POINTS, seed: int = 0) -> PreparedShape:
-    """Points, boxes, distances and labels of `shape`, in the normalised frame.
+def prepare_shape(shape: Shape, *, points: int = POINTS_PER_LEAF, seed: int = 0) -> PreparedShape:
+    """Compute samples, boxes, distances, candidate features and labels of a shape.
 
-    `points` samples a leaf are drawn with a generator that depends on `seed` and the shape's id alone. Raises ValueError,
-    naming the argument, for meshes that the geometry core refuses.
+    Args:
+        shape: a shape in the frame and lengths of its file.
+        points: surface samples per leaf.
+        seed: seed of the samples; they depend on it and on the shape's id alone.
+
+    Returns:
+        The prepared shape, in the normalised frame.
+
+    Raises:
+        ValueError: the geometry core rejects the meshes; the message names the argument.
+
+    Example:
+        >>> prepared = prepare_shape(read_partnet_mobility(Path("dataset/40147")))
     """
     frame = Normalisation.of(shape)
     leaf_meshes = [frame.mesh(mesh) for mesh in shape.meshes()]
     meshes = _core.Meshes([mesh.vertices for mesh in leaf_meshes], [mesh.faces for mesh in leaf_meshes])
-    place = {leaf: position for position, leaf in enumerate(shape.leaves)}
-    parts = [tuple(place[leaf] for leaf in leaves) for leaves in shape.leaves_below]
+    position = {leaf: place for place, leaf in enumerate(shape.leaves)}
+    parts = [tuple(position[leaf] for leaf in leaves) for leaves in shape.leaves_below]
     mobility = None if shape.mobility is None else frame.mobility(shape.mobility)
-    bodies = [] if mobility is None else [tuple(sorted(place[leaf] for leaf in body.leaves)) for body in mobility.bodies]
+    bodies = [] if mobility is None else [tuple(sorted(position[leaf] for leaf in body.leaves)) for body in mobility.bodies]
     symmetric = _fit_boxes(lambda groups: _core.fit_symmetric_boxes(meshes, groups)[:3], parts + bodies)
     symmetric_boxes, body_boxes = _split(symmetric, len(parts))
-    samples, normals, _ = _core.sample_surface(meshes, points, seed_of(shape.id, seed))
+    samples, normals, _ = _core.sample_surface(meshes, points, shape_seed(shape.id, seed))
     edges = sibling_edges(shape)
     up, areas = np.array(shape.up, np.float64), meshes.areas()
-    scene = Scene.of(meshes, samples, normals, areas, up)
     minimum_boxes = _fit_boxes(lambda groups: _core.fit_boxes(meshes, groups), parts)
-    units = units_of(parts, bodies)
+    candidate_features: dict[str, NDArray[np.generic]] = {}
+    if groups := leaf_groups(parts, bodies):
+        geometry = ShapeGeometry.of(meshes, samples, normals, areas, up)
+        candidate_features = compute_candidate_features(geometry, groups, part_sizes(parts, minimum_boxes)).arrays()
     body_types: dict[int, MotionType] = {}
     edge_labels: EdgeLabels | None = None
     if mobility is not None:
@@ -73,12 +88,12 @@ def prepare_shape(shape: Shape, *, points: int = POINTS, seed: int = 0) -> Prepa
         body_boxes=None if mobility is None else body_boxes,
         body_types=body_types,
         edge_labels=edge_labels,
-        evidence=gather(scene, units, part_sizes(parts, minimum_boxes)).arrays() if units else {},
+        candidate_features=candidate_features,
     )
 
 
-def seed_of(shape_id: str, seed: int) -> int:
-    """A seed of 63 bits for one shape."""
+def shape_seed(shape_id: str, seed: int) -> int:
+    """Seed of 63 bits for one shape."""
     return int.from_bytes(blake2b(f"{seed}:{shape_id}".encode(), digest_size=8).digest(), "big") >> 1
 
 
@@ -97,7 +112,7 @@ def _split(boxes: Boxes, count: int) -> tuple[Boxes, Boxes]:
 
 
 def _body_types(mobility: Mobility, boxes: Boxes, up: F64) -> dict[int, MotionType]:
-    """The motion type of every movable body, whose box is `boxes[index]`."""
+    """Motion type of every movable body; `boxes` are those of all bodies."""
     return {index: motion_type(body.joint, boxes[index], up) for index, body in mobility.movable() if body.joint is not None}
 
 

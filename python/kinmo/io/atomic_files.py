@@ -11,16 +11,27 @@ from pathlib import Path
 from kinmo.core.errors import InputError
 
 _TEMPORARY = ".{name}.tmp~"
+"""Name of the draft beside the result."""
 _REPLACED = ".{name}.old~"
+"""Name of the replaced folder while the draft takes its place."""
 
 
 @contextmanager
 def write_atomically(path: Path) -> Iterator[Path]:
-    """Gives a place to write a file or a folder, and moves it to `path` once the block is done.
+    """Write a file or a folder to a draft, which replaces `path` when the block ends without an error.
 
-    Whatever happens in between, `path` is what it was before, or (for a folder that is replaced) absent, or whole. The
-    temporary place has a fixed name beside `path`, so that a run that was killed leaves nothing that the next one does not
-    clear away.
+    If the block fails or the process is killed, `path` is unchanged. A folder may be absent while it is being replaced. The
+    draft has a fixed name beside `path`: the next run removes what a killed run left.
+
+    Args:
+        path: the file or folder to write. Its parent folders are created.
+
+    Yields:
+        The path to write to.
+
+    Raises:
+        FileNotFoundError: the block wrote nothing.
+        OSError: the file system refused. The error names `path`.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -38,7 +49,7 @@ def write_atomically(path: Path) -> Iterator[Path]:
         temporary.replace(path)
         _sync_folder(path.parent)
     except OSError as error:
-        if error.errno is not None and error.filename in (None, str(temporary)):  # writing to a full disk names no file
+        if error.errno is not None and error.filename in (None, str(temporary)):  # a full disk gives an error without a name
             error.filename = str(path)
         raise
     finally:
@@ -46,21 +57,44 @@ def write_atomically(path: Path) -> Iterator[Path]:
         _remove(replaced)
 
 
+@contextmanager
+def write_folder_atomically(folder: Path) -> Iterator[Path]:
+    """Write a folder with `write_atomically`. Yields an empty draft folder, which replaces `folder` as a whole."""
+    with write_atomically(folder) as draft:
+        draft.mkdir()
+        yield draft
+
+
 def write_text_atomically(path: Path, text: str) -> None:
-    """Writes a UTF-8 file with `write_atomically`; one that has this text already is left alone."""
+    """Write a UTF-8 file with `write_atomically`. A file that has this text already is left as it is."""
     write_bytes_atomically(path, text.encode("utf-8"))
 
 
 def write_bytes_atomically(path: Path, data: bytes) -> None:
-    """Writes a file with `write_atomically`; one that has these contents already is left alone."""
+    """Write a file with `write_atomically`. A file that has these contents already is left as it is."""
     if _contents(path) == data:
         return
     with write_atomically(path) as temporary:
         temporary.write_bytes(data)
 
 
+def append_line(path: Path, line: str) -> None:
+    """Append a line of UTF-8 text to a file. If a killed process left the last line unfinished, that line is ended first."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a+b") as file:
+        line_end = b""
+        if file.seek(0, os.SEEK_END):
+            file.seek(-1, os.SEEK_END)
+            line_end = b"" if file.read(1) == b"\n" else b"\n"
+        file.write(line_end + line.encode("utf-8") + b"\n")
+
+
 def check_can_be_written(folder: Path) -> None:
-    """Raises InputError if nothing can be written to a folder, or it cannot be made; makes nothing."""
+    """Check that a folder can be created or written to, without creating anything.
+
+    Raises:
+        InputError: a file is in the way, or permissions forbid it.
+    """
     there = next(path for path in (folder, *folder.absolute().parents) if os.path.lexists(path))
     if not there.is_dir():
         raise InputError(folder, "expected a folder: this is a file" if there == folder else f"{there} is a file, not a folder")
@@ -69,7 +103,7 @@ def check_can_be_written(folder: Path) -> None:
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Clears away what runs that were killed left in `folder` and below. Only for the holder of the workspace's lock."""
+    """Remove the drafts that killed runs left in `folder` and below. The caller must hold the lock of the workspace."""
     for pattern in (_TEMPORARY, _REPLACED):
         for path in Path(folder).rglob(pattern.format(name="*")):
             _remove(path)
@@ -90,18 +124,11 @@ def _remove(path: Path) -> None:
 
 
 def _sync(path: Path) -> None:
-    """Brings a file, or all of a folder, to the disk."""
-    if path.is_dir():
-        for below in path.rglob("*"):
-            if below.is_file():
-                _sync_file(below)
-    else:
-        _sync_file(path)
-
-
-def _sync_file(path: Path) -> None:
-    with path.open("rb+") as file:
-        os.fsync(file.fileno())
+    """Flush a file, or all files of a folder, to the disk."""
+    for file in path.rglob("*") if path.is_dir() else [path]:
+        if file.is_file():
+            with file.open("rb+") as opened:
+                os.fsync(opened.fileno())
 
 
 def _sync_folder(path: Path) -> None:
@@ -112,14 +139,3 @@ def _sync_folder(path: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
-
-
-def append_line(path: Path, line: str) -> None:
-    """Append a line of UTF-8 text to a file; a last line that a killed process left unfinished is ended first."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("a+b") as file:
-        begun = b""
-        if file.seek(0, os.SEEK_END):
-            file.seek(-1, os.SEEK_END)
-            begun = b"" if file.read(1) == b"\n" else b"\n"
-        file.write(begun + line.encode("utf-8") + b"\n")

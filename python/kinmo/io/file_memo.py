@@ -1,4 +1,4 @@
-"""Values read from files, kept for as long as the files do not change."""
+"""A cache for values read from files, valid as long as a file does not change."""
 
 from __future__ import annotations
 
@@ -8,34 +8,40 @@ from functools import wraps
 from pathlib import Path
 from typing import TypeVar
 
-_SETTLED = 2_000_000_000
-"""Nanoseconds, longer than a tick of the clock of any file system."""
+_MIN_AGE = 2_000_000_000
+"""Age of a file in nanoseconds from which its value is cached: more than the clock resolution of any file system."""
 
 Value = TypeVar("Value")
 
 
 def kept_while_unchanged(read: Callable[[Path], Value]) -> Callable[[Path], Value]:
-    """Keeps what `read` gave of a file for as long as the file stays as it is. Nobody may change what was given.
+    """Decorator that caches what a function reads from a file until the file changes.
 
-    Nothing is kept of a file that has just changed: it could change again and look the same, since clocks of file systems tick
-    slowly.
+    The value of a file that changed less than two seconds ago is not cached. Such a file could change again without a new time
+    stamp, because the clocks of file systems are coarse.
+
+    Args:
+        read: reads a value from a file. Callers must not modify the value.
+
+    Returns:
+        The function with a cache.
     """
     known: dict[Path, tuple[tuple[int, ...], Value]] = {}
 
     @wraps(read)
-    def reading(path: Path) -> Value:
+    def cached_read(path: Path) -> Value:
         try:
-            found = path.stat()
+            status = path.stat()
         except OSError:
-            return read(path)  # which tells it in its own words
-        stamp = found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
+            return read(path)  # raises its own error
+        stamp = status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns
         kept = known.get(path)
         if kept is not None and kept[0] == stamp:
             return kept[1]
-        is_settled = time.time_ns() - found.st_ctime_ns > _SETTLED
+        is_old_enough = time.time_ns() - status.st_ctime_ns > _MIN_AGE
         value = read(path)
-        if is_settled:
+        if is_old_enough:
             known[path] = stamp, value
         return value
 
-    return reading
+    return cached_read

@@ -11,15 +11,21 @@ from kinmo.core.errors import InputError, KinmoError
 
 
 class InUse(KinmoError):
-    """Another process writes into a folder: nothing can be done there now."""
+    """Another kinmo process is writing into the folder."""
 
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Makes `folder`, if need be, and keeps other kinmo processes from writing there.
+    """Keep other kinmo processes from writing into a folder while the block runs.
 
-    The system frees the lock of a process that dies, however it dies. Raises InUse if another process holds the lock, and
-    InputError if the folder cannot be made or written to.
+    The operating system releases the lock of a process that dies.
+
+    Args:
+        folder: the folder. It is created if it does not exist.
+
+    Raises:
+        InUse: another process holds the lock.
+        InputError: the folder cannot be created or written to.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -27,7 +33,7 @@ def locked(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise InputError(folder, f"cannot be written to ({error.strerror})") from None
     try:
-        if not _lock(handle):
+        if not _acquire(handle):
             holder = os.pread(handle, 32, 0).decode("ascii", "replace").strip() or "unknown"
             raise InUse(folder, f"another kinmo (process {holder}) is writing here: wait for it, or name another folder")
         os.ftruncate(handle, 0)
@@ -38,8 +44,8 @@ def locked(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def _lock(handle: int) -> bool:
-    """Whether the lock on an open file was free. Without fcntl (Windows) there are no locks."""
+def _acquire(handle: int) -> bool:
+    """Lock an open file. False if another process holds the lock. Always True without fcntl (Windows)."""
     try:
         import fcntl
     except ImportError:

@@ -1,1 +1,1 @@
-"""Networks, and what trains them. Nothing here knows of files other than checkpoints and weights."""
+"""Networks and their training: shared layers, the training loop, trained weights, and the motion GNN of both methods."""

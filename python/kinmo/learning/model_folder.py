@@ -1,6 +1,6 @@
-"""The trained networks of one folder: where each lies, and what it was trained for.
+"""Folder of trained networks: the path of each network, and the facts that its header states.
 
-Nothing here imports torch, so commands that only look at networks start fast.
+The module does not import torch, so that commands which only look up networks start fast.
 """
 
 from __future__ import annotations
@@ -16,33 +16,33 @@ from kinmo.core.errors import InputError, expecting
 from kinmo.core.typed_tables import from_table
 
 WEIGHTS = "weights.safetensors"
-"""File of a network's tensors, written when its training is done."""
+"""File with the tensors of a network, written when its training is done."""
 HEADER = "weights.json"
-"""File that says what the weights are for, written right after them."""
+"""Header of the weights, written right after them: kind of network, configuration, facts about the training."""
 METRICS = "metrics.json"
-"""File with one entry per epoch."""
+"""Metrics of the training, one entry an epoch."""
 METRICS_TABLE = "metrics.csv"
 """The same metrics as a table."""
 CONFIG = "config.json"
-"""File with the configuration of the last training; predictions follow it."""
+"""Configuration of the last training, also used for predictions."""
 
 
 @dataclass(frozen=True)
 class ModelFolder:
-    """Networks below `path`: one folder per model, and below it one per category that has a network of its own."""
+    """Networks below `path`: one folder a model, with one subfolder for each category that has its own network."""
 
     path: Path
 
     def folder(self, model: str, category: str | None = None) -> Path:
-        """Folder of a model, or of its network for one category."""
+        """Folder of a model, or of the model's network for one category."""
         folder = self.path / model
         return folder / category if category else folder
 
     def weights_for(self, model: str, category: str) -> Path:
-        """Weights for shapes of a category: those trained for it alone, otherwise those of all categories.
+        """Weights file for shapes of a category: of its own network, otherwise of the network for all categories.
 
         Raises:
-            InputError: neither was trained.
+            InputError: Neither network was trained.
         """
         for folder in (self.folder(model, category), self.folder(model)):
             if (folder / WEIGHTS).exists():
@@ -50,10 +50,10 @@ class ModelFolder:
         raise InputError(self.folder(model), f"not trained for {category}: run kinmo train first")
 
     def all_weights(self, model: str) -> list[Path]:
-        """Every file of weights of a model, those for single categories included.
+        """All weights files of a model, including those for single categories.
 
         Raises:
-            InputError: the model was never trained.
+            InputError: The model was never trained.
         """
         found = sorted(self.folder(model).rglob(WEIGHTS))
         if not found and not self.path.parent.exists():
@@ -64,7 +64,7 @@ class ModelFolder:
         return found
 
     def digest(self, models: tuple[str, ...]) -> str:
-        """Hash of all weights of some models; empty if one of them was never trained."""
+        """Hash of all weights of several models; empty if one of them was never trained."""
         found: dict[str, str] = {}
         for model in models:
             headers = sorted(self.folder(model).rglob(HEADER))
@@ -76,7 +76,7 @@ class ModelFolder:
         return digest(found)
 
     def seeds(self, models: tuple[str, ...]) -> tuple[int, ...]:
-        """Seeds that some models were trained with, sorted, each once."""
+        """Seeds that several models were trained with, sorted and without duplicates."""
         seeds = set()
         for path in (path for model in models for path in self.folder(model).rglob(HEADER)):
             with expecting("a header of weights", path):
@@ -84,7 +84,11 @@ class ModelFolder:
         return tuple(sorted(seeds))
 
     def config(self) -> Config:
-        """The configuration of the last training; `small` if nothing was trained."""
+        """Configuration of the last training; `small` if nothing was trained.
+
+        Raises:
+            InputError: The file is not a configuration.
+        """
         path = self.path / CONFIG
         if not path.exists():
             return load_config("small")
@@ -96,7 +100,7 @@ class ModelFolder:
 
 
 def networks_digest(weights: tuple[Path, ...]) -> str:
-    """Hash of some files of weights and of the configurations they were trained with."""
+    """Hash of several weights files and of the configurations they were trained with."""
     found = []
     for path in (path.with_suffix(".json") for path in weights):
         with expecting("a header of weights", path):
@@ -106,7 +110,7 @@ def networks_digest(weights: tuple[Path, ...]) -> str:
 
 
 def trained_on(weights: Path) -> tuple[int, int]:
-    """Numbers of labelled and of other objects that a network for scans was trained on."""
+    """Numbers of labelled objects and of other objects that a network for scans was trained on."""
     path = weights.with_suffix(".json")
     with expecting("a header of weights", path):
         facts = _header(path)["facts"]

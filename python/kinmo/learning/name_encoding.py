@@ -1,7 +1,8 @@
-"""Part names as sets of numbers that any name has, known or not.
+"""Part names as hash buckets, so that known and unknown names alike have an encoding.
 
-A name becomes its words and their character trigrams, each hashed into a bucket; the mean of the buckets' embeddings stands for
-the name. So `drawer_box`, `drawer box` and `Drawers` share most of what they are, and a word never seen still has its trigrams.
+A name becomes its words and their character trigrams, and each of these is hashed into a bucket. A network encodes the name as
+the mean of the buckets' embeddings. `drawer_box`, `drawer box` and `Drawers` therefore have similar encodings, and a word that
+was never seen in training still has its trigrams.
 """
 
 from __future__ import annotations
@@ -13,18 +14,40 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+I64 = NDArray[np.int64]
+
 HIDDEN = 0
-"""Bucket of a name that is not shown."""
+"""Bucket of a hidden name, and of a name without letters."""
 
 
 def name_buckets(name: str, buckets: int) -> list[int]:
-    """Buckets of `name`, in 1..buckets-1; [HIDDEN] for a name without a letter."""
+    """Hash buckets of one name.
+
+    Args:
+        name: Any text. Case, digits and punctuation do not matter.
+        buckets: Number of buckets, at least 2.
+
+    Returns:
+        Buckets of the words and trigrams, in 1..buckets-1; [HIDDEN] for a name without a letter.
+
+    Example:
+        >>> name_buckets("Drawer_Box", 512) == name_buckets("drawer box 3", 512)
+        True
+    """
     words = re.findall(r"[^\W\d_]+", name.casefold())
     pieces = [w for word in words for w in (word, *(f"<{word}>"[i : i + 3] for i in range(len(word))))]
     return [1 + zlib.crc32(piece.encode()) % (buckets - 1) for piece in pieces] or [HIDDEN]
 
 
-def bags(names: Sequence[str], buckets: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Buckets of all names one after the other [T], and how many each has [N]."""
-    found = [name_buckets(name, buckets) for name in names]
-    return np.array([b for bag in found for b in bag], np.int64), np.array([len(bag) for bag in found], np.int64)
+def encode_names(names: Sequence[str], buckets: int) -> tuple[I64, I64]:
+    """Hash buckets of N names, one name after the other.
+
+    Args:
+        names: The names.
+        buckets: Number of buckets, at least 2.
+
+    Returns:
+        The T buckets of all names [T], and the number of buckets of each name [N].
+    """
+    encoded = [name_buckets(name, buckets) for name in names]
+    return np.array([bucket for one in encoded for bucket in one], np.int64), np.array([len(one) for one in encoded], np.int64)

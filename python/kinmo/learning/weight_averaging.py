@@ -1,32 +1,36 @@
-"""The mean of a network's recent weights: steadier than the last step's, and better on shapes never seen."""
+"""An exponential moving average of a network's weights: steadier than the last step's, and better on unseen shapes."""
 
 from __future__ import annotations
 
-from lightning.pytorch.callbacks import WeightAveraging
-from torch import Tensor
-from torch.optim.swa_utils import get_ema_multi_avg_fn
+from collections.abc import Sequence
 
-WARM_UP = 10
-"""Early steps are averaged over fewer of them, so that the start is soon forgotten."""
+from torch import Tensor, nn
+from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
+
+WARM_UP_STEPS = 10
+"""The average forgets its first steps faster: at step t the decay is at most (1 + t) / (WARM_UP_STEPS + t)."""
 
 
-class ExponentialAverage(WeightAveraging):
-    """Keeps an exponential moving average of the weights; validation sees the average, training goes on without it."""
+def moving_average(module: nn.Module, decay: float) -> AveragedModel:
+    """Copy of a module whose weights follow the module's by an exponential moving average.
 
-    def __init__(self, decay: float) -> None:
-        def average(kept: list[Tensor], current: list[Tensor], steps: Tensor | int) -> None:
-            if kept[0].is_floating_point():
-                share = min(decay, (1.0 + float(steps)) / (WARM_UP + float(steps)))
-                get_ema_multi_avg_fn(share)(kept, current, steps)  # type: ignore[no-untyped-call]
-                return
-            for own, other in zip(kept, current, strict=True):
+    Call `update_parameters(module)` after every optimizer step. Floating-point buffers, such as the statistics of batch norms,
+    are averaged like parameters; other buffers are copied.
+
+    Args:
+        module: The module to be trained.
+        decay: Share of the previous average that remains after a step, in [0, 1).
+
+    Returns:
+        The average. Its `module` attribute is the averaged copy, of the same class as `module`.
+    """
+
+    def update(averages: Sequence[Tensor], current: Sequence[Tensor], steps: Tensor | int) -> None:
+        if averages[0].is_floating_point():
+            share = min(decay, (1.0 + float(steps)) / (WARM_UP_STEPS + float(steps)))
+            get_ema_multi_avg_fn(share)(averages, current, steps)  # type: ignore[no-untyped-call]
+        else:
+            for own, other in zip(averages, current, strict=True):
                 own.copy_(other)
 
-        super().__init__(multi_avg_fn=average)
-
-    def weights(self) -> dict[str, Tensor]:
-        """The averaged state of the module that is trained. Raises RuntimeError before the training."""
-        if self._average_model is None:
-            raise RuntimeError("nothing has been averaged yet")
-        weights: dict[str, Tensor] = self._average_model.module.state_dict()
-        return weights
+    return AveragedModel(module, multi_avg_fn=update, use_buffers=True)

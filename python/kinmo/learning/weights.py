@@ -1,4 +1,4 @@
-"""Trained weights: `NAME.safetensors` with the numbers, `NAME.json` with what they are for. No pickle is read."""
+"""Trained weights on disk: `NAME.safetensors` with the tensors, `NAME.json` with a header. No pickle is read."""
 
 from __future__ import annotations
 
@@ -19,15 +19,26 @@ from kinmo.core.errors import InputError
 from kinmo.io.atomic_files import write_bytes_atomically, write_text_atomically
 
 SCHEMA = 1
+"""Version of the header's format."""
 DEVICES = ("cpu", "cuda", "mps")
+"""Kinds of device that kinmo computes on."""
 ACCELERATOR_PROCESSES = 4
-"""So many share an accelerator, each with networks of its own there."""
+"""Number of processes that may share an accelerator; each has its own copy of the networks there."""
 OTHER_VERSION = "; if another version of kinmo trained it, train it again"
+"""Remedy at the end of messages about tensors that do not fit."""
 
 
 @dataclass(frozen=True, eq=False)
 class Weights:
-    """Tensors by name, the `config` of the network they fill, what it was trained for (`facts`), and the file's SHA-256."""
+    """Trained weights in memory.
+
+    Attributes:
+        path: File that the tensors were read from.
+        tensors: Tensors by parameter name.
+        config: Configuration of the network, as plain data.
+        facts: Facts about the training, such as the seed and the number of shapes, as plain data.
+        sha256: SHA-256 of the file.
+    """
 
     path: Path
     tensors: Mapping[str, Tensor]
@@ -36,7 +47,11 @@ class Weights:
     sha256: str
 
     def fill(self, module: nn.Module) -> None:
-        """Copy the tensors into `module`. Raises InputError if names or shapes differ from the module's."""
+        """Copy the tensors into a module.
+
+        Raises:
+            InputError: A name or a shape differs from the module's; the message names the tensor.
+        """
         own = module.state_dict()
         for name in sorted(own.keys() | self.tensors.keys()):
             if name not in self.tensors:
@@ -52,9 +67,17 @@ class Weights:
 def save_weights(
     path: Path, module: nn.Module, kind: str, config: Mapping[str, Any], facts: Mapping[str, Any] | None = None
 ) -> str:
-    """Write `path` (.safetensors) and the JSON beside it, each atomically; returns the SHA-256 of the weights.
+    """Write the weights of a module and their header, each file atomically.
 
-    `kind` names the network ("motion_gnn", ...); `config` and `facts` must be plain JSON.
+    Args:
+        path: File to write, `NAME.safetensors`. The header becomes `NAME.json` beside it.
+        module: Module with the weights.
+        kind: Name of the kind of network, such as "motion_gnn".
+        config: Configuration of the network, as plain data.
+        facts: Facts about the training, as plain data.
+
+    Returns:
+        SHA-256 of the weights file.
     """
     tensors = {name: tensor.detach().cpu().contiguous() for name, tensor in module.state_dict().items()}
     data = save(tensors)
@@ -66,9 +89,18 @@ def save_weights(
 
 
 def load_weights(path: Path, kind: str, device: str = "cpu") -> Weights:
-    """Read what `save_weights` wrote.
+    """Read the weights and the header that `save_weights` wrote.
 
-    Raises InputError if a file is absent or cut, if the two do not belong together, or if they are for another kind of network.
+    Args:
+        path: File `NAME.safetensors`, with `NAME.json` beside it.
+        kind: Kind of network that the weights must be for.
+        device: Device to load the tensors to.
+
+    Returns:
+        The weights.
+
+    Raises:
+        InputError: A file is absent or cut, the two do not belong together, or they are for another kind of network.
     """
     header_path = path.with_suffix(".json")
     try:
@@ -94,7 +126,17 @@ def load_weights(path: Path, kind: str, device: str = "cpu") -> Weights:
 
 
 def pick_device(name: str) -> str:
-    """`auto` means a GPU where there is one, `cpu:0` is `cpu`. Raises InputError for a device that is not there."""
+    """Name of a device that exists.
+
+    Args:
+        name: "cpu", "cuda", "cuda:1", "mps", or "auto" for a GPU where there is one.
+
+    Returns:
+        The name, with "auto" resolved and any "cpu:N" as "cpu".
+
+    Raises:
+        InputError: There is no such device, or kinmo cannot compute on it.
+    """
     if name == "auto":
         return "cuda" if torch.cuda.is_available() else "mps" if torch.backends.mps.is_available() else "cpu"
     try:
@@ -108,5 +150,5 @@ def pick_device(name: str) -> str:
 
 
 def processes_on(device: str, workers: int) -> int:
-    """How many of `workers` may have networks on a device at once: those on an accelerator share its memory."""
+    """Number of worker processes that may use networks on a device at once; on an accelerator they share its memory."""
     return workers if pick_device(device) == "cpu" else min(workers, ACCELERATOR_PROCESSES)

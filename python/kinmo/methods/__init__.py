@@ -11,8 +11,9 @@ if TYPE_CHECKING:
     from kinmo.methods.method import Method
 
 METHOD_MODELS: dict[str, tuple[str, ...]] = {"kinmo": ("gnn_fine", "ranking"), "paper": ("gnn_fine", "axis")}
-"""Networks that each method needs, by the name of the method."""
+"""Models of each method, by the name of the method."""
 DEFAULT_METHOD = "kinmo"
+"""Method of `kinmo predict` and the Python API."""
 
 
 def load_method(name: str, models: ModelFolder, device: str = "auto") -> Method:
@@ -23,8 +24,15 @@ def load_method(name: str, models: ModelFolder, device: str = "auto") -> Method:
         models: the folder with the trained networks.
         device: where networks run: auto, cpu, cuda, cuda:1, mps.
 
+    Returns:
+        The method; its networks have been read once as a check.
+
     Raises:
         InputError: there is no such method, or one of its networks is missing or cannot be read.
+
+    Example:
+        >>> method = load_method("kinmo", ModelFolder(Path("workspace/motion/models")))
+        >>> prediction = method.predict(prepared, leaf_meshes(shape, prepared))
     """
     method: Method
     if name == "kinmo":

@@ -1,4 +1,4 @@
-"""The interface of both methods, and the networks that they share."""
+"""Interface of both methods, and the motion GNN that they share."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
-from kinmo.core.prediction import Prediction
+from kinmo.core.prediction import ShapeEstimate
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
 
-NETWORKS_KEPT = 8
-"""Networks of each kind that stay in memory."""
+CACHED_NETWORKS = 8
+"""Number of networks of each kind that stay in memory."""
 
 
 class Method(Protocol):
@@ -28,46 +28,70 @@ class Method(Protocol):
 
     @property
     def weights(self) -> str:
-        """Hash of all networks that take part."""
+        """Hash of all networks of the method."""
 
     @property
     def config(self) -> Mapping[str, Any]:
-        """Everything else that predictions depend on, as plain data."""
+        """Settings that predictions depend on, as plain data."""
 
     @property
     def is_fine(self) -> bool:
-        """True if it tells ten motion types apart, False for five."""
+        """True for ten motion types, False for five."""
 
     @property
     def finds_parents(self) -> bool:
-        """True if, with parts given, it also predicts what every body is attached to."""
+        """True if, with parts given, the method also predicts the parent of every body."""
 
     def check(self) -> None:
-        """Raise InputError if one of the networks is missing or cannot be read."""
+        """Check that all networks can be read.
 
-    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
-        """Predict bodies and joints from the hierarchy (setting *hierarchy given*).
-
-        Args:
-            shape: the prepared shape.
-            meshes: meshes of its leaves, in the normalised frame (`prepared_shape.leaf_meshes`).
+        Raises:
+            InputError: a network is missing or cannot be read.
         """
 
-    def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
-        """Predict the joints of the annotated bodies (setting *parts given*)."""
+    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
+        """Predict bodies and joints (setting *hierarchy given*).
 
-    def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
-        """Predict with the true motion types given, at least for the bodies whose type `predict_given` gets wrong."""
+        Args:
+            shape: the prepared shape; its annotation is not used.
+            meshes: meshes of its leaves, in the normalised frame (`prepared_shape.leaf_meshes`).
+
+        Returns:
+            Bodies, ranked joints and limits in the shape's own frame.
+        """
+
+    def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
+        """Predict the joints of the annotated bodies (setting *parts given*).
+
+        Args:
+            shape: an annotated shape; joints and parents of the annotation are not used.
+            meshes: meshes of its leaves, in the normalised frame.
+
+        Returns:
+            Ranked joints and limits of the annotated bodies, in the shape's own frame.
+        """
+
+    def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
+        """Predict axes with the true motion types given, at least for the bodies whose type `predict_given` gets wrong."""
 
     def edge_types(self, shape: PreparedShape) -> NDArray[np.int64] | None:
-        """Predicted motion type [E] of every edge; None if the method does not use edges."""
+        """Predicted motion type [E] of every edge; None if the method does not use edge types by themselves."""
 
 
 def load_gnn(weights: Path, device: str, hide_names: bool) -> MotionGnnPredictor:
-    """The motion GNN of a file of weights, kept in memory until the file changes."""
+    """Load a motion GNN. It stays in memory until its file changes.
+
+    Args:
+        weights: file of the weights.
+        device: where the network runs: auto, cpu, cuda, cuda:1, mps.
+        hide_names: hide the names of all parts from the network.
+
+    Raises:
+        InputError: the file is not a whole file of GNN weights.
+    """
     return _load_gnn(weights, weights.stat().st_mtime_ns, device, hide_names)
 
 
-@lru_cache(maxsize=NETWORKS_KEPT)
+@lru_cache(maxsize=CACHED_NETWORKS)
 def _load_gnn(weights: Path, written: int, device: str, hide_names: bool) -> MotionGnnPredictor:
     return MotionGnnPredictor.load(weights, device, hide_names)

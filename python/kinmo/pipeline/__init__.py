@@ -1,1 +1,1 @@
-"""The stages that the command line runs: each reads the workspace, calls what does the work, and records what it made."""
+"""The stages behind the API and the command line. Each reads a workspace, does what is left to do, and records it."""

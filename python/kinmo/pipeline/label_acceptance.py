@@ -1,24 +1,22 @@
-"""Which predictions are good enough to be taken as labels (paper, section 3.3, the last paragraph)."""
+"""Acceptance of predictions as pseudo labels (paper, section 3.3, last paragraph), and the report of it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
-from kinmo.core.joint import CoarseType, MotionType
-from kinmo.core.prediction import Prediction
+from kinmo.core.prediction import ShapeEstimate
 
-STEPS = tuple(round(0.1 * step, 1) for step in range(10))
-"""The thresholds of the acceptance report."""
-ACCEPTANCE = "acceptance.json"
-"""Name of that report, in the folder of the labels."""
-LABELLING = "pseudo-label"
-"""Name of the stage that gives labels, and of its record."""
+SCORE_STEPS = tuple(round(0.1 * step, 1) for step in range(10))
+"""Thresholds of the columns in the acceptance report."""
+REPORT = "acceptance.json"
+"""File of the acceptance report, in the folder of the pseudo labels."""
 
 
 @dataclass(frozen=True)
-class JudgedJoint:
-    """A joint of a prediction: the `body` it moves, its `type` and its `score` in [0, 1]."""
+class ScoredJoint:
+    """A predicted joint: the name of the `body` that it moves, its motion `type`, and its `score` in [0, 1]."""
 
     body: str
     type: str
@@ -26,82 +24,165 @@ class JudgedJoint:
 
 
 @dataclass(frozen=True)
-class Judgement:
-    """What is thought of one shape, `doubt` as in `Prediction`. `refusal` says why it gets no label; empty if it gets one."""
+class LabelDecision:
+    """Decision whether the prediction for a shape becomes its pseudo label.
+
+    Attributes:
+        shape_id: id of the shape.
+        layout: dataset layout of the shape.
+        category: category of the shape.
+        joints: the predicted joints.
+        refusal: the reason why it gets no label; empty if it gets one.
+        doubt: largest probability that a resting part moves (`Prediction.doubt`).
+        threshold: score that every joint had to exceed.
+    """
 
     shape_id: str
     layout: str
     category: str
-    joints: tuple[JudgedJoint, ...] = ()
+    joints: tuple[ScoredJoint, ...] = ()
     refusal: str = ""
     doubt: float = 0.0
+    threshold: float = 0.0
 
     @property
     def is_accepted(self) -> bool:
+        """True if the shape gets a pseudo label."""
         return not self.refusal
 
     @property
     def score(self) -> float | None:
-        """That of the worst joint; None without joints."""
+        """Score of the worst joint; None without joints."""
         return min((joint.score for joint in self.joints), default=None)
 
 
-def judge(prediction: Prediction, layout: str, threshold: float, doubt: float = 1.0) -> Judgement:
-    """Accept a shape if every one of its joints scores more than `threshold` (the paper's tau, 0.6), it has one, and no part
-    that is said to rest moves by a chance above `doubt`.
+def decide(prediction: ShapeEstimate, layout: str, threshold: float, max_doubt: float = 1.0) -> LabelDecision:
+    """Accept or refuse a prediction as a pseudo label.
 
-    A shape is taken or refused as a whole: a label with a joint too few teaches that the part does not move.
+    A shape is accepted as a whole: a label that lacks a joint would teach that the part does not move.
+
+    Args:
+        prediction: the prediction.
+        layout: dataset layout of the shape.
+        threshold: score that every joint must exceed (tau in the paper, 0.6).
+        max_doubt: largest accepted probability that a resting part moves.
+
+    Returns:
+        The decision, with the reason of a refusal.
     """
     joints = []
     for index, body in prediction.mobility.movable():
         best = prediction.estimates[index][0]
-        joints.append(JudgedJoint(body.name, _name(best.type), float(best.score)))
+        joints.append(ScoredJoint(body.name, best.type.name, float(best.score)))
     refusal = ""
     if not joints:
         refusal = "no moving part was found"
     elif (worst := min(joints, key=lambda joint: joint.score)).score <= threshold:
         refusal = f"a joint scores no more than {threshold:g}: {worst.type}"
-    elif prediction.doubt > doubt:
-        refusal = f"a part that is said to rest moves by a chance above {doubt:g}"
-    return Judgement(prediction.shape_id, layout, prediction.category, tuple(joints), refusal, float(prediction.doubt))
+    elif prediction.missed_motion_probability > max_doubt:
+        refusal = f"a resting part moves with a probability above {max_doubt:g}"
+    doubt = float(prediction.missed_motion_probability)
+    return LabelDecision(prediction.shape_id, layout, prediction.category, tuple(joints), refusal, doubt, threshold)
 
 
-def _name(motion: MotionType | CoarseType) -> str:
-    return motion.name
+def decision_to_data(decision: LabelDecision) -> dict[str, Any]:
+    """A decision as plain data."""
+    return asdict(decision)
+
+
+def decision_from_data(data: Mapping[str, Any]) -> LabelDecision:
+    """The decision that `decision_to_data` took apart. Raises TypeError or KeyError for anything else."""
+    return LabelDecision(**{**data, "joints": tuple(ScoredJoint(**joint) for joint in data["joints"])})
 
 
 @dataclass(frozen=True)
-class Tally:
-    """Shapes and joints of one group. `at_least[i]` counts joints that score more than `STEPS[i]`."""
+class AcceptanceCounts:
+    """Numbers of shapes and joints of one group; `above[i]` counts joints that score more than `SCORE_STEPS[i]`."""
 
     shapes: int
-    accepted: int
+    accepted_shapes: int
     joints: int
     accepted_joints: int
-    at_least: tuple[int, ...]
+    above: tuple[int, ...]
 
 
-def tally(judgements: Iterable[Judgement]) -> Tally:
-    """Count a group."""
-    group = list(judgements)
-    accepted = [judgement for judgement in group if judgement.is_accepted]
-    scores = [joint.score for judgement in group for joint in judgement.joints]
-    return Tally(
+def count_accepted(decisions: Iterable[LabelDecision]) -> AcceptanceCounts:
+    """Count the shapes and joints of a group of decisions."""
+    group = list(decisions)
+    accepted = [decision for decision in group if decision.is_accepted]
+    scores = [joint.score for decision in group for joint in decision.joints]
+    return AcceptanceCounts(
         len(group),
         len(accepted),
         len(scores),
-        sum(len(judgement.joints) for judgement in accepted),
-        tuple(sum(score > step for score in scores) for step in STEPS),
+        sum(len(decision.joints) for decision in accepted),
+        tuple(sum(score > step for score in scores) for step in SCORE_STEPS),
     )
 
 
-def tally_types(judgements: Iterable[Judgement]) -> Mapping[str, Tally]:
-    """Count joints by motion type; shapes are those with a joint of the type."""
-    group = list(judgements)
-    names = sorted({joint.type for judgement in group for joint in judgement.joints})
-    return {name: tally(_only(judgement, name) for judgement in group if _only(judgement, name).joints) for name in names}
+def count_by_type(decisions: Iterable[LabelDecision]) -> dict[str, AcceptanceCounts]:
+    """Counts by motion type; the shapes of a type are those with such a joint."""
+    group = list(decisions)
+    names = sorted({joint.type for decision in group for joint in decision.joints})
+    reduced = {name: [_only(decision, name) for decision in group] for name in names}
+    return {name: count_accepted(decision for decision in own if decision.joints) for name, own in reduced.items()}
 
 
-def _only(judgement: Judgement, motion: str) -> Judgement:
-    joints = tuple(joint for joint in judgement.joints if joint.type == motion)
-    return Judgement(judgement.shape_id, judgement.layout, judgement.category, joints, judgement.refusal)
+def _only(decision: LabelDecision, motion_type: str) -> LabelDecision:
+    return replace(decision, joints=tuple(joint for joint in decision.joints if joint.type == motion_type))
+
+
+def acceptance_report(
+    decisions: Sequence[LabelDecision], method: str, copies: int, outdated: Sequence[str] = ()
+) -> dict[str, Any]:
+    """The acceptance report as plain data.
+
+    Args:
+        decisions: the decisions on all unlabelled shapes.
+        method: the method that predicted.
+        copies: number of copies of labelled shapes, which are not labelled.
+        outdated: categories whose labels come from other networks or files than the current ones.
+
+    Returns:
+        `text`, `ways` (thresholds and method), `copies`, `tables` (caption, header, rows) and `refused` (ids by reason).
+    """
+    ways = sorted({f"all joints above {decision.threshold:g}, by {method}" for decision in decisions})
+    whole = count_accepted(decisions)
+    categories = sorted({decision.category for decision in decisions})
+    by_category = {name: count_accepted(d for d in decisions if d.category == name) for name in categories} | {"all": whole}
+    reasons: dict[str, list[str]] = {}
+    for decision in decisions:
+        if not decision.is_accepted:
+            reasons.setdefault(decision.refusal, []).append(decision.shape_id)
+    text = (
+        f"Accepted {whole.accepted_shapes} of {whole.shapes} shapes ({'; or '.join(ways) or 'there are none'}) and "
+        f"{whole.accepted_joints} of {whole.joints} joints; skipped {copies} copies of labelled shapes."
+    )
+    if outdated:
+        text += f" Labels of {', '.join(outdated)} are outdated: run kinmo pseudo-label to update them."
+    refused = sorted(reasons.items(), key=lambda item: -len(item[1]))
+    return {
+        "text": text,
+        "ways": ways,
+        "copies": copies,
+        "tables": [
+            _table("Pseudo labels by category", "category", by_category),
+            _table("Pseudo labels by motion type", "type", count_by_type(decisions)),
+            {
+                "caption": "Refused shapes",
+                "header": ["reason", "shapes", "for example"],
+                "rows": [[reason, str(len(ids)), ids[0]] for reason, ids in refused],
+            },
+        ],
+        "refused": dict(sorted(reasons.items())),
+    }
+
+
+def _table(caption: str, what: str, groups: Mapping[str, AcceptanceCounts]) -> dict[str, Any]:
+    header = [what, "shapes", "accepted", "joints", "accepted joints", *(f"> {step:g}" for step in SCORE_STEPS)]
+    rows = [
+        [name, *map(str, (own.shapes, own.accepted_shapes, own.joints, own.accepted_joints, *own.above))]
+        for name, own in groups.items()
+    ]
+    note = "The columns on the right count joints with a higher score."
+    return {"caption": caption, "header": header, "rows": rows, "note": note}

@@ -1,4 +1,4 @@
-"""The networks of a workspace: what each is called, and how it is trained."""
+"""The motion networks: name, section of the configuration, and trainer of each."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from kinmo.learning.training_loop import FitResult, Progress
 from kinmo.methods import METHOD_MODELS
 from kinmo.methods.kinmo.ranking.ranking_network import KIND as RANKING
 from kinmo.methods.kinmo.ranking.ranking_training import train_joint_ranking
-from kinmo.methods.paper.axis_selection.axis_training import train_axis_selection
+from kinmo.methods.paper.axis_selection.axis_selection_training import train_axis_selection
 
 
 class Trainer(Protocol):
@@ -32,7 +32,8 @@ class Trainer(Protocol):
         device: str,
         fingerprint: str,
         on_progress: Callable[[Progress], None],
-    ) -> FitResult: ...
+    ) -> FitResult:
+        """Train a network in the folder `run_dir`, from the last checkpoint there."""
 
 
 def _train_on_contact_edges(
@@ -48,7 +49,7 @@ TRAINERS: dict[str, tuple[str, Trainer]] = {
     "ranking": ("ranking", train_joint_ranking),
     "gnn_contact": ("gnn", _train_on_contact_edges),
 }
-"""The section of the configuration and the trainer of every model, in the order of training."""
+"""Section of the configuration and trainer, by model, in the order of training."""
 
 CONTINUED: dict[str, tuple[str, Callable[[Path], Trainer], tuple[str, ...]]] = {
     "ranking": (
@@ -57,7 +58,7 @@ CONTINUED: dict[str, tuple[str, Callable[[Path], Trainer], tuple[str, ...]]] = {
         ("members", "width", "word_features"),
     )
 }
-"""Of the models that can go on from trained weights: the kind of those, the trainer, and the sizes that must be the same."""
+"""Models that can continue from trained weights: kind of the weights, trainer, and settings that must be equal."""
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "motion": ("gnn_fine", "gnn_coarse", "axis", "ranking"),
@@ -66,4 +67,4 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "contact-edges": ("gnn_contact",),
     **METHOD_MODELS,
 }
-"""What `kinmo train` calls them: `motion` is what both methods need, one what has its name; the rest is for ablations."""
+"""Models by group. `motion` serves both methods, a method's name that method, `contact-edges` an ablation."""

@@ -1,4 +1,4 @@
-"""Joints for shapes that are not in the workspace."""
+"""The stage `predict` for shapes: it predicts joints of users' own objects, and writes joints.json and URDF."""
 
 from __future__ import annotations
 
@@ -10,46 +10,59 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from kinmo._core import __version__
-from kinmo.core.digest import digest
+import numpy as np
+
 from kinmo.core.errors import InputError, expecting
-from kinmo.core.frames import TO_Y_UP, Up
+from kinmo.core.frames import UP_VECTORS, Up, y_up_rotation
 from kinmo.core.names import short_name
-from kinmo.core.wording import counted
+from kinmo.core.prediction import PredictionProvenance, ShapeEstimate
+from kinmo.core.shape import Shape
+from kinmo.core.wording import clean_text, counted, printable_path
+from kinmo.dataset.cache import Cache, cache_key
+from kinmo.dataset.jobs import Failure
 from kinmo.dataset.stage import Observer, Outcome, Plan
-from kinmo.dataset.workers import Crashed
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import leaf_meshes
 from kinmo.features.shape_preparation import prepare_shape
+from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.folder_lock import locked
-from kinmo.io.readers import Found, Layout, discover, read_found
-from kinmo.io.readers.field import clean_text
-from kinmo.io.readers.sources import fingerprint, shown
-from kinmo.io.writers.joints_json_writer import Provenance, write_joints_json
-from kinmo.io.writers.urdf_writer import write_urdf
-from kinmo.io.writers.whole_folder import whole_folder
+from kinmo.io.readers import PARTNET_MOBILITY
+from kinmo.io.source_files import fingerprint
+from kinmo.io.writers import ExportOptions, export
+from kinmo.io.writers.joints_json_writer import FILE_NAME
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods import load_method
 from kinmo.methods.method import Method
-from kinmo.pipeline.each_shape import each_shape
-from kinmo.scans.scan_reader import ENDINGS as SCAN_ENDINGS
+from kinmo.pipeline.network_jobs import network_runner
+from kinmo.scans.files.scan_formats import SCAN_SUFFIXES as SCAN_ENDINGS
 
 SECONDS_PER_SHAPE = 3.0
-VAST = 20.0
-"""Metres across of what is hardly an object, but may be one in millimetres."""
-REPAIRED_LINES = 40
-"""Of shapes that had to be repaired to be read; what was done to all is in their joints.json, and in what --json prints."""
-JOINTS = "joints.json"
-MADE_FROM = ".made_from"
-"""In a shape's folder: a digest of its files and of what predicted it, to know what is done already."""
+"""Estimate, for one CPU core."""
+SUSPICIOUS_SIZE = 20.0
+"""Diagonal in metres above which an object is probably in millimetres."""
+MAX_REPAIRED_LINES = 40
+"""Repaired shapes that are listed on the terminal; joints.json and --json have all repairs."""
+FORMATS = ("urdf", "joints_json")
+"""Formats of a prediction's folder."""
 
 
 @dataclass(frozen=True)
-class Predict:
-    """Predict every shape at or below `source` into a folder each below `out`, and go on past those that cannot be read.
+class PredictShapes:
+    """Predict every shape at or below a path, each into a folder of its own. An unreadable shape does not stop the others.
 
-    What is predicted is in the frame and the lengths of a shape's file, in which the axis `up` points up; URDFs are in metres,
-    so many of which are a unit of that file.
+    joints.json is in the frame and units of the shape's file. URDFs are z-up and in metres.
+
+    Attributes:
+        source: a shape, or a folder with shapes.
+        out: folder for the results.
+        workspace: the workspace with the trained networks.
+        method: `kinmo` or `paper`.
+        seed: seed of the sampled points.
+        device: where networks run.
+        workers: number of processes.
+        up: axis of the file's frame that points up.
+        metres_per_unit: metres per unit of the file.
+        cluster: address of a Ray cluster that runs the jobs; None for this machine.
     """
 
     source: Path
@@ -61,165 +74,193 @@ class Predict:
     workers: int = 1
     up: Up = "y"
     metres_per_unit: float = 1.0
+    cluster: str | None = None
 
     def plan(self) -> Plan:
-        predicting = self._predicting()
-        count = sum(1 for found, folder in self._targets() if not predicting.is_done(found, folder))
+        """Count the shapes without an up-to-date prediction."""
+        writer, cache = self._writer(), Cache(self.out)
+        count = sum(not writer.is_done(cache, found, folder) for found, folder in self._targets())
         step = f"predict {counted(count, 'shape')} into {self.out}"
         return Plan((step,) if count else (), count * SECONDS_PER_SHAPE / self.workers)
 
     def run(self, observer: Observer) -> Outcome:
-        left_out: list[str] = []
+        """Predict the shapes without an up-to-date prediction."""
+        skipped: list[str] = []
 
-        def leave_out(error: InputError) -> None:
-            left_out.append(str(error))
-            observer.problem(f"left out: {error}")
+        def skip(error: InputError) -> None:
+            skipped.append(str(error))
+            observer.problem(f"skipped: {error}")
 
-        targets = self._targets(leave_out)
-        if not targets and not left_out:
+        targets = self._targets(skip)
+        if not targets and not skipped:
             if self.out.resolve() == self.source.resolve():
                 raise InputError("--out", "is the folder with the shapes: name another")
             scans = sum(path.suffix.lower() in SCAN_ENDINGS for path in self.source.rglob("*"))
-            of_scans = f", and not {counted(scans, 'scan')}, of which --category says what they show" if scans else ""
-            raise InputError(self.source, f"expected at least one shape at or below it{of_scans}")
-        predicting = self._predicting()
+            hint = f". Found {counted(scans, 'scan')}: for scans, add --category" if scans else ""
+            raise InputError(self.source, f"expected at least one shape at or below it{hint}")
+        writer = self._writer()
         with locked(self.out):
-            problems = self._predict(targets, predicting, observer)
+            problems = self._predict(targets, writer, observer)
         documents = []
         for found, folder in targets:
             try:
                 if folder in problems:
-                    left_out.append(problems[folder])
+                    skipped.append(problems[folder])
                 else:
-                    documents.append(_document(found, folder))
+                    documents.append(_summary(found, folder))
             except InputError as error:
-                leave_out(error)
-        data = {"shapes": documents, "left_out": left_out}
+                skip(error)
+        data = {"shapes": documents, "skipped": skipped}
         joints = sum(document["joints"] for document in documents)
         repaired = [document for document in documents if document["repairs"]]
-        for document in repaired[:REPAIRED_LINES]:
+        for document in repaired[:MAX_REPAIRED_LINES]:
             observer.note(f"repaired: {document['id']}: {'; '.join(document['repairs'])}")
-        mended = f", {len(repaired)} repaired" if repaired else ""
+        repairs = f", {len(repaired)} repaired" if repaired else ""
         for document in documents:
-            if (across := document["diagonal"] * self.metres_per_unit) > VAST:
-                observer.note(f"{document['id']}: {across:.0f} m across in its URDF: is a unit a metre? (--metres-per-unit)")
-        text = f"{counted(len(documents), 'shape')}, {counted(joints, 'joint')}{mended}, {len(left_out)} left out"
-        return Outcome(self.out, data, text, failed=len(left_out))
+            if (size := document["diagonal"] * self.metres_per_unit) > SUSPICIOUS_SIZE:
+                observer.note(f"{document['id']}: {size:.0f} m across: set --metres-per-unit if the file is not in metres")
+        text = f"{counted(len(documents), 'shape')}, {counted(joints, 'joint')}{repairs}, {len(skipped)} skipped"
+        return Outcome(self.out, data, text, failed=len(skipped))
 
-    def _predict(self, targets: Sequence[tuple[Found, Path]], predicting: Predicting, observer: Observer) -> dict[Path, str]:
-        """Predict what was not predicted before from the same files in the same way; the problems there are, by folder."""
+    def _predict(
+        self, targets: Sequence[tuple[ShapeSource, Path]], writer: PredictionWriter, observer: Observer
+    ) -> dict[Path, str]:
+        """Predict shapes whose files or settings are new. Returns problems by folder."""
         problems: dict[Path, str] = {}
         jobs = []
+        cache = Cache(self.out)
         for found, folder in targets:
             try:
-                made_from = predicting.made_from(found)
+                job = PredictionJob(found, folder, writer.key(found), _source_in(cache, folder))
             except InputError as error:
                 problems[folder] = str(error)
-                observer.problem(f"left out: {error}")
+                observer.problem(f"skipped: {error}")
                 continue
-            if not _is_made_from(folder, made_from):
-                jobs.append(Job(found, folder, made_from))
+            if not writer.is_done(cache, found, folder):
+                jobs.append(job)
         done = len(targets) - len(jobs)
-        for job, problem in each_shape(predicting, jobs, self.workers, self.device):
-            if isinstance(problem, Crashed):
-                problem = f"{shown(job.found.path)}: cannot be predicted: {problem.why}"
-            if problem is not None:
-                problems[job.folder] = problem
-                observer.problem(f"left out: {problem}")
+        for job, answer in network_runner(self.workers, self.device, self.cluster).run(writer, jobs):
+            if isinstance(answer, Failure):
+                answer = f"{printable_path(job.found.path)}: cannot be predicted: {answer.reason}"
+            if isinstance(answer, str):
+                problems[job.folder] = answer
+                observer.problem(f"skipped: {answer}")
+            else:
+                files = [job.folder / name for name in answer]
+                cache.store(job.folder.name, job.key, files, {"source": _source(job.found)})
             done += 1
             observer.progress("predicting joints", done, len(targets), job.found.id)
         return problems
 
-    def _predicting(self) -> Predicting:
-        predictor = load_method(self.method, ModelFolder(self.workspace.motion.models), self.device)
-        return Predicting(predictor, self.seed, self.up, self.metres_per_unit)
+    def _writer(self) -> PredictionWriter:
+        method = load_method(self.method, ModelFolder(self.workspace.models), self.device)
+        return PredictionWriter(method, self.seed, self.up, self.metres_per_unit)
 
-    def _targets(self, report: Callable[[InputError], None] = lambda error: None) -> list[tuple[Found, Path]]:
-        """Every shape with its own folder, which has its id for a name.
+    def _targets(self, report: Callable[[InputError], None] = lambda error: None) -> list[tuple[ShapeSource, Path]]:
+        """Every shape with a folder of its own, named after its id.
 
-        Those that share an id are told apart by where they are below `source`, however many there are; but one in the layout of
-        PartNet-Mobility, if it is the only one, keeps it, as that is what its URDF is looked for by. Long names are cut.
+        Shapes with the same id are named after their paths below `source`. The only PartNet-Mobility shape among them keeps the
+        id, because other tools look for its URDF under it. Long names are cut.
         """
         shapes = list(discover(self.source, skip=(self.out,), report=report))
         names = [short_name(found.id, found.id) for found in shapes]
         for with_endings in (False, True):
-            alike = Counter(names)
+            counts = Counter(names)
             keeping = Counter(name for name, found in zip(names, shapes, strict=True) if _keeps_id(found))
             names = [
                 name
-                if alike[name] == 1 or (_keeps_id(found) and keeping[name] == 1)
-                else _joined(found.path, self.source, with_endings)
+                if counts[name] == 1 or (_keeps_id(found) and keeping[name] == 1)
+                else _path_name(found.path, self.source, with_endings)
                 for name, found in zip(names, shapes, strict=True)
             ]
-        if len(set(names)) < len(names):  # a folder may be called what a path becomes here
+        if len(set(names)) < len(names):  # a folder may have the name that a path becomes here
             names = [f"{number}-{name}" for number, name in enumerate(names)]
         return [(found, self.out / name) for found, name in zip(shapes, names, strict=True)]
 
 
-@dataclass(frozen=True)
-class Job:
-    """One shape to predict into `folder`; `made_from` is a hash of all that the result depends on."""
+def predict_shape(shape: Shape, method: Method, *, seed: int = 0) -> ShapeEstimate:
+    """Predict the joints of one shape.
 
-    found: Found
+    Args:
+        shape: the shape, in its file's frame and units.
+        method: the trained method.
+        seed: seed of the sampled points.
+
+    Returns:
+        The prediction, in the shape's own frame and units.
+    """
+    rotation = y_up_rotation(np.asarray(shape.up, float))
+    standing = shape.rotated(rotation)
+    prepared = prepare_shape(standing, seed=seed)
+    return method.predict(prepared, leaf_meshes(standing, prepared)).rotated(rotation.T)
+
+
+@dataclass(frozen=True)
+class PredictionJob:
+    """One shape to predict into `folder`; `written_for` is the source of the prediction that is there already."""
+
+    found: ShapeSource
     folder: Path
-    made_from: str
+    key: str
+    written_for: str | None
 
 
 @dataclass(frozen=True)
-class Predicting:
-    """Predicts and writes shapes, in whatever process."""
+class PredictionWriter:
+    """Predicts shapes and writes their folders, in any process.
 
-    predictor: Method
+    Attributes:
+        method: the trained method.
+        seed: seed of the sampled points.
+        up: axis of the file's frame that points up.
+        metres_per_unit: metres per unit of the file.
+    """
+
+    method: Method
     seed: int
     up: Up = "y"
     metres_per_unit: float = 1.0
 
-    def made_from(self, found: Found) -> str:
-        """A hash of a shape's files and of what predicts it. Raises InputError if the files cannot be looked at."""
-        how = (self.predictor.name, self.predictor.weights, self.predictor.config, self.seed, self.up, self.metres_per_unit)
-        return digest([shown(found.path.absolute()), fingerprint(found), how, __version__])
+    def key(self, found: ShapeSource) -> str:
+        """Cache key of a prediction. Raises InputError if the shape's files cannot be read."""
+        settings = [self.method.name, self.method.weights, dict(self.method.config), self.seed, self.up, self.metres_per_unit]
+        return cache_key(source=_source(found), files=fingerprint(found), settings=settings)
 
-    def is_done(self, found: Found, folder: Path) -> bool:
-        """Whether a folder has what was predicted of a shape as it is."""
+    def is_done(self, cache: Cache, found: ShapeSource, folder: Path) -> bool:
+        """True if a folder has the prediction for a shape. Files that a user edited stay as they are."""
         try:
-            return _is_made_from(folder, self.made_from(found))
+            return cache.is_current(folder.name, self.key(found), edited=True)
         except InputError:
             return False
 
-    def __call__(self, job: Job) -> str | None:
-        """Write a shape's folder. Returns what is wrong with the shape, or None."""
+    def __call__(self, job: PredictionJob) -> list[str] | str:
+        """Write the folder of a shape. Returns the names of its files, or a message if the shape cannot be predicted."""
         try:
-            _check_replaceable(job.folder, job.found)
-            turn = TO_Y_UP[self.up]
-            x, y, z = turn[1].tolist()  # what it takes to y
-            shape = replace(read_found(job.found), up=(x, y, z))
-            standing = shape.turned(turn)
-            prepared = prepare_shape(standing, seed=self.seed)
-            prediction = self.predictor.predict(prepared, leaf_meshes(standing, prepared)).turned(turn.T)
-            with whole_folder(job.folder) as draft:
-                write_urdf(shape, prediction.mobility, draft, name=job.folder.name, metres_per_unit=self.metres_per_unit)
-                write_joints_json(draft / JOINTS, shape, prediction, Provenance(self.predictor.weights, self.predictor.config))
-                made = "".join(f"{name}\n" for name in _files(draft))
-                (draft / MADE_FROM).write_text(f"{job.made_from}\n{made}", encoding="utf-8")
+            _check_replaceable(job)
+            shape = replace(job.found.read(), up=UP_VECTORS[self.up])
+            prediction = predict_shape(shape, self.method, seed=self.seed)
+            provenance = PredictionProvenance(self.method.weights, self.method.config)
+            options = ExportOptions(job.folder.name, self.metres_per_unit, provenance=provenance)
+            export(shape, prediction, job.folder, FORMATS, options)
+            return sorted(path.relative_to(job.folder).as_posix() for path in job.folder.rglob("*") if path.is_file())
         except ValueError as error:
-            return str(error) if isinstance(error, InputError) else f"{shown(job.found.path)}: {error}"
+            return str(error) if isinstance(error, InputError) else f"{printable_path(job.found.path)}: {error}"
         except OSError as error:
-            problem = f"{shown(str(error.filename or job.folder))}: {error.strerror or error}"
+            problem = f"{printable_path(str(error.filename or job.folder))}: {error.strerror or error}"
             return str(InputError(job.found.path, problem))
-        return None
 
 
-def _document(found: Found, folder: Path) -> dict[str, Any]:
-    """What there is in a shape's folder."""
-    with expecting("what kinmo predict writes", folder / JOINTS):
-        document = json.loads((folder / JOINTS).read_text(encoding="utf-8"))
+def _summary(found: ShapeSource, folder: Path) -> dict[str, Any]:
+    """Short facts about the prediction in a folder."""
+    with expecting("joints.json of kinmo predict", folder / FILE_NAME):
+        document = json.loads((folder / FILE_NAME).read_text(encoding="utf-8"))
         joints = sum(body["joint"] is not None for body in document["bodies"])
         repairs = [str(repair) for repair in document["shape"].get("repairs", ())]
         diagonal = float(document["shape"]["diagonal"])
     urdf = str(folder / f"{folder.name}.urdf")
     return {
         "id": found.id,
-        "source": shown(found.path),
+        "source": printable_path(found.path),
         "folder": str(folder),
         "joints": joints,
         "urdf": urdf,
@@ -228,50 +269,38 @@ def _document(found: Found, folder: Path) -> dict[str, Any]:
     }
 
 
-def _keeps_id(found: Found) -> bool:
-    return found.layout is Layout.PARTNET_MOBILITY
+def _keeps_id(found: ShapeSource) -> bool:
+    return found.layout == PARTNET_MOBILITY
 
 
-def _joined(path: Path, source: Path, with_ending: bool) -> str:
-    """The place of a shape below `source` as the name of one folder."""
+def _path_name(path: Path, source: Path, with_ending: bool) -> str:
+    """Path of a shape below `source` as the name of one folder."""
     place = path.relative_to(source)
-    text = shown("__".join((place if with_ending or path.is_dir() else place.with_suffix("")).parts))
+    text = printable_path("__".join((place if with_ending or path.is_dir() else place.with_suffix("")).parts))
     return short_name(clean_text(text), text)
 
 
-def _check_replaceable(folder: Path, found: Found) -> None:
-    """Raises InputError if `folder` holds something else than what was predicted of the same shape: a user's shape, say."""
-    if not os.path.lexists(folder) or _is_empty(folder):
-        return
-    if not (folder / MADE_FROM).is_file():
-        raise InputError(folder, "is in the way, and nothing that kinmo predict wrote: name another folder by --out")
-    source = _source(folder)
-    if source is not None and source != shown(found.path.absolute()):
-        raise InputError(folder, f"is in the way: it has what was predicted of {source}; name another folder by --out")
+def _source(found: ShapeSource) -> str:
+    return printable_path(found.path.absolute())
 
 
-def _source(folder: Path) -> str | None:
-    """Where the shape was that a folder has a prediction of; None if it does not say."""
+def _source_in(cache: Cache, folder: Path) -> str | None:
+    """Source of the prediction that a folder holds, from the cache or else from its joints.json; None if it holds none."""
+    data = cache.data(folder.name)
+    if isinstance(data, dict):
+        return str(data.get("source"))
     try:
-        return str(json.loads((folder / JOINTS).read_text(encoding="utf-8"))["shape"]["source"])
+        return str(json.loads((folder / FILE_NAME).read_text(encoding="utf-8"))["shape"]["source"])
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
 
-def _is_empty(folder: Path) -> bool:
-    return folder.is_dir() and not any(folder.iterdir())
-
-
-def _files(folder: Path) -> list[str]:
-    """What is in a folder, below it too."""
-    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
-
-
-def _is_made_from(folder: Path, made_from: str) -> bool:
-    """Whether a folder has all that was written there, from the same; what a user has changed since stays."""
-    try:
-        known, *made = (folder / MADE_FROM).read_text(encoding="utf-8").splitlines()
-    except (OSError, ValueError):
-        return False
-    is_whole = JOINTS in made and all((folder / name).is_file() for name in made)
-    return known == made_from and is_whole and _source(folder) is not None
+def _check_replaceable(job: PredictionJob) -> None:
+    """Raise InputError if the folder holds anything but an earlier prediction for the same shape."""
+    folder = job.folder
+    if not os.path.lexists(folder) or (folder.is_dir() and not any(folder.iterdir())):
+        return
+    if job.written_for is None:
+        raise InputError(folder, "exists, and kinmo predict did not write it: name another folder by --out")
+    if job.written_for != _source(job.found):
+        raise InputError(folder, f"exists, with the prediction for {job.written_for}: name another folder by --out")

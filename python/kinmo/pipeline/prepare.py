@@ -1,4 +1,4 @@
-"""From a folder of shapes to the prepared shapes of the workspace."""
+"""The stage `prepare`: it checks and converts every shape below a folder."""
 
 from __future__ import annotations
 
@@ -9,43 +9,54 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kinmo.core.errors import InputError
-from kinmo.core.wording import counted
-from kinmo.dataset.folder_preparation import HELD_BACK, PrepareReport, prepare_folder
+from kinmo.core.wording import counted, printable_path
+from kinmo.dataset.folder_preparation import ORACLE, PreparationReport, prepare_folder
 from kinmo.dataset.journal import seconds_per_unit, timed
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.store import PreparedStore
 from kinmo.dataset.workspace import Workspace
 from kinmo.io.atomic_files import write_text_atomically
-from kinmo.io.readers import discover
-from kinmo.io.readers.sources import shown
+from kinmo.io.discover import discover
 
 STAGE = "prepare"
 REPORT = "report.json"
-"""Beside the index: what was taken, repaired and left out."""
+"""File beside the index that lists the outcome for every shape."""
 SECONDS_PER_SHAPE = 0.25
-"""On one core, until the journal knows better."""
-LINES = 40
-"""Of shapes left out that are listed; all of them are in the report."""
+"""First estimate, for one CPU core."""
+MAX_LINES = 40
+"""Skipped shapes that are listed on the terminal; the report has all of them."""
 
 
 @dataclass(frozen=True)
 class Prepare:
-    """Prepare every shape below `root`; no network learns from the labels of those below `hold_back`."""
+    """Prepare every shape below a folder.
+
+    Attributes:
+        root: the folder.
+        workspace: the workspace that gets the prepared shapes.
+        workers: number of processes.
+        seed: seed of the sampled points.
+        oracle: folders whose labels are oracle labels: nothing is trained on them.
+        cluster: address of a Ray cluster that runs the jobs; None for this machine.
+    """
 
     root: Path
     workspace: Workspace
     workers: int = 1
     seed: int = 0
-    hold_back: tuple[Path, ...] = ()
+    oracle: tuple[Path, ...] = ()
+    cluster: str | None = None
 
     def plan(self) -> Plan:
+        """Count the shapes; unchanged ones are only checked."""
         count = sum(1 for _ in discover(self.root, skip=(self.workspace.path,)))
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_SHAPE / self.workers)
-        step = f"check {counted(count, 'shape')} below {self.root}, and prepare those that are new or changed"
+        step = f"check {counted(count, 'shape')} below {self.root}, and prepare new and changed ones"
         return Plan((step,), count * each)
 
     def run(self, observer: Observer) -> Outcome:
-        self._warn_of_held_back(observer)
+        """Prepare new and changed shapes, and write the index."""
+        self._warn_of_oracle_folders(observer)
         before = _sources(self.workspace)
         with timed(self.workspace, STAGE) as watch:
             report = prepare_folder(
@@ -53,56 +64,62 @@ class Prepare:
                 self.workspace,
                 workers=self.workers,
                 seed=self.seed,
-                hold_back=self.hold_back,
+                oracle=self.oracle,
+                cluster=self.cluster,
                 on_progress=lambda done, total, name: observer.progress("preparing shapes", done, total, name),
             )
-            watch.amount, watch.what = report.made, f"{counted(report.made, 'shape')} below {shown(self.root)}"
-        self._tell_of_nothing_held_back(observer)
+            watch.amount, watch.what = report.new, f"{counted(report.new, 'shape')} below {printable_path(self.root)}"
+        self._warn_of_empty_oracle_folders(observer)
         if gone := len(before - _sources(self.workspace)):
-            observer.note(f"{gone} shapes of the last time are not among these: the workspace no longer has them")
+            observer.note(
+                f"{counted(gone, 'earlier shape')} not found below {printable_path(self.root)}: removed from the workspace"
+            )
         data = report.as_data()
         write_text_atomically(self.workspace.prepared / REPORT, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
-        usable = len(report.taken) + len(report.repaired)
-        if not usable and report.left_out:
-            observer.problem(f"nothing could be prepared: {report.left_out[0].reasons[0]}")
+        usable = len(report.included) + len(report.repaired)
+        if not usable and report.skipped:
+            observer.problem(f"no shape could be prepared: {report.skipped[0].reasons[0]}")
         return Outcome(self.workspace.prepared, data, summary(report), failed=0 if usable else 1)
 
-    def _warn_of_held_back(self, observer: Observer) -> None:
-        """Of labels that kinmo synth has written to be held back, where nothing holds them back."""
-        for folder in filter(Path.is_dir, [*self.root.glob(HELD_BACK), *self.root.glob(f"*/{HELD_BACK}")]):
-            if not any(folder.resolve().is_relative_to(given.resolve()) for given in self.hold_back):
-                observer.note(f"{folder}: taken as labelled shapes; --hold-back {folder} keeps their labels from all networks")
+    def _warn_of_oracle_folders(self, observer: Observer) -> None:
+        """Tell of labels that `kinmo synth` wrote as oracle labels and that would be trained on."""
+        for folder in filter(Path.is_dir, [*self.root.glob(ORACLE), *self.root.glob(f"*/{ORACLE}")]):
+            if not any(folder.resolve().is_relative_to(given.resolve()) for given in self.oracle):
+                observer.note(
+                    f"{folder}: included as labelled shapes; with --oracle {folder} nothing is trained on their labels"
+                )
 
-    def _tell_of_nothing_held_back(self, observer: Observer) -> None:
-        """Of folders to hold back that no shape is at or below."""
-        entries = PreparedStore(self.workspace.prepared).entries
-        held_back = [Path(entry.source).resolve() for entry in entries if entry.is_held_back]
-        for folder in self.hold_back:
-            if not any(path.is_relative_to(folder.resolve()) for path in held_back):
-                observer.note(f"{shown(folder)}: no shape at or below it was prepared, so none is held back")
+    def _warn_of_empty_oracle_folders(self, observer: Observer) -> None:
+        """Tell of oracle folders without a prepared shape."""
+        oracle = [Path(entry.source).resolve() for entry in PreparedStore(self.workspace.prepared).entries if entry.is_oracle]
+        for folder in self.oracle:
+            if not any(path.is_relative_to(folder.resolve()) for path in oracle):
+                observer.note(
+                    f"{printable_path(folder)}: no shape at or below it was prepared, so there are no oracle labels from it"
+                )
 
 
 def _sources(workspace: Workspace) -> set[str]:
-    """Where the shapes of the workspace were read from; none if nothing was prepared yet, or the index is not whole."""
+    """Sources of all prepared shapes; none if there is no readable index."""
     try:
         return {entry.source for entry in PreparedStore(workspace.prepared).entries}
     except InputError:
         return set()
 
 
-def summary(report: PrepareReport) -> str:
-    """The table for people: how many shapes were taken, repaired and left out, and why."""
-    lines = [f"taken     {len(report.taken):6}", f"repaired  {len(report.repaired):6}"]
+def summary(report: PreparationReport) -> str:
+    """Table of the numbers of included, repaired and skipped shapes, with the reasons."""
+    lines = [f"included  {len(report.included):6}", f"repaired  {len(report.repaired):6}"]
     reasons = Counter(_kind(reason) for entry in report.repaired for reason in entry.reasons)
-    lines += [f"{count:16}  {reason}" for reason, count in reasons.most_common(LINES)]
-    lines.append(f"left out  {len(report.left_out):6}")
-    lines += [f"            {reason}" for entry in report.left_out[:LINES] for reason in entry.reasons[:1]]
-    if len(report.left_out) > LINES:
-        lines.append(f"            and {len(report.left_out) - LINES} more: all are in {REPORT}, and in what --json prints")
+    lines += [f"{count:16}  {reason}" for reason, count in reasons.most_common(MAX_LINES)]
+    lines.append(f"skipped   {len(report.skipped):6}")
+    lines += [f"            {reason}" for entry in report.skipped[:MAX_LINES] for reason in entry.reasons[:1]]
+    if len(report.skipped) > MAX_LINES:
+        lines.append(f"            and {len(report.skipped) - MAX_LINES} more; {REPORT} and --json list all")
     return "\n".join(lines)
 
 
 def _kind(reason: str) -> str:
-    """A repair without what differs from shape to shape: names in brackets, and numbers."""
+    """A repair without the details that differ from shape to shape: names in brackets, and numbers."""
     general = re.sub(r"^joint of [^:]*: ", "joint: ", reason)
     return re.sub(r"\d+([.e+-]+\d+)*(, \d+)*", "#", re.sub(r" \([^)]*\)", "", general))

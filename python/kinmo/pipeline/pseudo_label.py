@@ -1,4 +1,4 @@
-"""Pseudo labels for the shapes of a workspace that have no joints."""
+"""The stage `pseudo-label`: it predicts joints for unlabelled shapes, and keeps the accepted ones as labels."""
 
 from __future__ import annotations
 
@@ -10,222 +10,272 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kinmo._core import __version__
-from kinmo.core.digest import digest
 from kinmo.core.errors import expecting
+from kinmo.core.names import name_on_disk
 from kinmo.core.wording import counted
+from kinmo.dataset.cache import Cache, Result, cache_key
+from kinmo.dataset.jobs import Failure
 from kinmo.dataset.journal import seconds_per_unit, timed
-from kinmo.dataset.shape_dataset import Dataset, open_dataset
+from kinmo.dataset.shape_dataset import ShapeDataset, open_dataset
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.store import IndexEntry, read_prepared
-from kinmo.dataset.workers import Crashed
-from kinmo.dataset.workspace import StageRecord, Workspace
+from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import leaf_meshes
 from kinmo.io.atomic_files import remove_leftovers, write_text_atomically
-from kinmo.io.readers import Found, Layout, read_found
+from kinmo.io.discover import ShapeSource
+from kinmo.io.readers import PARTNET, PARTNET_MOBILITY
 from kinmo.io.readers.partnet_annotation import PSEUDO_LABEL
-from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
+from kinmo.io.writers import ExportOptions, export
 from kinmo.learning.model_folder import ModelFolder
-from kinmo.methods import load_method
+from kinmo.methods import DEFAULT_METHOD, load_method
 from kinmo.methods.method import Method
-from kinmo.pipeline.each_shape import each_shape
-from kinmo.pipeline.label_acceptance import ACCEPTANCE, LABELLING, Judgement, judge
-from kinmo.pipeline.label_decisions import (
-    DECISIONS,
-    LABELS,
-    Decision,
-    acceptance,
-    decision_path,
-    folder_name,
-    read_decision,
-    write_decision,
+from kinmo.pipeline.label_acceptance import (
+    REPORT,
+    LabelDecision,
+    acceptance_report,
+    decide,
+    decision_from_data,
+    decision_to_data,
 )
+from kinmo.pipeline.network_jobs import network_runner
 
+LABEL = "mobility_v2.json"
+"""File with the joints of a pseudo label, in PartNet-Mobility's layout."""
 SECONDS_PER_SHAPE = 1.5
+"""First estimate, for one CPU core."""
+
+
+def labels_folder(workspace: Workspace, method: str) -> Path:
+    """Folder of the pseudo labels of a method."""
+    return workspace.pseudo_labels / method
+
+
+def label_name(entry: IndexEntry) -> str:
+    """Name of a shape's folder of pseudo labels: its id, and its layout unless that is PartNet's (ids may clash)."""
+    name = name_on_disk(entry.id)
+    return name if entry.layout == PARTNET else f"{name}@{entry.layout}"
+
+
+def stage_of(method: str) -> str:
+    """Name of the stage in records and in the journal."""
+    return f"pseudo-label-{method}"
 
 
 @dataclass(frozen=True)
 class PseudoLabel:
-    """Label the unlabelled shapes by the method of the workspace, all or those of one category.
+    """Label the unlabelled shapes of a workspace.
 
-    `threshold` None is that of the configuration. The acceptance report is of everything that is labelled, also by earlier runs
-    for other categories. Labels of shapes that are no longer there, or have become labelled ones, are removed.
+    The acceptance report covers all labels of the method, those of earlier runs for other categories too. Labels of shapes that
+    are gone, or that have become labelled ones, are removed.
+
+    Attributes:
+        workspace: the workspace.
+        category: only shapes of this category; None for all.
+        method: the method that predicts.
+        threshold: score that every joint must exceed; None for that of the configuration.
+        device: where networks run.
+        workers: number of processes.
+        cluster: address of a Ray cluster that runs the jobs; None for this machine.
     """
 
     workspace: Workspace
     category: str | None = None
+    method: str = DEFAULT_METHOD
     threshold: float | None = None
     device: str = "auto"
     workers: int = 1
+    cluster: str | None = None
 
     def plan(self) -> Plan:
+        """Count the shapes without an up-to-date decision."""
         dataset = open_dataset(self.workspace, self.category)
-        way = self._way(load_method(self.workspace.method, ModelFolder(self.workspace.motion.models), self.device))
-        # what has gone is tried, and told, each time, but nothing can come of it that others wait for
-        jobs = [job for job in self._jobs(dataset, way) if os.path.lexists(job.entry.source)]
-        if not jobs and self._is_reported(way):
+        settings = self._settings(load_method(self.method, self._models, self.device))
+        # shapes that are gone are tried, and reported, each time; other stages need not wait for them
+        jobs = [job for job in self._jobs(dataset, settings) if os.path.lexists(job.entry.source)]
+        if not jobs and self._is_reported(settings):
             return Plan((), 0.0)
         if not jobs:
-            return Plan(("report on the pseudo labels that there are now",), 0.0)
-        copies = f", {len(dataset.copies)} copies of labelled shapes left alone" if dataset.copies else ""
+            return Plan(("report on the current pseudo labels",), 0.0)
+        copies = f", skip {len(dataset.copies)} copies of labelled shapes" if dataset.copies else ""
         return self._labelling(len(jobs), copies)
 
-    def _labelling(self, count: int, copies: str = "") -> Plan:
-        each = seconds_per_unit(self.workspace, LABELLING, SECONDS_PER_SHAPE / self.workers)
-        return Plan((f"label {counted(count, 'shape')} by {self.workspace.method}{copies}",), count * each)
-
     def guess(self) -> Plan:
-        """Labelling all shapes."""
+        """Estimate for labelling all shapes."""
         count = len(open_dataset(self.workspace, self.category).unlabelled)
         return self._labelling(count) if count else Plan((), 0.0)
 
+    def _labelling(self, count: int, copies: str = "") -> Plan:
+        each = seconds_per_unit(self.workspace, stage_of(self.method), SECONDS_PER_SHAPE / self.workers)
+        return Plan((f"label {counted(count, 'shape')} by {self.method}{copies}",), count * each)
+
     def run(self, observer: Observer) -> Outcome:
+        """Label the shapes without an up-to-date decision, and write the report."""
         dataset = open_dataset(self.workspace, self.category)
-        predictor = load_method(self.workspace.method, ModelFolder(self.workspace.motion.models), self.device)
-        way = self._way(predictor)
+        method = load_method(self.method, self._models, self.device)
+        settings = self._settings(method)
         failures: list[str] = []
         with self.workspace.locked():
-            jobs = self._jobs(dataset, way)
-            if not jobs and self._is_reported(way):
-                observer.note("labelled already")
+            jobs = self._jobs(dataset, settings)
+            if not jobs and self._is_reported(settings):
+                observer.note("already labelled")
             else:
-                self.workspace.forget(LABELLING)
-                remove_leftovers(self.workspace.pseudo)
+                self.workspace.forget(stage_of(self.method))
+                remove_leftovers(self._folder)
                 whole = open_dataset(self.workspace)
                 self._remove_stale(whole)
-                failures = self._label(jobs, len(dataset.unlabelled), predictor, way, observer)
-                known = self._decisions(whole.unlabelled)
-                decisions = [decision for decision in known if decision is not None]
-                report = acceptance(decisions, self.workspace.method, len(whole.copies), _outdated(whole, known, way))
+                failures = self._label(jobs, len(dataset.unlabelled), method, settings, observer)
+                results = self._results(whole.unlabelled)
+                decisions = [decision_from_data(result.data) for result in results if result is not None]
+                outdated = _outdated(whole.unlabelled, results, settings)
+                report = acceptance_report(decisions, self.method, len(whole.copies), outdated)
                 write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
-                outputs = [str(self._report.relative_to(self.workspace.path))]
-                self.workspace.write_record(LABELLING, StageRecord(self._reported(way), tuple(outputs)))
+                self.workspace.record(stage_of(self.method), self._reported(settings), [self._report])
         with expecting("the report of kinmo pseudo-label", self._report):
             data = json.loads(self._report.read_text(encoding="utf-8"))
-            return Outcome(self.workspace.pseudo, {**data, "failed": failures}, data["text"], len(failures))
+            return Outcome(self._folder, {**data, "failed": failures}, data["text"], len(failures))
+
+    @property
+    def _models(self) -> ModelFolder:
+        return ModelFolder(self.workspace.models)
+
+    @property
+    def _folder(self) -> Path:
+        return labels_folder(self.workspace, self.method)
 
     @property
     def _report(self) -> Path:
-        return self.workspace.pseudo / ACCEPTANCE
+        return self._folder / REPORT
 
-    def _way(self, predictor: Method) -> dict[str, Any]:
-        way = {"method": predictor.name, "weights": predictor.weights, "config": dict(predictor.config)}
-        told = ModelFolder(self.workspace.motion.models).config().refinement
-        threshold = told.least_score(self.workspace.method) if self.threshold is None else self.threshold
-        return {**way, "threshold": threshold, "doubt": told.doubt, "kinmo": __version__}
+    def _settings(self, method: Method) -> dict[str, Any]:
+        """Everything but the shape that a decision depends on."""
+        refinement = self._models.config().refinement
+        threshold = refinement.least_score(self.method) if self.threshold is None else self.threshold
+        predictor = {"method": method.name, "weights": method.weights, "config": dict(method.config)}
+        return {**predictor, "threshold": threshold, "doubt": refinement.doubt}
 
-    def _reported(self, way: dict[str, Any]) -> dict[str, Any]:
-        """What the report is of: the decisions on all shapes, whatever run made them, and the way of the last one."""
+    def _reported(self, settings: dict[str, Any]) -> dict[str, Any]:
+        """Everything that the report depends on: the decisions on all shapes, and the last settings."""
         whole = open_dataset(self.workspace).unlabelled
-        made_from = [None if decision is None else decision.made_from for decision in self._decisions(whole)]
-        return {"decisions": digest([[folder_name(entry) for entry in whole], made_from]), **way}
+        keys = [None if result is None else result.key for result in self._results(whole)]
+        return {"decisions": cache_key(shapes=[label_name(entry) for entry in whole], keys=keys), **settings}
 
-    def _is_reported(self, way: dict[str, Any]) -> bool:
-        return self.workspace.is_current(LABELLING, self._reported(way))
+    def _is_reported(self, settings: dict[str, Any]) -> bool:
+        return self.workspace.is_current(stage_of(self.method), self._reported(settings))
 
-    def _decisions(self, entries: Sequence[IndexEntry]) -> list[Decision | None]:
-        return [read_decision(decision_path(self.workspace, entry)) for entry in entries]
+    def _results(self, entries: Sequence[IndexEntry]) -> list[Result | None]:
+        """Decisions on some shapes; None where there is none, or its label is gone."""
+        cache = Cache(self._folder)
+        return [cache.find(label_name(entry)) for entry in entries]
 
-    def _jobs(self, dataset: Dataset, way: dict[str, Any]) -> list[Job]:
-        """The shapes on which nothing has been decided from the same files in the same way, or whose labels are gone."""
+    def _jobs(self, dataset: ShapeDataset, settings: dict[str, Any]) -> list[LabelJob]:
+        """Shapes without a decision from the same files and settings."""
         jobs = []
-        for entry, known in zip(dataset.unlabelled, self._decisions(dataset.unlabelled), strict=True):
-            job = Job(entry, self.workspace.pseudo / folder_name(entry), _made_from(dataset, entry, way))
-            is_there = known is not None and (not known.judgement.is_accepted or (job.folder / LABELS).exists())
-            if known is None or known.made_from != job.made_from or not is_there:
-                jobs.append(job)
+        for entry, known in zip(dataset.unlabelled, self._results(dataset.unlabelled), strict=True):
+            key = _key(entry, settings)
+            if known is None or known.key != key:
+                jobs.append(LabelJob(entry, self._folder / label_name(entry), key))
         return jobs
 
-    def _remove_stale(self, whole: Dataset) -> None:
-        """Remove folders and decisions that belong to none of the unlabelled shapes that there are."""
-        names = {folder_name(entry) for entry in whole.unlabelled}
-        for folder in self.workspace.pseudo.glob("*"):
-            if folder.is_dir() and folder.name not in names | {DECISIONS}:
+    def _remove_stale(self, whole: ShapeDataset) -> None:
+        """Remove labels and decisions of shapes that are no unlabelled shapes any more."""
+        names = {label_name(entry) for entry in whole.unlabelled}
+        for folder in self._folder.glob("*"):
+            if folder.is_dir() and folder.name not in names:
                 shutil.rmtree(folder)
-        for decision in (self.workspace.pseudo / DECISIONS).glob("*.json"):
-            if decision.name.removesuffix(".json") not in names:
-                decision.unlink()
+        cache = Cache(self._folder)
+        cache.forget(*(name for name in cache if name not in names))
 
-    def _label(self, jobs: Sequence[Job], total: int, predictor: Method, way: dict[str, Any], observer: Observer) -> list[str]:
-        """Decide on all shapes but those that it fails on, of which it returns why: of these everything stays as it was."""
-        labelling = Labelling(self.workspace.prepared, predictor, way["threshold"], way["doubt"])
+    def _label(
+        self, jobs: Sequence[LabelJob], total: int, method: Method, settings: dict[str, Any], observer: Observer
+    ) -> list[str]:
+        """Decide on shapes. Returns the reasons of failures; a failed shape keeps its earlier label."""
+        labeller = Labeller(self.workspace.prepared, method, settings["threshold"], settings["doubt"])
+        cache = Cache(self._folder)
         done = total - len(jobs)
         failures: list[str] = []
-        with timed(self.workspace, LABELLING) as watch:
-            for job, judgement in each_shape(labelling, jobs, self.workers, self.device):
-                if isinstance(judgement, Crashed):
-                    failures.append(f"{job.entry.source}: cannot be labelled: {judgement.why}")
-                elif isinstance(judgement, str):
-                    failures.append(judgement)
+        with timed(self.workspace, stage_of(self.method)) as watch:
+            for job, decision in network_runner(self.workers, self.device, self.cluster).run(labeller, jobs):
+                if isinstance(decision, Failure):
+                    failures.append(f"{job.entry.source}: cannot be labelled: {decision.reason}")
+                elif isinstance(decision, str):
+                    failures.append(decision)
                 else:
-                    decision = Decision(judgement, job.made_from, way["threshold"])
-                    write_decision(decision_path(self.workspace, job.entry), decision)
+                    files = [job.folder / LABEL] if decision.is_accepted else []
+                    cache.store(job.folder.name, job.key, files, decision_to_data(decision))
                 done += 1
                 observer.progress("labelling shapes", done, total, job.entry.id)
-            watch.amount, watch.what = len(jobs), f"{counted(len(jobs), 'shape')} by {self.workspace.method}"
+            watch.amount, watch.what = len(jobs), f"{counted(len(jobs), 'shape')} by {self.method}"
         if failures:
-            others = f", and so {len(failures) - 1} more" if len(failures) > 1 else ""
+            others = f", and {len(failures) - 1} more" if len(failures) > 1 else ""
             observer.problem(f"failed: {failures[0]}{others}")
         return failures
 
 
-def _made_from(dataset: Dataset, entry: IndexEntry, way: dict[str, Any]) -> str:
-    return digest([dataset.fingerprint([entry]), way])
+def _key(entry: IndexEntry, settings: dict[str, Any]) -> str:
+    return cache_key(shape=entry.key, settings=settings)
 
 
-def _outdated(whole: Dataset, decisions: Sequence[Decision | None], way: dict[str, Any]) -> list[str]:
-    """Categories with decisions on shapes that something else than the threshold of `way` would make others of now."""
-    known = ((entry, each) for entry, each in zip(whole.unlabelled, decisions, strict=True) if each is not None)
+def _outdated(entries: Sequence[IndexEntry], results: Sequence[Result | None], settings: dict[str, Any]) -> list[str]:
+    """Categories with decisions that anything but the threshold would change now."""
+    known = ((entry, result) for entry, result in zip(entries, results, strict=True) if result is not None)
     return sorted(
         {
             entry.category
-            for entry, decision in known
-            if decision.made_from != _made_from(whole, entry, way | {"threshold": decision.threshold})
+            for entry, result in known
+            if result.key != _key(entry, settings | {"threshold": result.data["threshold"]})
         }
     )
 
 
 @dataclass(frozen=True)
-class Job:
-    """One shape to label into `folder`; `made_from` is a hash of all that the decision depends on."""
+class LabelJob:
+    """One shape to label into `folder`; `key` is the cache key of the decision."""
 
     entry: IndexEntry
     folder: Path
-    made_from: str
+    key: str
 
 
 @dataclass(frozen=True)
-class Labelling:
-    """Predicts shapes and writes those that are accepted, in whatever process. `store` is the folder of the prepared shapes."""
+class Labeller:
+    """Predicts shapes and writes the accepted labels, in any process.
+
+    Attributes:
+        store: folder of the prepared shapes.
+        method: the trained method.
+        threshold: score that every joint must exceed.
+        max_doubt: largest accepted probability that a resting part moves.
+    """
 
     store: Path
-    predictor: Method
+    method: Method
     threshold: float
-    doubt: float
+    max_doubt: float
 
-    def __call__(self, job: Job) -> Judgement | str:
-        """The judgement; or why the shape could not be read, which says nothing of it: it could be when it was prepared."""
+    def __call__(self, job: LabelJob) -> LabelDecision | str:
+        """Decide on a shape. Returns a message if the shape cannot be read, which could when it was prepared."""
         entry = job.entry
         try:
-            shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
+            shape = ShapeSource.of(entry).read()
             prepared = read_prepared(self.store / entry.file)
             meshes = leaf_meshes(shape, prepared)
         except ValueError as error:
             return str(error)
         try:
-            prediction = self.predictor.predict(prepared, meshes)
+            prediction = self.method.predict(prepared, meshes)
         except ValueError as error:
             shutil.rmtree(job.folder, ignore_errors=True)
-            return Judgement(entry.id, entry.layout, entry.category, refusal=f"failed: {error}")
-        judgement = judge(prediction, entry.layout, self.threshold, self.doubt)
-        if judgement.is_accepted:
-            made_by = {
+            refusal = f"failed: {error}"
+            return LabelDecision(entry.id, entry.layout, entry.category, refusal=refusal, threshold=self.threshold)
+        decision = decide(prediction, entry.layout, self.threshold, self.max_doubt)
+        if decision.is_accepted:
+            facts = {
                 "layout": entry.layout,
-                "score": judgement.score,
+                "score": decision.score,
                 "method": prediction.method,
-                "weights": self.predictor.weights,
+                "weights": self.method.weights,
             }
-            write_partnet_mobility(shape, prediction.mobility, job.folder, meta={PSEUDO_LABEL: made_by})
+            export(shape, prediction, job.folder, [PARTNET_MOBILITY], ExportOptions(meta={PSEUDO_LABEL: facts}))
         else:
             shutil.rmtree(job.folder, ignore_errors=True)
-        return judgement
+        return decision

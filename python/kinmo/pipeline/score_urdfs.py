@@ -11,9 +11,10 @@ from kinmo.core.wording import counted
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.tables import Caption, as_text, write_table
-from kinmo.evaluation.urdf_scoring import failures_table, files_table, score_files, summarise
+from kinmo.evaluation.urdf_scoring import score_urdf_folder, summarise_urdf_scores, urdf_failures_table, urdf_table
 from kinmo.evaluation.urdf_scoring.urdf_folders import write_json
-from kinmo.io.readers import Layout, discover, read_found
+from kinmo.io.discover import discover
+from kinmo.io.readers import PARTNET_MOBILITY
 
 URDF_FILES = "urdf_files"
 """Folder of the scores of URDF files, below the evaluations of the workspace."""
@@ -31,7 +32,7 @@ class ScoreUrdfs:
     workers: int = 1
 
     def plan(self) -> Plan:
-        count = sum(found.layout is Layout.PARTNET_MOBILITY for found in discover(self.truth))
+        count = sum(found.layout == PARTNET_MOBILITY for found in discover(self.truth))
         step = f"score the URDFs below {self.predictions} for up to {counted(count, 'shape')} below {self.truth}"
         return Plan((step,), count * SECONDS_PER_SHAPE / self.workers)
 
@@ -40,7 +41,7 @@ class ScoreUrdfs:
             return self._run(observer)
 
     def _run(self, observer: Observer) -> Outcome:
-        report = score_files(
+        report = score_urdf_folder(
             self.predictions,
             self.truth,
             ids=self._ids(observer),
@@ -52,12 +53,12 @@ class ScoreUrdfs:
         for scored in report.objects:
             if scored.reason:
                 observer.problem(f"failed: {scored.id}: {scored.reason}")
-        summary = summarise(report)
+        summary = summarise_urdf_scores(report)
         caption = Caption("URDF files", str(self.predictions), 0, 0, f"{self.category or 'all'} of {self.truth}", ())
-        table = files_table(summary, report, caption)
+        table = urdf_table(summary, report, caption)
         folder = self.workspace.evaluation / URDF_FILES
         write_table(table, folder, "by_category")
-        write_table(failures_table(report, replace(caption, title="URDF files that were not scored")), folder, "failures")
+        write_table(urdf_failures_table(report, replace(caption, title="URDF files that were not scored")), folder, "failures")
         write_json(folder.with_suffix(".json"), summary)
         return Outcome(folder, summary, as_text(table), failed=0 if report.objects else len(report.unreadable))
 
@@ -67,9 +68,9 @@ class ScoreUrdfs:
             return None
         categories: dict[str, str] = {}
         for found in discover(self.truth):
-            if found.layout is Layout.PARTNET_MOBILITY and found.id not in categories:
+            if found.layout == PARTNET_MOBILITY and found.id not in categories:
                 try:
-                    categories[found.id] = read_found(found).category
+                    categories[found.id] = found.read().category
                 except InputError as error:
                     observer.problem(f"left out: {error}")
         ids = [name for name, category in categories.items() if same_category(category, self.category)]

@@ -1,4 +1,4 @@
-"""Training the networks that see whole shapes."""
+"""The stage `train motion`: it trains the networks that predict joints of shapes."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kinmo.config import Config
+from kinmo.config import Config, load_config
 from kinmo.core.digest import digest
 from kinmo.core.errors import InputError
 from kinmo.core.typed_tables import to_table
 from kinmo.core.wording import counted
 from kinmo.dataset.journal import seconds_per_unit
-from kinmo.dataset.shape_dataset import Dataset, open_dataset
-from kinmo.dataset.splits import Split, kept_to_choose_by
+from kinmo.dataset.shape_dataset import ShapeDataset, fingerprint, open_dataset
+from kinmo.dataset.splits import Split, validation_from_training
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.store import IndexEntry
 from kinmo.dataset.workspace import Workspace
@@ -25,18 +25,29 @@ from kinmo.learning.training_loop import FitResult, Progress
 from kinmo.learning.weights import Weights, load_weights
 from kinmo.methods import METHOD_MODELS
 from kinmo.pipeline.motion_models import CONTINUED, GROUPS, TRAINERS
-from kinmo.pipeline.network_training import Fitter, Work, config_to_train_by, trained
+from kinmo.pipeline.network_training import NetworkTrainer, Workload, training_outcome
 
 SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.02, "ranking": 0.02, "gnn_contact": 0.004}
-"""Of an epoch on one CPU core with the configuration `small`, until the journal knows better."""
-SECTIONS = ("gnn", "axis", "ranking")
-"""Of the configuration, that networks of whole shapes are trained by."""
-TRAINED_ON = (Split.TRAIN, Split.VALIDATION)
+"""First estimates for one epoch on one CPU core with the configuration `small`."""
+FITTED_SPLITS = (Split.TRAIN, Split.VALIDATION)
 
 
 @dataclass(frozen=True)
-class ShapeFitting:
-    """One network to be trained on some shapes, and chosen by others."""
+class MotionTrainingTask:
+    """One network to train on some shapes and to validate on others (see `TrainingTask`).
+
+    Attributes:
+        workspace: the workspace with shapes and networks.
+        model: name of the model, a key of `TRAINERS`.
+        category: the category of all shapes, for a network of its own; None for all categories.
+        training: shapes to train on.
+        validation: shapes to choose the best epoch by.
+        section: section of the configuration.
+        inputs: everything that the network depends on.
+        seed: seed of everything random.
+        device: where the network is trained.
+        start: weights to continue from; None to start anew.
+    """
 
     workspace: Workspace
     model: str
@@ -48,30 +59,32 @@ class ShapeFitting:
     seed: int
     device: str
     start: Path | None = None
+    group: str = "motion"
 
     @property
     def name(self) -> str:
+        """Name for people."""
         return f"{self.model} ({self.category})" if self.category else self.model
 
     @property
     def stage(self) -> str:
+        """Name of the training's record."""
         return f"train-{self.model}-{self.category}" if self.category else f"train-{self.model}"
 
     @property
     def folder(self) -> Path:
-        return ModelFolder(self.workspace.motion.models).folder(self.model, self.category)
+        """Folder of the trained network."""
+        return ModelFolder(self.workspace.models).folder(self.model, self.category)
 
     @property
-    def work(self) -> Work:
+    def work(self) -> Workload:
+        """Amount of training."""
         schedule = (self.section if self.start is None else self.section.continued).training
         each = seconds_per_unit(self.workspace, self.stage, SECONDS_PER_SHAPE[self.model])
-        return Work(schedule, len(self.training), each)
-
-    @property
-    def together(self) -> str:
-        return "motion"
+        return Workload(schedule, len(self.training), each)
 
     def fit(self, folder: Path, on_progress: Callable[[Progress], None]) -> FitResult:
+        """Train the network in a folder."""
         dataset = open_dataset(self.workspace, self.category)
         trainer = TRAINERS[self.model][1] if self.start is None else CONTINUED[self.model][1](self.start)
         return trainer(
@@ -87,8 +100,8 @@ class ShapeFitting:
 
 
 @dataclass(frozen=True)
-class Part:
-    """The labelled shapes of a category that has networks of its own, or of all that share one."""
+class TrainingShapes:
+    """Labelled shapes for one network: those of a `category`, or of all categories (None)."""
 
     category: str | None
     training: tuple[IndexEntry, ...]
@@ -96,18 +109,27 @@ class Part:
 
     @property
     def is_enough(self) -> bool:
+        """True if there are shapes for both uses."""
         return bool(self.training and self.validation)
 
     def __str__(self) -> str:
         own = f" of {self.category}" if self.category else ""
-        return f"{len(self.training)} labelled shapes{own} to train on and {len(self.validation)} to choose by"
+        return f"{len(self.training)} labelled shapes{own} for training and {len(self.validation)} for validation"
 
 
 @dataclass(frozen=True)
-class Train:
-    """Train the networks of `group` (`models.GROUPS`), for all categories or for one, which then has its own.
+class TrainMotion:
+    """Train the motion networks of a group.
 
-    Those that can (`models.CONTINUED`) go on from the trained ones of the workspace `start` where it is given.
+    Attributes:
+        group: networks to train, a key of `motion_models.GROUPS`.
+        workspace: the workspace.
+        config: name or path of the configuration.
+        category: train networks for this category alone, which is then predicted by them; None for all categories.
+        seed: seed of everything random.
+        device: where networks are trained.
+        workers: number of processes.
+        start: continue from the networks of this workspace, where a model can (`motion_models.CONTINUED`).
     """
 
     group: str
@@ -120,38 +142,40 @@ class Train:
     start: Workspace | None = None
 
     def plan(self) -> Plan:
-        dataset, config = open_dataset(self.workspace, self.category), config_to_train_by(self.config, SECTIONS)
-        fittings = list(self._fittings(dataset, config))
-        pending = self._fitter.pending(fittings)
+        """List the networks that are not trained yet."""
+        dataset, config = open_dataset(self.workspace, self.category), load_config(self.config)
+        tasks = list(self._tasks(dataset, config))
+        pending = self._trainer.pending(tasks)
         steps = tuple(
-            f"train {each.name} on {counted(len(each.training), 'shape')} for {counted(each.work.schedule.epochs, 'epoch')}, "
-            f"choose by {len(each.validation)}"
-            for each in fittings
-            if each in pending
+            f"train {task.name} on {counted(len(task.training), 'shape')} for {counted(task.work.schedule.epochs, 'epoch')}, "
+            f"validate on {len(task.validation)}"
+            for task in tasks
+            if task in pending
         )
-        left_out = tuple(self._left_out(dataset, config)) if pending else ()
-        return Plan(steps + left_out, self._fitter.seconds([each.work for each in pending]))
+        skipped = tuple(self._skipped(dataset, config)) if pending else ()
+        return Plan(steps + skipped, self._trainer.seconds([task.work for task in pending]))
 
     def run(self, observer: Observer) -> Outcome:
-        config = config_to_train_by(self.config, SECTIONS)
+        """Train the networks that are not trained yet."""
+        config = load_config(self.config)
         dataset = open_dataset(self.workspace, self.category)
         with self.workspace.locked():
             remove_leftovers(self.workspace.models)
             remove_leftovers(self.workspace.training)
-            fittings = list(self._fittings(dataset, config))  # whatever cannot be trained is said before anything is
-            for text in self._left_out(dataset, config):
+            tasks = list(self._tasks(dataset, config))  # raises before anything is trained
+            for text in self._skipped(dataset, config):
                 observer.note(text)
-            self._fitter.run(fittings, observer)
-            for text in self._own(fittings):
+            self._trainer.run(tasks, observer)
+            for text in self._networks_of_categories(tasks):
                 observer.note(text)
             write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
-        return trained(self.workspace, fittings)
+        return training_outcome(self.workspace, tasks)
 
     @property
-    def _fitter(self) -> Fitter:
-        return Fitter(self.workspace, self.device, self.workers)
+    def _trainer(self) -> NetworkTrainer:
+        return NetworkTrainer(self.workspace, self.device, self.workers)
 
-    def _fittings(self, dataset: Dataset, config: Config) -> Iterator[ShapeFitting]:
+    def _tasks(self, dataset: ShapeDataset, config: Config) -> Iterator[MotionTrainingTask]:
         if self.start is not None and not CONTINUED.keys() & set(GROUPS[self.group]):
             is_method = self.group in METHOD_MODELS
             others = (name for name, models in GROUPS.items() if CONTINUED.keys() & set(models))
@@ -159,22 +183,23 @@ class Train:
             raise InputError("--from", f"{self.group} cannot start from trained weights; use it with {able}")
         for model in GROUPS[self.group]:
             section = getattr(config, TRAINERS[model][0])
-            start = self._start_of(model, section)
-            parts = _parts(dataset, section)
-            if not any(part.is_enough for part in parts):
-                raise InputError(self.workspace.prepared, "; ".join(map(str, parts)) + ": both are needed")
-            for part in filter(lambda part: part.is_enough, parts):
-                training, validation = part.training, part.validation
-                data = {"training": dataset.fingerprint(training), "validation": dataset.fingerprint(validation)}
+            start = None
+            if self.start is not None and model in CONTINUED:
+                start = weights_to_start_from(self.start, self.workspace, model, section)
+            groups = _shapes_by_network(dataset, section)
+            if not any(shapes.is_enough for shapes in groups):
+                raise InputError(self.workspace.prepared, "; ".join(map(str, groups)) + ": both are needed")
+            for shapes in filter(lambda shapes: shapes.is_enough, groups):
+                data = {"training": fingerprint(shapes.training), "validation": fingerprint(shapes.validation)}
                 inputs = {"model": model, "config": to_table(section), "seed": self.seed, "data": data}
                 if start is not None:
                     inputs["start"] = start.sha256
-                yield ShapeFitting(
+                yield MotionTrainingTask(
                     self.workspace,
                     model,
-                    part.category,
-                    training,
-                    validation,
+                    shapes.category,
+                    shapes.training,
+                    shapes.validation,
                     section,
                     inputs,
                     self.seed,
@@ -182,64 +207,65 @@ class Train:
                     None if start is None else start.path,
                 )
 
-    def _left_out(self, dataset: Dataset, config: Config) -> Iterator[str]:
-        """Which categories get no networks of their own, and why."""
+    def _skipped(self, dataset: ShapeDataset, config: Config) -> Iterator[str]:
+        """Categories without enough shapes for networks of their own."""
         for model in GROUPS[self.group]:
-            for part in _parts(dataset, getattr(config, TRAINERS[model][0])):
-                if not part.is_enough:
-                    yield f"no {model} ({part.category}): {part}, both are needed"
+            for shapes in _shapes_by_network(dataset, getattr(config, TRAINERS[model][0])):
+                if not shapes.is_enough:
+                    yield f"no {model} ({shapes.category}): {shapes}; both are needed"
 
-    def _own(self, fittings: Sequence[ShapeFitting]) -> Iterator[str]:
-        """Which categories have networks of their own from another training, and so none of those that all share."""
-        for shared in (fitting for fitting in fittings if fitting.category is None):
+    def _networks_of_categories(self, tasks: Sequence[MotionTrainingTask]) -> Iterator[str]:
+        """Categories that are predicted by networks of their own, from another training."""
+        for shared in (task for task in tasks if task.category is None):
             own = sorted(path.parent.name for path in shared.folder.glob(f"*/{WEIGHTS}"))
             if own:
-                yield f"{shared.model}: {', '.join(own)} go by networks of their own, in {shared.folder}"
-
-    def _start_of(self, model: str, section: Any) -> Weights | None:
-        """The weights that a model is to go on from."""
-        if self.start is None or model not in CONTINUED:
-            return None
-        return weights_to_start_from(self.start, self.workspace, model, section)
+                yield f"{shared.model}: {', '.join(own)} have networks of their own in {shared.folder}"
 
 
 def weights_to_start_from(start: Workspace, workspace: Workspace, model: str, section: Any) -> Weights:
-    """Those of a model, one of `CONTINUED`, to go on from in `workspace` with a section of the configuration.
+    """Weights of a model from which a training in another workspace can continue.
 
-    Raises InputError if they were never trained, cannot be read, have other sizes, or are those that would be replaced.
+    Args:
+        start: the workspace with the weights.
+        workspace: the workspace of the training.
+        model: a key of `CONTINUED`.
+        section: section of the configuration.
+
+    Raises:
+        InputError: the weights are missing, unreadable, of other sizes, or in the workspace of the training itself.
     """
-    if start.root.resolve() == workspace.root.resolve():
-        raise InputError("--from", f"{start.root} is the workspace itself: expected another one, whose networks stay")
-    weights = ModelFolder(start.motion.models).folder(model) / WEIGHTS
+    if start.path.resolve() == workspace.path.resolve():
+        raise InputError("--from", f"{start.path} is the workspace itself: expected another one, whose networks stay")
+    weights = ModelFolder(start.models).folder(model) / WEIGHTS
     if not weights.exists():
-        problem = "expected the weights to go on from: run kinmo train motion in that workspace first"
+        problem = "expected the weights to continue from: run kinmo train motion in that workspace first"
         raise InputError(weights, problem, "--from")
     kind, _, sizes = CONTINUED[model]
     found = load_weights(weights, kind)
     for size in sizes:
         known, wanted = found.config.get(size), getattr(section, size)
         if known != wanted:
-            problem = f"trained with {model}.{size} = {known}, expected {wanted}, as the configuration has it"
+            problem = f"trained with {model}.{size} = {known}, expected {wanted} as in the configuration"
             raise InputError(weights, problem, "--from")
     return found
 
 
-def _parts(dataset: Dataset, section: Any) -> list[Part]:
-    """A part for each category, where each has networks of its own, or one for all that there are."""
+def _shapes_by_network(dataset: ShapeDataset, section: Any) -> list[TrainingShapes]:
+    """Shapes for one network of all categories, or for one network per category."""
     labelled = dataset.labelled
     if getattr(section, "per_category", False):
         return [
-            Part(category, *(tuple(e for e in labelled[split] if e.category == category) for split in TRAINED_ON))
+            TrainingShapes(category, *(tuple(e for e in labelled[split] if e.category == category) for split in FITTED_SPLITS))
             for category in dataset.categories()
         ]
-    return [Part(dataset.category, *_with_some_to_choose_by(*(tuple(labelled[split]) for split in TRAINED_ON)))]
+    return [TrainingShapes(dataset.category, *_with_validation(*(tuple(labelled[split]) for split in FITTED_SPLITS)))]
 
 
-def _with_some_to_choose_by(
+def _with_validation(
     training: tuple[IndexEntry, ...], validation: tuple[IndexEntry, ...]
 ) -> tuple[tuple[IndexEntry, ...], tuple[IndexEntry, ...]]:
-    """The same; of few shapes, none of which is a validation shape, some to train on are kept for that."""
+    """Training and validation shapes; without any of the latter some training shapes become validation shapes."""
     if validation or len(training) < 2:
         return training, validation
-    kept = kept_to_choose_by({entry.id for entry in training})
-    return tuple(e for e in training if e.id not in kept), tuple(e for e in training if e.id in kept)
+    moved = validation_from_training({entry.id for entry in training})
+    return tuple(e for e in training if e.id not in moved), tuple(e for e in training if e.id in moved)

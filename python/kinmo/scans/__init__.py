@@ -1,1 +1,1 @@
-"""Depth scans of articulated objects: cameras, poses of the parts, renderers, and the labelled frames they give."""
+"""Depth scans of articulated objects: rendering, canonical poses, networks (ANCSH) and pose fitting (paper, section 3.4)."""

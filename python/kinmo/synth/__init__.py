@@ -1,4 +1,5 @@
-"""Procedural articulated shapes: names, nesting, joints and flaws as PartNet's and PartNet-Mobility's files have them.
+"""Procedural articulated shapes, written in the layouts of PartNet-Mobility, PartNet and DSG-Net.
 
-Ground truth for people without data, and the prior for people with little. The files go through the same readers as real ones.
+Names, nesting, joints and flaws imitate those of real files, and the files go through the same readers. The shapes are training
+data and ground truth for users who have little or no annotated data.
 """

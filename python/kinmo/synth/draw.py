@@ -12,7 +12,10 @@ Item = TypeVar("Item")
 
 
 class ParameterRange(str, Enum):
-    """Which part of every continuous range shapes are drawn from: labelled and unlabelled shapes overlap, and differ."""
+    """Window of every continuous range that shapes are drawn from.
+
+    The windows of labelled and unlabelled shapes overlap but differ, as annotated and unannotated data do.
+    """
 
     LABELLED = "labelled"
     UNLABELLED = "unlabelled"
@@ -20,23 +23,33 @@ class ParameterRange(str, Enum):
 
     @property
     def window(self) -> tuple[float, float]:
-        """The part of a range, as fractions of it."""
+        """Start and end of the window, as fractions of a range."""
         return {"labelled": (0.0, 0.7), "unlabelled": (0.3, 1.0), "both": (0.0, 1.0)}[self.value]
 
 
 class Draw:
-    """A source of random values. All of a family's randomness comes from here, so that a seed decides the shape."""
+    """Source of all random values of a family. One seed gives one shape.
+
+    Args:
+        rng: generator of the random numbers.
+        parameter_range: window of the ranges given to `between`.
+
+    Example:
+        >>> draw = Draw(np.random.default_rng(0))
+        >>> width = draw.between(0.6, 1.2)
+        >>> side = draw.pick(["left", "right"], [1, 2])
+    """
 
     def __init__(self, rng: np.random.Generator, parameter_range: ParameterRange = ParameterRange.BOTH) -> None:
         self.generator = rng
         self._low, self._high = parameter_range.window
 
     def between(self, low: float, high: float) -> float:
-        """A parameter of the shape, uniform in the window of [low, high]."""
+        """Uniform value from the window of [low, high]."""
         return low + (high - low) * float(self.generator.uniform(self._low, self._high))
 
     def integer(self, low: int, high: int) -> int:
-        """Uniform in low..high, both included."""
+        """Uniform integer from `low` to `high`, both included."""
         return int(self.generator.integers(low, high + 1))
 
     def chance(self, probability: float) -> bool:
@@ -44,18 +57,33 @@ class Draw:
         return bool(self.generator.random() < probability)
 
     def sign(self) -> float:
-        """-1 or 1."""
+        """-1 or 1, with equal probability."""
         return 1.0 if self.chance(0.5) else -1.0
 
     def pick(self, options: Sequence[Item], weights: Sequence[float] | None = None) -> Item:
-        """One of `options`, with `weights` in proportion to which they are picked."""
+        """One of several options.
+
+        Args:
+            options: the options.
+            weights: relative frequency of each option; None for equal ones.
+
+        Returns:
+            The option that was picked.
+        """
         if weights is None:
             return options[int(self.generator.integers(len(options)))]
         edges = np.cumsum(weights)
         return options[int(np.searchsorted(edges, self.generator.random() * edges[-1], side="right"))]
 
-    def alike(self, count: int) -> list[Draw]:
-        """`count` sources that give the same values: for parts of which an object has several."""
+    def identical(self, count: int) -> list[Draw]:
+        """Sources that all give the same values, for parts that an object has several times.
+
+        Args:
+            count: number of sources.
+
+        Returns:
+            New, independent sources with one seed and the same window.
+        """
         seed = self.integer(0, 1 << 62)
         copies = [Draw(np.random.default_rng(seed)) for _ in range(count)]
         for copy in copies:

@@ -1,58 +1,48 @@
-"""Writing procedural shapes to a folder, any number of them, on any number of processes."""
+"""Generation of procedural shapes: which shapes there are, how one is made, and how many are written in parallel."""
 
 from __future__ import annotations
 
 import shutil
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from enum import Enum
 from functools import cache, partial
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 
 from kinmo.core.errors import InputError
-from kinmo.dataset.folder_preparation import HELD_BACK
+from kinmo.dataset.folder_preparation import ORACLE
+from kinmo.dataset.jobs import Failure, runner_for
 from kinmo.dataset.splits import Split, split_of
-from kinmo.dataset.workers import Crashed, map_unordered
+from kinmo.io.readers import Layout
 from kinmo.synth.draw import Draw, ParameterRange
-from kinmo.synth.families import family, family_names
-from kinmo.synth.hierarchy_style import arrange
-from kinmo.synth.joint_quirks import misstate
-from kinmo.synth.mesh_quirks import flatten, roughen
-from kinmo.synth.model import SynthObject
-from kinmo.synth.writers import dsg_net, partnet, partnet_mobility
+from kinmo.synth.families import family_builder, family_names
+from kinmo.synth.hierarchy_style import apply_hierarchy_style
+from kinmo.synth.joint_quirks import add_joint_quirks
+from kinmo.synth.mesh_quirks import add_mesh_quirks, flatten_thin_panels
+from kinmo.synth.synth_object import SynthObject
+from kinmo.synth.writers import WRITERS
 
-MOST_SHAPES = 100_000
-"""Of a family and layout."""
-SPLITS = tuple(map(Split, ["train", "test", "train", "validation", "train", "train", "test", "train", "train", "train"]))
-"""What every ten shapes of a family are for, where ids are chosen by that: a dozen are too few to leave it to their hashes."""
-
-
-class Layout(str, Enum):
-    """The layouts that can be written; each goes to a subfolder of this name."""
-
-    PARTNET_MOBILITY = "partnet_mobility"
-    PARTNET = "partnet"
-    DSG_NET = "dsg_net"
-
-    @property
-    def letter(self) -> str:
-        return {"partnet_mobility": "m", "partnet": "p", "dsg_net": "d"}[self.value]
-
-    @property
-    def writer(self) -> ModuleType:
-        return {"partnet_mobility": partnet_mobility, "partnet": partnet, "dsg_net": dsg_net}[self.value]
+MAX_SHAPES = 100_000
+"""Most shapes of one family in one layout."""
+SPLIT_CYCLE = tuple(map(Split, ["train", "test", "train", "validation", "train", "train", "test", "train", "train", "train"]))
+"""Split of each of ten successive shapes of a family. For a dozen shapes, hashed ids could leave a split empty."""
+_ID_LETTERS = {Layout.PARTNET_MOBILITY: "m", Layout.PARTNET: "p", Layout.DSG_NET: "d"}
 
 
 @dataclass(frozen=True)
-class Order:
+class ShapeSpec:
     """One shape to be made. The shape depends on these fields and on nothing else.
 
-    With `chooses_split` its id, which decides what it is for, is chosen so that `SPLITS` says that too.
-    One that `shows_joints` is written with them, in PartNet-Mobility's layout, whatever layout it has without.
+    Attributes:
+        family: name of the family.
+        index: number of the shape within its family and layout.
+        seed: seed of the whole run.
+        layout: layout that the shape is made for.
+        parameter_range: window of the family's continuous ranges.
+        balances_splits: choose the id so that it falls into the split that `SPLIT_CYCLE` has for `index`.
+        is_oracle: write the shape with its joints, in PartNet-Mobility's layout, as the oracle copy of an unlabelled shape.
     """
 
     family: str
@@ -60,140 +50,164 @@ class Order:
     seed: int
     layout: Layout
     parameter_range: ParameterRange
-    chooses_split: bool = False
-    shows_joints: bool = False
+    balances_splits: bool = False
+    is_oracle: bool = False
 
     @property
     def folder(self) -> str:
-        """The subfolder that it is written to."""
-        return HELD_BACK if self.shows_joints else self.layout.value
+        """Subfolder that the shape is written to."""
+        return ORACLE if self.is_oracle else self.layout.value
 
     @property
-    def writer(self) -> ModuleType:
-        return partnet_mobility if self.shows_joints else self.layout.writer
+    def written_layout(self) -> Layout:
+        """Layout that the shape is written in."""
+        return Layout.PARTNET_MOBILITY if self.is_oracle else self.layout
 
     @property
     def shape_id(self) -> str:
-        """Unique over families, ranges, layouts and seeds, and no id that a real object has."""
-        stem = f"{self.family}-{self.seed}-{self.layout.letter}{self.parameter_range.value[0]}"
-        return f"{stem}{_numbers(stem).of(self.index) if self.chooses_split else self.index:05d}"
+        """Id of the shape, unique over families, ranges, layouts and seeds. No real object has such an id."""
+        stem = f"{self.family}-{self.seed}-{_ID_LETTERS[self.layout]}{self.parameter_range.value[0]}"
+        return f"{stem}{_balanced_numbers(stem).at(self.index) if self.balances_splits else self.index:05d}"
 
     def draw(self, purpose: str) -> Draw:
-        """Random values for one purpose, independent of those for others."""
+        """Random values for one purpose ("shape", "finish" or "files"), independent of those for others."""
         key = zlib.crc32(f"{self.family}/{self.layout.value}/{self.parameter_range.value}/{purpose}".encode())
         rng = np.random.default_rng([self.seed, key, self.index])
         return Draw(rng, self.parameter_range if purpose == "shape" else ParameterRange.BOTH)
 
 
-class _Numbers:
-    """The lowest numbers with which ids are in the splits of `SPLITS`."""
+class _BalancedNumbers:
+    """Numbers of ids that fall into the splits of `SPLIT_CYCLE`: the lowest ones for one stem of ids."""
 
     def __init__(self, stem: str) -> None:
         self._stem, self._tried = stem, 0
         self._found: dict[Split, list[int]] = {split: [] for split in Split}
 
-    def of(self, index: int) -> int:
-        """That of the shape at `index`."""
-        rounds, place = divmod(index, len(SPLITS))
-        split = SPLITS[place]
-        before = rounds * SPLITS.count(split) + SPLITS[:place].count(split)
+    def at(self, index: int) -> int:
+        """Number of the shape at `index`."""
+        rounds, position = divmod(index, len(SPLIT_CYCLE))
+        split = SPLIT_CYCLE[position]
+        before = rounds * SPLIT_CYCLE.count(split) + SPLIT_CYCLE[:position].count(split)
         while len(self._found[split]) <= before:
             self._found[split_of(f"{self._stem}{self._tried:05d}")].append(self._tried)
             self._tried += 1
         return self._found[split][before]
 
 
-_numbers = cache(_Numbers)
+_balanced_numbers = cache(_BalancedNumbers)
 
 
-def build(order: Order) -> SynthObject:
-    """The object of an order, with the style and the quirks of real files, ready to be written."""
-    obj = family(order.family)(order.draw("shape"))
-    obj.check()
-    obj.settle()
-    finish = order.draw("finish")
-    obj.normalise(finish.between(1.8, 2.25), [finish.between(-0.03, 0.03) for _ in range(3)])
-    arrange(obj, finish)
-    flatten(obj, finish)
-    roughen(obj, finish)
-    misstate(obj, finish)
-    return obj
-
-
-def orders(
+def shape_specs(
     count: int,
     *,
     families: Sequence[str] | None = None,
-    layouts: Sequence[Layout] = tuple(Layout),
+    layouts: Sequence[Layout] = tuple(WRITERS),
     seed: int = 0,
     parameter_range: ParameterRange | None = None,
-    held_back: bool = False,
-) -> Iterator[Order]:
-    """`count` shapes a family and layout; a third of that, at least one, in DSG-Net's layout.
+    oracle: bool = False,
+) -> Iterator[ShapeSpec]:
+    """Specifications of all shapes of a run.
 
-    Without a `parameter_range`, labelled and unlabelled layouts take the range that is meant for them, and ids are such that of
-    every family there are shapes to train on, to choose by and to test (`SPLITS`). With `held_back` every shape in PartNet's
-    layout comes once more, with its joints. Raises InputError for an unknown family or a count out of range.
+    Args:
+        count: shapes per family and layout. DSG-Net's layout gets a third of that, at least one.
+        families: names of families; None means all.
+        layouts: layouts to write, out of the keys of `WRITERS`.
+        seed: seed of the run.
+        parameter_range: window of all shapes. None gives labelled and unlabelled layouts the windows meant for them. It also
+            balances ids, such that every family has shapes for training, validation and test.
+        oracle: repeat every shape in PartNet's layout with its joints.
+
+    Yields:
+        One specification per shape.
+
+    Raises:
+        InputError: a family or layout is unknown, or the count is out of range.
     """
-    if not 1 <= count <= MOST_SHAPES:
-        raise InputError("count", f"expected 1 to {MOST_SHAPES}, got {count}")
+    if not 1 <= count <= MAX_SHAPES:
+        raise InputError("count", f"expected 1 to {MAX_SHAPES}, got {count}")
     chosen = family_names() if families is None else tuple(families)
     for name in chosen:
-        family(name)
+        family_builder(name)
+    for layout in layouts:
+        if layout not in WRITERS:
+            known = ", ".join(each.value for each in WRITERS)
+            raise InputError("layout", f"cannot write {layout.value}, expected some of {known}")
     for layout in layouts:
         labelled = layout is Layout.PARTNET_MOBILITY
-        fitting = ParameterRange.LABELLED if labelled else ParameterRange.UNLABELLED
+        usual_range = ParameterRange.LABELLED if labelled else ParameterRange.UNLABELLED
         number = max(1, count // 3) if layout is Layout.DSG_NET else count
         for name in chosen:
             for index in range(number):
-                order = Order(name, index, seed, layout, parameter_range or fitting, chooses_split=parameter_range is None)
-                yield order
-                if held_back and layout is Layout.PARTNET:
-                    yield replace(order, shows_joints=True)
+                balances = parameter_range is None
+                spec = ShapeSpec(name, index, seed, layout, parameter_range or usual_range, balances_splits=balances)
+                yield spec
+                if oracle and layout is Layout.PARTNET:
+                    yield replace(spec, is_oracle=True)
 
 
-def generate(
-    out: Path,
-    *,
-    count: int,
-    families: Sequence[str] | None = None,
-    layouts: Sequence[Layout] = tuple(Layout),
-    seed: int = 0,
-    parameter_range: ParameterRange | None = None,
-    held_back: bool = False,
-    workers: int = 1,
-    on_written: Callable[[Path], None] | None = None,
+def build_shape(spec: ShapeSpec) -> SynthObject:
+    """Make the object of a specification, with the style and the quirks of real files, ready to be written."""
+    obj = family_builder(spec.family)(spec.draw("shape"))
+    obj.check()
+    obj.apply_rest_pose()
+    finish = spec.draw("finish")
+    obj.normalise(finish.between(1.8, 2.25), [finish.between(-0.03, 0.03) for _ in range(3)])
+    apply_hierarchy_style(obj, finish)
+    flatten_thin_panels(obj, finish)
+    add_mesh_quirks(obj, finish)
+    add_joint_quirks(obj, finish)
+    return obj
+
+
+def write_shapes(
+    out: Path, specs: Iterable[ShapeSpec], *, workers: int = 1, on_written: Callable[[Path], None] | None = None
 ) -> int:
-    """Write shapes below `out`/<layout>/ and return how many were written; those that are there already are left as they are.
+    """Write shapes that are not there yet. Every shape is whole or absent, and the same for any number of workers.
 
-    Every shape is whole or absent, and the same whatever `workers` is. `on_written` hears of each new one.
-    Raises InputError for an unknown family or a count out of range.
+    Args:
+        out: folder; shapes go to its subfolders `ShapeSpec.folder`.
+        specs: shapes to write, such as those of `shape_specs`.
+        workers: number of processes.
+        on_written: called with the folder of each new shape.
+
+    Returns:
+        Number of shapes that were written.
+
+    Raises:
+        ChildProcessError: a shape could not be written.
+
+    Example:
+        >>> write_shapes(Path("partnet"), shape_specs(12, families=["laptop"]))
     """
-    todo = orders(count, families=families, layouts=layouts, seed=seed, parameter_range=parameter_range, held_back=held_back)
-    jobs = (order for order in todo if not _target(order, out).exists())
+    missing = (spec for spec in specs if not target_folder(spec, out).exists())
     written = 0
-    for order, path in map_unordered(partial(write, out=out), jobs, workers):
-        if isinstance(path, Crashed):
-            raise ChildProcessError(f"{_target(order, out)}: the process that wrote it died")
+    for spec, path in runner_for(workers).run(partial(write_shape, out=out), missing):
+        if isinstance(path, Failure):
+            raise ChildProcessError(f"{target_folder(spec, out)}: could not be written: {path.reason}")
         written += 1
         if on_written is not None:
             on_written(path)
     return written
 
 
-def write(order: Order, out: Path) -> Path:
-    """Make one shape and put it in place as a whole. What a killed process left of it is cleared away."""
-    target = _target(order, out)
+def write_shape(spec: ShapeSpec, out: Path) -> Path:
+    """Make one shape and write it as a whole, below `out`. Remains of an interrupted run are removed first.
+
+    Returns:
+        Folder of the shape.
+    """
+    target = target_folder(spec, out)
     unfinished = target.with_name(f".{target.name}.tmp~")
     shutil.rmtree(unfinished, ignore_errors=True)
     unfinished.mkdir(parents=True)
     try:
-        order.writer.write(build(order), order.shape_id, unfinished, order.draw("files"))
+        WRITERS[spec.written_layout](build_shape(spec), spec.shape_id, unfinished, spec.draw("files"))
         unfinished.rename(target)
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
     return target
 
 
-def _target(order: Order, out: Path) -> Path:
-    return out / order.folder / order.shape_id
+def target_folder(spec: ShapeSpec, out: Path) -> Path:
+    """Folder of a shape below `out`."""
+    return out / spec.folder / spec.shape_id

@@ -1,4 +1,4 @@
-"""What modelling tools leave behind: fine or torn triangulations, unwelded and doubled faces, surfaces inside out, sheets."""
+"""Mesh flaws of modelling tools: fine or torn triangulations, unwelded or doubled faces, inverted surfaces, flat sheets."""
 
 from __future__ import annotations
 
@@ -6,40 +6,44 @@ import numpy as np
 
 from kinmo.core.shape import Mesh, join
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import SynthObject
-from kinmo.synth.primitives.place import inside_out
+from kinmo.synth.primitives.transforms import inside_out
+from kinmo.synth.synth_object import SynthObject
 
 UNWELDED_SHARE = 0.2
 """Share of objects whose triangles share no vertices."""
 INSIDE_OUT_SHARE = 0.04
+"""Share of pieces whose faces are inverted."""
 DOUBLED_SHARE = 0.03
+"""Share of pieces that exist twice, once inverted."""
 TORN_SHARE = 0.02
-"""Shares of pieces that are inside out, there twice, or lack some triangles."""
-SHEET_SHARE, SHEET = 0.02, 0.12
-"""Share of thin pieces that have no thickness at all, and how thin one is, over its other sides, to be among them."""
+"""Share of pieces that lack some triangles."""
+SHEET_SHARE = 0.02
+"""Share of thin pieces that are pressed flat."""
+SHEET_RATIO = 0.12
+"""Largest thickness of a thin piece, over its second smallest side."""
 FINE_SHARE = 0.8
 """Share of objects of which some pieces are subdivided."""
-LARGEST_PIECE = 4000
-"""Triangles a piece may have after subdivision."""
+MAX_PIECE_TRIANGLES = 4000
+"""Most triangles of a piece after subdivision."""
 
 
-def roughen(obj: SynthObject, draw: Draw) -> None:
-    """Give the meshes of an object their flaws, in place. No surface moves."""
+def add_mesh_quirks(obj: SynthObject, draw: Draw) -> None:
+    """Give the meshes of an object flaws, in place. No surface moves."""
     unwelded, fine = draw.chance(UNWELDED_SHARE), draw.chance(FINE_SHARE)
     for leaf in obj.root.leaves():
-        leaf.pieces = [_roughened(piece, draw, unwelded, fine) for piece in leaf.pieces]
+        leaf.pieces = [_flawed(piece, draw, unwelded, fine) for piece in leaf.pieces]
 
 
-def flatten(obj: SynthObject, draw: Draw) -> None:
+def flatten_thin_panels(obj: SynthObject, draw: Draw) -> None:
     """Press some thin pieces of an object flat, in place."""
     for leaf in obj.root.leaves():
         leaf.pieces = [as_sheet(piece) if draw.chance(SHEET_SHARE) else piece for piece in leaf.pieces]
 
 
-def _roughened(piece: Mesh, draw: Draw, unwelded: bool, fine: bool) -> Mesh:
+def _flawed(piece: Mesh, draw: Draw, unwelded: bool, fine: bool) -> Mesh:
     levels = draw.pick([0, 1, 2, 3, 4], [3, 4, 4, 2, 1]) if fine else 0
     for _ in range(levels):
-        if 4 * len(piece.faces) <= LARGEST_PIECE:
+        if 4 * len(piece.faces) <= MAX_PIECE_TRIANGLES:
             piece = subdivided(piece)
     flaw = draw.between(0, 1)
     if flaw < INSIDE_OUT_SHARE:
@@ -55,10 +59,10 @@ def _roughened(piece: Mesh, draw: Draw, unwelded: bool, fine: bool) -> Mesh:
 
 
 def as_sheet(mesh: Mesh) -> Mesh:
-    """A panel along two axes of the file, pressed flat to its middle; any other mesh as it is."""
+    """An axis-aligned thin panel, pressed flat to its middle; any other mesh unchanged."""
     extents = np.ptp(mesh.vertices, axis=0)
     thin = int(np.argmin(extents))
-    if extents[thin] >= SHEET * np.delete(extents, thin).min():
+    if extents[thin] >= SHEET_RATIO * np.delete(extents, thin).min():
         return mesh
     vertices = mesh.vertices.copy()
     vertices[:, thin] = 0.5 * (vertices[:, thin].min() + vertices[:, thin].max())
@@ -68,7 +72,7 @@ def as_sheet(mesh: Mesh) -> Mesh:
 
 
 def subdivided(mesh: Mesh) -> Mesh:
-    """Every triangle in four, through the midpoints of its edges."""
+    """The mesh with every triangle cut into four, through the midpoints of its edges."""
     faces = mesh.faces.astype(np.int64)
     edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     keys, index = np.unique(edges[:, 0] * len(mesh.vertices) + edges[:, 1], return_inverse=True)

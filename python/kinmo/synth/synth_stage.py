@@ -1,28 +1,38 @@
-"""Procedural shapes for when there is no PartNet yet."""
+"""Stage that writes procedural shapes, for users without PartNet."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from kinmo.core.errors import InputError
 from kinmo.core.wording import counted
 from kinmo.dataset.stage import Observer, Outcome, Plan
+from kinmo.io.discover import WORKSPACE
 from kinmo.io.folder_lock import locked
-from kinmo.io.readers.discover import WORKSPACE
+from kinmo.io.readers import Layout
 from kinmo.synth.draw import ParameterRange
-from kinmo.synth.generate import Layout, generate, orders
+from kinmo.synth.generate import ShapeSpec, shape_specs, target_folder, write_shapes
+from kinmo.synth.writers import WRITERS
 
 SECONDS_PER_SHAPE = 0.05
+"""Rough time to write one shape with one worker."""
 
 
 @dataclass(frozen=True)
 class Synth:
-    """Write `count` shapes a family and layout (a third of that in DSG-Net's) below `folder`.
+    """Stage that writes procedural shapes and leaves those that exist as they are.
 
-    With `held_back` the shapes in PartNet's layout are written with their joints too, into a folder of that name. Empty
-    `families` and `layouts` mean all; without a `parameter_range` labelled and unlabelled shapes take their own.
+    Attributes:
+        folder: folder to write into.
+        count: shapes per family and layout; a third of that in DSG-Net's layout.
+        families: names of families; empty for all.
+        layouts: names of layouts; empty for all that can be written.
+        parameter_range: window of all shapes; None gives labelled and unlabelled shapes different windows.
+        oracle: write the shapes in PartNet's layout with their joints too, into a subfolder.
+        seed: seed of everything random.
+        workers: number of processes.
     """
 
     folder: Path
@@ -30,17 +40,19 @@ class Synth:
     families: tuple[str, ...] = ()
     layouts: tuple[str, ...] = ()
     parameter_range: ParameterRange | None = None
-    held_back: bool = False
+    oracle: bool = False
     seed: int = 0
     workers: int = 1
 
     def plan(self) -> Plan:
-        total, there = self._counts()
-        missing = total - there
+        """Count the shapes that are missing."""
+        total, existing = self._counts()
+        missing = total - existing
         steps = (f"write {missing} procedural shapes below {self.folder}",) if missing else ()
         return Plan(steps, missing * SECONDS_PER_SHAPE / self.workers)
 
     def run(self, observer: Observer) -> Outcome:
+        """Write the shapes that are missing."""
         total, done = self._counts()
 
         def on_written(path: Path) -> None:
@@ -49,26 +61,23 @@ class Synth:
             observer.progress("writing shapes", done, total, path.name)
 
         with locked(self.folder):
-            written = generate(self.folder, **self._wish(), workers=self.workers, on_written=on_written)
+            written = write_shapes(self.folder, self._specs(), workers=self.workers, on_written=on_written)
         data = {"folder": str(self.folder), "shapes": total, "written": written}
         return Outcome(self.folder, data, f"{counted(total, 'shape')}, {written} of them new")
 
-    def _wish(self) -> dict[str, Any]:
-        return {
-            "count": self.count,
-            "families": self.families or None,
-            "layouts": tuple(map(Layout, self.layouts)) or tuple(Layout),
-            "seed": self.seed,
-            "parameter_range": self.parameter_range,
-            "held_back": self.held_back,
-        }
+    def _specs(self) -> Iterator[ShapeSpec]:
+        return shape_specs(
+            self.count,
+            families=self.families or None,
+            layouts=tuple(map(Layout, self.layouts)) or tuple(WRITERS),
+            seed=self.seed,
+            parameter_range=self.parameter_range,
+            oracle=self.oracle,
+        )
 
     def _counts(self) -> tuple[int, int]:
-        """How many shapes are wanted, and how many of them are there. Raises InputError where nobody would find them."""
+        """Number of all shapes, and of those that exist. InputError if the folder is a workspace, where no reader looks."""
         if (self.folder / WORKSPACE).is_file():
             raise InputError(self.folder, "is a workspace, in which no shapes are looked for: name another folder")
-        total = there = 0
-        for order in orders(**self._wish()):
-            total += 1
-            there += (self.folder / order.folder / order.shape_id).exists()
-        return total, there
+        exist = [target_folder(spec, self.folder).exists() for spec in self._specs()]
+        return len(exist), sum(exist)

@@ -1,23 +1,31 @@
-"""Drawing an example: the shape from its source, the moving part, and the axes."""
+"""Picture of an evaluated joint: the shape, its moving part, and the true and predicted axes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 from kinmo.core.errors import InputError
 from kinmo.core.normalisation import Normalisation
 from kinmo.dataset.store import PreparedStore
-from kinmo.experiments.table1.examples import Example
 from kinmo.features.prepared_shape import check_unchanged
-from kinmo.io.readers import Found, Layout, read_found
+from kinmo.io.discover import ShapeSource
+from kinmo.pipeline.evaluation.example_predictions import Example
 from kinmo.view.shape_picture import Axis, object_picture
 
 
-def draw(store: PreparedStore, example: Example, roles: Mapping[str, str]) -> str:
-    """An SVG of the example: the true axis, and for every role of `roles` the answer of the row that it names.
+def draw_example(store: PreparedStore, example: Example, roles: Mapping[str, str]) -> str:
+    """Draw an example.
 
-    Raises InputError if the shape is not in the store any more, is not annotated, or cannot be read from its source.
+    Args:
+        store: the prepared shapes.
+        example: the true joint and its predictions.
+        roles: name of the table's row for each style of axis.
+
+    Returns:
+        An SVG.
+
+    Raises:
+        InputError: the shape is gone, is not annotated any more, or cannot be read from its source.
     """
     entry = next((e for e in store.entries if (e.id, e.layout) == (example.shape_id, example.layout)), None)
     if entry is None:
@@ -25,7 +33,7 @@ def draw(store: PreparedStore, example: Example, roles: Mapping[str, str]) -> st
     prepared = store.load(entry)
     if prepared.mobility is None or example.body >= len(prepared.mobility.bodies):
         raise InputError(entry.source, "expected an annotated shape: run kinmo eval again")
-    shape = read_found(Found(Path(entry.source), Layout(entry.layout), entry.id))
+    shape = ShapeSource.of(entry).read()
     check_unchanged(shape, prepared)
     frame = Normalisation(prepared.center, prepared.diagonal)
     bodies = [prepared.mobility.bodies[index] for index in prepared.mobility.descendants(example.body)]
@@ -34,7 +42,7 @@ def draw(store: PreparedStore, example: Example, roles: Mapping[str, str]) -> st
     truth = prepared.mobility.bodies[example.body].joint
     axes = [] if truth is None else [Axis(truth, "truth")]
     for role, row in roles.items():
-        joint = example.answers[row].joint
+        joint = example.predictions[row].joint
         if joint is not None:
             axes.append(Axis(joint, role))
     label = f"{example.category} {example.shape_id}: {example.name}"

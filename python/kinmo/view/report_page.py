@@ -1,4 +1,4 @@
-"""The page: plain data in, one string of HTML out."""
+"""The HTML page of a report, from plain data."""
 
 from __future__ import annotations
 
@@ -15,9 +15,7 @@ from kinmo.view.training_curves import COLOURS
 
 @dataclass(frozen=True)
 class Table:
-    """A table. Cells are text as it is to be shown; lines after the first are small. `note` stands below it. The first column
-    names the row.
-    """
+    """A table of text. The first column names the row; lines after the first in a cell are small; `note` stands below."""
 
     caption: str
     header: Sequence[str]
@@ -25,13 +23,13 @@ class Table:
     note: str = ""
 
     def is_text(self, column: int) -> bool:
-        """Whether the first line of a cell of a column has a letter: numbers and times have none."""
+        """True if a cell of the column has a letter in its first line, unlike numbers and times."""
         return any(letter.isalpha() for row in self.rows for letter in row[column].split("\n")[0])
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A drawing of a joint or a scan: `svg` is trusted markup of `kinmo.view.shape_picture`, `lines` the text below it."""
+    """A drawing of a joint or a scan: trusted `svg` markup with a `title` and `lines` of text below it."""
 
     svg: str
     title: str
@@ -42,8 +40,15 @@ class Picture:
 class Section:
     """A part of the page.
 
-    `charts` are SVGs of `kinmo.view.training_curves`; `more` are tables that are folded away; `legend` explains the roles of the axes
-    in the pictures.
+    Attributes:
+        title: heading.
+        text: paragraph below it.
+        tables: tables.
+        charts: SVGs of `kinmo.view.training_curves`.
+        pictures: pictures.
+        more: tables that are folded away.
+        legend: role and meaning of the axes in the pictures.
+        is_folded: the whole section is folded away.
     """
 
     title: str
@@ -53,11 +58,12 @@ class Section:
     pictures: Sequence[Picture] = ()
     more: Sequence[Table] = ()
     legend: Sequence[tuple[str, str]] = ()
+    is_folded: bool = False
 
 
 @dataclass(frozen=True)
 class Page:
-    """A whole report. `facts` are the pairs (name, value) at its head."""
+    """A whole report. `facts` are pairs (name, value) at its head."""
 
     title: str
     facts: Sequence[tuple[str, str]] = ()
@@ -72,5 +78,5 @@ def _template() -> jinja2.Template:
 
 
 def render(page: Page) -> str:
-    """The HTML of `page`: style and pictures inline, no script, nothing fetched from anywhere."""
+    """HTML of a page in one file: styles and pictures inline, no script, nothing fetched."""
     return _template().render(page=page, colours=COLOURS, version=__version__)

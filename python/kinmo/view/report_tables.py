@@ -1,14 +1,14 @@
-"""Tables of figures as the report shows them."""
+"""Tables of figures for the report."""
 
 from __future__ import annotations
 
 from kinmo.evaluation.tables import DASH, INTERVAL
-from kinmo.evaluation.tables import Table as MeasuredTable
+from kinmo.evaluation.tables import Table as FigureTable
 from kinmo.view.report_page import Table
 
 
-def shown(table: MeasuredTable) -> Table:
-    """The table as text, what it is of below it, and intervals below their figures."""
+def page_table(table: FigureTable) -> Table:
+    """A table of figures as text, with its facts below and intervals below their figures."""
     titles, *rows = [list(cells) for cells in table.cells()]
     for place in reversed(range(len(titles))):
         if table.columns[place] == INTERVAL:

@@ -1,4 +1,4 @@
-"""An object with its moving part coloured and joint axes over it, as in the paper's figures 3, 4 and 6."""
+"""Picture of an object with its moving part coloured and joint axes over it (as in the paper's figures 3, 4 and 6)."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.shape import Mesh
@@ -17,11 +18,11 @@ from kinmo.view.picture_camera import Camera, front_left
 from kinmo.view.picture_raster import shade
 
 SIZE = 300
-"""Pixels along a side of a picture."""
+"""Width and height of a picture in pixels."""
 MOVING = (0.36, 0.58, 0.86)
 STILL = (0.80, 0.80, 0.78)
 OVERHANG = 0.08
-"""How far an axis reaches beyond the moving part, in diagonals."""
+"""Length of an axis beyond the moving part, in diagonals."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,10 +36,20 @@ class Axis:
 def object_picture(
     meshes: tuple[Mesh, ...], moving: frozenset[int], axes: tuple[Axis, ...], up: Vector, label: str, size: int = SIZE
 ) -> str:
-    """An SVG of `meshes` seen from the front left, those at the positions `moving` coloured, with `axes` as arrows over it.
+    """Draw an object from the front left, with its joint axes as arrows.
 
-    All are in one frame. A slider's axis has no place of its own and is drawn through the middle of the moving part. `label` is
-    the text for readers that see no pictures.
+    A slider's axis has no position and is drawn through the middle of the moving part.
+
+    Args:
+        meshes: meshes of the object's leaves.
+        moving: positions in `meshes` of the leaves to colour.
+        axes: joints to draw, in the frame of the meshes.
+        up: unit vector [3] that points up in that frame.
+        label: text for readers who do not see pictures.
+        size: width and height in pixels.
+
+    Returns:
+        An SVG.
     """
     triangles = np.concatenate([mesh.vertices[mesh.faces.astype(np.int64)] for mesh in meshes])
     parts = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
@@ -56,7 +67,7 @@ def object_picture(
 
 
 def _arrow(camera: Camera, axis: Axis, around: NDArray[np.float64], overhang: float) -> str:
-    """The axis over the extent of the points `around` [N, 3] along it, with a head at its far end."""
+    """An arrow along the axis over the extent of the points `around` [N, 3]."""
     joint = axis.joint
     middle = 0.5 * (around.min(axis=0) + around.max(axis=0))
     through = middle if joint.kind is JointKind.PRISMATIC else joint.pivot
@@ -80,8 +91,6 @@ def _arrow(camera: Camera, axis: Axis, around: NDArray[np.float64], overhang: fl
 
 
 def _png(image: NDArray[np.uint8]) -> str:
-    from matplotlib.image import imsave
-
     buffer = io.BytesIO()
-    imsave(buffer, image, format="png")
+    Image.fromarray(image).save(buffer, format="png")
     return base64.b64encode(buffer.getvalue()).decode("ascii")

@@ -1,16 +1,8 @@
 //! Geometry of articulated objects: one algorithm per file, in folders by purpose.
 //!
-//! - `mesh`: triangle meshes, their search trees, distances and components.
-//! - `points`: sampling of surfaces, neighbour searches, normals and Delaunay diagrams.
-//! - `motion`: joints, and points moved along them.
-//! - `fit`: hulls, boxes, axes and symmetries fitted to parts.
-//! - `contact`: distances, interaction regions and free travel of parts.
-//! - `pose`: rotations and similarity transforms from points with outliers.
-//! - `raster`: depth images and part images.
-//!
-//! Each folder uses only folders above it. Surfaces are [`Mesh`] values, validated and in `f64`; scans are points.
-//! Lengths are in the units of the input, angles in radians. Every function is deterministic: random draws come from a
-//! seed, and the result does not depend on the number of threads.
+//! Each folder uses only folders above it in this file. Surfaces are [`Mesh`] values, validated and in `f64`; scans are
+//! points. Lengths are in the units of the input, angles in radians. Every function is deterministic: random draws come
+//! from a seed, and the result does not depend on the number of threads.
 
 /// Triangle meshes, their search trees, distances and components.
 pub mod mesh {

@@ -89,11 +89,24 @@ def die_once(path: Path) -> str:
     return path.name
 
 
-def node_of(number: int) -> str:
+def node() -> str:
     import ray
 
-    time.sleep(0.3)
     return str(ray.get_runtime_context().get_node_id())
+
+
+def meet(folder: Path) -> str:
+    """Wait until jobs run on two nodes at the same time."""
+    (folder / node()).touch()
+    deadline = time.monotonic() + 60
+    while len(list(folder.iterdir())) < 2 and time.monotonic() < deadline:
+        time.sleep(0.01)
+    return node()
+
+
+def nap_on_node(number: int) -> str:
+    time.sleep(0.3)
+    return node()
 
 
 def torch_threads(number: int) -> int:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.dataset.jobs import example_jobs as jobs
 
 from kinmo.core.errors import InputError, KinmoError
-from kinmo.dataset.jobs import LocalRunner, RayRunner, cluster as module
-from tests.dataset.jobs import example_jobs as jobs
+from kinmo.dataset.jobs import LocalRunner, RayRunner
+from kinmo.dataset.jobs import cluster as module
 
 
 def test_results_are_those_of_one_machine(cluster: Any) -> None:
@@ -17,18 +19,29 @@ def test_results_are_those_of_one_machine(cluster: Any) -> None:
     assert sorted(RayRunner(cluster.address).run(jobs.square, work)) == sorted(LocalRunner(2).run(jobs.square, work))
 
 
-def test_all_nodes_work(cluster: Any) -> None:
-    assert len({node for _, node in RayRunner(cluster.address).run(jobs.node_of, range(12))}) == 2
+def test_all_nodes_work(cluster: Any, tmp_path: Path) -> None:
+    assert len({node for _, node in RayRunner(cluster.address).run(jobs.meet, [tmp_path, tmp_path])}) == 2
 
 
-def test_jobs_of_a_lost_node_run_again(cluster: Any) -> None:
-    node = cluster.add_node(num_cpus=2)
-    results = RayRunner(cluster.address).run(jobs.node_of, range(24))
-    nodes = {number: where for number, where in (next(results) for _ in range(8))}
-    cluster.remove_node(node, allow_graceful=False)
-    nodes |= dict(results)
-    assert sorted(nodes) == list(range(24))
-    assert all(isinstance(where, str) for where in nodes.values())
+def test_jobs_of_a_lost_node_run_again(cluster: Any, capfd: pytest.CaptureFixture[str]) -> None:
+    lost = cluster.add_node(num_cpus=2)
+    numbers = []
+
+    def work():
+        """Jobs until the node has done one, and some more."""
+        while lost is not None or len(numbers) % 10:
+            numbers.append(len(numbers))
+            yield numbers[-1]
+
+    results = []
+    for number, node in RayRunner(cluster.address).run(jobs.nap_on_node, work()):
+        results.append((number, node))
+        if lost is not None and node == lost.node_id:
+            cluster.remove_node(lost, allow_graceful=False)
+            lost = None
+    assert sorted(number for number, _ in results) == numbers
+    assert all(isinstance(node, str) for _, node in results)
+    assert capfd.readouterr().out == "", "commands print their result there, and nothing else"
 
 
 def test_another_version_on_a_node_ends_the_run(cluster: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,10 +7,10 @@ import time
 from pathlib import Path
 
 import pytest
+from tests.dataset.jobs import example_jobs as jobs
 
 from kinmo.core.errors import InputError
 from kinmo.dataset.jobs import Failure, JobRunner, LocalRunner, RayRunner, report, runner_for
-from tests.dataset.jobs import example_jobs as jobs
 
 
 def test_an_address_chooses_the_cluster() -> None:
@@ -44,7 +44,7 @@ def test_what_nobody_foresaw_fails_one_job(runner: JobRunner) -> None:
 
 
 def test_what_the_user_must_mend_ends_the_run(runner: JobRunner) -> None:
-    with pytest.raises(InputError, match="shape.glb: expected a mesh"):
+    with pytest.raises(InputError, match=r"shape\.glb: expected a mesh"):
         list(runner.run(jobs.misbehave, ["behave", "raise a KinmoError", "behave"]))
 
 
@@ -110,6 +110,8 @@ def test_closing_kills_jobs_that_allow_it(runner: JobRunner, tmp_path: Path) -> 
 def test_closing_drops_waiting_jobs_and_lets_running_ones_finish(runner: JobRunner, tmp_path: Path) -> None:
     results = runner.run(jobs.finish_slowly, [tmp_path / str(number) for number in range(20)])
     next(results)
+    while len(list(tmp_path.glob("*.begun"))) < 2:
+        time.sleep(0.01)
     results.close()
     begun = {path.stem for path in tmp_path.glob("*.begun")}
     assert begun == {path.stem for path in tmp_path.glob("*.done")}

@@ -1,4 +1,4 @@
-"""Scoring of URDF files: exact figures for known errors, a reason for every failure."""
+"""Scoring of URDF files: exact figures for known errors, and a reason for every failure."""
 
 import json
 import math
@@ -17,14 +17,19 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
 from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.tables import WRITERS, Caption, as_text, read_table
-from kinmo.evaluation.urdf_scoring import failures_table, files_table, find_urdf, score_files, score_urdf, summarise
+from kinmo.evaluation.urdf_scoring import (
+    find_urdf,
+    score_urdf,
+    score_urdf_folder,
+    summarise_urdf_scores,
+    urdf_failures_table,
+    urdf_table,
+)
 from kinmo.evaluation.urdf_scoring import urdf_scores as scoring
-from kinmo.evaluation.urdf_scoring.frame_alignment import align, axis_rotations
+from kinmo.evaluation.urdf_scoring.frame_alignment import align_surfaces, axis_rotations
 from kinmo.evaluation.urdf_scoring.sampled_surface import Surface
 from kinmo.io.readers.partnet_annotation import PSEUDO_LABEL
-from kinmo.io.readers.urdf_meshes import triangles_of
-from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
-from kinmo.io.writers.urdf_writer import write_urdf
+from kinmo.io.writers import ExportOptions, write_partnet_mobility, write_urdf
 from kinmo.pipeline.score_urdfs import ScoreUrdfs
 
 UP = np.array([0.0, 1, 0])
@@ -51,7 +56,7 @@ def with_joint(body, joint):
 
 
 def scored(tmp_path, mobility=TRUTH.mobility, truth=TRUTH, **options):
-    return score_urdf(truth, write_urdf(TRUTH, mobility, tmp_path / "7", **options), tmp_path)
+    return score_urdf(truth, write_urdf(TRUTH, mobility, tmp_path / "7", ExportOptions(**options)), tmp_path)
 
 
 def part(score, name):
@@ -59,12 +64,13 @@ def part(score, name):
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.37, 25.0])
-def test_the_truth_itself_is_perfect_in_any_unit(tmp_path, scale):
+def test_the_truth_has_no_errors_in_any_unit(tmp_path, scale):
     score = scored(tmp_path, metres_per_unit=scale)
     assert (score.status, score.false_alarms) == ("scored", 0)
     assert score.residual < 1e-4
     for found in score.parts:
         assert found.kind_ok
+        assert found.is_ok
         assert found.parent_ok
         assert found.is_relative
         assert found.limited_ok
@@ -73,13 +79,15 @@ def test_the_truth_itself_is_perfect_in_any_unit(tmp_path, scale):
         assert found.line == (None if found.name == "drawer" else pytest.approx(0, abs=1e-9))
 
 
-def test_a_turned_axis_and_a_moved_pivot_read_as_much(tmp_path):
+def test_a_rotated_axis_and_a_shifted_pivot_are_measured(tmp_path):
     turned = replace(DOOR, direction=Rotation.from_rotvec([0, 0, math.radians(7)]).apply(UP))
     door = part(scored(tmp_path / "a", with_joint(1, turned)), "door")
     assert math.degrees(door.angle) == pytest.approx(7)
+    assert not door.is_ok
     shifted = replace(DOOR, pivot=DOOR.pivot + 0.03 * TRUTH.diagonal * np.array([1.0, 0, 0]))
     door = part(scored(tmp_path / "b", with_joint(1, shifted)), "door")
     assert door.line == pytest.approx(0.03)
+    assert door.is_ok
     assert door.line_at_part == pytest.approx(0.03)
 
 
@@ -88,7 +96,7 @@ def test_a_reversed_axis_with_its_range_is_the_same_joint(tmp_path):
     assert door.range_iou == pytest.approx(1)
 
 
-def test_a_joint_that_is_missing_and_one_too_many_are_found_out(tmp_path):
+def test_a_missing_joint_and_an_extra_joint_are_counted(tmp_path):
     glued = Mobility((replace(BODIES[0], leaves=(1, 3)), BODIES[1], replace(BODIES[3], id=2)))
     score = scored(tmp_path / "a", glued)
     assert {p.name: p.found for p in score.parts} == {"door": True, "drawer": False, "valve": True}
@@ -96,14 +104,14 @@ def test_a_joint_that_is_missing_and_one_too_many_are_found_out(tmp_path):
     assert scored(tmp_path / "b", truth=still).false_alarms == 1
 
 
-def test_a_wrong_kind_moves_but_is_not_right(tmp_path):
+def test_a_joint_of_the_wrong_kind_is_found_but_not_right(tmp_path):
     door = part(scored(tmp_path, with_joint(1, replace(DOOR, kind=JointKind.PRISMATIC))), "door")
     assert door.found
     assert not door.kind_ok
     assert door.angle is None
 
 
-def test_a_wrong_parent_is_noticed(tmp_path):
+def test_a_wrong_parent_is_not_ok(tmp_path):
     bodies = (*BODIES[:3], replace(BODIES[3], parent=1))
     assert not part(scored(tmp_path, Mobility(bodies)), "valve").parent_ok
 
@@ -120,7 +128,7 @@ def test_junk_may_be_kept_or_dropped(tmp_path):
         assert score.false_alarms == 0
 
 
-def test_another_shape_is_misaligned_and_all_its_joints_are_missed(tmp_path):
+def test_all_joints_of_a_misaligned_shape_are_missed(tmp_path):
     boxes = [((0, 0, 0), (1, 1, 1)), ((3, 0, 0), (4, 1, 1))]
     other = shape_of_boxes(boxes, (Body(0, "a", (1,)), Body(1, "b", (2,), 0, DRAWER)))
     score = score_urdf(TRUTH, write_urdf(other, other.mobility, tmp_path / "7"), tmp_path)
@@ -129,18 +137,19 @@ def test_another_shape_is_misaligned_and_all_its_joints_are_missed(tmp_path):
     assert not any(found.found for found in score.parts)
 
 
-def test_there_are_24_axis_rotations_and_each_is_found_again():
+def test_alignment_finds_each_of_the_24_axis_rotations():
     rotations = axis_rotations()
     assert len(rotations) == 24
     rng = np.random.default_rng(0)
-    soup = np.concatenate([triangles_of(mesh) for mesh in TRUTH.meshes()])
-    truth = Surface(soup, 3000, rng)
+    triangles = np.concatenate([mesh.triangles for mesh in TRUTH.meshes()])
+    truth = Surface(triangles, 3000, rng)
     for rotation in rotations[::5]:
-        found = align(truth, truth, Surface((soup @ rotation - [3, 2, 1]) * 0.5, 3000, rng))
-        assert found.apply((soup @ rotation - [3, 2, 1]).reshape(-1, 3) * 0.5) == pytest.approx(soup.reshape(-1, 3), abs=1e-3)
+        moved = (triangles @ rotation - [3, 2, 1]) * 0.5
+        found = align_surfaces(truth, truth, Surface(moved, 3000, rng))
+        assert found.apply(moved.reshape(-1, 3)) == pytest.approx(triangles.reshape(-1, 3), abs=1e-3)
 
 
-def test_distances_to_a_surface_are_those_of_an_exact_query():
+def test_distances_to_a_surface_agree_with_an_exact_query():
     rng = np.random.default_rng(0)
     mesh = trimesh.creation.icosphere(subdivisions=2)
     queries = rng.normal(size=(200, 3))
@@ -152,23 +161,25 @@ def test_distances_to_a_surface_are_those_of_an_exact_query():
 
 
 def folders(tmp_path):
-    """Four shapes: one predicted right, one wrongly, one broken, one not at all."""
+    """Four shapes with predictions: a right one, a wrong one, a broken file, and none."""
     truth, predictions = tmp_path / "truth", tmp_path / "predictions"
     for name in ("1", "2", "3", "4"):
         write_partnet_mobility(TRUTH, TRUTH.mobility, truth / name)
     write_urdf(TRUTH, TRUTH.mobility, predictions / "1")
-    write_urdf(TRUTH, with_joint(1, replace(DOOR, direction=np.array([1.0, 0, 0]))), predictions / "2", name="mobility")
+    write_urdf(
+        TRUTH, with_joint(1, replace(DOOR, direction=np.array([1.0, 0, 0]))), predictions / "2", ExportOptions(name="mobility")
+    )
     (predictions / "3.urdf").write_text("<robot/>")
     return truth, predictions
 
 
-def test_folders_are_scored_with_failures_and_absences_counted(tmp_path):
+def test_failed_and_missing_objects_are_counted(tmp_path):
     truth, predictions = folders(tmp_path)
     seen = []
-    report = score_files(predictions, truth, progress=lambda done, total: seen.append((done, total)))
+    report = score_urdf_folder(predictions, truth, progress=lambda done, total: seen.append((done, total)))
     assert [scored.status for scored in report.objects] == ["scored", "scored", "failed", "missing"]
     assert seen[-1] == (4, 4)
-    figures = json.loads(json.dumps(summarise(report, draws=50), allow_nan=False))
+    figures = json.loads(json.dumps(summarise_urdf_scores(report, draws=50), allow_nan=False))
     assert figures["micro"]["recall"]["value"] == pytest.approx(0.5)
     assert figures["micro"]["recall_scored"]["value"] == 1.0
     assert figures["micro"]["precision"]["value"] == 1.0
@@ -193,12 +204,12 @@ BAD = {
 }
 
 
-def test_whatever_is_wrong_with_a_urdf_is_its_failure_in_one_line_and_the_others_go_on(tmp_path):
+def test_a_broken_urdf_fails_with_one_line_and_the_others_are_scored(tmp_path):
     truth, predictions = folders(tmp_path)
     for name, (inside, _) in BAD.items():
         write_partnet_mobility(TRUTH, TRUTH.mobility, truth / name)
         (predictions / f"{name}.urdf").write_text(f"<robot name='r'>{inside}</robot>")
-    report = score_files(predictions, truth, ids=["1", *BAD])
+    report = score_urdf_folder(predictions, truth, ids=["1", *BAD])
     assert {scored.id: scored.status for scored in report.objects} == {"1": "scored", **dict.fromkeys(BAD, "failed")}
     for scored in report.objects[1:]:
         assert BAD[scored.id][1] in scored.reason
@@ -206,7 +217,7 @@ def test_whatever_is_wrong_with_a_urdf_is_its_failure_in_one_line_and_the_others
 
 
 @pytest.mark.parametrize("error", [PermissionError(13, "no"), ValueError("a\nb"), ZeroDivisionError("no"), IndexError("no")])
-def test_what_nobody_thought_of_is_a_failure_too(tmp_path, monkeypatch, error):
+def test_unexpected_errors_are_failures_too(tmp_path, monkeypatch, error):
     def fail(*_):
         raise error
 
@@ -217,29 +228,29 @@ def test_what_nobody_thought_of_is_a_failure_too(tmp_path, monkeypatch, error):
     assert "\n" not in score.reason
 
 
-def test_workers_change_nothing(tmp_path):
+def test_the_number_of_workers_does_not_change_the_scores(tmp_path):
     truth, predictions = folders(tmp_path)
-    alone = score_files(predictions, truth, ids=["1", "2"])
-    assert score_files(predictions, truth, ids=["2", "1"], workers=2) == alone
+    alone = score_urdf_folder(predictions, truth, ids=["1", "2"])
+    assert score_urdf_folder(predictions, truth, ids=["2", "1"], workers=2) == alone
 
 
-def test_a_truth_that_cannot_be_read_is_nobodys_failure(tmp_path):
+def test_an_unreadable_truth_is_no_failure_of_a_prediction(tmp_path):
     truth, predictions = folders(tmp_path)
     (truth / "1" / "result.json").write_text("[")
-    report = score_files(predictions, truth, ids=["1"])
+    report = score_urdf_folder(predictions, truth, ids=["1"])
     assert not report.objects
     assert "result.json" in report.unreadable["1"]
 
 
-def test_truths_are_found_as_shapes_are_everywhere(tmp_path, monkeypatch):
-    """Pseudo labels, hidden folders and other copies judge nobody; a shape's own folder is called what it is called."""
+def test_pseudo_labels_hidden_folders_and_copies_are_no_truths(tmp_path, monkeypatch):
+    """They are not scored against. A single shape is named after its folder."""
     truth, predictions = folders(tmp_path)
     write_partnet_mobility(TRUTH, TRUTH.mobility, truth / ".old" / "5")
-    write_partnet_mobility(TRUTH, TRUTH.mobility, truth / "5", meta={PSEUDO_LABEL: {}})
+    write_partnet_mobility(TRUTH, TRUTH.mobility, truth / "5", ExportOptions(meta={PSEUDO_LABEL: {}}))
     write_partnet_mobility(TRUTH, with_joint(1, replace(DOOR, direction=np.array([1.0, 0, 0]))), truth / "z" / "1")
     write_partnet_mobility(TRUTH, TRUTH.mobility, truth / "z" / "2")
     (predictions / "5.urdf").write_text("<robot/>")
-    report = score_files(predictions, truth)
+    report = score_urdf_folder(predictions, truth)
     assert [scored.id for scored in report.objects] == ["1", "2", "3", "4"]
     assert {name: "differs from another copy of 1" in text for name, text in report.unreadable.items()} == {
         "5": False,
@@ -247,38 +258,38 @@ def test_truths_are_found_as_shapes_are_everywhere(tmp_path, monkeypatch):
     }
     assert "predicted and not annotated" in report.unreadable["5"]
     monkeypatch.chdir(truth / "1")
-    alone = score_files(predictions, Path())
+    alone = score_urdf_folder(predictions, Path())
     assert [(scored.id, scored.status) for scored in alone.objects] == [("1", "scored")]
 
 
-def test_nobody_to_be_judged_by_is_a_failure(tmp_path):
+def test_no_readable_truth_is_a_failure_of_the_command(tmp_path):
     truth, predictions = folders(tmp_path)
     for name in "1234":
         (truth / name / "result.json").write_text("[")
-    told = Listener()
-    assert ScoreUrdfs(predictions, truth, Workspace(tmp_path / "w")).run(told).failed == 4
-    assert sum(note.startswith("left out: ") for note in told.notes) == 4
+    listener = Listener()
+    assert ScoreUrdfs(predictions, truth, Workspace(tmp_path / "w")).run(listener).failed == 4
+    assert sum(note.startswith("left out: ") for note in listener.notes) == 4
 
 
-def test_wrong_folders_and_ids_are_refused(tmp_path):
+def test_wrong_folders_and_ids_raise_input_errors(tmp_path):
     truth, predictions = folders(tmp_path)
     with pytest.raises(InputError, match=r"mobility_v2\.json$"):
-        score_files(predictions, predictions)
+        score_urdf_folder(predictions, predictions)
     (tmp_path / "links").mkdir()
     (tmp_path / "links" / "1").symlink_to(truth / "1")
     with pytest.raises(InputError, match=r"mobility_v2\.json; .*1: a link that leads out of the folder"):
-        score_files(predictions, tmp_path / "links")
+        score_urdf_folder(predictions, tmp_path / "links")
     with pytest.raises(InputError, match="'99'"):
-        score_files(predictions, truth, ids=["99"])
+        score_urdf_folder(predictions, truth, ids=["99"])
     (tmp_path / "file").write_text("")
     (tmp_path / "others").mkdir()
     (tmp_path / "others" / "99.urdf").write_text("<robot/>")
     for name in ("absent", "file", "others"):
-        with pytest.raises(InputError, match=rf"{name}: expected URDFs called after shapes below .*truth, say 1\.urdf"):
-            score_files(tmp_path / name, truth)
+        with pytest.raises(InputError, match=rf"{name}: expected URDFs named after shapes below .*truth, such as 1\.urdf"):
+            score_urdf_folder(tmp_path / name, truth)
 
 
-def test_a_category_that_no_truth_has_is_answered_with_those_there_are(tmp_path):
+def test_an_unknown_category_is_reported_with_the_known_ones(tmp_path):
     truth, predictions = folders(tmp_path)
     (truth / "1" / "result.json").write_text("[")
     listener = Listener()
@@ -290,7 +301,7 @@ def test_a_category_that_no_truth_has_is_answered_with_those_there_are(tmp_path)
     assert any(note.startswith("failed: 3: ") for note in listener.notes)
 
 
-def test_all_tables_are_in_the_folder_that_the_stage_names(tmp_path):
+def test_all_tables_are_written_to_the_folder_of_the_result(tmp_path):
     truth, predictions = folders(tmp_path)
     workspace = Workspace(tmp_path / "w")
     outcome = ScoreUrdfs(predictions, truth, workspace).run(Listener())
@@ -318,17 +329,17 @@ def test_urdfs_are_found_by_name_then_depth_then_path(tmp_path):
     assert find_urdf(tmp_path, 255 * "7") is None
 
 
-def test_the_tables_hold_every_category_and_every_failure(tmp_path):
+def test_the_tables_list_every_category_and_every_failure(tmp_path):
     truth, predictions = folders(tmp_path)
-    report = score_files(predictions, truth)
+    report = score_urdf_folder(predictions, truth)
     caption = Caption("URDF files", "synthetic", 0, 0, "all", ())
-    table = files_table(summarise(report, draws=10), report, caption)
+    table = urdf_table(summarise_urdf_scores(report, draws=10), report, caption)
     assert [row[0] for row in table.rows] == ["cabinet", "all parts", "mean of categories"]
     assert (table.caption.shapes, table.caption.joints) == (4, 12)
     assert [(column.title, table.rows[1][place]) for place, column in enumerate(table.columns) if "median" in column.title] == [
         ("median angle", pytest.approx(0, abs=1e-6)),
         ("median line", pytest.approx(0, abs=1e-6)),
     ]
-    failures = failures_table(report, caption)
+    failures = urdf_failures_table(report, caption)
     assert [(row[0], row[2]) for row in failures.rows] == [("3", "failed"), ("4", "missing")]
     assert "link" in failures.rows[0][3]

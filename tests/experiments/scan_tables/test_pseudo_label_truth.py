@@ -5,18 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scanned_objects import cupboard_object
 
 from kinmo.config import ScansConfig
 from kinmo.experiments.scan_tables.pseudo_label_truth import LabelCounts, count_labels
-from kinmo.scans.labelled_frames import scan
-from kinmo.scans.scan_file import Provenance, ScanFile, open_scans, write_scans
-from scanned import cupboard_object
+from kinmo.scans.files.scan_file import ScanFile, ScanProvenance, open_scans, write_scans
+from kinmo.scans.rendering.labelled_frames import scan_object
 
 TARGET = cupboard_object()
 
 
 def named(file: ScanFile, name: str, variant: int = 0) -> ScanFile:
-    return replace(file, id=name, provenance=Provenance(variant=variant))
+    return replace(file, id=name, provenance=ScanProvenance(variant=variant))
 
 
 def moved(file: ScanFile, part: int, direction: tuple[float, float, float], shift: float) -> ScanFile:
@@ -28,8 +28,8 @@ def moved(file: ScanFile, part: int, direction: tuple[float, float, float], shif
 
 
 def test_labels_count_as_right_if_all_axes_are_along_the_true_ones_and_in_their_places(tmp_path) -> None:
-    scans = scan(TARGET, ScansConfig(states=1, views=1, size=64, points=16), 0)
-    write_scans(tmp_path / "a.safetensors", TARGET, scans, Provenance())
+    scans = scan_object(TARGET, ScansConfig(states=1, views=1, size=64, points=16), 0)
+    write_scans(tmp_path / "a.safetensors", TARGET, scans, ScanProvenance())
     file = open_scans(tmp_path / "a.safetensors")
     kinds = [kind.value for kind in file.structure.kinds]
     door, drawer = kinds.index("R") + 1, kinds.index("P") + 1

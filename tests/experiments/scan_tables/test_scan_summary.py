@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from kinmo.scans.object_structure import Structure
 
 from kinmo.core.joint import JointKind
 from kinmo.evaluation.scan_metrics import FrameScore
 from kinmo.evaluation.scan_records import ObjectScans
 from kinmo.experiments.scan_tables.scan_summary import change, change_of_failures, gap_closed, measure_titles, summary
-from kinmo.scans.articulated_object import Structure
 
 STRUCTURE = Structure((JointKind.REVOLUTE,), (0,))
 TURN = measure_titles(STRUCTURE).index("rotation (deg)")

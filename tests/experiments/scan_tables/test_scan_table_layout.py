@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from kinmo.scans.object_structure import Structure
 
 from kinmo.core.errors import InputError
 from kinmo.core.joint import JointKind
@@ -21,7 +22,6 @@ from kinmo.experiments.scan_tables.scan_table_layout import (
     over_parts,
     printed_structure,
 )
-from kinmo.scans.articulated_object import Structure
 
 STRUCTURE = Structure((JointKind.REVOLUTE, JointKind.PRISMATIC), (0, 0))
 CAPTION = Caption("Table 2", "made up", 0, 0, "test", (0,))

@@ -9,8 +9,10 @@ from dataclasses import fields
 from types import SimpleNamespace
 
 import pytest
+from kinmo.pipeline.scans.refusal import REFUSED
+from kinmo.pipeline.scans.scored_scans import JudgedScans
 from scan_road import CATEGORY, FAMILY, HOW, Scanned, taken_for
-from scanned import scans_in
+from scanned_objects import read_frames
 from whole_road import Listener
 
 from kinmo.dataset.shape_dataset import open_dataset
@@ -23,14 +25,12 @@ from kinmo.experiments.scan_tables.table_rows import TABLES, printed_row
 from kinmo.experiments.scan_tables.written_tables import AUTHORS_MEASURE, WrittenTables
 from kinmo.io.folder_lock import InUse
 from kinmo.pipeline.scans.evaluate_scans import EvaluateScans
-from kinmo.pipeline.scans.refusal import REFUSED
 from kinmo.pipeline.scans.scan_dataset import open_scan_dataset, scans_of, training_data, unfinished
 from kinmo.pipeline.scans.scan_networks import NETWORKS, PROTOCOLS, Cell
-from kinmo.pipeline.scans.scored_scans import JudgedScans
 from kinmo.pipeline.scans.training_settings import SETTINGS
-from kinmo.scans.articulated_object import Structure
-from kinmo.scans.labelled_frames import Scans
-from kinmo.scans.scan_file import count_objects, open_scans, write_scans
+from kinmo.scans.files.scan_file import count_objects, open_scans, write_scans
+from kinmo.scans.object_structure import Structure
+from kinmo.scans.rendering.labelled_frames import LabelledFrames
 
 
 def test_tables_and_reasons_are_written_by_one_process_at_a_time(judged: Workspace) -> None:
@@ -208,13 +208,13 @@ def test_a_table_counts_objects_of_other_structures_that_no_frame_shows_or_that_
     file = open_scans(some)
     still, unseen = (some.with_name(f"{name}-partnet_mobility.safetensors") for name in ("still", "unseen"))
     base = SimpleNamespace(
-        id="still", category=CATEGORY, structure=Structure((), ()), joints=(), part_extents=file.extents, facing=file.facing
+        id="still", category=CATEGORY, structure=Structure((), ()), joints=(), part_extents=file.extents, axis_aligned_shares=file.axis_aligned_shares
     )
-    write_scans(still, base, scans_in(file), file.provenance)
+    write_scans(still, base, read_frames(file), file.provenance)
     hinged = SimpleNamespace(**vars(base) | {"id": "unseen", "structure": file.structure, "joints": file.joints})
-    scans = scans_in(file)
-    none = {field.name: getattr(scans, field.name)[:0] for field in fields(scans) if field.name != "refused"}
-    write_scans(unseen, hinged, Scans(**none, refused=Counter({"too small": 4})), file.provenance)
+    scans = read_frames(file)
+    none = {field.name: getattr(scans, field.name)[:0] for field in fields(scans) if field.name != "skipped"}
+    write_scans(unseen, hinged, LabelledFrames(**none, skipped=Counter({"too small": 4})), file.provenance)
     for variant in ("", ".1", ".2"):
         some.with_name(f"tiny-partnet_mobility{variant}{REFUSED}").touch()
     text = " ".join(WrittenTables(judged, "2").write({CATEGORY: [0]}).text.split())

@@ -6,14 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scanned import cupboard, true_answers
+from scanned_objects import cupboard, true_predictions
 
 from kinmo.config import ScansConfig
 from kinmo.experiments.self_training.self_labels import UNSURE, self_labelled
 from kinmo.scans.ancsh.ancsh_targets import canonical_coordinates
-from kinmo.scans.articulated_object import Extents, articulated_object
-from kinmo.scans.labelled_frames import scan
-from kinmo.scans.pose_fitting import PoseOptions, estimate
+from kinmo.scans.canonical.articulated_object import articulated_object
+from kinmo.scans.object_structure import Extents
+from kinmo.scans.poses.pose_fitting import PoseOptions, estimate_poses
+from kinmo.scans.rendering.labelled_frames import scan_object
 
 CONFIG = ScansConfig(states=2, views=4, size=160, points=2048, least_pixels=4, smallest_part=0.05)
 NAME = ("one", "Cupboard")
@@ -21,11 +22,11 @@ NAME = ("one", "Cupboard")
 
 @pytest.fixture(scope="module", params=[CONFIG.smallest_part, 0.0], ids=["", "with a part on a moving one"])
 def seen(request):
-    target = articulated_object(cupboard(), smallest=request.param)
+    target = articulated_object(cupboard(), min_part_size=request.param)
     assert any(target.structure.parents) is (request.param == 0.0)
-    scans = scan(target, CONFIG, seed=3)
-    answers = [true_answers(target, scans, row) for row in range(len(scans))]
-    return target, scans, answers, estimate(answers, target.structure, PoseOptions(hypotheses=500))
+    scans = scan_object(target, CONFIG, seed=3)
+    answers = [true_predictions(target, scans, row) for row in range(len(scans))]
+    return target, scans, answers, estimate_poses(answers, target.structure, PoseOptions(hypotheses=500))
 
 
 def test_what_networks_say_without_error_is_the_true_label(seen):
@@ -59,5 +60,5 @@ def test_frames_that_networks_are_not_sure_of_are_left_out(seen):
     made = self_labelled(NAME, scans.points, answers, doubtful, target.structure, 0.8)
     assert made is not None
     assert len(made[1]) == len(scans) - len(scans) // 2
-    assert made[1].refused == {UNSURE: len(scans) // 2}
+    assert made[1].skipped == {UNSURE: len(scans) // 2}
     assert self_labelled(NAME, scans.points, answers, doubtful, target.structure, 1.1) is None

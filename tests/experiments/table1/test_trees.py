@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from kinmo.core.joint import CoarseType
+from kinmo.core.motion_types import CoarseType
 from kinmo.experiments.table1.trees import fit_kinds, fit_rank
 
 

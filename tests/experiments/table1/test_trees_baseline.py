@@ -1,4 +1,4 @@
-"""Boosted trees on evidence: what they learn, and what they answer."""
+"""Boosted trees on candidate features: what they learn, and what they answer."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from articulated import shape_of_boxes
 
-from kinmo.core.joint import Joint, JointKind, MotionType
+from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
+from kinmo.core.motion_types import MotionType
 from kinmo.evaluation.joint_records import ShapeScore
-from kinmo.evaluation.parts_given import parts_given
+from kinmo.evaluation.parts_given import score_parts_given
 from kinmo.experiments.table1.trees_baseline import TreesBaseline, fit_trees
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape
@@ -38,7 +39,7 @@ def trees() -> TreesBaseline:
 
 def score(trees: TreesBaseline, seed: int, *, kinds_given: bool = False) -> ShapeScore:
     truth = cabinet(seed)
-    return parts_given(truth, trees.answers(truth, kinds_given=kinds_given))
+    return score_parts_given(truth, trees.answers(truth, kinds_given=kinds_given))
 
 
 def test_trees_learn_which_part_turns_and_about_which_side(trees):
@@ -49,7 +50,7 @@ def test_trees_learn_which_part_turns_and_about_which_side(trees):
 
 def test_with_the_kinds_given_the_axes_alone_are_asked_for(trees):
     for seed in range(100, 103):
-        assert all(record.coarse_ok for record in score(trees, seed, kinds_given=True).records)
+        assert all(record.coarse_type_ok for record in score(trees, seed, kinds_given=True).records)
 
 
 def test_every_body_gets_an_answer_and_what_rests_has_no_joint(trees):

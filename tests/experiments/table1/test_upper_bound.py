@@ -4,7 +4,7 @@ import numpy as np
 from articulated import articulated_shapes, prepared_from
 from hypothesis import given, settings
 
-from kinmo.evaluation.parts_given import parts_given
+from kinmo.evaluation.parts_given import score_parts_given
 from kinmo.experiments.table1.upper_bound import ceiling
 
 
@@ -17,7 +17,7 @@ def test_the_ceiling_is_right_if_the_truth_is_among_the_candidates(shape):
     for index, body in truth.mobility.movable():
         directions = np.vstack([np.linalg.qr(rng.normal(size=(3, 3)))[0], body.joint.direction])
         candidates[index] = directions, np.vstack([rng.normal(size=(3, 3)), body.joint.pivot])
-    score = parts_given(truth, ceiling(truth, candidates))
+    score = score_parts_given(truth, ceiling(truth, candidates))
     assert all(record.is_ok for record in score.records)
 
 

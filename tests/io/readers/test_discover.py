@@ -1,3 +1,5 @@
+"""The search for shapes in a folder, and the state of their files."""
+
 from __future__ import annotations
 
 import os
@@ -6,25 +8,25 @@ import socket
 from pathlib import Path
 
 import pytest
-
 from datasets import write_dsg_net, write_json, write_partnet, write_partnet_mobility
+
 from kinmo.core.errors import InputError
-from kinmo.io.readers import Layout, discover, read_found
-from kinmo.io.readers.discover import Found
-from kinmo.io.readers.sources import content_digest, fingerprint
+from kinmo.io.discover import ShapeSource, discover
+from kinmo.io.readers import DSG_NET, PARTNET, PARTNET_MOBILITY
+from kinmo.io.source_files import content_digest, fingerprint
 
 
 def found_in(root, **options):
-    return {(found.layout.value, found.id) for found in discover(root, **options)}
+    return {(found.layout, found.id) for found in discover(root, **options)}
 
 
-def test_layouts_are_told_apart_by_content_at_any_depth(tmp_path):
+def test_formats_are_recognised_by_content_at_any_depth(tmp_path):
     write_partnet_mobility(tmp_path / "sapien" / "dataset" / "40147")
     write_partnet(tmp_path / "partnet" / "data_v0" / "822")
     write_partnet(tmp_path / "partnet" / "merged" / "9", file="result_after_merging.json")
     write_dsg_net(tmp_path / "generated" / "a", "15")
     write_json(tmp_path / "loose" / "chair.json", {"label": "chair", "id": 0, "box": [0.0] * 12, "geo": [0.0] * 12})
-    write_json(tmp_path / "notes" / "other.json", {"label": "no tree"})
+    write_json(tmp_path / "notes" / "other.json", {"label": "not a tree"})
     write_json(tmp_path / "notes" / "result.json", {"accuracy": 0.5})
     assert found_in(tmp_path) == {
         ("partnet_mobility", "40147"),
@@ -35,44 +37,44 @@ def test_layouts_are_told_apart_by_content_at_any_depth(tmp_path):
     }
 
 
-def test_what_is_found_is_read_under_the_same_id(tmp_path):
+def test_a_shape_has_the_same_id_when_found_and_when_read(tmp_path):
     write_partnet_mobility(tmp_path / "a b" / "40147")
     write_partnet(tmp_path / "c" / "odd name")
     write_dsg_net(tmp_path / "d", "15")
     for found in discover(tmp_path):
-        shape = read_found(found)
-        assert (shape.id, shape.layout) == (found.id, found.layout.value)
+        shape = found.read()
+        assert (shape.id, shape.layout) == (found.id, found.layout)
 
 
-def test_a_root_that_is_itself_a_shape_is_found(tmp_path):
+def test_the_folder_of_a_single_shape_can_be_given(tmp_path):
     folder = write_partnet_mobility(tmp_path / "40147")
     assert found_in(folder) == {("partnet_mobility", "40147")}
     assert found_in(write_dsg_net(tmp_path / "d", "x")) == {("dsg_net", "x")}
 
 
-def test_a_shape_whose_files_are_incomplete_is_found_so_that_it_is_reported(tmp_path):
+def test_an_incomplete_shape_is_found_and_reported_when_read(tmp_path):
     write_json(tmp_path / "1" / "mobility_v2.json", [])
     write_json(tmp_path / "2" / "result.json", [{"id": 0, "name": "chair", "children": []}])
     assert found_in(tmp_path) == {("partnet_mobility", "1"), ("partnet", "2")}
     for found in discover(tmp_path):
         with pytest.raises(InputError):
-            read_found(found)
+            found.read()
 
 
-def test_the_order_is_that_of_paths(tmp_path):
+def test_shapes_come_in_the_order_of_their_paths(tmp_path):
     for name in ("b", "a", "c"):
         write_partnet(tmp_path / name)
     assert [found.id for found in discover(tmp_path)] == ["a", "b", "c"]
 
 
-def test_hidden_folders_and_those_to_skip_are_passed_over(tmp_path):
+def test_hidden_and_excluded_folders_are_skipped(tmp_path):
     write_partnet(tmp_path / ".unfinished")
     write_partnet(tmp_path / "workspace" / "pseudo" / "1")
     write_partnet(tmp_path / "2")
     assert found_in(tmp_path, skip=(tmp_path / "workspace",)) == {("partnet", "2")}
 
 
-def test_loops_pipes_and_sockets_do_no_harm(tmp_path):
+def test_link_cycles_pipes_and_sockets_do_no_harm(tmp_path):
     write_partnet(tmp_path / "data" / "1")
     (tmp_path / "data" / "again").symlink_to(tmp_path)
     (tmp_path / "data" / "self").symlink_to("self")
@@ -89,52 +91,52 @@ def test_loops_pipes_and_sockets_do_no_harm(tmp_path):
         os.chdir(here)
         server.close()
     found = list(discover(tmp_path))
-    assert [(one.layout, one.id) for one in found] == [(Layout.PARTNET, "1"), (Layout.DSG_NET, "x-1")]
+    assert [(one.layout, one.id) for one in found] == [(PARTNET, "1"), (DSG_NET, "x-1")]
     with pytest.raises(InputError, match="not a regular file"):
-        read_found(found[1])
+        found[1].read()
 
 
-def test_a_link_that_leads_out_is_told_rather_than_followed(tmp_path):
+def test_a_link_to_a_folder_outside_is_reported(tmp_path):
     write_partnet(tmp_path / "elsewhere" / "1")
     (tmp_path / "root").mkdir()
     (tmp_path / "root" / "link").symlink_to(tmp_path / "elsewhere")
-    told = []
-    assert not list(discover(tmp_path / "root", report=told.append))
-    assert ["link" in str(error) for error in told] == [True]
+    reported = []
+    assert not list(discover(tmp_path / "root", report=reported.append))
+    assert ["link" in str(error) for error in reported] == [True]
 
 
-def test_a_link_to_a_file_of_a_shape_elsewhere_is_told_and_one_to_anything_else_is_not(tmp_path):
+def test_a_link_to_a_file_outside_is_reported_if_it_is_a_shape(tmp_path):
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "root" / "chair_hier").mkdir(parents=True)
     for name in ("chair.glb", "7.json", "notes.json", "readme.txt"):
         (tmp_path / "elsewhere" / name).write_text("{}")
     for name in ("chair.glb", "chair_hier/7.json", "notes.json", "readme.txt", "missing.glb"):
         (tmp_path / "root" / name).symlink_to(tmp_path / "elsewhere" / Path(name).name)
-    told = []
-    assert not list(discover(tmp_path / "root", report=told.append))
-    assert [Path(error.where).name for error in told] == ["chair.glb", "7.json"]
+    reported = []
+    assert not list(discover(tmp_path / "root", report=reported.append))
+    assert [Path(error.where).name for error in reported] == ["chair.glb", "7.json"]
 
 
-def test_folders_nested_without_end_are_told(tmp_path):
+def test_deeply_nested_folders_are_reported(tmp_path):
     folder = tmp_path
     for _ in range(80):
         folder = folder / "d"
     folder.mkdir(parents=True)
-    told = []
-    assert not list(discover(tmp_path, report=told.append))
-    assert "deeper" in str(told[0])
+    reported = []
+    assert not list(discover(tmp_path, report=reported.append))
+    assert "deeper" in str(reported[0])
 
 
 @pytest.mark.parametrize("name", ["missing", "file"])
-def test_a_root_that_is_no_folder_is_refused(tmp_path, name):
+def test_a_missing_root_or_a_plain_file_is_an_error(tmp_path, name):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=name):
         list(discover(tmp_path / name))
 
 
-def test_a_shape_changes_its_fingerprint_with_any_of_its_files_and_copies_share_their_digest(tmp_path):
-    one = Found(write_partnet_mobility(tmp_path / "a" / "1"), Layout.PARTNET_MOBILITY, "1")
-    other = Found(tmp_path / "b" / "1", Layout.PARTNET_MOBILITY, "1")
+def test_a_change_of_any_file_changes_fingerprint_and_digest(tmp_path):
+    one = ShapeSource(write_partnet_mobility(tmp_path / "a" / "1"), PARTNET_MOBILITY, "1")
+    other = ShapeSource(tmp_path / "b" / "1", PARTNET_MOBILITY, "1")
     shutil.copytree(one.path, other.path)
     assert content_digest(one) == content_digest(other)
     before = fingerprint(other)
@@ -149,10 +151,10 @@ def test_a_shape_changes_its_fingerprint_with_any_of_its_files_and_copies_share_
     assert content_digest(one) != content_digest(other)
 
 
-def test_generated_shapes_change_their_fingerprint_with_their_geometry(tmp_path):
+def test_a_change_of_geometry_changes_fingerprint_and_digest(tmp_path):
     for geometry, file in (("obj", "storagefurniture_obj/4711/7.obj"), ("geo", "storagefurniture_geo/4711.npz")):
         root = tmp_path / geometry
-        found = Found(write_dsg_net(root, geometry=geometry), Layout.DSG_NET, "x")
+        found = ShapeSource(write_dsg_net(root, geometry=geometry), DSG_NET, "x")
         before = fingerprint(found), content_digest(found)
         (root / file).write_bytes((root / file).read_bytes() + b"\n")
         assert fingerprint(found) != before[0]

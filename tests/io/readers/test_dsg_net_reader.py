@@ -1,51 +1,41 @@
+"""The reader of DSG-Net and StructureNet."""
+
 from __future__ import annotations
 
 import json
 from pathlib import Path
 
+import articulated
 import h5py
 import numpy as np
 import pytest
+from datasets import BOXES, LEAVES, RESULT, tree, write_dsg_net, write_json
 from scipy.io import savemat
 from scipy.spatial.transform import Rotation
 
-from datasets import BOXES, LEAVES, RESULT, tree, write_dsg_net, write_json
+from kinmo.core.box import CORNER_SIGNS
 from kinmo.core.errors import InputError
 from kinmo.io.readers import read_dsg_net
 from kinmo.io.readers.deformed_cube import CubeMesh
 
-CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
-CUBE_FACES = np.array(
-    [
-        [1, 2, 4],
-        [1, 4, 3],
-        [5, 7, 8],
-        [5, 8, 6],
-        [1, 5, 6],
-        [1, 6, 2],
-        [3, 4, 8],
-        [3, 8, 7],
-        [1, 3, 7],
-        [1, 7, 5],
-        [2, 6, 8],
-        [2, 8, 4],
-    ]
-)
+CUBE = CORNER_SIGNS
+CUBE_FACES = articulated.CUBE_FACES + 1
+"""Faces with vertices counted from 1, as in the file."""
 
 
 def cube_info() -> dict[str, np.ndarray]:
-    """The solver data of a cube with uniform weights: neighbours are the corners along its edges."""
+    """The solver of a cube with uniform weights. The neighbours of a corner are along its edges."""
     neighbour = np.array([[j + 1 for j in range(8) if np.abs(CUBE[i] - CUBE[j]).sum() == 2] for i in range(8)])
     laplacian = 3.0 * np.eye(8)
     for i, row in enumerate(neighbour):
         laplacian[i, row - 1] = -1.0
     vdiff = 0.5 * (CUBE[:, None] - CUBE[neighbour - 1])
-    shifting = np.outer(np.ones(8), np.arange(8.0))  # the solution is free to shift, so the solver need not be symmetric
+    shifting = np.outer(np.ones(8), np.arange(8.0))  # the solution has no fixed position: the solver need not be symmetric
     solver = np.linalg.pinv(laplacian) + shifting
     return {"neighbour": neighbour, "vdiff": vdiff, "recon": solver, "ref_F": CUBE_FACES, "ref_V": CUBE}
 
 
-def test_parts_come_with_their_meshes(tmp_path):
+def test_parts_have_their_meshes(tmp_path):
     shape = read_dsg_net(write_dsg_net(tmp_path))
     assert [part.id for part in shape.parts] == list(range(8))
     assert shape.parts[7].name == "drawer"
@@ -55,7 +45,7 @@ def test_parts_come_with_their_meshes(tmp_path):
     assert (shape.category, shape.layout, shape.partnet_id, shape.mobility) == ("StorageFurniture", "dsg_net", "4711", None)
 
 
-def test_points_become_a_surface_with_their_area_and_extent(tmp_path):
+def test_points_become_a_surface_of_the_same_extent(tmp_path):
     shape = read_dsg_net(write_dsg_net(tmp_path, geometry="geo"))
     for part in shape.parts:
         if part.mesh is None:
@@ -66,7 +56,7 @@ def test_points_become_a_surface_with_their_area_and_extent(tmp_path):
         np.testing.assert_allclose(part.mesh.vertices.max(axis=0), high, atol=spacing)
 
 
-def test_points_of_a_plane_give_triangles_in_that_plane_with_its_area(tmp_path):
+def test_points_of_a_plane_become_a_surface_of_the_same_area(tmp_path):
     rng = np.random.default_rng(0)
     plane = np.column_stack([rng.random((1000, 2)), np.zeros(1000)])
     turn = Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix()
@@ -79,7 +69,7 @@ def test_points_of_a_plane_give_triangles_in_that_plane_with_its_area(tmp_path):
     assert 0.8 < area < 1.3
 
 
-def test_a_part_without_a_number_finds_its_points_by_its_parent(tmp_path):
+def test_a_part_with_a_negative_id_finds_its_points_by_its_parent(tmp_path):
     path = write_dsg_net(tmp_path, geometry="geo")
     data = json.loads(path.read_text())
     data["children"][1]["children"].append({"id": -1, "label": "other"})
@@ -92,13 +82,13 @@ def test_a_part_without_a_number_finds_its_points_by_its_parent(tmp_path):
     assert other.mesh.vertices.min() > 8.0
 
 
-def test_bare_numbers_are_told_apart_by_category(tmp_path):
+def test_the_id_of_a_numbered_file_begins_with_its_category(tmp_path):
     assert read_dsg_net(write_dsg_net(tmp_path, "12")).id == "storagefurniture-12"
     assert read_dsg_net(write_dsg_net(tmp_path, "made-12")).id == "made-12"
 
 
 @pytest.mark.parametrize("kind", ["missing", "short", "wrong shape", "nan", "text", "cut", "pickle"])
-def test_points_that_cannot_be_used_are_refused_by_file(tmp_path, kind):
+def test_wrong_points_are_an_error_with_their_file(tmp_path, kind):
     path = write_dsg_net(tmp_path, geometry="geo")
     file = tmp_path / "storagefurniture_geo" / "4711.npz"
     parts = np.load(file)["parts"]
@@ -121,7 +111,7 @@ def test_points_that_cannot_be_used_are_refused_by_file(tmp_path, kind):
         read_dsg_net(path)
 
 
-def test_deformation_gradients_without_their_cube_are_refused_by_name(tmp_path):
+def test_deformation_gradients_without_their_cube_are_an_error(tmp_path):
     path = write_dsg_net(tmp_path, geometry="none")
     (tmp_path / "storagefurniture_dgeo").mkdir()
     np.savez(tmp_path / "storagefurniture_dgeo" / "4711.npz", LOGR=np.zeros((8, 8, 3)), S=np.zeros((8, 8, 6)))
@@ -130,7 +120,7 @@ def test_deformation_gradients_without_their_cube_are_refused_by_name(tmp_path):
 
 
 def save_version_7_3(path: Path, arrays: dict[str, np.ndarray]) -> None:
-    """As MATLAB does: HDF5 after a header of 512 bytes, arrays column by column."""
+    """Write a file like MATLAB 7.3: HDF5 after a header of 512 bytes, with arrays column by column."""
     with h5py.File(path, "w", userblock_size=512) as file:
         for name, values in arrays.items():
             file[name] = values.T
@@ -156,7 +146,7 @@ def test_deformation_gradients_give_the_deformed_cube_in_its_box(tmp_path, save)
     np.testing.assert_array_equal(mesh.faces, CUBE_FACES - 1)
 
 
-def test_the_identity_leaves_the_cube_as_it_is():
+def test_identity_gradients_leave_the_cube_unchanged():
     info = cube_info()
     cube = CubeMesh(info["neighbour"] - 1, info["vdiff"], info["recon"], (CUBE_FACES - 1).astype(np.uint32))
     vertices = cube.decode(np.zeros((8, 3)), np.tile([1.0, 0, 0, 1, 0, 1], (8, 1)))

@@ -1,4 +1,4 @@
-"""Shapes in binary glTF files."""
+"""The reader of binary glTF files."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from typer.testing import CliRunner
 from kinmo.cli.app import app
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Shape
-from kinmo.io.readers import Found, Layout, discover, read_found
-from kinmo.io.readers import glb_reader as glb
-from kinmo.io.readers.sources import content_digest, fingerprint
+from kinmo.io.discover import ShapeSource, discover
+from kinmo.io.readers import GLB, glb_reader
+from kinmo.io.source_files import content_digest, fingerprint
 
 Node = tuple[str, np.ndarray, tuple[float, float, float] | None, tuple["Node", ...]]
-"""Name, where it is in its parent, the size of its box if it has one, and children."""
+"""Name, transform to the parent, size of the box if it has one, and children."""
 
 
 def node(name: str, *children: Node, at: np.ndarray | None = None, box: tuple[float, float, float] | None = None) -> Node:
@@ -70,8 +70,8 @@ CABINET = node(
 
 def read(path: Path) -> Shape:
     (found,) = discover(path)
-    assert found.layout is Layout.GLB
-    return read_found(found)
+    assert found.layout == GLB
+    return found.read()
 
 
 def test_the_nodes_of_a_scene_are_the_parts_of_a_shape(tmp_path: Path) -> None:
@@ -89,13 +89,13 @@ def test_the_nodes_of_a_scene_are_the_parts_of_a_shape(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.ptp(handle.vertices, axis=0), (0.05, 0.3, 0.05), atol=1e-6)
 
 
-def test_roots_side_by_side_are_siblings_of_an_unknown_category(tmp_path: Path) -> None:
+def test_several_roots_become_siblings_of_unknown_category(tmp_path: Path) -> None:
     shape = read(write(tmp_path / "two.glb", node("lid", box=(1, 1, 1)), node("pot", box=(2, 2, 2), at=shifted(y=-2))))
     assert shape.category == "unknown"
     assert sorted(part.name for part in shape.parts if part.is_leaf) == ["lid", "pot"]
 
 
-def test_a_node_with_a_mesh_and_children_has_the_mesh_as_a_child(tmp_path: Path) -> None:
+def test_the_mesh_of_a_node_with_children_becomes_a_child(tmp_path: Path) -> None:
     door = node("door", node("handle", box=(0.1, 0.1, 0.1), at=shifted(z=0.1)), box=(1.0, 2.0, 0.05))
     shape = read(write(tmp_path / "door.glb", node("frame", node("post", box=(0.1, 2.0, 0.1)), door)))
     (inner,) = (part for part in shape.parts if part.name == "door" and not part.is_leaf)
@@ -107,7 +107,7 @@ def test_a_node_with_a_mesh_and_children_has_the_mesh_as_a_child(tmp_path: Path)
 
 @settings(max_examples=25)
 @given(rotations, st.tuples(*[st.floats(-2.0, 2.0)] * 3), st.floats(0.2, 3.0), st.booleans())
-def test_surfaces_lie_where_transforms_have_them_and_face_outwards(
+def test_transforms_place_surfaces_that_face_outwards(
     tmp_path_factory: pytest.TempPathFactory, rotation: np.ndarray, shift: tuple[float, ...], scale: float, mirrors: bool
 ) -> None:
     inner = shifted(x=0.5)
@@ -127,20 +127,20 @@ def test_surfaces_lie_where_transforms_have_them_and_face_outwards(
     assert volume == pytest.approx(6.0 * scale**3, rel=1e-3)
 
 
-def test_files_are_found_beside_other_shapes_and_known_by_their_contents(tmp_path: Path) -> None:
+def test_files_are_found_and_compared_by_their_contents(tmp_path: Path) -> None:
     (tmp_path / "deep" / "c").mkdir(parents=True)
     first, copy = write(tmp_path / "deep" / "a.GLB", CABINET), write(tmp_path / "b.glb", CABINET)
     found = list(discover(tmp_path))
     assert [(each.path, each.id) for each in found] == [(copy, "b"), (first, "a")]
     assert [row[0] for row in fingerprint(found[0])] == ["b.glb"]
-    renamed = Found(write(tmp_path / "deep" / "b.glb", CABINET), Layout.GLB, "b")
+    renamed = ShapeSource(write(tmp_path / "deep" / "b.glb", CABINET), GLB, "b")
     assert content_digest(renamed) == content_digest(found[0])
-    other = Found(write(tmp_path / "deep" / "c" / "b.glb", node("lid", box=(1.0, 1.0, 1.0))), Layout.GLB, "b")
+    other = ShapeSource(write(tmp_path / "deep" / "c" / "b.glb", node("lid", box=(1.0, 1.0, 1.0))), GLB, "b")
     assert content_digest(other) != content_digest(found[0])
 
 
 @pytest.mark.parametrize("data", [b"", b"solid", b"glTF\x02\0\0\0"])
-def test_what_is_no_binary_gltf_is_told_in_one_line(tmp_path: Path, data: bytes) -> None:
+def test_a_file_that_is_not_binary_gltf_is_an_error(tmp_path: Path, data: bytes) -> None:
     path = tmp_path / "broken.glb"
     path.write_bytes(data)
     with pytest.raises(InputError, match=f"^{path}: expected a binary glTF file$"):
@@ -152,7 +152,7 @@ DROPPED = "(dropped)"
 
 
 def raw(path: Path, *, order: np.ndarray | None = None, mode: int | None = None, **changes: object) -> Path:
-    """A file of one square, two of its fields' paths changed or dropped: `nodes__0__name="a"` changes nodes[0].name."""
+    """Write a file of one square with some fields changed or dropped: `nodes__0__name="a"` changes nodes[0].name."""
     order = np.array([0, 1, 2, 0, 2, 3], "<u2") if order is None else order
     primitive = {"attributes": {"POSITION": 0}, "indices": 1} | ({} if mode is None else {"mode": mode})
     codes = {"uint8": 5121, "uint16": 5123, "uint32": 5125}
@@ -215,33 +215,33 @@ def raw(path: Path, *, order: np.ndarray | None = None, mode: int | None = None,
     ],
     ids=str,
 )
-def test_what_cannot_be_read_is_named_by_its_field(tmp_path: Path, changes: dict[str, object], field: str) -> None:
+def test_a_wrong_value_is_an_error_with_its_field(tmp_path: Path, changes: dict[str, object], field: str) -> None:
     with pytest.raises(InputError, match=re.escape(field)):
         read(raw(tmp_path / "a.glb", **changes))
 
 
 @pytest.mark.parametrize("number", ["<u1", "<u2", "<u4"])
 @pytest.mark.parametrize(("mode", "order"), [(4, [0, 1, 2, 0, 2, 3]), (5, [0, 1, 3, 2]), (6, [0, 1, 2, 3])])
-def test_triangles_strips_and_fans_are_the_same_surface(tmp_path: Path, mode: int, order: list[int], number: str) -> None:
+def test_lists_strips_and_fans_give_the_same_surface(tmp_path: Path, mode: int, order: list[int], number: str) -> None:
     shape = read(raw(tmp_path / "a.glb", order=np.array(order, number), mode=mode))
     (mesh,) = shape.meshes()
     normals = np.cross(*(mesh.vertices[mesh.faces[:, i]] - mesh.vertices[mesh.faces[:, 0]] for i in (1, 2)))
     np.testing.assert_allclose(normals, [[0.0, 0.0, 1.0]] * 2)
 
 
-def test_vertices_that_no_triangle_uses_are_left_out(tmp_path: Path) -> None:
+def test_unused_vertices_are_dropped(tmp_path: Path) -> None:
     (mesh,) = read(raw(tmp_path / "a.glb", order=np.array([0, 2, 3], "<u2"), mode=4)).meshes()
     assert len(mesh.vertices) == 3
     (whole,) = read(raw(tmp_path / "b.glb", order=np.array([0, 1, 2, 0, 2, 3], "<u2"), mode=4)).meshes()
     np.testing.assert_array_equal(mesh.vertices[mesh.faces], whole.vertices[whole.faces[1:]])
 
 
-def test_extensions_that_only_change_looks_are_no_matter(tmp_path: Path) -> None:
+def test_extensions_for_materials_are_ignored(tmp_path: Path) -> None:
     shape = read(raw(tmp_path / "a.glb", extensionsRequired=["KHR_materials_unlit", "KHR_texture_transform"]))
     assert [part.name for part in shape.parts] == ["sheet"]
 
 
-def test_a_mesh_of_several_materials_is_one_part(tmp_path: Path) -> None:
+def test_a_mesh_with_several_materials_is_one_part(tmp_path: Path) -> None:
     piece = {"attributes": {"POSITION": 0}, "indices": 1}
     path = raw(tmp_path / "a.glb", meshes=[{"primitives": [{**piece, "material": 0}, {**piece, "material": 1}]}])
     (part,) = read(path).parts
@@ -250,7 +250,7 @@ def test_a_mesh_of_several_materials_is_one_part(tmp_path: Path) -> None:
     assert len(part.mesh.faces) == 4
 
 
-def test_cameras_lights_and_empty_nodes_are_no_parts(tmp_path: Path) -> None:
+def test_cameras_lights_and_empty_nodes_are_not_parts(tmp_path: Path) -> None:
     nodes = [{"name": "Cabinet", "children": [1, 2]}, {"name": "door", "mesh": 0}, {"name": "body", "mesh": 0}]
     nodes += [{"name": "Camera", "camera": 0}, {"name": "Light"}]
     shape = read(raw(tmp_path / "a.glb", nodes=nodes, scenes=[{"nodes": [3, 0, 4]}]))
@@ -260,31 +260,31 @@ def test_cameras_lights_and_empty_nodes_are_no_parts(tmp_path: Path) -> None:
     assert shape.partnet_id is None
 
 
-def test_a_thousand_bones_are_no_parts_either(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bones_are_not_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     nodes = [{"name": "Cabinet", "children": [1, 2, *range(3, 1203)]}, {"name": "door", "mesh": 0}, {"name": "body", "mesh": 0}]
     path = raw(tmp_path / "a.glb", nodes=[*nodes, *({"name": f"bone {i}"} for i in range(1200))], scenes=[{"nodes": [0]}])
     assert [part.name for part in read(path).parts] == ["Cabinet", "door", "body"]
-    monkeypatch.setattr(glb, "_MOST_NODES", 1000)
+    monkeypatch.setattr(glb_reader, "MAX_NODES", 1000)
     with pytest.raises(InputError, match="more than 1000 nodes"):
         read(path)
 
 
 @pytest.mark.parametrize(("root", "category"), [("refrigerator", "Refrigerator"), ("door_set", "Door"), ("../../Safe", "Safe")])
-def test_categories_are_spelled_as_in_all_other_layouts(root: str, category: str, tmp_path: Path) -> None:
+def test_the_name_of_the_root_gives_the_category(root: str, category: str, tmp_path: Path) -> None:
     nodes = [{"name": root, "children": [1, 2]}, {"name": "door", "mesh": 0}, {"name": "body", "mesh": 0}]
     assert read(raw(tmp_path / "a.glb", nodes=nodes)).category == category
 
 
-def test_what_has_no_name_has_none_made_up(tmp_path: Path) -> None:
+def test_nodes_without_a_name_stay_without_one(tmp_path: Path) -> None:
     nodes = [{"children": [1, 2]}, {"mesh": 0, "name": "a"}, {"mesh": 0, "name": "a"}]
     shape = read(raw(tmp_path / "a.glb", nodes=nodes))
     assert (shape.category, [part.name for part in shape.parts]) == ("unknown", ["", "a", "a"])
     bare = read(raw(tmp_path / "b.glb", nodes=nodes, scenes=DROPPED, scene=DROPPED))
-    assert [part.name for part in bare.parts] == ["", "a", "a"], "without a scene all nodes are shown"
+    assert [part.name for part in bare.parts] == ["", "a", "a"], "without scenes all nodes count"
 
 
-def test_a_small_file_cannot_stand_for_a_vast_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(glb, "_MOST_CORNERS", 100)
+def test_a_small_file_cannot_expand_to_a_huge_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(glb_reader, "MAX_CORNERS", 100)
     nodes = [{"children": list(range(1, 41))}, *({"mesh": 0} for _ in range(40))]
     with pytest.raises(InputError, match="more than 100 corners"):
         read(raw(tmp_path / "a.glb", nodes=nodes))
@@ -294,14 +294,14 @@ def test_a_small_file_cannot_stand_for_a_vast_scene(tmp_path: Path, monkeypatch:
 
 
 @pytest.mark.parametrize("name", ["   .glb", "...glb"])
-def test_a_file_without_a_name_is_no_shape(tmp_path: Path, name: str) -> None:
+def test_a_file_without_a_name_is_not_a_shape(tmp_path: Path, name: str) -> None:
     raw(tmp_path / name)
     assert list(discover(tmp_path)) == []
     with pytest.raises(InputError, match=r"expected a folder of shapes, or a shape as \.glb"):
         list(discover(tmp_path / name))
 
 
-def test_a_file_that_is_cut_is_refused_wherever_it_ends(tmp_path: Path) -> None:
+def test_a_cut_file_is_an_error(tmp_path: Path) -> None:
     whole = write(tmp_path / "whole.glb", CABINET).read_bytes()
     for length in range(12, len(whole) - 4, max(1, len(whole) // 40)):
         (tmp_path / "cut.glb").write_bytes(whole[:length])
@@ -309,7 +309,7 @@ def test_a_file_that_is_cut_is_refused_wherever_it_ends(tmp_path: Path) -> None:
             read(tmp_path / "cut.glb")
 
 
-def test_too_many_or_too_deep_nodes_are_refused(tmp_path: Path) -> None:
+def test_too_many_or_too_deep_nodes_are_an_error(tmp_path: Path) -> None:
     many = node("root", *(node(f"piece {i}", box=(1.0, 1.0, 1.0), at=shifted(x=2.0 * i)) for i in range(1001)))
     with pytest.raises(InputError, match="more than 1000 parts"):
         read(write(tmp_path / "many.glb", many))
@@ -320,12 +320,12 @@ def test_too_many_or_too_deep_nodes_are_refused(tmp_path: Path) -> None:
         read(write(tmp_path / "deep.glb", deep))
 
 
-def test_a_scan_still_needs_a_category_and_a_shape_in_a_file_none(tmp_path: Path) -> None:
+def test_predicting_a_file_needs_no_category_but_a_scan_does(tmp_path: Path) -> None:
     write(tmp_path / "cabinet.glb", CABINET)
     where = ["--workspace", str(tmp_path / "workspace"), "-o", str(tmp_path / "out")]
     planned = CliRunner().invoke(app, ["predict", str(tmp_path / "cabinet.glb"), *where, "--dry-run"])
     assert planned.exit_code == 1
-    assert "there is no such workspace" in planned.output, "networks are all that is wanting"
+    assert "there is no such workspace" in planned.output, "only the networks are missing"
     (tmp_path / "scan.npz").write_bytes(b"")
     refused = CliRunner().invoke(app, ["predict", str(tmp_path / "scan.npz"), *where])
     assert refused.exit_code != 0

@@ -1,3 +1,5 @@
+"""The reader of OBJ files."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -28,7 +30,7 @@ def polygon_meshes(draw):
 
 
 @given(polygon_meshes(), st.booleans(), st.sampled_from(["{0}", "{0}/1", "{0}//1", "{0}/1/1"]), st.sampled_from(["\n", "\r\n"]))
-def test_polygons_become_fans_however_corners_are_written(mesh, negative, corner, newline):
+def test_polygons_become_fans_in_all_notations(mesh, negative, corner, newline):
     vertices, faces = mesh
     lines = ["o thing", *(f"v {x!r} {y!r} {z!r}" for x, y, z in vertices), "vt 0 0", "vn 0 0 1", "g group"]
     shift = len(vertices) if negative else -1
@@ -38,26 +40,26 @@ def test_polygons_become_fans_however_corners_are_written(mesh, negative, corner
     np.testing.assert_array_equal(found.vertices[found.faces], np.array(vertices)[np.array(expected)])
 
 
-def test_negative_indices_count_back_from_the_line_they_stand_on():
+def test_negative_indices_count_back_from_their_own_line():
     first = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n"
     second = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf -3 -2 -1\nf 1 2 -1\n"
     found = parse(first + second)
     assert found.vertices[found.faces][:, :, 2].tolist() == [[0, 0, 0], [1, 1, 1], [0, 0, 1]]
 
 
-def test_colours_weights_comments_and_broken_lines_do_not_matter():
+def test_colours_weights_comments_and_broken_lines_are_ignored():
     plain = parse("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     dressed = parse("  v 0 0 0 1.0 0.5 0.5 # red\nv\t1 0 0\nv 0 \\\n1 0\nl 1 2\np 1\nf 1 2 \\\n3 # front\nvp 0 0\nvn 1 0 0\n")
     np.testing.assert_array_equal(plain.vertices[plain.faces], dressed.vertices[dressed.faces])
 
 
-def test_a_byte_order_mark_hides_no_vertex():
+def test_a_byte_order_mark_is_ignored():
     text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
     plain, marked = parse(text), parse(f"\ufeff{text}")
     np.testing.assert_array_equal(plain.vertices[plain.faces], marked.vertices[marked.faces])
 
 
-def test_vertices_that_no_face_uses_are_dropped_even_if_they_are_not_numbers():
+def test_unused_vertices_are_dropped_even_if_they_are_not_finite():
     found = parse("v nan 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\n")
     assert len(found.vertices) == 3
 
@@ -83,7 +85,7 @@ def test_a_file_without_faces_has_no_mesh(text):
         "v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n",
     ],
 )
-def test_a_file_that_makes_no_sense_is_refused_by_name(text):
+def test_a_wrong_file_is_an_error_with_its_name(text):
     with pytest.raises(InputError, match=r"some\.obj"):
         parse(text)
 
@@ -99,7 +101,7 @@ def test_any_bytes_give_a_mesh_nothing_or_an_input_error(data, tail):
 
 
 @pytest.mark.real
-def test_real_files_read_as_trimesh_reads_them(real_objects):
+def test_real_files_give_the_same_surface_as_with_trimesh(real_objects):
     for folder in real_objects[::20]:
         for path in sorted((folder / "textured_objs").glob("*.obj"))[:5]:
             ours = parse_obj(path.read_bytes(), path)

@@ -1,3 +1,5 @@
+"""The reader of PartNet-Mobility."""
+
 from __future__ import annotations
 
 import copy
@@ -11,8 +13,10 @@ from hypothesis import strategies as st
 
 from kinmo.core.edge_labels import label_edges, sibling_edges
 from kinmo.core.errors import InputError
-from kinmo.core.joint import JointKind, MotionType
-from kinmo.io.readers import discover, read_found, read_partnet_mobility
+from kinmo.core.joint import JointKind
+from kinmo.core.motion_types import MotionType
+from kinmo.io.discover import discover
+from kinmo.io.readers import read_partnet_mobility
 
 one_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=30)
 
@@ -27,7 +31,7 @@ def with_joint(tmp_path, data, joint="hinge"):
     return read_partnet_mobility(write_partnet_mobility(tmp_path / "4711", bodies))
 
 
-def test_hierarchy_names_and_meshes_come_out_in_preorder(tmp_path):
+def test_parts_are_in_preorder_with_names_and_meshes(tmp_path):
     shape = read_partnet_mobility(write_partnet_mobility(tmp_path / "4711"))
     assert [part.id for part in shape.parts] == [0, 1, 2, 3, 4, 5, 6, 7]
     assert [part.parent for part in shape.parts] == [None, 0, 1, 1, 0, 4, 4, 0]
@@ -46,7 +50,7 @@ def test_hierarchy_names_and_meshes_come_out_in_preorder(tmp_path):
     assert shape.repairs == ()
 
 
-def test_ids_from_100000_on_are_not_partnet_annotations(tmp_path):
+def test_ids_from_100000_are_not_partnet_annotations(tmp_path):
     assert read_partnet_mobility(write_partnet_mobility(tmp_path / "100015")).partnet_id is None
 
 
@@ -61,7 +65,7 @@ def test_bodies_own_the_leaves_below_their_parts(tmp_path):
 
 @one_folder
 @given(a=st.floats(-180, 180), b=st.floats(-180, 180), scale=st.floats(0.1, 1.04))
-def test_limits_and_direction_describe_the_same_motion_however_they_are_written(tmp_path, a, b, scale):
+def test_any_order_of_limits_describes_the_same_motion(tmp_path, a, b, scale):
     joint = door_of(with_joint(tmp_path, joint_data((0, scale, 0), a, b))).joint
     np.testing.assert_allclose(np.linalg.norm(joint.direction), 1.0)
     if a == b:
@@ -79,13 +83,13 @@ def test_limits_and_direction_describe_the_same_motion_however_they_are_written(
 
 
 @pytest.mark.parametrize(("a", "b", "lower", "upper"), [(-400, -221, -40, 139), (-849, -636, -129, 84), (70, 178, 0, 178)])
-def test_a_hinge_range_without_its_rest_value_is_shifted_by_turns_or_widened(tmp_path, a, b, lower, upper):
+def test_a_hinge_range_without_0_is_shifted_by_turns_or_widened(tmp_path, a, b, lower, upper):
     shape = with_joint(tmp_path, joint_data((0, 1, 0), a, b))
     np.testing.assert_allclose(np.degrees([door_of(shape).joint.lower, door_of(shape).joint.upper]), [lower, upper])
     assert any("rest value" in repair for repair in shape.repairs)
 
 
-def test_limits_from_high_to_low_turn_the_direction_round(tmp_path):
+def test_limits_from_high_to_low_reverse_the_direction(tmp_path):
     shape = with_joint(tmp_path, joint_data((0, 1, 0), 0, -90))
     joint = door_of(shape).joint
     np.testing.assert_allclose(joint.direction, [0, -1, 0])
@@ -100,22 +104,22 @@ def test_no_limit_equal_limits_and_missing_limits_mean_unlimited(tmp_path, data)
     assert not door_of(with_joint(tmp_path, data)).joint.is_limited
 
 
-@pytest.mark.parametrize(("word", "rotates", "kind"), [("slider", True, "PR"), ("slider", False, "P"), ("screw", False, "PR")])
-def test_a_slider_that_rotates_is_a_screw(tmp_path, word, rotates, kind):
-    joint = door_of(with_joint(tmp_path, joint_data((0, 1, 0), 0, 0.1, rotates=rotates), word)).joint
+@pytest.mark.parametrize(("name", "rotates", "kind"), [("slider", True, "PR"), ("slider", False, "P"), ("screw", False, "PR")])
+def test_a_slider_that_rotates_is_a_screw(tmp_path, name, rotates, kind):
+    joint = door_of(with_joint(tmp_path, joint_data((0, 1, 0), 0, 0.1, rotates=rotates), name)).joint
     assert joint.kind is JointKind(kind)
     assert joint.upper == 0.1, "a screw's limits are lengths"
 
 
-@pytest.mark.parametrize("word", ["static", "free", "heavy", "junk", ""])
-def test_rigid_words_give_no_joint(tmp_path, word):
-    shape = with_joint(tmp_path, {}, word)
+@pytest.mark.parametrize("name", ["static", "free", "heavy", "junk", ""])
+def test_rigid_bodies_have_no_joint(tmp_path, name):
+    shape = with_joint(tmp_path, {}, name)
     assert door_of(shape).joint is None
-    assert door_of(shape).parent == (None if word == "free" else 0)
-    assert {shape.parts[leaf].id for leaf in shape.mobility.junk} == ({5, 6} if word == "junk" else set())
+    assert door_of(shape).parent == (None if name == "free" else 0)
+    assert {shape.parts[leaf].id for leaf in shape.mobility.junk} == ({5, 6} if name == "junk" else set())
 
 
-def test_a_joint_without_parent_moves_against_the_base(tmp_path):
+def test_a_joint_without_parent_is_attached_to_the_base(tmp_path):
     bodies = mobility()
     bodies[1]["parent"] = -1
     shape = read_partnet_mobility(write_partnet_mobility(tmp_path / "4711", bodies))
@@ -123,7 +127,7 @@ def test_a_joint_without_parent_moves_against_the_base(tmp_path):
     assert any("no parent" in repair for repair in shape.repairs)
 
 
-def test_leaves_that_no_body_owns_join_the_base(tmp_path):
+def test_leaves_without_a_body_belong_to_the_base(tmp_path):
     bodies = mobility()
     bodies[1]["parts"] = [{"id": 5}]
     shape = read_partnet_mobility(write_partnet_mobility(tmp_path / "4711", bodies))
@@ -131,14 +135,14 @@ def test_leaves_that_no_body_owns_join_the_base(tmp_path):
     assert any("no body owns the leaves 6" in repair for repair in shape.repairs)
 
 
-def test_every_leaf_belongs_to_one_body_even_without_any_base(tmp_path):
+def test_every_leaf_belongs_to_one_body_even_without_a_base(tmp_path):
     bodies = [{**mobility()[1], "parent": -1}]
     shape = read_partnet_mobility(write_partnet_mobility(tmp_path / "4711", bodies))
     owned = sorted(leaf for body in shape.mobility.bodies for leaf in body.leaves)
     assert owned == sorted(shape.leaves)
 
 
-def test_a_body_without_geometry_is_left_out_and_what_hangs_on_it_goes_up(tmp_path):
+def test_children_of_a_body_without_geometry_move_up(tmp_path):
     bodies = mobility()
     bodies[1]["parent"] = 3
     bodies.append({"id": 3, "parent": 0, "joint": "static", "name": "hinge pin", "parts": [], "jointData": {}})
@@ -147,7 +151,7 @@ def test_a_body_without_geometry_is_left_out_and_what_hangs_on_it_goes_up(tmp_pa
     assert door_of(shape).parent == 0
 
 
-def test_a_part_without_surface_is_left_out_of_hierarchy_and_bodies(tmp_path):
+def test_a_part_without_surface_is_left_out(tmp_path):
     folder = write_partnet_mobility(tmp_path / "4711")
     (folder / "textured_objs" / "original-5.obj").write_text("v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n")
     shape = read_partnet_mobility(folder)
@@ -156,13 +160,13 @@ def test_a_part_without_surface_is_left_out_of_hierarchy_and_bodies(tmp_path):
     assert [shape.parts[leaf].id for leaf in door_of(shape).leaves] == [5]
 
 
-def test_a_category_that_differs_between_files_is_taken_from_meta_and_said(tmp_path):
+def test_meta_json_decides_between_different_categories(tmp_path):
     shape = read_partnet_mobility(write_partnet_mobility(tmp_path / "4711", meta={"model_cat": "Box", "anno_id": "1"}))
     assert shape.category == "Box"
     assert any("storage_furniture" in repair or "StorageFurniture" in repair for repair in shape.repairs)
 
 
-def test_without_meta_the_root_part_names_the_category(tmp_path):
+def test_without_meta_json_the_root_part_gives_the_category(tmp_path):
     folder = write_partnet_mobility(tmp_path / "4711")
     (folder / "meta.json").unlink()
     shape = read_partnet_mobility(folder)
@@ -170,7 +174,7 @@ def test_without_meta_the_root_part_names_the_category(tmp_path):
     assert any("meta.json" in repair for repair in shape.repairs)
 
 
-def test_without_a_category_in_meta_the_root_part_names_it_and_the_annotation_stays(tmp_path):
+def test_without_a_category_in_meta_json_the_root_part_gives_it(tmp_path):
     shape = read_partnet_mobility(write_partnet_mobility(tmp_path / "4711", meta={"anno_id": "1"}))
     assert (shape.category, shape.partnet_id) == ("StorageFurniture", "1")
     assert "meta.json has no model_cat: category taken from the root part" in shape.repairs
@@ -186,7 +190,7 @@ def test_without_any_name_the_category_is_unknown(tmp_path):
     assert any("meta.json" in repair for repair in shape.repairs)
 
 
-def test_the_origin_of_a_slider_means_nothing_however_far_it_lies(tmp_path):
+def test_a_far_origin_of_a_slider_is_dropped(tmp_path):
     data = joint_data((0, 1, 0), 0, 0.1)
     data["axis"]["origin"] = [1e308, 0.0, 0.0]
     shape = with_joint(tmp_path, data, "slider")
@@ -194,9 +198,9 @@ def test_the_origin_of_a_slider_means_nothing_however_far_it_lies(tmp_path):
     assert any("origin" in repair for repair in shape.repairs)
 
 
-@pytest.mark.parametrize(("word", "limit"), [("slider", 1e30), ("hinge", 1e9)])
-def test_limits_beyond_all_sense_are_none(tmp_path, word, limit):
-    shape = with_joint(tmp_path, joint_data((0, 1, 0), -limit, limit), word)
+@pytest.mark.parametrize(("name", "limit"), [("slider", 1e30), ("hinge", 1e9)])
+def test_huge_limits_are_dropped(tmp_path, name, limit):
+    shape = with_joint(tmp_path, joint_data((0, 1, 0), -limit, limit), name)
     assert not door_of(shape).joint.is_limited
     assert any("beyond all sense" in repair for repair in shape.repairs)
 
@@ -208,7 +212,7 @@ def far_hinge():
 
 
 def broken(change):
-    """The synthetic shape's three JSON files after a change."""
+    """The three JSON files of the shape after a change."""
     files = {"mobility_v2.json": mobility(), "result.json": copy.deepcopy(RESULT), "meta.json": {"model_cat": "Box"}}
     change(files)
     return files
@@ -243,9 +247,9 @@ CONTRADICTIONS = {
 }
 
 
-@pytest.mark.parametrize("what", CONTRADICTIONS)
-def test_contradictions_are_refused_with_file_and_field(tmp_path, what):
-    change, expected = CONTRADICTIONS[what]
+@pytest.mark.parametrize("kind", CONTRADICTIONS)
+def test_a_contradiction_is_an_error_with_file_and_field(tmp_path, kind):
+    change, expected = CONTRADICTIONS[kind]
     folder = write_partnet_mobility(tmp_path / "4711")
     for name, value in broken(change).items():
         write_json(folder / name, value)
@@ -257,10 +261,10 @@ def test_contradictions_are_refused_with_file_and_field(tmp_path, what):
 
 
 @pytest.mark.real
-def test_all_real_objects_are_read_and_edges_can_express_98_percent_of_their_joints(real_objects):
+def test_edges_can_express_98_percent_of_real_joints(real_objects):
     joints = expressed = 0
     for found in discover(real_objects[0].parents[1]):
-        shape = read_found(found)
+        shape = found.read()
         assert sorted(leaf for body in shape.mobility.bodies for leaf in body.leaves) == sorted(shape.leaves)
         types = {index: MotionType.R_V_S for index, _ in shape.mobility.movable()}
         labels = label_edges(shape, shape.mobility, sibling_edges(shape), types)

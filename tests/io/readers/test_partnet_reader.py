@@ -1,8 +1,10 @@
+"""The reader of PartNet."""
+
 from __future__ import annotations
 
 import pytest
-
 from datasets import RESULT, write_partnet
+
 from kinmo.core.errors import InputError
 from kinmo.io.readers import read_partnet
 
@@ -14,15 +16,13 @@ def test_a_shape_without_mobility_has_the_same_parts(tmp_path):
     assert (shape.layout, shape.partnet_id) == ("partnet", "4711")
 
 
-def test_the_merged_hierarchy_is_read_where_there_is_no_other(tmp_path):
+def test_the_merged_hierarchy_is_read_if_there_is_no_other(tmp_path):
     merged = [RESULT[0] | {"ori_id": 0, "objs": ["original-1", "original-2"]}]
     shape = read_partnet(write_partnet(tmp_path / "4711", merged, file="result_after_merging.json"))
-    assert [part.id for part in shape.parts] == list(range(8)), (
-        "the meshes that a node with children lists are those of its leaves"
-    )
+    assert [part.id for part in shape.parts] == list(range(8)), "a node with children lists the meshes of its leaves"
 
 
-def test_a_folder_without_hierarchy_or_meshes_is_refused(tmp_path):
+def test_a_folder_without_hierarchy_or_meshes_is_an_error(tmp_path):
     folder = write_partnet(tmp_path / "4711")
     (folder / "result.json").rename(folder / "other.json")
     with pytest.raises(InputError, match=r"result\.json"):

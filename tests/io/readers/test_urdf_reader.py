@@ -1,4 +1,4 @@
-"""Reading URDF files: which bodies there are, how they move, and what is wrong with a file."""
+"""The reader of URDF files: bodies, joints, and errors."""
 
 import pytest
 import trimesh
@@ -24,7 +24,7 @@ def bodies_of(tmp_path, *elements):
     return robot_bodies(read_robot_file(file, tmp_path))
 
 
-def test_fixed_links_are_one_body_and_frames_are_nested(tmp_path):
+def test_links_with_a_fixed_joint_form_one_body(tmp_path):
     turn = '<origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/>'
     first, second = bodies_of(
         tmp_path,
@@ -51,7 +51,7 @@ def test_fixed_links_are_one_body_and_frames_are_nested(tmp_path):
         (("floating", "prismatic"), "1 0 0", None),
     ],
 )
-def test_joints_in_a_row_through_an_empty_link(tmp_path, kinds, axis, expected):
+def test_two_joints_through_an_empty_link_form_one(tmp_path, kinds, axis, expected):
     limit = '<limit lower="0.1" upper="0.4"/>'
     body = bodies_of(
         tmp_path,
@@ -68,12 +68,12 @@ def test_joints_in_a_row_through_an_empty_link(tmp_path, kinds, axis, expected):
         assert (body.joint.lower, body.joint.upper) == (0.1, 0.4)
 
 
-def test_a_lone_top_body_is_the_base_whatever_ties_it_to_the_world(tmp_path):
+def test_a_single_top_body_is_the_base_even_with_a_floating_joint(tmp_path):
     (body,) = bodies_of(tmp_path, EMPTY.format("world"), LINK.format("a", 1), joint("floating", "world", "a"))
     assert (body.moves, body.joint, body.parent) == (False, None, None)
 
 
-def test_all_shapes_and_meshes_of_a_urdf_are_read(tmp_path):
+def test_all_primitives_and_meshes_are_read(tmp_path):
     (tmp_path / "pkg" / "meshes").mkdir(parents=True)
     trimesh.Trimesh(*_box()).export(tmp_path / "pkg" / "meshes" / "box.stl")
     pieces = (
@@ -95,7 +95,7 @@ def test_a_sphere_of_radius_0_is_a_point(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["far.obj", "far.ply"])
-def test_meshes_with_coordinates_out_of_all_bounds_are_refused(tmp_path, name):
+def test_meshes_with_huge_coordinates_are_an_error(tmp_path, name):
     vertices, faces = _box()
     trimesh.Trimesh(1e35 * vertices, faces, process=False).export(tmp_path / name)
     with pytest.raises(InputError, match=rf"{name}: expected finite vertices, of at most 1e\+30"):
@@ -134,7 +134,7 @@ ORIGIN = '<origin xyz="1e308 0 0"/>'
         (("<link",), "XML"),
     ],
 )
-def test_what_is_wrong_with_a_file_is_said_in_one_line(tmp_path, elements, problem):
+def test_a_wrong_file_is_an_error_in_one_line(tmp_path, elements, problem):
     with pytest.raises(InputError, match=problem) as caught:
         bodies_of(tmp_path, *elements)
     assert "\n" not in str(caught.value)
@@ -150,6 +150,6 @@ def test_what_is_wrong_with_a_file_is_said_in_one_line(tmp_path, elements, probl
         ("continuous", '<limit lower="-1" upper="2"/>', (None, None)),
     ],
 )
-def test_limits_are_put_in_order_and_equal_or_boundless_ones_are_none(tmp_path, kind, limit, expected):
+def test_limits_are_sorted_and_equal_or_infinite_ones_dropped(tmp_path, kind, limit, expected):
     body = bodies_of(tmp_path, LINK.format("a", 1), LINK.format("b", 1), joint(kind, "a", "b", limit))[1]
     assert (body.joint.lower, body.joint.upper) == expected

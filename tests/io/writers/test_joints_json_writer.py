@@ -1,4 +1,4 @@
-"""joints.json: what is written is what is read, and is what the schema says."""
+"""joints.json: writer, reader and schema agree."""
 
 import copy
 import json
@@ -9,10 +9,12 @@ from articulated import articulated_shapes, shape_of_boxes
 from hypothesis import given, settings
 
 from kinmo.core.errors import InputError
-from kinmo.core.joint import CoarseType, MotionType
 from kinmo.core.mobility import Body
-from kinmo.core.prediction import JointEstimate, Prediction
-from kinmo.io.writers.joints_json_writer import Provenance, joints_document, read_joints_json, schema, write_joints_json
+from kinmo.core.motion_types import CoarseType, MotionType
+from kinmo.core.prediction import JointEstimate, PredictionProvenance, ShapeEstimate
+from kinmo.io.readers.joints_json_reader import read_joints_json
+from kinmo.io.writers import ExportOptions, write_joints_json
+from kinmo.io.writers.joints_json_writer import joints_document, joints_schema
 
 TYPES = {
     "object": dict,
@@ -26,7 +28,7 @@ TYPES = {
 
 
 def violations(value, rule, root, path="$"):
-    """What is wrong with `value` by the part of JSON Schema that the file uses."""
+    """Violations of a JSON Schema by `value`. Supports the part of JSON Schema that the file uses."""
     if "$ref" in rule:
         yield from violations(value, root["$defs"][rule["$ref"].rsplit("/", 1)[1]], root, path)
     if "anyOf" in rule and all(list(violations(value, option, root, path)) for option in rule["anyOf"]):
@@ -57,25 +59,25 @@ def violations(value, rule, root, path="$"):
 
 
 def prediction_of(shape):
-    answers = tuple(
+    estimates = tuple(
         (
             JointEstimate(body.joint, MotionType.R_V_S if body.joint else MotionType.FIXED, 0.75, {"feasibility": 0.5}, "edge"),
             JointEstimate(None, CoarseType.NONE, 0.1),
         )
         for body in shape.mobility.bodies
     )
-    return Prediction(shape.id, shape.category, shape.mobility, answers, tuple(a[1] for a in answers), "kinmo")
+    return ShapeEstimate(shape.id, shape.category, shape.mobility, estimates, tuple(ranked[1] for ranked in estimates), "kinmo")
 
 
 def plain_shape():
     return shape_of_boxes([((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 2, 1))], (Body(0, "a", (1,)), Body(1, "b", (2,))))
 
 
-MADE_WITH = Provenance("sha256:0123", {"tau": 0.6, "candidates": "all"})
+PROVENANCE = PredictionProvenance("sha256:0123", {"tau": 0.6, "candidates": "all"})
 
 
 def plain(value):
-    """Nested dataclasses, arrays and enums as something that can be compared."""
+    """Nested dataclasses, arrays and enums as plain data that can be compared."""
     if isinstance(value, np.ndarray):
         return value.tolist()
     if hasattr(value, "__dataclass_fields__"):
@@ -87,27 +89,27 @@ def plain(value):
 
 @settings(max_examples=25)
 @given(articulated_shapes())
-def test_a_prediction_comes_back_as_it_was(tmp_path_factory, shape):
+def test_a_prediction_survives_a_round_trip(tmp_path_factory, shape):
     prediction = prediction_of(shape)
-    path = write_joints_json(tmp_path_factory.mktemp("out") / "joints.json", shape, prediction, MADE_WITH)
-    found, made_with = read_joints_json(path, shape)
+    path = write_joints_json(shape, prediction, tmp_path_factory.mktemp("out"), ExportOptions(provenance=PROVENANCE))
+    found, provenance = read_joints_json(path, shape)
     assert plain(found) == plain(prediction)
-    assert made_with == MADE_WITH
+    assert provenance == PROVENANCE
     assert [p.name for p in path.parent.iterdir()] == ["joints.json"]
 
 
 @settings(max_examples=25)
 @given(articulated_shapes())
-def test_the_file_is_what_its_schema_says(shape):
-    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), MADE_WITH)))
-    assert list(violations(document, schema(), schema())) == []
+def test_the_file_conforms_to_its_schema(shape):
+    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), PROVENANCE)))
+    assert list(violations(document, joints_schema(), joints_schema())) == []
 
 
-def test_only_bodies_whose_parts_are_all_junk_are_junk():
+def test_only_bodies_of_junk_alone_are_junk():
     boxes = [((0, i, 0), (1, i + 1, 1)) for i in range(3)]
     bodies = (Body(0, "base", ()), Body(1, "dirt", (1,)), Body(2, "door", (2, 3)))
     shape = shape_of_boxes(boxes, bodies, junk=frozenset({1, 2}))
-    document = joints_document(shape, prediction_of(shape), MADE_WITH)
+    document = joints_document(shape, prediction_of(shape), PROVENANCE)
     assert [body["is_junk"] for body in document["bodies"]] == [False, True, False]
 
 
@@ -138,22 +140,28 @@ def changed(document, path, value):
         (("config",), []),
     ],
 )
-def test_a_file_that_cannot_be_is_refused_by_field(tmp_path, path, value):
+def test_a_wrong_file_is_an_error_with_its_field(tmp_path, path, value):
     shape = plain_shape()
-    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), MADE_WITH)))
+    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), PROVENANCE)))
     file = tmp_path / "joints.json"
     file.write_text(json.dumps(changed(document, path, value)))
     with pytest.raises(InputError, match=r"joints\.json: \w+"):
         read_joints_json(file, shape)
 
 
-def test_the_schema_would_notice_a_change():
+def test_the_schema_detects_wrong_values():
     shape = plain_shape()
-    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), MADE_WITH)))
+    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), PROVENANCE)))
     for path, value in (
         (("bodies", 0, "extra"), 1),
         (("shape", "up"), [0, 1]),
         (("bodies", 0, "estimates", 0, "type"), "R_X"),
         (("weights",), 3),
     ):
-        assert list(violations(changed(document, path, value), schema(), schema()))
+        assert list(violations(changed(document, path, value), joints_schema(), joints_schema()))
+
+
+def test_a_mobility_without_scores_cannot_be_written(tmp_path):
+    shape = plain_shape()
+    with pytest.raises(InputError, match=r"joints\.json: holds a prediction"):
+        write_joints_json(shape, shape.mobility, tmp_path)

@@ -1,4 +1,4 @@
-"""Shapes written in PartNet-Mobility's layout come back as they were through its reader."""
+"""Shapes written in the format of PartNet-Mobility come back unchanged through its reader."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from articulated import articulated_shapes
 from hypothesis import given, settings
 
 from kinmo.core.categories import canonical_category
-from kinmo.core.edge_labels import distance_to_line
 from kinmo.core.joint import Joint
 from kinmo.core.mobility import Body
 from kinmo.core.shape import Shape
-from kinmo.io.readers import Layout, discover, read_partnet_mobility
+from kinmo.core.vector import distance_to_line
+from kinmo.io.discover import discover
+from kinmo.io.readers import PARTNET_MOBILITY, read_partnet_mobility
 from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
 
 
@@ -22,19 +23,19 @@ def round_trip(shape: Shape) -> Shape:
     assert shape.mobility is not None
     with tempfile.TemporaryDirectory() as root:
         folder = write_partnet_mobility(shape, shape.mobility, Path(root) / shape.id)
-        assert [found.layout for found in discover(Path(root))] == [Layout.PARTNET_MOBILITY]
+        assert [found.layout for found in discover(Path(root))] == [PARTNET_MOBILITY]
         return read_partnet_mobility(folder)
 
 
-def assert_same_motion(found: Joint, wanted: Joint) -> None:
-    assert found.kind is wanted.kind
-    np.testing.assert_allclose(found.direction, wanted.direction, atol=1e-9)
-    if wanted.has_pivot:
-        np.testing.assert_allclose(distance_to_line(found.pivot[None], wanted.pivot, wanted.direction), 0.0, atol=1e-9)
-    if wanted.lower is None or wanted.upper is None:
+def assert_same_joint(found: Joint, expected: Joint) -> None:
+    assert found.kind is expected.kind
+    np.testing.assert_allclose(found.direction, expected.direction, atol=1e-9)
+    if expected.has_pivot:
+        np.testing.assert_allclose(distance_to_line(found.pivot[None], expected.pivot, expected.direction), 0.0, atol=1e-9)
+    if expected.lower is None or expected.upper is None:
         assert not found.is_limited
-    elif wanted.lower <= 0.0 <= wanted.upper:
-        np.testing.assert_allclose([found.lower, found.upper], [wanted.lower, wanted.upper], atol=1e-9)
+    elif expected.lower <= 0.0 <= expected.upper:
+        np.testing.assert_allclose([found.lower, found.upper], [expected.lower, expected.upper], atol=1e-9)
 
 
 @settings(max_examples=60)
@@ -54,16 +55,16 @@ def test_bodies_joints_and_meshes_survive_a_round_trip(shape: Shape) -> None:
         return body.leaves
 
     pairs = list(zip(sorted(found.mobility.bodies, key=key), sorted(shape.mobility.bodies, key=key), strict=True))
-    for body, wanted in pairs:
+    for body, expected in pairs:
         assert (body.leaves, body.parent is None, body.joint is None) == (
-            wanted.leaves,
-            wanted.parent is None,
-            wanted.joint is None,
+            expected.leaves,
+            expected.parent is None,
+            expected.joint is None,
         )
-        if body.parent is not None and wanted.parent is not None:
-            assert found.mobility.bodies[body.parent].leaves == shape.mobility.bodies[wanted.parent].leaves
-        if body.joint is not None and wanted.joint is not None:
-            assert_same_motion(body.joint, wanted.joint)
+        if body.parent is not None and expected.parent is not None:
+            assert found.mobility.bodies[body.parent].leaves == shape.mobility.bodies[expected.parent].leaves
+        if body.joint is not None and expected.joint is not None:
+            assert_same_joint(body.joint, expected.joint)
 
 
 @settings(max_examples=20)

@@ -1,4 +1,4 @@
-"""Shapes in PartNet-Mobility's layout: the reader gets back what was written."""
+"""The writer of PartNet-Mobility: its reader and simulators get what was written."""
 
 import json
 import math
@@ -18,12 +18,11 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
 from kinmo.evaluation import metrics
 from kinmo.io.readers import read_partnet_mobility
-from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
-from kinmo.io.writers.urdf_writer import write_urdf
+from kinmo.io.writers import write_partnet_mobility, write_urdf
 
 
 def around_rest(shape):
-    """The shape with ranges that hold the pose of the file, as every real joint's does."""
+    """The shape with joint ranges that contain the pose of the file, as in real data."""
     bodies = []
     for body in shape.mobility.bodies:
         joint = body.joint
@@ -35,7 +34,7 @@ def around_rest(shape):
 
 @settings(max_examples=25)
 @given(articulated_shapes())
-def test_the_reader_gets_back_what_was_written(tmp_path_factory, shape):
+def test_the_reader_gets_what_was_written(tmp_path_factory, shape):
     shape = around_rest(shape)
     folder = write_partnet_mobility(shape, shape.mobility, tmp_path_factory.mktemp("labels") / shape.id)
     found = read_partnet_mobility(folder)
@@ -48,31 +47,30 @@ def test_the_reader_gets_back_what_was_written(tmp_path_factory, shape):
         assert (body.leaves, body.parent) == (written.leaves, written.parent)
         assert (body.joint is None) == (written.joint is None)
         if written.joint is not None:
-            same_joint(body.joint, written.joint)
+            assert_same_joint(body.joint, written.joint)
 
 
 @settings(max_examples=15)
 @given(articulated_shapes(ups=((0.0, 1.0, 0.0), (0.6, 0.0, 0.8))))
-def test_its_urdf_is_the_robot_that_kinmo_writes_otherwise(tmp_path_factory, shape):
-    """Links, joints and where the leaves are drawn are those of `write_urdf`; names are the dataset's."""
+def test_its_urdf_is_the_robot_of_the_urdf_writer_with_other_names(tmp_path_factory, shape):
     folder = tmp_path_factory.mktemp("labels")
     ours = ET.parse(write_urdf(shape, shape.mobility, folder / "ours")).getroot()
     written = write_partnet_mobility(shape, shape.mobility, folder / "theirs")
     theirs = ET.parse(written / "mobility.urdf").getroot()
     names = dict(zip(link_names(theirs), link_names(ours), strict=True))
     assert all(re.fullmatch(r"base|link_\d+(-slide)?", name) for name in names)
-    for joint, wanted in zip(theirs.iter("joint"), ours.iter("joint"), strict=True):
-        assert joint.get("type") == wanted.get("type")
+    for joint, expected in zip(theirs.iter("joint"), ours.iter("joint"), strict=True):
+        assert joint.get("type") == expected.get("type")
         assert [names[joint.find(end).get("link")] for end in ("parent", "child")] == [
-            wanted.find(end).get("link") for end in ("parent", "child")
+            expected.find(end).get("link") for end in ("parent", "child")
         ]
         for field in ("origin", "axis", "limit"):
-            assert joint.find(field).attrib == wanted.find(field).attrib
-    for one, other in zip(drawn(theirs, written), drawn(ours, folder / "ours"), strict=True):
+            assert joint.find(field).attrib == expected.find(field).attrib
+    for one, other in zip(visual_bounds(theirs, written), visual_bounds(ours, folder / "ours"), strict=True):
         assert one == pytest.approx(other, abs=1e-9)
 
 
-def test_semantics_name_every_link_that_moves_with_its_joint(tmp_path):
+def test_semantics_list_every_moving_link_with_its_joint(tmp_path):
     joint = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.zeros(3), 0.0, 1.0)
     boxes = [((0, 0, 0), (1, 1, 1)), ((1, 0, 0), (2, 1, 1)), ((2, 0, 0), (3, 1, 1))]
     bodies = (Body(0, "body", (1,)), Body(1, "upper door", (2,), 0, joint), Body(2, "handle", (3,), 1))
@@ -84,17 +82,17 @@ def link_names(robot):
     return [link.get("name") for link in robot.iter("link")]
 
 
-def drawn(robot, folder):
-    """Corners of every visual in the frame of its link, link by link."""
+def visual_bounds(robot, folder):
+    """Corners of the bounding box of each visual, in the frame of its link."""
     for visual in robot.iter("visual"):
         file = folder / visual.find("geometry/mesh").get("filename")
         place = visual.find("origin")
-        turn = Rotation.from_euler("xyz", np.array(place.get("rpy").split(), float))
-        points = turn.apply(trimesh.load(file, process=False).vertices) + np.array(place.get("xyz").split(), float)
+        rotation = Rotation.from_euler("xyz", np.array(place.get("rpy").split(), float))
+        points = rotation.apply(trimesh.load(file, process=False).vertices) + np.array(place.get("xyz").split(), float)
         yield np.stack([points.min(axis=0), points.max(axis=0)])
 
 
-def same_joint(found, written):
+def assert_same_joint(found, written):
     assert found.kind is written.kind
     assert found.direction == pytest.approx(written.direction)
     assert found.pivot == pytest.approx(written.pivot)
@@ -122,7 +120,7 @@ def test_junk_stays_junk(tmp_path):
     assert read_partnet_mobility(write_partnet_mobility(shape, shape.mobility, tmp_path / "7")).mobility.junk == {2}
 
 
-def test_a_base_without_parts_is_no_junk(tmp_path):
+def test_a_base_without_parts_is_not_junk(tmp_path):
     joint = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.zeros(3), 0.0, 1.0)
     shape = shape_of_boxes([((0, 0, 0), (1, 1, 1))], (Body(0, "base", ()), Body(1, "door", (1,), 0, joint)))
     bodies = json.loads((write_partnet_mobility(shape, shape.mobility, tmp_path / "7") / "mobility_v2.json").read_text())
@@ -132,7 +130,7 @@ def test_a_base_without_parts_is_no_junk(tmp_path):
 @pytest.mark.parametrize("kind", list(JointKind))
 @pytest.mark.parametrize("size", [1e-3, 1e3])
 @pytest.mark.parametrize(("rest", "width"), [(0.0, 0.0), (0.3, 0.0), (0.0, 1e-16)])
-def test_a_joint_that_cannot_move_does_not_come_back_free(tmp_path, kind, size, rest, width):
+def test_a_joint_without_range_does_not_become_unlimited(tmp_path, kind, size, rest, width):
     boxes = [((0, 0, 0), (size, size, size)), ((size, 0, 0), (2 * size, size, size))]
     joint = Joint(kind, np.array([0.0, 1.0, 0.0]), np.zeros(3), rest, rest + width * size, rest)
     shape = shape_of_boxes(boxes, (Body(0, "a", (1,)), Body(1, "b", (2,), 0, joint)))

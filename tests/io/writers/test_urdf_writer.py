@@ -1,4 +1,4 @@
-"""Exported URDFs: the simulator's kinematics are ours, and nothing of the shape is lost."""
+"""The URDF writer: a simulator moves the robot as kinmo does, and all geometry is kept."""
 
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -7,17 +7,18 @@ import numpy as np
 import pybullet
 import pytest
 import trimesh
-from articulated import articulated_shapes, rotations, shape_of_boxes
+from articulated import articulated_shapes, shape_of_boxes
 from hypothesis import given, settings
 from scipy.spatial.transform import Rotation
 
-from kinmo.core.frames import Y_UP_TO_Z_UP, z_up_rotation
+from kinmo.core.errors import InputError
+from kinmo.core.frames import z_up_rotation
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import forward
 from kinmo.core.links import links_of
 from kinmo.core.mobility import Body, Mobility
-from kinmo.core.names import unique_names
-from kinmo.io.writers.urdf_writer import link_origin, write_urdf
+from kinmo.io.writers import ExportOptions, export, write_urdf
+from kinmo.io.writers.urdf_writer import leaf_files, link_origin
 
 UPS = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (0.6, 0.0, 0.8))
 STATES = 100
@@ -25,18 +26,21 @@ STATES = 100
 
 @pytest.fixture(scope="module")
 def bullet():
+    """A connection to the simulator PyBullet."""
     client = pybullet.connect(pybullet.DIRECT)
     yield client
     pybullet.disconnect(client)
 
 
 def joint_values(mobility, rng):
+    """Random joint values and screw angles by index of the body."""
     values = {i: body.joint.rest + rng.uniform(-1, 1) for i, body in mobility.movable()}
-    turns = {i: rng.uniform(-3, 3) for i, body in mobility.movable() if body.joint.kind is JointKind.SCREW}
-    return values, turns
+    screw_angles = {i: rng.uniform(-3, 3) for i, body in mobility.movable() if body.joint.kind is JointKind.SCREW}
+    return values, screw_angles
 
 
-def loaded(path, client):
+def load_robot(path, client):
+    """The robot in the simulator, and the numbers of its joints and links by name."""
     robot = pybullet.loadURDF(str(path), useFixedBase=True, physicsClientId=client)
     info = [
         pybullet.getJointInfo(robot, i, physicsClientId=client)
@@ -47,81 +51,84 @@ def loaded(path, client):
 
 @settings(max_examples=8)
 @given(articulated_shapes(ups=UPS))
-def test_the_simulator_moves_every_link_as_our_kinematics_do(tmp_path_factory, bullet, shape):
+def test_a_simulator_moves_every_link_as_kinmo_does(tmp_path_factory, bullet, shape):
     scale = 0.7
-    mobility = replace_rest(shape.mobility)
-    path = write_urdf(shape, mobility, tmp_path_factory.mktemp("robot") / "out", metres_per_unit=scale)
-    robot, joints, names = loaded(path, bullet)
+    mobility = with_other_rest_values(shape.mobility)
+    options = ExportOptions(metres_per_unit=scale)
+    path = write_urdf(shape, mobility, tmp_path_factory.mktemp("robot") / "out", options)
+    robot, joints, names = load_robot(path, bullet)
     rotation, links = z_up_rotation(np.array(shape.up)), links_of(mobility)
     rng = np.random.default_rng(0)
     for _ in range(STATES):
-        values, turns = joint_values(mobility, rng)
+        values, screw_angles = joint_values(mobility, rng)
         for link in links[1:]:
             offset = values[link.body] - link.joint.rest
             slides = link.joint.kind is not JointKind.REVOLUTE
             first = f"{link.name}-slide-joint" if link.joint.kind is JointKind.SCREW else f"{link.name}-joint"
             pybullet.resetJointState(robot, joints[first], offset * (scale if slides else 1.0), physicsClientId=bullet)
-            if link.body in turns:
-                pybullet.resetJointState(robot, joints[f"{link.name}-joint"], turns[link.body], physicsClientId=bullet)
-        poses = forward(mobility, values, turns)
+            if link.body in screw_angles:
+                pybullet.resetJointState(robot, joints[f"{link.name}-joint"], screw_angles[link.body], physicsClientId=bullet)
+        poses = forward(mobility, values, screw_angles)
         for link in links[1:]:
             state = pybullet.getLinkState(robot, names[link.name], computeForwardKinematics=1, physicsClientId=bullet)
             start = rotation.T @ link_origin(shape, link, rotation, scale) / scale
             pose = poses[link.body]
             expected = scale * rotation @ (pose[:3, :3] @ start + pose[:3, 3])
-            turned = rotation @ pose[:3, :3] @ rotation.T
+            expected_rotation = rotation @ pose[:3, :3] @ rotation.T
             assert np.abs(np.array(state[4]) - expected).max() < 1e-6
-            assert np.abs(Rotation.from_quat(state[5]).as_matrix() - turned).max() < 1e-6
+            assert np.abs(Rotation.from_quat(state[5]).as_matrix() - expected_rotation).max() < 1e-6
     pybullet.removeBody(robot, physicsClientId=bullet)
 
 
-def replace_rest(mobility):
-    """The same tree with joints that do not rest at zero."""
+def with_other_rest_values(mobility):
+    """The same tree with joints that do not rest at 0."""
     bodies = (b if b.joint is None else replace(b, joint=replace(b.joint, rest=0.1 * b.id)) for b in mobility.bodies)
     return Mobility(tuple(bodies))
 
 
 @settings(max_examples=15)
 @given(articulated_shapes(ups=UPS))
-def test_all_leaves_are_where_the_shape_has_them(tmp_path_factory, shape):
+def test_all_leaves_are_at_their_place(tmp_path_factory, shape):
     path = write_urdf(shape, shape.mobility, tmp_path_factory.mktemp("robot") / "out")
     tree, rotation = ET.parse(path), z_up_rotation(np.array(shape.up))
     parent_of = {j.find("child").get("link"): j for j in tree.iter("joint")}
 
-    def place(link):
+    def position(link):
         if link not in parent_of:
             return np.zeros(3)
         joint = parent_of[link]
-        return place(joint.find("parent").get("link")) + np.array(joint.find("origin").get("xyz").split(), float)
+        return position(joint.find("parent").get("link")) + np.array(joint.find("origin").get("xyz").split(), float)
 
     seen = {}
     for link in tree.iter("link"):
         for visual in link.iter("visual"):
             file = visual.find("geometry/mesh").get("filename")
             mesh = trimesh.load(path.parent / file, process=False)
-            turn = Rotation.from_euler("xyz", np.array(visual.find("origin").get("rpy").split(), float))
+            leaf_rotation = Rotation.from_euler("xyz", np.array(visual.find("origin").get("rpy").split(), float))
             shift = np.array(visual.find("origin").get("xyz").split(), float)
-            seen[file] = (turn.apply(mesh.vertices) + shift + place(link.get("name")), mesh.faces)
+            seen[file] = (leaf_rotation.apply(mesh.vertices) + shift + position(link.get("name")), mesh.faces)
     assert len(seen) == len(shape.leaves)
-    for leaf, (vertices, faces) in zip(shape.leaves, (seen[file] for file in sorted(seen, key=_order(shape))), strict=True):
+    for leaf, (vertices, faces) in zip(
+        shape.leaves, (seen[file] for file in sorted(seen, key=leaf_of_file(shape))), strict=True
+    ):
         mesh = shape.parts[leaf].mesh
         assert vertices == pytest.approx(mesh.vertices @ rotation.T, abs=1e-9)
         assert np.array_equal(faces, mesh.faces)
 
 
-def _order(shape):
-    from kinmo.io.writers.urdf_writer import leaf_files
-
+def leaf_of_file(shape):
+    """A function that gives the leaf of a mesh file."""
     return {file: leaf for leaf, file in leaf_files(shape).items()}.__getitem__
 
 
 def cabinet(joint, **body):
+    """A cabinet with a door on `joint` and a handle that is fixed to the door."""
     boxes = [((0, 0, 0), (1, 2, 1)), ((0, 0, 1), (1, 2, 1.1)), ((0.8, 1, 1.1), (0.9, 1.1, 1.2))]
     bodies = (Body(0, "body", (1,)), Body(1, "door", (2,), 0, joint), Body(2, "handle", (3,), 1))
     return shape_of_boxes(boxes, bodies, **body)
 
 
-def test_fastened_bodies_are_one_link(tmp_path):
+def test_bodies_that_are_fixed_to_each_other_are_one_link(tmp_path):
     shape = cabinet(Joint(JointKind.REVOLUTE, np.array([0.0, 1, 0]), np.array([0.0, 0, 1]), 0.0, 1.5))
     tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
     assert [link.get("name") for link in tree.iter("link")] == ["base", "door"]
@@ -145,7 +152,7 @@ def test_each_kind_of_joint_has_its_urdf_type(tmp_path, kind, limits, expected):
     assert (limited.get("upper") is None) == (limits[1] is None)
 
 
-def test_inertia_is_that_of_a_real_thing(tmp_path):
+def test_inertia_is_physically_possible(tmp_path):
     shape = cabinet(Joint(JointKind.SCREW, np.array([0.0, 1, 0]), np.zeros(3)))
     tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
     for inertial in tree.iter("inertial"):
@@ -155,17 +162,7 @@ def test_inertia_is_that_of_a_real_thing(tmp_path):
         assert moments[2] <= moments[0] + moments[1]
 
 
-def test_several_roots_hang_on_one_base():
-    joint = Joint(JointKind.PRISMATIC, np.array([0.0, 0, 1]), np.zeros(3))
-    links = links_of(Mobility((Body(0, "a", (1,)), Body(1, "b", (2,)), Body(2, "c", (3,), 1, joint))))
-    assert [(link.bodies, link.parent) for link in links] == [((0, 1), None), ((2,), 0)]
-
-
-def test_names_are_plain_and_all_different():
-    assert unique_names(["a b", "a/b", "A_B", "", "<>", "x"]) == ["a_b", "a_b_2", "A_B_3", "part", "part_2", "x"]
-
-
-def test_what_is_called_after_a_link_makes_way_for_bodies_of_that_name(tmp_path):
+def test_names_of_joints_do_not_collide_with_names_of_bodies(tmp_path):
     screw = Joint(JointKind.SCREW, np.array([0.0, 1, 0]), np.zeros(3))
     names = ("base", "knob", "Knob-Slide", "knob-joint")
     bodies = [Body(i, name, (i + 1,), 0 if i else None, screw if i else None) for i, name in enumerate(names)]
@@ -178,29 +175,16 @@ def test_what_is_called_after_a_link_makes_way_for_bodies_of_that_name(tmp_path)
     assert sorted(end.get("link") for end in tree.iter("child")) == sorted(set(links) - {"base"}), "a tree"
 
 
-def test_a_screw_that_nothing_is_in_the_way_of_is_called_after_its_body(tmp_path):
+def test_the_joints_of_a_screw_have_the_name_of_its_body(tmp_path):
     shape = cabinet(Joint(JointKind.SCREW, np.array([0.0, 1, 0]), np.zeros(3)))
     tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
     assert [link.get("name") for link in tree.iter("link")] == ["base", "door", "door-slide"]
     assert [joint.get("name") for joint in tree.iter("joint")] == ["door-slide-joint", "door-joint"]
 
 
-@given(rotations)
-def test_up_becomes_z_by_a_rotation(rotation):
-    up = rotation[:, 1]
-    turn = z_up_rotation(up)
-    assert turn @ up == pytest.approx([0, 0, 1], abs=1e-9)
-    assert turn @ turn.T == pytest.approx(np.eye(3), abs=1e-9)
-    assert np.linalg.det(turn) == pytest.approx(1)
-
-
-def test_y_up_shapes_go_where_partnet_mobility_has_them():
-    assert np.array_equal(z_up_rotation(np.array([0.0, 1, 0])), Y_UP_TO_Z_UP)
-
-
-def test_a_failed_export_leaves_what_was_there(tmp_path, monkeypatch):
+def test_a_failed_export_leaves_the_old_folder(tmp_path, monkeypatch):
     shape = cabinet(Joint(JointKind.PRISMATIC, np.array([0.0, 1, 0]), np.zeros(3)))
-    path = write_urdf(shape, shape.mobility, tmp_path / "out")
+    path = export(shape, shape.mobility, tmp_path / "out", ["urdf"])["urdf"]
     before = path.read_bytes()
 
     def fail(*_):
@@ -208,6 +192,20 @@ def test_a_failed_export_leaves_what_was_there(tmp_path, monkeypatch):
 
     monkeypatch.setattr("kinmo.io.writers.urdf_writer.write_obj", fail)
     with pytest.raises(OSError, match="disk full"):
-        write_urdf(shape, shape.mobility, tmp_path / "out", metres_per_unit=2.0)
+        export(shape, shape.mobility, tmp_path / "out", ["urdf"], ExportOptions(metres_per_unit=2.0))
     assert path.read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == ["out"]
+
+
+def test_all_formats_can_be_written_into_one_folder(tmp_path):
+    shape = cabinet(Joint(JointKind.REVOLUTE, np.array([0.0, 1, 0]), np.zeros(3), 0.0, 1.0))
+    paths = export(shape, shape.mobility, tmp_path / "out", ["urdf", "partnet_mobility"], ExportOptions(name="cabinet"))
+    assert paths == {"urdf": tmp_path / "out" / "cabinet.urdf", "partnet_mobility": tmp_path / "out"}
+    assert all(path.exists() for path in paths.values())
+
+
+def test_an_unknown_format_is_an_error_with_a_suggestion(tmp_path):
+    shape = cabinet(Joint(JointKind.PRISMATIC, np.array([0.0, 1, 0]), np.zeros(3)))
+    with pytest.raises(InputError, match=r"unknown format urfd \(did you mean urdf\?\); expected one of joints_json"):
+        export(shape, shape.mobility, tmp_path / "out", ["urfd"])
+    assert not list(tmp_path.iterdir())

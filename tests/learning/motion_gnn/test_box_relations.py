@@ -5,7 +5,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from kinmo.features.prepared_shape import Boxes
-from kinmo.learning.motion_gnn.box_relations import SIDES, STATES, box_sides, box_states, canonical, object_axes, relative_poses
+from kinmo.learning.motion_gnn.box_relations import (
+    SIDES,
+    STATES,
+    box_sides,
+    box_states,
+    canonical_boxes,
+    object_axes,
+    relative_poses,
+)
 
 UP = np.array([0.0, 1.0, 0.0])
 PAIR = np.array([[0, 1], [1, 0]])
@@ -40,8 +48,8 @@ def test_sides_are_faces_of_the_reference(side: int) -> None:
     offset = np.zeros(3)
     offset[side // 2] = 2.0 if side % 2 == 0 else -2.0
     boxes = boxes_of((tuple(offset), (0.1, 0.1, 0.1)), ((0, 0, 0), (1, 1, 1)))
-    assert box_sides(canonical(boxes, UP), PAIR)[0] == side
-    assert SIDES[box_sides(canonical(boxes, UP), PAIR)[1]] == SIDES[side ^ 1]
+    assert box_sides(canonical_boxes(boxes, UP), PAIR)[0] == side
+    assert SIDES[box_sides(canonical_boxes(boxes, UP), PAIR)[1]] == SIDES[side ^ 1]
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -54,7 +62,7 @@ def test_features_do_not_depend_on_how_a_box_is_written(seed: int) -> None:
     signs = rng.choice([-1.0, 1.0], (6, 3, 1))
     same = Boxes(boxes.centers, boxes.axes[rows, order] * signs, boxes.half_extents[rows, order])
     edges = np.array([[i, j] for i in range(6) for j in range(6) if i != j])
-    one, other = canonical(boxes, UP), canonical(same, UP)
+    one, other = canonical_boxes(boxes, UP), canonical_boxes(same, UP)
     np.testing.assert_allclose(one.axes, other.axes, atol=1e-12)
     np.testing.assert_allclose(relative_poses(one, edges), relative_poses(other, edges), atol=1e-12)
     np.testing.assert_array_equal(box_sides(one, edges), box_sides(other, edges))
@@ -68,7 +76,7 @@ def test_relative_poses_do_not_change_when_the_object_turns_about_up_by_quarters
     quarter = Rotation.from_rotvec(UP * np.pi / 2).as_matrix()
     turned = Boxes(boxes.centers @ quarter.T, boxes.axes @ quarter.T, boxes.half_extents)
     edges = np.array([[i, j] for i in range(4) for j in range(4) if i != j])
-    lengths = [np.linalg.norm(relative_poses(canonical(b, UP), edges)[:, :3], axis=1) for b in (boxes, turned)]
+    lengths = [np.linalg.norm(relative_poses(canonical_boxes(b, UP), edges)[:, :3], axis=1) for b in (boxes, turned)]
     np.testing.assert_allclose(*lengths, atol=1e-12)
 
 

@@ -8,7 +8,7 @@ from small_shapes import cabinet
 
 from kinmo.config import load_config
 from kinmo.features.prepared_shape import Boxes
-from kinmo.learning.motion_gnn.gnn_batches import GraphData, changed_graph, shape_graph
+from kinmo.learning.motion_gnn.gnn_batches import GraphData, shape_graph, transformed_graph
 from kinmo.learning.motion_gnn.hierarchy_graph import ShapeGraph
 from kinmo.learning.name_encoding import HIDDEN
 
@@ -18,7 +18,7 @@ CONFIG = load_config("small").gnn
 def test_a_mirrored_graph_is_that_of_the_mirrored_boxes() -> None:
     shape = cabinet(4)
     plain = shape_graph(shape, CONFIG)
-    mirrored = changed_graph(plain, shape, CONFIG, np.diag([-1.0, 1.0, 1.0]))
+    mirrored = transformed_graph(plain, shape, CONFIG, np.diag([-1.0, 1.0, 1.0]))
     for name in ("states", "types"):
         assert torch.equal(getattr(plain, name), getattr(mirrored, name))
     flip = torch.tensor([-1.0, 1.0, 1.0])
@@ -41,7 +41,7 @@ def test_a_changed_graph_is_that_of_a_shape_whose_boxes_and_labels_are_changed()
         symmetric_boxes=Boxes(boxes.centers @ change, boxes.axes @ change / lengths[..., None], boxes.half_extents * lengths),
         edge_labels=replace(labels, directions=labels.directions @ change, pivots=labels.pivots @ change),
     )
-    changed, expected = changed_graph(shape_graph(shape, CONFIG), shape, CONFIG, change), shape_graph(prepared, CONFIG)
+    changed, expected = transformed_graph(shape_graph(shape, CONFIG), shape, CONFIG, change), shape_graph(prepared, CONFIG)
     for field in fields(ShapeGraph):
         torch.testing.assert_close(getattr(changed, field.name), getattr(expected, field.name))
 
@@ -49,7 +49,7 @@ def test_a_changed_graph_is_that_of_a_shape_whose_boxes_and_labels_are_changed()
 def test_stretching_keeps_pivots_where_they_are_in_their_boxes() -> None:
     shape = cabinet(4)
     plain = shape_graph(shape, CONFIG)
-    stretched = changed_graph(plain, shape, CONFIG, np.diag([1.2, 0.9, 1.1]))
+    stretched = transformed_graph(plain, shape, CONFIG, np.diag([1.2, 0.9, 1.1]))
     turns = (plain.types >= 2) & (plain.types < 8)
 
     def places(graph: ShapeGraph) -> torch.Tensor:

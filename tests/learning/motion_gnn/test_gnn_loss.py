@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from kinmo.core.errors import InputError
-from kinmo.core.joint import CoarseType, MotionType
+from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.learning.motion_gnn.gnn_loss import class_weights, edge_losses
 from kinmo.learning.motion_gnn.gnn_network import EdgeOutput
 

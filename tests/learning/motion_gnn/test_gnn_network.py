@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from small_shapes import cabinet
 
 from kinmo.config import GnnConfig, load_config
-from kinmo.learning.motion_gnn.gnn_batches import shape_graph, thinned
+from kinmo.learning.motion_gnn.gnn_batches import shape_graph, subsampled
 from kinmo.learning.motion_gnn.gnn_network import EDGE_CHANNELS, MotionGnn, along_box, from_box
 from kinmo.learning.motion_gnn.hierarchy_graph import ShapeGraph, batch_graphs
 
@@ -51,7 +51,7 @@ def test_boxes_of_inner_parts_widen_one_layer() -> None:
 
 
 def graph(seed: int, config: GnnConfig = SMALL) -> ShapeGraph:
-    return thinned(shape_graph(cabinet(seed), config), 64)
+    return subsampled(shape_graph(cabinet(seed), config), 64)
 
 
 def test_a_shape_is_answered_alike_alone_and_among_others() -> None:
@@ -116,7 +116,7 @@ def test_an_unknown_word_gets_an_answer_near_that_of_its_kin() -> None:
 
     def logits(word: str) -> torch.Tensor:
         names = tuple(name.replace("handle", word) for name in shape.part_names)
-        return network(batch_graphs([thinned(shape_graph(replace(shape, part_names=names), SMALL), 64)])).logits
+        return network(batch_graphs([subsampled(shape_graph(replace(shape, part_names=names), SMALL), 64)])).logits
 
     known, kin, stranger = logits("handle"), logits("handlegrip"), logits("xylophone")
     assert torch.isfinite(stranger).all()

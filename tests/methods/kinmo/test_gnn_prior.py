@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small_shapes import cabinet_shape
 
-from kinmo.core.edge_labels import motion_type
-from kinmo.core.joint import KINDS, Joint, MotionType
+from kinmo.core.joint import KINDS, Joint
+from kinmo.core.motion_types import MotionType, motion_type
 from kinmo.features.candidate_features import Evidence
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape

@@ -6,14 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from articulated import shape_of_boxes
+from kinmo.methods.kinmo.ranked_mobility import SaidNodes, moving_nodes, predicted_bodies, ranked_bodies, with_limits
 from small_shapes import cabinet, cabinet_shape
 
-from kinmo.core.joint import Joint, JointKind, MotionType
+from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
+from kinmo.core.motion_types import MotionType
 from kinmo.features.prepared_shape import PreparedShape, leaf_meshes
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions
-from kinmo.methods.kinmo.ranked_mobility import SaidNodes, moving_nodes, predicted_bodies, ranked_bodies, with_limits
 from kinmo.methods.kinmo.ranking.ranked_joints import same_joint
 from kinmo.methods.kinmo.ranking.ranking_batches import View
 

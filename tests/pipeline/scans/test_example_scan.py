@@ -18,8 +18,8 @@ from kinmo.pipeline.scans.example_scan import ExampleScan
 from kinmo.pipeline.scans.predict_scans import PredictScans
 from kinmo.pipeline.scans.render_scans import Render
 from kinmo.pipeline.scans.scan_dataset import unfinished
-from kinmo.scans.scan_file import open_scans
-from kinmo.scans.scan_reader import read_scan
+from kinmo.scans.files.scan_file import open_scans
+from kinmo.scans.files.scan_reader import read_scan
 
 
 def test_an_example_is_the_test_scan_that_shows_all_parts_best(scanned: Scanned, tmp_path: Path) -> None:

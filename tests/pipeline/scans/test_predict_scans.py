@@ -10,6 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from kinmo.scans.files.camera_intrinsics import Intrinsics
+from kinmo.scans.object_structure import Structure
+from kinmo.scans.poses.scan_estimate import PartPoses, ScanEstimate
 from PIL import Image
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
 from scipy.spatial.transform import Rotation
@@ -25,11 +28,8 @@ from kinmo.pipeline.scans.predict_scans import PredictScans, scan_document
 from kinmo.pipeline.scans.scan_dataset import open_scan_dataset
 from kinmo.pipeline.scans.scan_networks import Cell
 from kinmo.pipeline.scans.train_scans import TrainAncsh
-from kinmo.scans.articulated_object import Structure
-from kinmo.scans.pose_fitting import PartPoses, ScanEstimate
-from kinmo.scans.renderers import NOTHING
-from kinmo.scans.scan_file import open_scans
-from kinmo.scans.scan_reader import Intrinsics
+from kinmo.scans.files.scan_file import open_scans
+from kinmo.scans.rendering.renderers import NO_PART
 
 
 def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_path: Path) -> None:
@@ -150,7 +150,7 @@ def test_networks_that_know_a_floor_leave_its_points_out(scanned: Scanned, tmp_p
     floored = Scanned(Workspace(tmp_path / "workspace"), str(config))
     floored.render(beside=()).run(Listener())
     training = open_scan_dataset(floored.workspace, CATEGORY).files["train"]
-    assert all((file.read("parts") == NOTHING).any() for file in training), "the floor is seen, and no part's"
+    assert all((file.read("parts") == NO_PART).any() for file in training), "the floor is seen, and no part's"
     floored.train("supervised").run(Listener())
     weights = Cell(CATEGORY, "supervised", 0).weights(floored.workspace)
     assert weights is not None
@@ -161,7 +161,7 @@ def test_networks_that_know_a_floor_leave_its_points_out(scanned: Scanned, tmp_p
     example.run(Listener())
     PredictScans(example.path, tmp_path / "out", floored.workspace, FAMILY, **HOW).run(Listener())
     with np.load(tmp_path / "out" / "scan.parts.npz") as labelled:
-        assert set(np.unique(labelled["parts"])) <= {NOTHING, 0, 1}
+        assert set(np.unique(labelled["parts"])) <= {NO_PART, 0, 1}
 
 
 def test_a_depth_image_in_millimetres_goes_through_the_command(scanned: Scanned, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kinmo.pipeline.scans.refusal import REFUSED
 from scan_road import CATEGORY, FAMILY, Scanned, pseudo_labelled, smaller
 from whole_road import Listener, contents
 
@@ -20,11 +21,10 @@ from kinmo.dataset.splits import Split
 from kinmo.dataset.store import read_header
 from kinmo.dataset.workspace import Workspace
 from kinmo.pipeline.scans import render_scans as render
-from kinmo.pipeline.scans.refusal import REFUSED
 from kinmo.pipeline.scans.render_scans import Render
 from kinmo.pipeline.scans.scan_dataset import LABELLED, open_scan_dataset, scans_of, unfinished
-from kinmo.scans.joint_states import opening
-from kinmo.scans.scan_file import ROLES, ScanFile, count_objects, open_scans
+from kinmo.scans.canonical.hinge_openings import hinge_opening
+from kinmo.scans.files.scan_file import ROLES, ScanFile, count_objects, open_scans
 
 
 def test_every_object_has_one_role_and_its_frames(scanned: Scanned) -> None:
@@ -35,7 +35,7 @@ def test_every_object_has_one_role_and_its_frames(scanned: Scanned) -> None:
         assert dataset.files[role], role
         drawn = Counter[str]()
         for file in dataset.files[role]:
-            drawn[file.id] += file.frames + sum(file.refused.values())
+            drawn[file.id] += file.frames + sum(file.skipped.values())
         assert set(drawn.values()) == {frames}, role
     labelled = {file.id for role in ("train", "validation", "test") for file in dataset.files[role]}
     assert not labelled & {file.id for file in dataset.files["hidden"]}
@@ -306,7 +306,7 @@ def test_hinges_whose_end_a_pseudo_label_does_not_know_open_as_far_as_labelled_o
         label.write_text(json.dumps(bodies), encoding="utf-8")
     Render(workspace, scanned.config, FAMILY).run(Listener())
     files = open_scan_dataset(workspace, CATEGORY).files
-    usual = [max(opening(file.joints[0]) or 0.0, math.pi / 2) for file in files["train"]]
+    usual = [max(hinge_opening(file.joints[0]) or 0.0, math.pi / 2) for file in files["train"]]
     assert files["pseudo"]
     for file in files["pseudo"]:
-        assert opening(file.joints[0]) in [pytest.approx(known) for known in usual]
+        assert hinge_opening(file.joints[0]) in [pytest.approx(known) for known in usual]

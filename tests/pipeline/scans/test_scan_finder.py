@@ -11,7 +11,7 @@ from whole_road import Listener
 
 from kinmo.pipeline.scans.predict_scans import PredictScans
 from kinmo.pipeline.scans.scan_finder import ScanFinder
-from kinmo.scans.scan_file import open_scans
+from kinmo.scans.files.scan_file import open_scans
 
 
 def test_a_finder_says_of_points_what_the_command_does(scanned: Scanned, tmp_path: Path) -> None:

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scanned_objects import cupboard_object, true_estimate
 
 from kinmo.config import ScansConfig
 from kinmo.core.errors import InputError
 from kinmo.evaluation.scan_metrics import FrameScore, score_frame
 from kinmo.pipeline.scans.scan_pictures import PICTURES, JudgedFrame, PictureBook, read_pictures, write_pictures
-from kinmo.scans.labelled_frames import scan
-from scanned import cupboard_object, true_estimate
+from kinmo.scans.rendering.labelled_frames import scan_object
 
 TARGET = cupboard_object()
-SEEN = scan(TARGET, ScansConfig(states=1, views=1, size=64, points=64), 3)
+SEEN = scan_object(TARGET, ScansConfig(states=1, views=1, size=64, points=64), 3)
 TRUE = true_estimate(TARGET, SEEN, 0)
 RIGHT = score_frame(TRUE, TRUE, TARGET.structure)
 WRONG = replace(RIGHT, rotation=RIGHT.rotation + np.radians(20.0))

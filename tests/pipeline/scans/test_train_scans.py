@@ -26,7 +26,7 @@ from kinmo.pipeline.scans.scan_dataset import open_scan_dataset
 from kinmo.pipeline.scans.scan_networks import Cell, scores_path, trained_cells
 from kinmo.pipeline.scans.train_scans import TrainAncsh
 from kinmo.pipeline.train_all import TrainAll
-from kinmo.scans.scan_file import ROLES, count_objects, open_scans
+from kinmo.scans.files.scan_file import ROLES, count_objects, open_scans
 from kinmo.view.scan_sections import picture_sections
 
 

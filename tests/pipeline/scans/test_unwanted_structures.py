@@ -7,6 +7,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from kinmo.scans.object_structure import Structure
 from scan_road import prepared_in
 from whole_road import Listener, contents
 
@@ -19,8 +20,7 @@ from kinmo.pipeline.scans.refusal import REFUSED, Refusal, read_refusal
 from kinmo.pipeline.scans.render_scans import Render
 from kinmo.pipeline.scans.render_summary import LINES
 from kinmo.pipeline.scans.scan_dataset import ScanDataset, open_scan_dataset, scans_of
-from kinmo.scans.articulated_object import Structure
-from kinmo.scans.scan_file import Role, count_objects, open_scans
+from kinmo.scans.files.scan_file import Role, count_objects, open_scans
 
 FAMILY, CATEGORY = "refrigerator", "Refrigerator"
 CHOSEN: tuple[Role, ...] = ("validation", "test", "hidden")

@@ -7,12 +7,12 @@ from typing import get_args
 
 import pytest
 import torch
+from tiny_ancsh import TINY, two_scans
 
 from kinmo.config import MeanOver, load_config
 from kinmo.scans.ancsh.ancsh_loss import ScanBatch, joint_losses, part_losses, relaxed_iou_loss, total
 from kinmo.scans.ancsh.ancsh_network import JointAnswers, LayoutAnswers, PartAnswers, PartNetwork
-from kinmo.scans.scan_file import ScanFile
-from tiny_ancsh import TINY, two_scans
+from kinmo.scans.files.scan_file import ScanFile
 
 
 def right_answers(file: ScanFile, batch: ScanBatch) -> tuple[PartAnswers, JointAnswers]:

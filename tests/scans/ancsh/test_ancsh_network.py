@@ -17,7 +17,7 @@ from kinmo.scans.ancsh.ancsh_loss import ScanBatch, joint_losses, part_losses, t
 from kinmo.scans.ancsh.ancsh_network import AncshNetwork, LayoutHead, PartMaps, PartNetwork
 from kinmo.scans.ancsh.pointnet2 import Level, levels_of
 from kinmo.scans.ancsh.scan_batches import ScanData
-from kinmo.scans.scan_file import ScanFile
+from kinmo.scans.files.scan_file import ScanFile
 
 UNUSED = {"confidence.weight", "confidence.bias"}
 """Parameters of the release that no loss trains."""

@@ -15,16 +15,16 @@ from kinmo.core.typed_tables import to_table
 from kinmo.learning.weights import save_weights
 from kinmo.scans.ancsh.ancsh_network import KIND, AncshNetwork, PartNetwork
 from kinmo.scans.ancsh.ancsh_predictor import Ancsh, to_naocs
-from kinmo.scans.category_prior import Typical
-from kinmo.scans.input_frame import base_axes, scan_rotations
-from kinmo.scans.scan_file import ScanFile
+from kinmo.scans.files.scan_file import ScanFile
+from kinmo.scans.poses.category_prior import CategoryPrior
+from kinmo.scans.preprocessing.input_frame import base_axes, initial_axes
 
 
 def test_how_large_a_scan_is_does_not_matter(file: ScanFile) -> None:
     torch.manual_seed(0)
     parts = file.structure.part_count
     network = AncshNetwork(TINY, parts, parts).eval()
-    networks = Ancsh(network, network, TINY, file.structure, Typical.unknown(file.structure), "cpu")
+    networks = Ancsh(network, network, TINY, file.structure, CategoryPrior.uninformative(file.structure), "cpu")
     points = file.read("points", 0).astype(np.float64)
     here, there = (networks.answer([cloud])[0] for cloud in (points, 1e5 * points))
     np.testing.assert_allclose(here.npcs, there.npcs, atol=5e-3)
@@ -35,7 +35,7 @@ def test_where_a_scan_lies_does_not_matter_to_networks_that_see_the_scan_alone(f
     torch.manual_seed(0)
     parts = file.structure.part_count
     network = AncshNetwork(SCAN_ALONE, parts, parts)
-    known = Typical.unknown(file.structure)
+    known = CategoryPrior.uninformative(file.structure)
     networks = Ancsh(network.eval(), network, SCAN_ALONE, file.structure, known, "cpu")
     points = file.read("points", 0).astype(np.float64)
     here, there = (networks.answer([cloud])[0] for cloud in (points, 2.5 * points + [1.0, 2.0, -3.0]))
@@ -59,9 +59,9 @@ def test_networks_look_again_along_the_axes_of_what_they_say_is_base(file: ScanF
     monkeypatch.setattr(Ancsh, "_said_parts", lambda self, seen: np.tile(parts, (len(seen), 1)))
     rotations = {}
     for axes in ("manhattan", "base"):
-        networks = Ancsh(network, network, replace(TINY, axes=axes), file.structure, Typical.unknown(file.structure), "cpu")
+        networks = Ancsh(network, network, replace(TINY, axes=axes), file.structure, CategoryPrior.uninformative(file.structure), "cpu")
         rotations[axes] = networks.answer([points])[0].frame.rotation
-    (first,) = scan_rotations(points[None], "manhattan")
+    (first,) = initial_axes(points[None], "manhattan")
     np.testing.assert_allclose(rotations["manhattan"], first)
     np.testing.assert_allclose(rotations["base"], base_axes(points[None], parts[None] == 0, first[None])[0])
     assert np.abs(rotations["base"] - first).max() > 0.1
@@ -70,7 +70,7 @@ def test_networks_look_again_along_the_axes_of_what_they_say_is_base(file: ScanF
 def test_no_scans_have_no_answers(file: ScanFile) -> None:
     count = file.structure.part_count
     network = AncshNetwork(TINY, count, count).eval()
-    assert Ancsh(network, network, TINY, file.structure, Typical.unknown(file.structure), "cpu").answer([]) == []
+    assert Ancsh(network, network, TINY, file.structure, CategoryPrior.uninformative(file.structure), "cpu").answer([]) == []
 
 
 @pytest.mark.parametrize("classes", [None, "two", 0, 10**9])
@@ -79,7 +79,7 @@ def test_weights_that_do_not_say_how_many_classes_they_tell_apart_are_refused_in
 ) -> None:
     count, structure = file.structure.part_count, file.structure
     facts = {"kinds": [kind.value for kind in structure.kinds], "parents": list(structure.parents)}
-    facts["typical"] = Typical.unknown(structure).to_data()
+    facts["typical"] = CategoryPrior.uninformative(structure).to_data()
     whole, other, broken = (tmp_path / f"{name}.safetensors" for name in ("whole", "other", "broken"))
     network, parts = AncshNetwork(TINY, count, count), PartNetwork(TINY, count, count)
     save_weights(whole, network, KIND, to_table(TINY), facts | {"classes": count})

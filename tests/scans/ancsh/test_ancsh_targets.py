@@ -8,8 +8,8 @@ import pytest
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.vector import Vector
 from kinmo.scans.ancsh.ancsh_targets import REACH, JointAxes, layout, surroundings
-from kinmo.scans.articulated_object import Extents, Structure
-from kinmo.scans.scan_file import ScanFile
+from kinmo.scans.files.scan_file import ScanFile
+from kinmo.scans.object_structure import Extents, Structure
 
 UP, AHEAD = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 STRUCTURE = Structure((JointKind.REVOLUTE, JointKind.REVOLUTE, JointKind.PRISMATIC), (0, 0, 0))

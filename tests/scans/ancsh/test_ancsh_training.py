@@ -15,8 +15,8 @@ from kinmo.config import AncshNetworkName, Precision
 from kinmo.core.errors import InputError
 from kinmo.scans.ancsh.ancsh_predictor import Ancsh
 from kinmo.scans.ancsh.ancsh_training import AncshLearner, train_ancsh
-from kinmo.scans.category_prior import Typical
-from kinmo.scans.scan_file import ScanFile
+from kinmo.scans.files.scan_file import ScanFile
+from kinmo.scans.poses.category_prior import CategoryPrior
 
 
 def test_training_makes_the_loss_smaller_and_what_is_written_answers_scans(file: ScanFile, tmp_path: Path) -> None:
@@ -26,7 +26,7 @@ def test_training_makes_the_loss_smaller_and_what_is_written_answers_scans(file:
         assert result.best_error < 0.95 * result.history[0]["validation/error"]
     networks = Ancsh.load(tmp_path / "ancsh" / "weights.safetensors", tmp_path / "npcs" / "weights.safetensors", "cpu")
     assert networks.structure == file.structure
-    assert networks.typical.to_data() == Typical.of([file]).to_data()
+    assert networks.typical.to_data() == CategoryPrior.from_scans([file]).to_data()
     answers, found = networks.find(list(file.read("points", slice(0, 3))))
     assert len(found) == 3
     assert all(len(said.parts) == 256 and said.npcs.shape == (256, 3) for said in answers)

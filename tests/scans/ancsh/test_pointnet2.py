@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from kinmo.learning.layers import gather_points
+from kinmo.learning.network_layers import gather_points
 from kinmo.scans.ancsh.pointnet2 import (
     MANY_ROWS,
     FeaturePropagation,

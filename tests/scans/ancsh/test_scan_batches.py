@@ -9,11 +9,11 @@ import pytest
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
+from tiny_ancsh import SCAN_ALONE, TINY, turned_apart
 
 from kinmo.scans.ancsh.scan_batches import ScanData, drawn, least_trusted, odds
-from kinmo.scans.input_frame import InputFrame, scan_rotations
-from kinmo.scans.scan_file import Role, ScanFile
-from tiny_ancsh import SCAN_ALONE, TINY, turned_apart
+from kinmo.scans.files.scan_file import Role, ScanFile
+from kinmo.scans.preprocessing.input_frame import InputFrame, initial_axes
 
 
 def test_objects_with_true_labels_have_their_share_of_a_batch() -> None:
@@ -78,6 +78,6 @@ def test_networks_that_look_once_see_scans_along_the_axes_of_all_that_is_seen(fi
     config = replace(SCAN_ALONE, axes="manhattan", points=len(file.read("points", row)))
     batch = ScanData([file], [file], config).batch([(file, row)], np.random.default_rng(0))
     whole = file.read("points", row)
-    (first,) = scan_rotations(whole[None], "manhattan")
+    (first,) = initial_axes(whole[None], "manhattan")
     seen = InputFrame.of(whole, "scan", rotation=first).apply(whole)
     np.testing.assert_allclose(np.sort(batch.points[0].numpy(), axis=0), np.sort(seen, axis=0), atol=1e-5)

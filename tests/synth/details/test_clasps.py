@@ -7,12 +7,12 @@ import pytest
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.carrying_handles import add_carrying_handle
-from kinmo.synth.details.clasps import add_clasp, drawn_clasp
-from kinmo.synth.details.door_locks import NAMES, add_door_lock
+from kinmo.synth.details.clasps import add_clasp, random_clasp
+from kinmo.synth.details.door_locks import LOCK_NAMES, add_door_lock
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Motion, Node
+from kinmo.synth.synth_object import Link, Motion, Node
 from kinmo.synth.primitives import X, Y, Z, box, transform
-from kinmo.synth.primitives.place import facing
+from kinmo.synth.primitives.transforms import facing
 
 SEEDS = range(60)
 
@@ -31,7 +31,7 @@ def at_end(pieces: list[Mesh], motion: Motion) -> np.ndarray:
 
 def test_clasps_leave_the_wall_or_stay_on_it() -> None:
     for seed in SEEDS:
-        for pieces, motion in drawn_clasp(draws(seed), 0.2).moving:
+        for pieces, motion in random_clasp(draws(seed), 0.2).moving:
             before = np.concatenate([piece.vertices for piece in pieces])
             after = at_end(pieces, motion)
             if motion.is_hinge and abs(motion.direction[2]) < 0.5 and not motion.no_limit:
@@ -42,7 +42,7 @@ def test_clasps_leave_the_wall_or_stay_on_it() -> None:
 def test_a_placed_clasp_is_the_same_clasp_elsewhere() -> None:
     place = facing(Y, Z, (0.3, 0.5, 0.1))
     for seed in SEEDS:
-        clasp = drawn_clasp(draws(seed), 0.2)
+        clasp = random_clasp(draws(seed), 0.2)
         links = add_clasp(draws(seed), Node("root"), carrier("body"), carrier("lid"), place, 0.2)
         assert len(links) == len(clasp.moving)
         for link, (pieces, motion) in zip(links, clasp.moving, strict=True):
@@ -72,7 +72,7 @@ def test_a_fixed_handle_belongs_to_its_carrier_in_the_pose_it_hangs_in() -> None
         assert np.mean([piece.vertices[:, 1].mean() for piece in owner.nodes[1].pieces]) < 0.0
 
 
-@pytest.mark.parametrize("kind", NAMES)
+@pytest.mark.parametrize("kind", LOCK_NAMES)
 def test_door_locks_turn_about_the_doors_normal_at_their_foot(kind: str) -> None:
     for seed in range(20):
         link = add_door_lock(draws(seed), Node("root"), carrier("door"), kind, (0.2, 0.3, 0.5), 0.1)

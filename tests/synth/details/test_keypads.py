@@ -6,7 +6,7 @@ import numpy as np
 
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node
+from kinmo.synth.synth_object import Link, Node
 from kinmo.synth.primitives import box
 
 

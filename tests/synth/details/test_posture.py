@@ -4,16 +4,16 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinmo.synth.details.posture import face, lay, reorient
+from kinmo.synth.details.posture import turn_about_up, lay_down, move_object
 from kinmo.synth.draw import Draw
-from kinmo.synth.families import family
-from kinmo.synth.model import SynthObject
-from kinmo.synth.primitives.place import rotation_about
+from kinmo.synth.families import family_builder
+from kinmo.synth.synth_object import SynthObject
+from kinmo.synth.primitives.transforms import rotation_about
 
 
 def scissors(seed: int) -> SynthObject:
-    shape = family("scissors")(Draw(np.random.default_rng(seed)))
-    shape.settle()
+    shape = family_builder("scissors")(Draw(np.random.default_rng(seed)))
+    shape.apply_rest_pose()
     return shape
 
 
@@ -29,10 +29,10 @@ def test_turning_the_object_carries_its_joints_along(seed: int, degrees: float) 
     before = link.motion
     matrix = rotation_about((0.3, 1.0, -0.2), degrees, (0.5, 0.1, -0.4))
     still = corners(shape)
-    reorient(shape, matrix)
+    move_object(shape, matrix)
     after = link.motion
     assert np.allclose(corners(shape), still @ matrix[:3, :3].T + matrix[:3, 3])
-    # Moving and then turning the object is turning the object and then moving.
+    # MovingPart and then turning the object is turning the object and then moving.
     assert np.allclose(matrix @ before.at(17.0), after.at(17.0) @ matrix)
 
 
@@ -42,6 +42,6 @@ def test_lying_and_facing_keep_lengths(seed: int) -> None:
     shape = scissors(seed)
     before = np.sort(np.ptp(corners(shape), axis=0))
     draw = Draw(np.random.default_rng(seed))
-    lay(draw, shape)
-    face(draw, shape)
+    lay_down(draw, shape)
+    turn_about_up(draw, shape)
     assert np.allclose(np.sort(np.ptp(corners(shape), axis=0)), before)

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from kinmo.synth.details.spouts import add_spout, arm_path, neck_path
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Node
+from kinmo.synth.synth_object import Node
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinmo.synth.details.turning_handles import lever, turned_cap, turning_handle
+from kinmo.synth.details.turning_handles import lever, revolved_cap, turning_handle
 from kinmo.synth.draw import Draw
 
 seeds = st.integers(0, 2**32 - 1)
@@ -38,6 +38,6 @@ def test_a_lever_reaches_to_the_front_and_is_even_to_both_sides(seed: int) -> No
 @settings(max_examples=50)
 @given(seeds)
 def test_a_cap_fills_its_height(seed: int) -> None:
-    cap = corners([turned_cap(Draw(np.random.default_rng(seed)), 0.2, 0.3)])
+    cap = corners([revolved_cap(Draw(np.random.default_rng(seed)), 0.2, 0.3)])
     assert np.isclose(cap[:, 1].min(), 0.0)
     assert np.isclose(cap[:, 1].max(), 0.3)

@@ -1,4 +1,4 @@
-"""Moving parts do not go through the rest, by winding numbers, which need no convex pieces."""
+"""MovingPart parts do not go through the rest, by winding numbers, which need no convex pieces."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from kinmo.synth.mechanisms.hollow import hollow
 from kinmo.synth.mechanisms.slab import slab
 from kinmo.synth.mechanisms.slender import slender
 from kinmo.synth.mechanisms.turning import treadle
-from kinmo.synth.model import Link, SynthObject
+from kinmo.synth.synth_object import Link, SynthObject
 from kinmo.synth.primitives import Y
 
 SEEDS = 40
@@ -45,7 +45,7 @@ def test_a_body_and_its_mechanisms_are_sound(style: Callable[[Draw, bool], Synth
         for link in moving:
             assert link.motion is not None and link.parent in made.links
             points = points_of(link)
-            if link.motion.has_place:
+            if link.motion.has_position:
                 offsets = box_grid(points) - link.motion.origin
                 across = offsets - np.outer(offsets @ link.motion.direction, link.motion.direction)
                 assert np.linalg.norm(across, axis=1).min() < 0.1 * size, (link.name, link.motion)
@@ -58,8 +58,8 @@ def test_a_lid_that_is_lifted_leaves_the_body_upwards() -> None:
     for made in built(hollow):
         for link in made.links[1:]:
             if link.name in LIDS and link.motion is not None and not link.motion.is_hinge:
-                assert link.motion.direction @ Y > 0.99 or link.motion.has_place
-                lifted += not link.motion.has_place
+                assert link.motion.direction @ Y > 0.99 or link.motion.has_position
+                lifted += not link.motion.has_position
     assert lifted > 5
 
 
@@ -89,7 +89,7 @@ def test_the_keys_of_a_slab_go_into_it_and_keep_apart() -> None:
     for made in built(slab):
         plate = next(iter(made.links[0].leaves())).pieces[0].vertices
         middle = 0.5 * (plate.min(axis=0) + plate.max(axis=0))
-        keys = [link for link in made.links if link.motion and not link.motion.has_place and link.motion.b == 0.0]
+        keys = [link for link in made.links if link.motion and not link.motion.has_position and link.motion.b == 0.0]
         keyboards += bool(keys)
         for key in keys:
             assert key.motion is not None

@@ -10,23 +10,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms import FITTED, MECHANISMS, Builder, Moving
-from kinmo.synth.mechanisms.fronts import INSIDE
-from kinmo.synth.mechanisms.model import Mechanism
-from kinmo.synth.mechanisms.mount import DOORS, LIDS, mount
-from kinmo.synth.model import Link, Node, hinge, slider
+from kinmo.synth.mechanisms import STRETCHABLE, MECHANISMS, MechanismBuilder, MovingPart
+from kinmo.synth.mechanisms.fronts import INTERIORS
+from kinmo.synth.mechanisms.mechanism_model import Mechanism
+from kinmo.synth.mechanisms.mount import DOOR_NAMES, LID_NAMES, mount
+from kinmo.synth.synth_object import Link, Node, hinge, slider
 from kinmo.synth.primitives import X, Y, Z, box, scale, transform
 
 BUILDERS = sorted(set(MECHANISMS), key=lambda builder: builder.__name__)
 SEEDS = 25
 
 
-def points_of(part: Moving) -> np.ndarray:
+def points_of(part: MovingPart) -> np.ndarray:
     return np.concatenate([piece.vertices for piece in part.pieces])
 
 
 @pytest.mark.parametrize("builder", BUILDERS, ids=lambda builder: builder.__name__)
-def test_a_mechanism_stands_on_its_mount(builder: Builder) -> None:
+def test_a_mechanism_stands_on_its_mount(builder: MechanismBuilder) -> None:
     """Of all pieces, some reach the plane z = 0, and none is farther away than the cell is wide, but for what sticks out."""
     for seed in range(SEEDS):
         mechanism = builder(Draw(np.random.default_rng(seed)))
@@ -39,44 +39,44 @@ def test_a_mechanism_stands_on_its_mount(builder: Builder) -> None:
 
 
 @pytest.mark.parametrize("builder", BUILDERS, ids=lambda builder: builder.__name__)
-def test_a_joint_passes_its_part(builder: Builder) -> None:
+def test_a_joint_passes_its_part(builder: MechanismBuilder) -> None:
     for seed in range(SEEDS):
         for part in builder(Draw(np.random.default_rng(seed))).moving:
             motion = part.motion
             assert np.isclose(np.linalg.norm(motion.direction), 1.0)
             assert motion.no_limit or motion.a < motion.b
-            if motion.has_place:
+            if motion.has_position:
                 offsets = points_of(part) - motion.origin
                 across = np.linalg.norm(offsets - np.outer(offsets @ motion.direction, motion.direction), axis=1)
                 assert across.min() < 0.5 * np.linalg.norm(np.ptp(points_of(part), axis=0)), builder.__name__
 
 
 @pytest.mark.parametrize("builder", BUILDERS, ids=lambda builder: builder.__name__)
-def test_what_carries_a_part_comes_before_it(builder: Builder) -> None:
+def test_what_carries_a_part_comes_before_it(builder: MechanismBuilder) -> None:
     for seed in range(SEEDS):
-        seen: list[Moving] = []
+        seen: list[MovingPart] = []
         for part in builder(Draw(np.random.default_rng(seed))).moving:
             assert part.on is None or part.on in seen
             seen.append(part)
 
 
-@given(st.sampled_from(sorted(set(FITTED), key=lambda builder: builder.__name__)), st.integers(0, 1000))
-def test_fitted_mechanisms_move_along_axes_of_their_cell(builder: Builder, seed: int) -> None:
+@given(st.sampled_from(sorted(set(STRETCHABLE), key=lambda builder: builder.__name__)), st.integers(0, 1000))
+def test_fitted_mechanisms_move_along_axes_of_their_cell(builder: MechanismBuilder, seed: int) -> None:
     for part in builder(Draw(np.random.default_rng(seed))).moving:
         assert np.isclose(np.abs(part.motion.direction).max(), 1.0)
 
 
-@pytest.mark.parametrize(("direction", "names"), [(Y, DOORS), (-Y, DOORS), (X, LIDS), (Z, LIDS)])
+@pytest.mark.parametrize(("direction", "names"), [(Y, DOOR_NAMES), (-Y, DOOR_NAMES), (X, LID_NAMES), (Z, LID_NAMES)])
 def test_panels_are_mostly_called_by_how_their_hinge_lies(direction: np.ndarray, names: tuple[str, ...]) -> None:
     draw = Draw(np.random.default_rng(3))
     called = []
     for _ in range(200):
-        panel = Moving(draw.pick([*DOORS, *LIDS]), [box((1, 1, 0.1))], hinge((0, 0, 0), direction, 0.0, 90.0))
+        panel = MovingPart(draw.pick([*DOOR_NAMES, *LID_NAMES]), [box((1, 1, 0.1))], hinge((0, 0, 0), direction, 0.0, 90.0))
         called += [link.name for link in mount(draw, Mechanism([panel]), 1.0, np.eye(4), Node("group"), Link("base", []))]
     assert 0.8 < np.mean([name in names for name in called]) < 1.0
 
 
-@pytest.mark.parametrize("builder", INSIDE, ids=lambda builder: builder.__name__)
+@pytest.mark.parametrize("builder", INTERIORS, ids=lambda builder: builder.__name__)
 def test_what_is_behind_a_door_fits_there(builder: Callable[[Draw, float, float, float], Mechanism]) -> None:
     for seed in range(SEEDS):
         draw = Draw(np.random.default_rng(seed))

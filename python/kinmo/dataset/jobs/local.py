@@ -10,29 +10,27 @@ import multiprocessing
 import os
 import signal
 import sys
-import threading
 from collections.abc import Callable, Generator, Iterable, Iterator, Sized
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from itertools import islice
-from multiprocessing import connection
-from multiprocessing.reduction import ForkingPickler
-from typing import Any, Generic, Literal
+from multiprocessing import connection, resource_tracker
+from typing import Any, Generic
 
+from kinmo.dataset.jobs.local_worker import Kind, serve
 from kinmo.dataset.jobs.runner import Failure, Job, Result
 from kinmo.dataset.jobs.worker import THREAD_VARIABLES, Owner, attempt, owned_by
 
 LOST = Failure("its process died (too little memory?)")
-_Kind = Literal["ready", "message", "allows kill", "result", "error"]
 
 
 @dataclass(frozen=True)
 class LocalRunner:
     """Runs jobs on this machine.
 
-    Results do not depend on the number of workers. A job whose process dies runs once more at the end, alone, because other jobs
-    may have taken the memory. Workers end with this process, however it ends.
+    Results do not depend on the number of workers. A job whose process dies runs once more at the end, alone: other jobs may
+    have taken the memory. Workers end with this process, however it ends.
 
     Args:
         workers: Number of processes. With 1 or less, jobs run in this process, in order.
@@ -79,7 +77,7 @@ class _Worker(Generic[Job, Result]):
     def __init__(self, function: Callable[[Job], Result], threads: int) -> None:
         context = multiprocessing.get_context("spawn")
         self.pipe, far_end = context.Pipe()
-        self.process = context.Process(target=_serve, args=(function, far_end), daemon=True)
+        self.process = context.Process(target=serve, args=(function, far_end), daemon=True)
         # an interrupt cannot cut short what another thread starts
         with far_end, _thread_variables(threads), ThreadPoolExecutor(1, initializer=_block_interrupts) as starter:
             starter.submit(self.process.start).result()
@@ -90,10 +88,10 @@ class _Worker(Generic[Job, Result]):
             self.pipe.send(job)
         self.may_be_killed = False
 
-    def receive(self) -> tuple[_Kind, Any]:
+    def receive(self) -> tuple[Kind, Any]:
         """What the worker sends next; the result `LOST` if it is dead."""
         may_be_killed, self.may_be_killed = self.may_be_killed, True  # an interrupt here leaves half a message in the pipe
-        kind: _Kind
+        kind: Kind
         try:
             kind, value = self.pipe.recv()
         except (EOFError, OSError):
@@ -102,6 +100,13 @@ class _Worker(Generic[Job, Result]):
         self.is_busy &= kind not in ("result", "error")
         self.may_be_killed = may_be_killed or kind == "allows kill"
         return kind, value
+
+    def end_if_allowed(self) -> bool:
+        """Kill the worker if its job allows that."""
+        if self.may_be_killed:
+            self.process.kill()
+            self.is_busy = False
+        return self.may_be_killed
 
 
 def _on_processes(
@@ -150,12 +155,8 @@ def _with_news(workers: list[_Worker[Job, Result]]) -> list[_Worker[Job, Result]
 def _end(workers: list[_Worker[Job, Result]]) -> None:
     """End workers after their job, or at once if that allows it. A second Ctrl-C kills all."""
     try:
-        while busy := [each for each in workers if each.is_busy]:
-            for worker in busy:
-                if worker.may_be_killed:
-                    worker.process.kill()
-                    worker.is_busy = False
-            for worker in _with_news([each for each in busy if each.is_busy]):
+        while busy := [each for each in workers if each.is_busy and not each.end_if_allowed()]:
+            for worker in _with_news(busy):
                 worker.receive()
         for worker in workers:
             worker.pipe.close()
@@ -170,6 +171,7 @@ def _end(workers: list[_Worker[Job, Result]]) -> None:
 def _block_interrupts() -> None:
     """Processes that this thread starts never see Ctrl-C."""
     if hasattr(signal, "pthread_sigmask"):
+        resource_tracker.ensure_running()  # starts with the first process, and would unblock them
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 
@@ -199,34 +201,3 @@ def _torch_threads(threads: int) -> Iterator[None]:
         yield
     finally:
         torch.set_num_threads(before)
-
-
-def _serve(function: Callable[[Job], Result], pipe: connection.Connection) -> None:
-    """Body of a worker. It ends when the owner closes the pipe, and at once when the owner dies."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_owner, daemon=True).start()
-
-    def send(kind: _Kind, value: Any = None) -> None:
-        pipe.send((kind, value))
-
-    def pickled_result(job: Job) -> Any:
-        return ForkingPickler.dumps(("result", function(job)))
-
-    owner = Owner(lambda message: send("message", message), lambda: send("allows kill"))
-    with suppress(EOFError, BrokenPipeError), owned_by(owner):
-        send("ready")
-        while True:
-            job = pipe.recv()
-            try:
-                result = attempt(pickled_result, job)
-            except BaseException as error:
-                send("error", error)
-            else:
-                send("result", result) if isinstance(result, Failure) else pipe.send_bytes(result)
-
-
-def _end_with_owner() -> None:
-    owner = multiprocessing.parent_process()
-    if owner is not None:
-        connection.wait([owner.sentinel])
-        os._exit(1)

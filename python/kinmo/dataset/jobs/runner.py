@@ -29,9 +29,9 @@ class JobRunner(Protocol):
     ) -> Generator[tuple[Job, Result | Failure], None, None]:
         """Run `function` over all jobs.
 
-        Only a few jobs per worker are taken from `jobs` ahead of time: memory does not grow with their number. Ctrl-C and closing
-        the generator end the run. Waiting jobs are dropped, running jobs finish. Jobs that called `allow_kill` are killed, and
-        after a second Ctrl-C all are.
+        Only a few jobs per worker are taken from `jobs` ahead of time: memory does not grow with their number.
+        Ctrl-C and closing the generator end the run. Waiting jobs are dropped, and running jobs finish. Jobs that called
+        `allow_kill` are killed. A second Ctrl-C kills all.
 
         Args:
             function: A picklable function that workers can import by name.

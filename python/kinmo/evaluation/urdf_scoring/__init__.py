@@ -1,17 +1,17 @@
-"""Anybody's URDF files, scored against PartNet-Mobility (docs/metrics.md, "URDF files")."""
+"""Scoring of URDF files from any tool against PartNet-Mobility (docs/metrics.md, "URDF files")."""
 
-from kinmo.evaluation.urdf_scoring.urdf_folders import FilesReport, find_urdf, score_files, summarise
+from kinmo.evaluation.urdf_scoring.urdf_folders import UrdfReport, find_urdf, score_urdf_folder, summarise_urdf_scores
 from kinmo.evaluation.urdf_scoring.urdf_scores import ObjectScore, PartScore, score_urdf
-from kinmo.evaluation.urdf_scoring.urdf_tables import failures_table, files_table
+from kinmo.evaluation.urdf_scoring.urdf_tables import urdf_failures_table, urdf_table
 
 __all__ = [
-    "FilesReport",
     "ObjectScore",
     "PartScore",
-    "failures_table",
-    "files_table",
+    "UrdfReport",
     "find_urdf",
-    "score_files",
     "score_urdf",
-    "summarise",
+    "score_urdf_folder",
+    "summarise_urdf_scores",
+    "urdf_failures_table",
+    "urdf_table",
 ]

@@ -1,4 +1,4 @@
-"""Finding the frame that a prediction is written in: one of 24 rotations, a scale and a shift."""
+"""Alignment of a predicted object with the truth: one of 24 rotations, a scale and a shift."""
 
 from __future__ import annotations
 
@@ -12,22 +12,27 @@ from kinmo.core.frames import Y_UP_TO_Z_UP
 from kinmo.evaluation.urdf_scoring.sampled_surface import NEIGHBOURS, Points, Surface
 
 PREFERRED = (Y_UP_TO_Z_UP.T, np.eye(3), np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]))
-"""Where two frames fit equally well: PartNet-Mobility's z-up, the file's own y-up, plain z-up."""
-
+"""Rotations to prefer where several fit equally well: PartNet-Mobility's z-up, the file's own y-up, plain z-up."""
 COARSE, FINE = 300, 2000
+"""Samples a side in the first and the second round of the search."""
 SHORTLIST = 9
-HOPELESS = 0.02
-"""In diagonals: a guess that is so much worse than the best on a few samples is not measured on many."""
-REFINED = 3
-REFINE_ABOVE = 1e-3
-REFINE_STEPS = 12
+"""Candidates that pass the first round."""
+MAX_COARSE_EXCESS = 0.02
+"""Candidates whose coarse residual exceeds the best by more than this (diagonals) are dropped."""
+REFINED, REFINE_ABOVE, REFINE_STEPS = 3, 1e-3, 12
+"""The best three candidates are refined in 12 steps, if their residual is above 0.1 % of the diagonal."""
 TRIM = 0.8
+"""Share of the nearer samples that refinement fits."""
 TIE_FACTOR, TIE_OFFSET = 1.1, 1e-4
+"""Candidates with a residual of at most 1.1 times the best plus 0.0001 diagonals fit equally well."""
 
 
 @dataclass(frozen=True, eq=False)
 class Similarity:
-    """true = scale * rotation @ predicted + shift; `residual` is how far the surfaces then are apart, in true diagonals."""
+    """A similarity: true = scale * rotation @ predicted + shift.
+
+    `residual` is the mean distance of the aligned surfaces, in true diagonals.
+    """
 
     rotation: NDArray[np.float64]
     scale: float
@@ -35,23 +40,30 @@ class Similarity:
     residual: float = np.inf
 
     def apply(self, points: Points) -> Points:
+        """Predicted points [..., 3] in the frame of the truth."""
         return np.asarray(self.scale * points @ self.rotation.T + self.shift)
 
     def undo(self, points: Points) -> Points:
+        """True points [..., 3] in the frame of the prediction."""
         return np.asarray((points - self.shift) @ self.rotation / self.scale)
 
 
 def axis_rotations() -> list[NDArray[np.float64]]:
-    """The 24 rotations that take axes to axes."""
+    """The 24 rotations [3, 3] that map coordinate axes to coordinate axes."""
     matrices = [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
     return [matrix for matrix in matrices if np.linalg.det(matrix) > 0]
 
 
-def align(kept: Surface, everything: Surface, predicted: Surface) -> Similarity:
-    """The similarity that lays `predicted` on the truth.
+def align_surfaces(kept: Surface, everything: Surface, predicted: Surface) -> Similarity:
+    """Find the similarity that aligns a prediction with the truth.
 
-    The prediction may have or lack the truth's junk: it is looked for in `everything`, and must cover `kept`, the truth without
-    junk. The residual is the mean of the two directed mean distances over the diagonal of `kept`.
+    The prediction may contain the truth's junk or not. It is searched for in `everything` and must cover `kept`. The residual
+    is the mean of the two directed mean distances over the diagonal of `kept`.
+
+    Args:
+        kept: Surface of the truth without junk.
+        everything: Surface of the truth with junk.
+        predicted: Surface of the prediction in its own frame.
     """
 
     def measured(guess: Similarity, count: int, neighbours: int = NEIGHBOURS) -> Similarity:
@@ -64,7 +76,7 @@ def align(kept: Surface, everything: Surface, predicted: Surface) -> Similarity:
         return sorted(guesses, key=lambda guess: guess.residual)
 
     guesses = by_residual([measured(guess, COARSE, 1) for guess in _guesses(kept, everything, predicted)])[:SHORTLIST]
-    guesses = [guess for guess in guesses if guess.residual <= guesses[0].residual + HOPELESS]
+    guesses = [guess for guess in guesses if guess.residual <= guesses[0].residual + MAX_COARSE_EXCESS]
     guesses = by_residual([measured(guess, FINE) for guess in guesses])
     improvable = [guess for guess in guesses[:REFINED] if guess.residual > REFINE_ABOVE]
     guesses += [measured(_refined(guess, everything, predicted.points[:FINE]), FINE) for guess in improvable]
@@ -73,7 +85,7 @@ def align(kept: Surface, everything: Surface, predicted: Surface) -> Similarity:
 
 
 def _guesses(kept: Surface, everything: Surface, predicted: Surface) -> list[Similarity]:
-    """Every rotation with the lengths as they are, and with the boxes laid on each other, with and without junk."""
+    """Every rotation with unchanged lengths, and with the boxes aligned, with and without junk."""
     targets = [kept] if everything is kept else [kept, everything]
     guesses = []
     for rotation in axis_rotations():
@@ -85,7 +97,7 @@ def _guesses(kept: Surface, everything: Surface, predicted: Surface) -> list[Sim
 
 
 def _refined(guess: Similarity, everything: Surface, probes: Points) -> Similarity:
-    """Scale and shift that fit the nearer 80 % of the probes best, found by alternating with nearest points."""
+    """The guess with the scale and shift that fit the nearer 80 % of the probes best, by trimmed iterative closest points."""
     turned = probes @ guess.rotation.T
     scale, shift = guess.scale, guess.shift
     for _ in range(REFINE_STEPS):
@@ -100,4 +112,5 @@ def _refined(guess: Similarity, everything: Surface, probes: Points) -> Similari
 
 
 def _preference(rotation: NDArray[np.float64]) -> int:
-    return next((rank for rank, wanted in enumerate(PREFERRED) if np.array_equal(rotation, wanted)), len(PREFERRED))
+    """Rank of a rotation among the preferred ones; the others come last."""
+    return next((rank for rank, preferred in enumerate(PREFERRED) if np.array_equal(rotation, preferred)), len(PREFERRED))

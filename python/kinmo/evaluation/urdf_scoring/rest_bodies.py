@@ -1,4 +1,4 @@
-"""The rigid bodies of a URDF, at rest, in the frame of its root link."""
+"""Rigid bodies of a URDF at rest (all joints at zero), in the frame of its root link."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from kinmo.io.readers.urdf_meshes import NO_TRIANGLES, Triangles
 from kinmo.io.readers.urdf_reader import JointElement, Matrix, RobotFile
 
 FIXED = "fixed"
+"""Type of a URDF joint that does not move."""
 KINDS = {
     "revolute": JointKind.REVOLUTE,
     "continuous": JointKind.REVOLUTE,
@@ -20,15 +21,21 @@ KINDS = {
     "screw": JointKind.SCREW,
     "cylindrical": JointKind.SCREW,
 }
-SAME_AXIS_WITHIN = math.radians(5.0)
-"""A slide and a turn in a row about axes closer than this are a screw."""
+"""Kinds of joints by the type of the URDF joint. Other types move, but are none of kinmo's kinds."""
+SAME_AXIS_ANGLE = math.radians(5.0)
+"""A slider and a hinge in a row are a screw if their axes are at most this far apart, in radians."""
 
 
 @dataclass(frozen=True, eq=False)
 class RobotBody:
-    """Links that move as one. `moves` without a `joint` is a motion that is none of kinmo's kinds.
+    """Links that move as one rigid body.
 
-    `parent` is the index of the body it moves against.
+    Attributes:
+        name: Name of the topmost link.
+        triangles: Triangles [T, 3, 3] in the frame of the root link.
+        parent: Index of the body that this one moves against; None for a top body.
+        joint: The joint to the parent; None if there is none, or none of kinmo's kinds.
+        moves: True if the body moves against its parent, also without a `joint`.
     """
 
     name: str
@@ -39,26 +46,28 @@ class RobotBody:
 
 
 def robot_bodies(robot: RobotFile) -> tuple[RobotBody, ...]:
-    """The bodies that have geometry, each after its parent.
+    """The bodies of a robot that have geometry, each after its parent.
 
-    Links that are fastened to each other are one body, and a chain of joints through bodies without geometry is one joint. A
-    single top body is the base and does not move, even where a joint ties it to an empty world.
+    Links with a fixed joint between them are one body. A chain of joints through bodies without geometry is one joint. A single
+    top body is the base and does not move, even if a joint connects it to an empty world.
     """
-    above = robot.above
+    above = robot.joint_above
     poses: dict[str, Matrix] = {}
     head: dict[str, str] = {}
     pieces: dict[str, list[Triangles]] = {}
     for name in robot.links:
         poses[name] = poses[above[name].parent] @ above[name].pose if name in above else np.eye(4)
-        fastened = name in above and above[name].type == FIXED
-        head[name] = head[above[name].parent] if fastened else name
+        is_fixed = name in above and above[name].type == FIXED
+        head[name] = head[above[name].parent] if is_fixed else name
         world = [_moved(poses[name] @ pose, triangles) for triangles, pose in robot.pieces[name]]
         pieces.setdefault(head[name], []).extend(world)
-    soups = {name: np.concatenate([NO_TRIANGLES, *parts]) for name, parts in pieces.items()}
+    triangles_of_head = {name: np.concatenate([NO_TRIANGLES, *parts]) for name, parts in pieces.items()}
 
     bodies: list[RobotBody] = []
     index: dict[str, int] = {}
-    for name in (name for name in soups if len(soups[name])):
+    for name, triangles in triangles_of_head.items():
+        if not len(triangles):
+            continue
         link, chain = name, []
         while link in above:
             chain.append((above[link], poses[link]))
@@ -66,15 +75,15 @@ def robot_bodies(robot: RobotFile) -> tuple[RobotBody, ...]:
             if link in index:
                 break
         index[name] = len(bodies)
-        bodies.append(RobotBody(name, soups[name], index.get(link) if chain else None, _joint(chain), bool(chain)))
-    tops = [place for place, body in enumerate(bodies) if body.parent is None]
+        bodies.append(RobotBody(name, triangles, index.get(link) if chain else None, _joint(chain), bool(chain)))
+    tops = [number for number, body in enumerate(bodies) if body.parent is None]
     if len(tops) == 1:
         bodies[tops[0]] = replace(bodies[tops[0]], joint=None, moves=False)
     return tuple(bodies)
 
 
 def _joint(chain: list[tuple[JointElement, Matrix]]) -> Joint | None:
-    """The joint that a chain of joints amounts to, with the poses of their child links; None if it is none of kinmo's."""
+    """The joint equal to a chain of joints, each with the pose of its child link; None if it is none of kinmo's kinds."""
     joints = [
         Joint(KINDS[element.type], pose[:3, :3] @ element.axis, pose[:3, 3], *(element.limits or (None, None)))
         for element, pose in chain
@@ -88,7 +97,7 @@ def _joint(chain: list[tuple[JointElement, Matrix]]) -> Joint | None:
     if len(joints) > 2 or set(by_kind) != {JointKind.REVOLUTE, JointKind.PRISMATIC}:
         return None
     turn, slide = by_kind[JointKind.REVOLUTE], by_kind[JointKind.PRISMATIC]
-    if axis_error(turn.direction, slide.direction) > SAME_AXIS_WITHIN:
+    if axis_error(turn.direction, slide.direction) > SAME_AXIS_ANGLE:
         return None
     along = slide if np.dot(turn.direction, slide.direction) >= 0 else slide.reversed()
     return Joint(JointKind.SCREW, turn.direction, turn.pivot, along.lower, along.upper)

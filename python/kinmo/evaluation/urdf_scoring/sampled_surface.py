@@ -1,4 +1,4 @@
-"""Sampled surfaces that know how far a point is from them."""
+"""Sampled surfaces with distance queries."""
 
 from __future__ import annotations
 
@@ -12,19 +12,31 @@ from trimesh import triangles as trimesh_triangles
 from kinmo.io.readers.urdf_meshes import Triangles
 
 Points = NDArray[np.float64]
-"""[N, 3]."""
+"""Points [N, 3]."""
 
 NEIGHBOURS = 6
+"""Nearest samples whose triangles a distance query looks at."""
 
 
 def triangle_areas(triangles: Triangles) -> NDArray[np.float64]:
-    """Areas [T]."""
+    """Areas [T] of triangles [T, 3, 3]."""
     sides = triangles[:, 1:] - triangles[:, :1]
     return np.asarray(0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1))
 
 
 class Surface:
-    """A triangle soup with area-uniform samples, each of which remembers its triangle."""
+    """Triangles with samples that are uniform by area. Each sample knows its triangle.
+
+    Args:
+        triangles: Triangles [T, 3, 3], connected or not.
+        count: Number N of samples.
+        rng: Source of random numbers.
+
+    Attributes:
+        points: The samples [N, 3].
+        chosen: The triangle [N, 3, 3] of each sample.
+        low, high: Corners [3] of the axis-aligned box.
+    """
 
     def __init__(self, triangles: Triangles, count: int, rng: np.random.Generator) -> None:
         areas = triangle_areas(triangles)
@@ -40,16 +52,18 @@ class Surface:
 
     @property
     def diagonal(self) -> float:
+        """Diagonal of the axis-aligned box."""
         return float(np.linalg.norm(self.high - self.low))
 
     @property
     def middle(self) -> Points:
+        """Middle [3] of the axis-aligned box."""
         return np.asarray(0.5 * (self.low + self.high))
 
     def nearest(self, queries: Points, neighbours: int = NEIGHBOURS) -> tuple[NDArray[np.float64], Points]:
-        """Distance [N] of each query from the surface, and the point [N, 3] there.
+        """Distance [N] of each query [N, 3] from the surface, and the nearest point [N, 3] of the surface.
 
-        Exact on the triangles of the `neighbours` nearest samples; never more than the distance to the nearest sample.
+        Exact on the triangles of the `neighbours` nearest samples, and never more than the distance to the nearest sample.
         """
         count = min(neighbours, len(self.points))
         _, index = self._tree.query(queries, k=list(range(1, count + 1)))
@@ -60,7 +74,7 @@ class Surface:
         return np.take_along_axis(distances, best, 1)[:, 0], np.take_along_axis(feet, best[..., None], 1)[:, 0]
 
     def distances_within(self, queries: Points, reach: float) -> NDArray[np.float64]:
-        """Distance [N] of each query from the surface, infinite for those that are not even within `reach` of its box."""
+        """Distance [N] of each query [N, 3] from the surface; infinite if it is farther than `reach` from the surface's box."""
         distances = np.full(len(queries), np.inf)
         near = np.all((queries >= self.low - reach) & (queries <= self.high + reach), axis=1)
         if near.any():
@@ -69,13 +83,13 @@ class Surface:
 
 
 def closest_points(triangles: Triangles, queries: Points) -> Points:
-    """The point of each triangle that is nearest to its query; not finite for a triangle without area."""
+    """The nearest point [N, 3] of each triangle [N, 3, 3] to its query [N, 3]; not finite for a triangle without area."""
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(trimesh_triangles.closest_point(triangles, queries))  # type: ignore[no-untyped-call]
 
 
-def sampled(pieces: Sequence[Triangles], total: int, least: int, rng: np.random.Generator) -> list[Surface]:
-    """The surfaces of several pieces: about `total` samples shared out by area, and at least `least` a piece."""
+def sample_surfaces(pieces: Sequence[Triangles], total: int, min_samples: int, rng: np.random.Generator) -> list[Surface]:
+    """Sample several surfaces with about `total` samples in proportion to their areas, and at least `min_samples` each."""
     areas = np.array([triangle_areas(piece).sum() for piece in pieces])
     share = areas / areas.sum() if areas.sum() > 0 else np.zeros(len(pieces))
-    return [Surface(piece, max(least, int(total * part)), rng) for piece, part in zip(pieces, share, strict=True)]
+    return [Surface(piece, max(min_samples, int(total * part)), rng) for piece, part in zip(pieces, share, strict=True)]

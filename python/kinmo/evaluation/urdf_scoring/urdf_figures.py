@@ -1,48 +1,47 @@
-"""The figures of URDF files (docs/metrics.md, "URDF files")."""
+"""Figures of scored URDF files (docs/metrics.md, "URDF files")."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 from kinmo.evaluation.aggregate import Figure, Unit
+from kinmo.evaluation.metrics import MAX_AXIS_ERROR, is_line_ok
 from kinmo.evaluation.urdf_scoring.urdf_scores import SCORED, ObjectScore, PartScore
 
-Part = Callable[[PartScore], float | None]
-Test = Callable[[PartScore], bool]
-
-NEAR_LINE = 0.05
+PartValue = Callable[[PartScore], float | None]
+PartTest = Callable[[PartScore], bool]
 
 
-def _found(score: PartScore) -> bool:
+def _is_found(score: PartScore) -> bool:
     return score.found
 
 
-def _right(score: PartScore) -> bool:
+def _kind_ok(score: PartScore) -> bool:
     return score.kind_ok
 
 
-def _with_line(score: PartScore) -> bool:
+def _has_line(score: PartScore) -> bool:
     return score.line is not None
 
 
-def _every(score: PartScore) -> bool:
+def _any(score: PartScore) -> bool:
     return True
 
 
-def _turning(score: PartScore) -> bool:
+def _turns(score: PartScore) -> bool:
     return score.turns
 
 
-def _within(degrees: float) -> Test:
-    return lambda score: score.angle is not None and math.degrees(score.angle) < degrees
+def _axis_within(limit: float) -> PartTest:
+    return lambda score: score.angle is not None and score.angle <= limit
 
 
-def _near(score: PartScore) -> bool:
-    return score.line is not None and score.line < NEAR_LINE
+def _line_ok(score: PartScore) -> bool:
+    return is_line_ok(score.line)
 
 
-def _share(key: str, title: str, test: Test, among: Test) -> Figure[ObjectScore]:
+def _share(key: str, title: str, test: PartTest, among: PartTest) -> Figure[ObjectScore]:
     """The share of the parts `among` which `test` holds."""
 
     def sums(scored: ObjectScore) -> tuple[float, float]:
@@ -52,18 +51,14 @@ def _share(key: str, title: str, test: Test, among: Test) -> Figure[ObjectScore]
     return Figure(key, title, Unit.SHARE, sums)
 
 
-def _mean(key: str, title: str, unit: Unit, value: Part) -> Figure[ObjectScore]:
+def _mean(key: str, title: str, unit: Unit, value: PartValue) -> Figure[ObjectScore]:
     """The mean of a value over the parts that have it."""
 
     def sums(scored: ObjectScore) -> tuple[float, float]:
-        known = _known(value(part) for part in scored.parts)
+        known = [found for part in scored.parts if (found := value(part)) is not None]
         return sum(known), len(known)
 
     return Figure(key, title, unit, sums)
-
-
-def _known(values: Iterable[float | None]) -> list[float]:
-    return [value for value in values if value is not None]
 
 
 def _degrees(score: PartScore) -> float | None:
@@ -87,27 +82,30 @@ def _recall_scored(scored: ObjectScore) -> tuple[float, float]:
     return (_found_count(scored), len(scored.parts)) if scored.status == SCORED else (0.0, 0.0)
 
 
+TEN_DEGREES = math.radians(10.0)
+
 FIGURES: tuple[Figure[ObjectScore], ...] = (
+    _share("ok", "ok", lambda part: part.is_ok, _any),
     Figure("precision", "P", Unit.SHARE, _precision),
-    _share("recall", "R", _found, _every),
+    _share("recall", "R", _is_found, _any),
     Figure("f1", "F1", Unit.SHARE, _f1),
     Figure("recall_scored", "R of scored", Unit.SHARE, _recall_scored),
-    _share("relative", "relative", lambda part: part.is_relative, _every),
-    _share("type", "type", _right, _found),
+    _share("relative", "relative", lambda part: part.is_relative, _any),
+    _share("type", "type", _kind_ok, _is_found),
     _mean("angle", "angle (deg)", Unit.DEGREES, _degrees),
-    _share("a5", "< 5 deg", _within(5.0), _right),
-    _share("a10", "< 10 deg", _within(10.0), _right),
-    _share("strict_a5", "s < 5 deg", _within(5.0), _every),
-    _share("strict_a10", "s < 10 deg", _within(10.0), _every),
+    _share("a5", "<= 5 deg", _axis_within(MAX_AXIS_ERROR), _kind_ok),
+    _share("a10", "<= 10 deg", _axis_within(TEN_DEGREES), _kind_ok),
+    _share("strict_a5", "s <= 5 deg", _axis_within(MAX_AXIS_ERROR), _any),
+    _share("strict_a10", "s <= 10 deg", _axis_within(TEN_DEGREES), _any),
     _mean("line", "line", Unit.DIAGONALS, lambda part: part.line),
-    _share("l05", "line < .05", _near, _with_line),
-    _share("strict_l05", "s < .05", _near, _turning),
+    _share("l05", "line <= .05", _line_ok, _has_line),
+    _share("strict_l05", "s <= .05", _line_ok, _turns),
     _mean("pivot", "line at part", Unit.DIAGONALS, lambda part: part.line_at_part),
     _mean("range_iou", "range IoU", Unit.SHARE, lambda part: part.range_iou),
-    _share("limited", "limited", lambda part: part.limited_ok, _right),
-    _share("parent", "parent", lambda part: part.parent_ok, _found),
+    _share("limited", "limited", lambda part: part.limited_ok, _kind_ok),
+    _share("parent", "parent", lambda part: part.parent_ok, _is_found),
 )
-"""s: over all true parts, misses counted as failures."""
+"""All figures, in the order of columns. "ok" and figures that begin with s are shares of all true parts, misses included."""
 
-MEDIANS: tuple[tuple[str, Part], ...] = (("angle_median", _degrees), ("line_median", lambda part: part.line))
-"""Medians over parts, by key."""
+MEDIANS: tuple[tuple[str, PartValue], ...] = (("angle_median", _degrees), ("line_median", lambda part: part.line))
+"""Values with a median over parts, by key."""

@@ -1,4 +1,4 @@
-"""One URDF against one annotated shape."""
+"""Scoring of one URDF against one annotated shape."""
 
 from __future__ import annotations
 
@@ -11,25 +11,44 @@ from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.shape import Shape
 from kinmo.evaluation import metrics
-from kinmo.evaluation.urdf_scoring.body_matching import LEAST_IOU, Match, match
-from kinmo.evaluation.urdf_scoring.frame_alignment import Similarity, align
+from kinmo.evaluation.urdf_scoring.body_matching import MIN_IOU, Match, match_parts
+from kinmo.evaluation.urdf_scoring.frame_alignment import Similarity, align_surfaces
 from kinmo.evaluation.urdf_scoring.rest_bodies import RobotBody, robot_bodies
-from kinmo.evaluation.urdf_scoring.sampled_surface import Surface, sampled
-from kinmo.io.readers.urdf_meshes import LARGEST_NUMBER, NO_TRIANGLES, Triangles, triangles_of
+from kinmo.evaluation.urdf_scoring.sampled_surface import Surface, sample_surfaces
+from kinmo.io.readers.urdf_meshes import MAX_NUMBER, NO_TRIANGLES, Triangles
 from kinmo.io.readers.urdf_reader import read_robot_file
 
-SAMPLES, LEAST_SAMPLES = 12_000, 1_000
-LARGEST_RESIDUAL = 0.01
-"""In diagonals: a prediction that fits worse is of another shape, or opened."""
+SAMPLES, MIN_SAMPLES = 12_000, 1_000
+"""Samples of a whole surface, and the fewest of one part or body."""
+MAX_RESIDUAL = 0.01
+"""Largest residual of an aligned prediction, in diagonals. One that fits worse is another shape, or an open one."""
 
 MISSING, FAILED, SCORED = "missing", "failed", "scored"
+"""Statuses of an object."""
 
 
 @dataclass(frozen=True)
 class PartScore:
-    """One movable part of the truth. Angles in radians, lengths in diagonals; None where a figure has no meaning.
+    """The score of one movable part of the truth.
 
-    Angle, lines, range and `limited_ok` are of found parts of the right kind only.
+    Angles are in radians, lengths in diagonals. `angle`, `line`, `line_at_part`, `range_iou` and `limited_ok` are of found
+    parts of the right kind only; None where there is none.
+
+    Attributes:
+        body: Index of the body in the truth.
+        name: Name of the body.
+        kind: Kind of the true joint.
+        found: True if the part matches a body that moves against its parent.
+        iou: Overlap with the matched body, or the largest overlap with any body.
+        is_relative: True if the matched body is not the one that holds most of the part's parent.
+        link: Name of the matched body's topmost link.
+        predicted_kind: Kind of the predicted joint; None if it has none of kinmo's kinds.
+        parent_ok: True if the body moves against the one that holds most of the true parent.
+        angle: Axis error.
+        line: Smallest distance of the axis lines.
+        line_at_part: Distance of the axis lines at the part.
+        range_iou: Overlap of the ranges.
+        limited_ok: True if both joints are limited, or both are not.
     """
 
     body: int
@@ -49,16 +68,33 @@ class PartScore:
 
     @property
     def kind_ok(self) -> bool:
+        """True for a found part with the right kind of joint."""
         return self.found and self.predicted_kind is self.kind
 
     @property
     def turns(self) -> bool:
+        """True for hinges and screws, whose axes have a place."""
         return self.kind is not JointKind.PRISMATIC
+
+    @property
+    def is_ok(self) -> bool:
+        """True for a found part with the right kind, axis and line (`metrics.is_ok`)."""
+        return self.found and metrics.is_ok(self.kind, self.predicted_kind, self.angle, self.line_at_part)
 
 
 @dataclass(frozen=True)
 class ObjectScore:
-    """One object. `status` is missing, failed (`reason` says why) or scored; an object that is not scored found nothing."""
+    """The score of one object.
+
+    Attributes:
+        id: Id of the true shape.
+        category: Its category.
+        status: Missing, failed or scored. None of the parts of an object that is not scored is found.
+        reason: The reason of a failure.
+        parts: Scores of the movable parts of the truth.
+        false_alarms: Number of predicted bodies that move but match no movable part.
+        residual: Mean distance of the aligned surfaces, in diagonals.
+    """
 
     id: str
     category: str
@@ -71,7 +107,7 @@ class ObjectScore:
 
 @dataclass(frozen=True, eq=False)
 class _TruePart:
-    """A body of the truth that has triangles; `parent` is an index into the true parts."""
+    """A body of the truth that has triangles. `parent` is an index into the true parts."""
 
     body: int
     name: str
@@ -81,10 +117,17 @@ class _TruePart:
     is_junk: bool
 
 
-def score_urdf(truth: Shape, urdf: Path | None, packages: Path, least_iou: float = LEAST_IOU) -> ObjectScore:
-    """Score the prediction at `urdf` (None if there is none) for the annotated shape `truth`.
+def score_urdf(truth: Shape, urdf: Path | None, packages: Path, min_iou: float = MIN_IOU) -> ObjectScore:
+    """Score a predicted URDF for an annotated shape. Whatever is wrong with the prediction is a failure of this object.
 
-    Whatever is wrong with the prediction is this object's failure, with a reason.
+    Args:
+        truth: The annotated shape.
+        urdf: Path of the prediction; None if there is none.
+        packages: Folder up to which `package://` meshes are searched.
+        min_iou: Smallest overlap of a part and a body that match.
+
+    Raises:
+        InputError: if the truth cannot be scored against.
     """
     parts = _true_parts(truth)
     movable = tuple(PartScore(part.body, part.name, part.joint.kind) for part in parts if part.joint is not None)
@@ -92,10 +135,10 @@ def score_urdf(truth: Shape, urdf: Path | None, packages: Path, least_iou: float
     if urdf is None:
         return nothing
     try:
-        return _scored(nothing, parts, robot_bodies(read_robot_file(urdf, packages)), least_iou)
+        return _scored(nothing, parts, robot_bodies(read_robot_file(urdf, packages)), min_iou)
     except InputError as error:
         return replace(nothing, status=FAILED, reason=str(error))
-    except (OSError, ValueError, ArithmeticError, IndexError) as error:  # files and numbers go wrong in ways not thought of
+    except (OSError, ValueError, ArithmeticError, IndexError) as error:  # files and numbers may be wrong in any way
         reason = InputError(urdf, f"cannot be scored ({type(error).__name__}: {error})")
         return replace(nothing, status=FAILED, reason=str(reason))
 
@@ -105,10 +148,10 @@ def _true_parts(truth: Shape) -> list[_TruePart]:
     if mobility is None:
         raise InputError(truth.source, "expected a shape with a mobility")
     triangles = [
-        np.concatenate([NO_TRIANGLES, *(triangles_of(m) for leaf in b.leaves if (m := truth.parts[leaf].mesh) is not None)])
+        np.concatenate([NO_TRIANGLES, *(m.triangles for leaf in b.leaves if (m := truth.parts[leaf].mesh) is not None)])
         for b in mobility.bodies
     ]
-    place = {body: index for index, body in enumerate(i for i, soup in enumerate(triangles) if len(soup))}
+    place = {body: index for index, body in enumerate(i for i, own in enumerate(triangles) if len(own))}
     above = [None if body.parent is None else place.get(body.parent) for body in mobility.bodies]
     return [
         _TruePart(i, body.name, triangles[i], above[i], body.joint, mobility.junk >= set(body.leaves))
@@ -117,7 +160,7 @@ def _true_parts(truth: Shape) -> list[_TruePart]:
     ]
 
 
-def _scored(nothing: ObjectScore, parts: list[_TruePart], bodies: tuple[RobotBody, ...], least_iou: float) -> ObjectScore:
+def _scored(nothing: ObjectScore, parts: list[_TruePart], bodies: tuple[RobotBody, ...], min_iou: float) -> ObjectScore:
     rng = np.random.default_rng(0)
     junk = np.array([part.is_junk for part in parts], bool)
     if junk.all():
@@ -127,27 +170,27 @@ def _scored(nothing: ObjectScore, parts: list[_TruePart], bodies: tuple[RobotBod
     kept = Surface(np.concatenate([part.triangles for part in parts if not part.is_junk]), SAMPLES, rng)
     everything = Surface(np.concatenate([part.triangles for part in parts]), SAMPLES, rng) if junk.any() else kept
     predicted = Surface(np.concatenate([body.triangles for body in bodies]), SAMPLES, rng)
-    if not predicted.diagonal > 1.0 / LARGEST_NUMBER:  # squares of its lengths might vanish
+    if not predicted.diagonal > 1.0 / MAX_NUMBER:  # squares of its lengths might vanish
         raise InputError(nothing.id, "expected a prediction with geometry, found a point")
-    frame = align(kept, everything, predicted)
-    if not frame.residual <= LARGEST_RESIDUAL:
+    frame = align_surfaces(kept, everything, predicted)
+    if not frame.residual <= MAX_RESIDUAL:
         raise InputError(nothing.id, f"misaligned: surfaces are {100 * frame.residual:.2f} % of the diagonal apart")
-    surfaces = sampled([part.triangles for part in parts], SAMPLES, LEAST_SAMPLES, rng)
-    shapes = sampled([frame.apply(body.triangles) for body in bodies], SAMPLES, LEAST_SAMPLES, rng)
-    found = match(surfaces, junk, shapes, kept.diagonal, least_iou)
+    surfaces = sample_surfaces([part.triangles for part in parts], SAMPLES, MIN_SAMPLES, rng)
+    shapes = sample_surfaces([frame.apply(body.triangles) for body in bodies], SAMPLES, MIN_SAMPLES, rng)
+    found = match_parts(surfaces, junk, shapes, kept.diagonal, min_iou)
     scores = iter(nothing.parts)
-    judged = tuple(
-        _judge(next(scores), index, parts, bodies, found, frame, kept.diagonal)
+    scored_parts = tuple(
+        _score_part(next(scores), index, parts, bodies, found, frame, kept.diagonal)
         for index, part in enumerate(parts)
         if part.joint is not None
     )
     part_of = {body: part for part, body in found.body_of.items()}
     moving = {index for index, part in enumerate(parts) if part.joint is not None}
     false_alarms = sum(body.moves and part_of.get(index) not in moving for index, body in enumerate(bodies))
-    return replace(nothing, status=SCORED, reason="", parts=judged, false_alarms=false_alarms, residual=frame.residual)
+    return replace(nothing, status=SCORED, reason="", parts=scored_parts, false_alarms=false_alarms, residual=frame.residual)
 
 
-def _judge(
+def _score_part(
     score: PartScore,
     index: int,
     parts: list[_TruePart],
@@ -156,30 +199,30 @@ def _judge(
     frame: Similarity,
     diagonal: float,
 ) -> PartScore:
-    part, place = parts[index], found.body_of.get(index)
+    part, match = parts[index], found.body_of.get(index)
     above = None if part.parent is None else found.home[part.parent]
     score = replace(score, iou=float(found.iou[index].max()))
-    if place is None:
+    if match is None:
         return score
-    body = bodies[place]
-    score = replace(score, iou=float(found.iou[index, place]), is_relative=above is not None and above != place)
+    body = bodies[match]
+    score = replace(score, iou=float(found.iou[index, match]), is_relative=above is not None and above != match)
     if not body.moves:
         return score
     score = replace(score, found=True, link=body.name, parent_ok=above is not None and body.parent == above)
     assert part.joint is not None
     if body.joint is None or body.joint.kind is not part.joint.kind:
         return replace(score, predicted_kind=None if body.joint is None else body.joint.kind)
-    return _compared(score, part.joint, joint_in(frame, body.joint), part.triangles, diagonal)
+    return _with_errors(score, part.joint, joint_in(frame, body.joint), part.triangles, diagonal)
 
 
 def joint_in(frame: Similarity, joint: Joint) -> Joint:
-    """A predicted joint in the frame and the lengths of the truth."""
+    """A predicted joint in the frame and the lengths of the truth; `frame` is the alignment."""
     unit = 1.0 if joint.kind is JointKind.REVOLUTE else frame.scale
     limits = (None, None) if joint.lower is None or joint.upper is None else (unit * joint.lower, unit * joint.upper)
     return Joint(joint.kind, frame.rotation @ joint.direction, frame.apply(joint.pivot), *limits)
 
 
-def _compared(score: PartScore, true: Joint, predicted: Joint, triangles: Triangles, diagonal: float) -> PartScore:
+def _with_errors(score: PartScore, true: Joint, predicted: Joint, triangles: Triangles, diagonal: float) -> PartScore:
     middle = 0.5 * (triangles.min(axis=(0, 1)) + triangles.max(axis=(0, 1)))
     has_line = true.has_pivot
     return replace(

@@ -1,4 +1,4 @@
-"""The rows of Table 2, 3 or 4 of one category, of whatever was judged."""
+"""Rows of a table of scans for one category, with the scores that there are."""
 
 from __future__ import annotations
 
@@ -9,40 +9,48 @@ from typing import Any
 from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.scan_records import read_scores
 from kinmo.experiments.scan_tables.scan_table_layout import NOT_RUN, OUTDATED, ScanRow
-from kinmo.experiments.scan_tables.table_rows import TABLES, RowOf, printed_row
+from kinmo.experiments.scan_tables.table_rows import TABLES, TableRow, printed_row
 from kinmo.learning.model_folder import trained_on
-from kinmo.pipeline.scans.scan_networks import Protocol
-from kinmo.pipeline.scans.scored_scans import JudgedScans
+from kinmo.pipeline.scans.scan_scores import Protocol, ScanScores
 
-HeldBySeed = Mapping[int, Mapping[str, dict[str, Any] | None]]
-"""By seed and title of a row: what a judgement was made from, None for one that is not there or holds no more."""
+InputsBySeed = Mapping[int, Mapping[str, dict[str, Any] | None]]
+"""Inputs of up-to-date scores by seed and title of the row; None for scores that are missing or outdated."""
 
 
-def judgements(workspace: Workspace, name: str, category: str, seeds: Sequence[int]) -> HeldBySeed:
-    """Those of the table `name` that there are to show."""
-    return {seed: {row.title: row.judged(workspace, category, seed).held() for row in TABLES[name].rows} for seed in seeds}
+def current_scores(workspace: Workspace, name: str, category: str, seeds: Sequence[int]) -> InputsBySeed:
+    """Inputs of all up-to-date scores of a table for a category."""
+    rows = TABLES[name].rows
+    return {seed: {row.title: row.scores(workspace, category, seed).current_inputs() for row in rows} for seed in seeds}
 
 
 @dataclass(frozen=True)
 class CategoryRows:
-    """The rows of the table `name` of a category, over the seeds of `held`, measured by `protocol`."""
+    """Rows of a table for one category.
+
+    Attributes:
+        workspace: the original workspace.
+        name: name of the table.
+        category: the category.
+        inputs: inputs of the up-to-date scores.
+        protocol: definition of the errors.
+    """
 
     workspace: Workspace
     name: str
     category: str
-    held: HeldBySeed
+    inputs: InputsBySeed
     protocol: Protocol
 
     def all(self) -> list[ScanRow]:
-        """All rows of the table, in its order; those that were not run, or are outdated, say so."""
+        """All rows, in the order of the table; missing and outdated ones say so."""
         return [self.row(row) for row in TABLES[self.name].rows]
 
-    def row(self, row: RowOf) -> ScanRow:
-        """One of them."""
-        judged = {seed: row.judged(self.workspace, self.category, seed) for seed in self.held}
-        seeds = tuple(seed for seed, held in self.held.items() if held[row.title] is not None)
-        objects = tuple(read_scores([judged[seed].scores(self.protocol) for seed in seeds]))
-        is_outdated = any(each.scores(self.protocol).exists() for each in judged.values())
+    def row(self, row: TableRow) -> ScanRow:
+        """One row."""
+        scores = {seed: row.scores(self.workspace, self.category, seed) for seed in self.inputs}
+        seeds = tuple(seed for seed, known in self.inputs.items() if known[row.title] is not None)
+        objects = tuple(read_scores([scores[seed].path(self.protocol) for seed in seeds]))
+        is_outdated = any(own.path(self.protocol).exists() for own in scores.values())
         return ScanRow(
             row.title,
             objects,
@@ -50,33 +58,33 @@ class CategoryRows:
             seeds,
             OUTDATED if is_outdated else NOT_RUN,
             self._trained_on(row, seeds),
-            self._why_not_run([judged[seed] for seed in self.held if seed not in seeds]),
+            self._reason([scores[seed] for seed in self.inputs if seed not in seeds]),
         )
 
-    def alike(self, titles: Sequence[str]) -> list[ScanRow]:
-        """The rows of some titles, in their order, over the seeds that all were run for; none if there is no such seed."""
+    def comparable(self, titles: Sequence[str]) -> list[ScanRow]:
+        """Rows of some titles over the seeds that all of them have; none if there is no such seed."""
         rows = {row.title: row for row in TABLES[self.name].rows}
-        whole = {seed: held for seed, held in self.held.items() if all(held.get(title) for title in titles)}
-        return [replace(self, held=whole).row(rows[title]) for title in titles] if whole else []
+        shared = {seed: known for seed, known in self.inputs.items() if all(known.get(title) for title in titles)}
+        return [replace(self, inputs=shared).row(rows[title]) for title in titles] if shared else []
 
-    def of_each_seed(self) -> list[CategoryRows]:
-        """The same, one seed at a time."""
-        return [replace(self, held={seed: held}) for seed, held in self.held.items()]
+    def by_seed(self) -> list[CategoryRows]:
+        """The same rows, one seed at a time."""
+        return [replace(self, inputs={seed: known}) for seed, known in self.inputs.items()]
 
-    def _why_not_run(self, missing: Sequence[JudgedScans]) -> str | None:
-        """Why there are no judgements, as far as that was told, of those that are `missing` and not outdated."""
+    def _reason(self, missing: Sequence[ScanScores]) -> str | None:
+        """Recorded reasons why scores are missing."""
         seeds: dict[str, list[str]] = {}
-        for each in missing:
-            if not each.scores(self.protocol).exists() and (reason := each.reason()):
-                seeds.setdefault(reason, []).append(str(each.cell.seed))
-        told = (reason if len(own) == len(self.held) else f"seeds {', '.join(own)}: {reason}" for reason, own in seeds.items())
-        return "; ".join(told) or None
+        for scores in missing:
+            if not scores.path(self.protocol).exists() and (reason := scores.reason()):
+                seeds.setdefault(reason, []).append(str(scores.run.seed))
+        texts = (
+            reason if len(own) == len(self.inputs) else f"seeds {', '.join(own)}: {reason}" for reason, own in seeds.items()
+        )
+        return "; ".join(texts) or None
 
-    def _trained_on(self, row: RowOf, seeds: Sequence[int]) -> str | None:
-        """How many labelled objects networks were trained on, and how many that a setting has beside them; where these are
-        others from seed to seed, all that there are.
-        """
-        place = row.workspace(self.workspace)
-        pairs = (row.cell(self.category, seed).weights(place) for seed in seeds)
+    def _trained_on(self, row: TableRow, seeds: Sequence[int]) -> str | None:
+        """Numbers of labelled and of other training objects; several pairs if they differ between seeds."""
+        place = row.variant.workspace(self.workspace)
+        pairs = (row.run(self.category, seed).weights(place) for seed in seeds)
         counts = dict.fromkeys(trained_on(weights[0]) for weights in pairs if weights)
         return " or ".join(f"{labelled} + {others}" if others else str(labelled) for labelled, others in counts) or None

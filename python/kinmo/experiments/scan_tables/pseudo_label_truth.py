@@ -7,9 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from kinmo.core.wording import counted
-from kinmo.evaluation.joint_records import AXIS_WITHIN, LINE_WITHIN
-from kinmo.evaluation.metrics import axis_error, line_distance_at_part
-from kinmo.scans.scan_file import ScanFile
+from kinmo.evaluation.metrics import (
+    MAX_AXIS_ERROR,
+    MAX_LINE_DISTANCE,
+    axis_error,
+    is_axis_ok,
+    is_line_ok,
+    line_distance_at_part,
+)
+from kinmo.scans.files.scan_file import ScanFile
 
 
 @dataclass(frozen=True)
@@ -31,8 +37,8 @@ class LabelCounts:
             return f"Pseudo labels give {counted(self.unknown, 'object')} these joints; what the truth is, is not known."
         found = (
             f"Of {self.labelled} objects that pseudo labels give these joints {self.are} truly have them, {self.along} with "
-            f"all axes along the right directions ({math.degrees(AXIS_WITHIN):g} degrees), {self.right} of these with all in "
-            f"the right places too ({LINE_WITHIN:g} diagonals). In all, {self.true} do."
+            f"all axes along the right directions ({math.degrees(MAX_AXIS_ERROR):g} degrees), {self.right} of these with all "
+            f"in the right places too ({MAX_LINE_DISTANCE:g} diagonals). In all, {self.true} do."
         )
         return f"{found} Of {self.unknown} more that they give them the truth is not known." if self.unknown else found
 
@@ -53,9 +59,9 @@ def count_labels(said: Sequence[ScanFile], true: Sequence[ScanFile], originals: 
 
 def _is_along(said: ScanFile, true: ScanFile) -> bool:
     joints = zip(said.joints, true.joints, strict=True)
-    return all(axis_error(mine.direction, joint.direction) <= AXIS_WITHIN for mine, joint in joints)
+    return all(is_axis_ok(axis_error(mine.direction, joint.direction)) for mine, joint in joints)
 
 
 def _is_in_place(said: ScanFile, true: ScanFile) -> bool:
     joints = zip(said.joints, true.joints, true.extents.centers[1:], strict=True)
-    return all(line_distance_at_part(joint, mine, middle) <= LINE_WITHIN for mine, joint, middle in joints if joint.has_pivot)
+    return all(is_line_ok(line_distance_at_part(joint, mine, middle)) for mine, joint, middle in joints if joint.has_pivot)

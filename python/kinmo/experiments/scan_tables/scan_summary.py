@@ -4,14 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from kinmo.evaluation.aggregate import Estimate, Figure, changes, micro, sums_of
-from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed, found_by_all, of_rows, rows_of
-from kinmo.scans.articulated_object import Structure
+from kinmo.evaluation.aggregate import Estimate, Figure, figure_sums, micro, paired_differences
+from kinmo.evaluation.scan_records import (
+    MEASURES,
+    Measure,
+    ObjectScans,
+    failed_frames,
+    found_by_all,
+    measure_figure,
+    measured_rows,
+)
+from kinmo.scans.object_structure import Structure
 
 
 def measures_of(structure: Structure) -> list[Measure]:
     """Those that a part or a joint of the structure has."""
-    return [measure for measure in MEASURES if rows_of(measure, structure)]
+    return [measure for measure in MEASURES if measured_rows(measure, structure)]
 
 
 def measure_titles(structure: Structure) -> list[str]:
@@ -21,12 +29,12 @@ def measure_titles(structure: Structure) -> list[str]:
 
 def summary(objects: Sequence[ObjectScans], structure: Structure) -> list[Estimate | None]:
     """Means over all parts, or joints, of the measures that the structure has."""
-    return micro(sums_of(objects, _figures(structure)))
+    return micro(figure_sums(objects, _figures(structure)))
 
 
 def failures(objects: Sequence[ObjectScans]) -> float | None:
     """The share of frames, in percent, in which a part was not found; None without frames."""
-    (found,) = micro(sums_of(objects, [failed()]), draws=1)
+    (found,) = micro(figure_sums(objects, [failed_frames()]), draws=1)
     return None if found is None else found.value
 
 
@@ -36,7 +44,7 @@ def change(before: Sequence[ObjectScans], after: Sequence[ObjectScans], structur
     The objects are drawn alike for both.
     """
     figures = _figures(structure)
-    return changes(*(sums_of(objects, figures) for objects in found_by_all((before, after))))
+    return paired_differences(*(figure_sums(objects, figures) for objects in found_by_all((before, after))))
 
 
 def change_of_failures(before: Sequence[ObjectScans], after: Sequence[ObjectScans]) -> float | None:
@@ -53,13 +61,15 @@ def gap_closed(
     Over what all three have found of the same frames.
     None where `best` gains no more on `less` than chance could do: there is no way to go.
     """
-    low, middle, high = (sums_of(objects, _figures(structure)) for objects in found_by_all((less, more, best)))
+    low, middle, high = (figure_sums(objects, _figures(structure)) for objects in found_by_all((less, more, best)))
     shares: list[float | None] = []
-    for measure, gone, way in zip(measures_of(structure), changes(low, middle), changes(low, high), strict=True):
+    for measure, gone, way in zip(
+        measures_of(structure), paired_differences(low, middle), paired_differences(low, high), strict=True
+    ):
         is_sure = way is not None and (way.low > 0.0 if measure.larger_is_better else way.high < 0.0)
         shares.append(gone.value / way.value if is_sure and gone is not None and way is not None else None)
     return shares
 
 
 def _figures(structure: Structure) -> list[Figure[ObjectScans]]:
-    return [of_rows(measure, list(rows_of(measure, structure).values())) for measure in measures_of(structure)]
+    return [measure_figure(measure, list(measured_rows(measure, structure).values())) for measure in measures_of(structure)]

@@ -6,15 +6,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from kinmo.core.joint import JointKind
-from kinmo.evaluation.aggregate import Estimate, micro, sums_of
+from kinmo.evaluation.aggregate import Estimate, figure_sums, micro
 from kinmo.evaluation.paper_tables import MARK
-from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed, of_rows, rows_of
+from kinmo.evaluation.scan_records import MEASURES, Measure, ObjectScans, failed_frames, measure_figure, measured_rows
 from kinmo.evaluation.tables import INTERVAL, Caption, Cell, Column, Table
 from kinmo.experiments.scan_tables.scan_summary import change, change_of_failures, failures, measures_of, summary
-from kinmo.scans.articulated_object import Structure
+from kinmo.scans.object_structure import Structure
 
 NOT_RUN, OUTDATED = "not run", "outdated"
 FAILED = Column("failed (%)", 1)
+MAX_ROWS = 12
+"""Rows of a short table."""
 PaperRow = Sequence[Sequence[float | None]]
 """What the paper prints of a row: a list a measure (rotation, translation, IoU, state, axis, line), in it a value a part."""
 
@@ -46,9 +48,11 @@ def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption, mor
             lines.append((row.name, row.absent, *([None] * (len(measures) + 1))))
         else:
             for part in range(structure.part_count):
-                figures = [of_rows(m, [place]) for m in measures if (place := rows_of(m, structure).get(part)) is not None]
-                found = iter(micro(sums_of(row.objects, [*figures, failed()]), draws=1))
-                cells = [_value(next(found)) if part in rows_of(m, structure) else None for m in measures]
+                figures = [
+                    measure_figure(m, [place]) for m in measures if (place := measured_rows(m, structure).get(part)) is not None
+                ]
+                found = iter(micro(figure_sums(row.objects, [*figures, failed_frames()]), draws=1))
+                cells = [_value(next(found)) if part in measured_rows(m, structure) else None for m in measures]
                 lines.append((row.name, str(part), *cells, _value(next(found))))
         if row.printed is not None:
             for part in range(max(map(len, row.printed))):
@@ -80,6 +84,21 @@ def over_parts(
         lost = change_of_failures(before.objects, after.objects)
         lines.append((name, None, _seeds(after), *_with_intervals(differences, structure), lost))
     return Table(_counted(caption, rows), (*columns, FAILED), tuple(lines))
+
+
+def means_alone(rows: Sequence[ScanRow], structure: Structure, caption: Caption) -> Table:
+    """Means over all parts, or joints: a short table of at most `MAX_ROWS` rows; printed figures only if they fit."""
+    measures = measures_of(structure)
+    columns = (Column("trained on"), *(Column(measure.title, measure.decimals) for measure in measures), FAILED)
+    has_room = len(rows) + sum(row.printed is not None for row in rows) <= MAX_ROWS
+    lines: list[tuple[Cell, ...]] = []
+    for row in rows[:MAX_ROWS]:
+        if row.objects:
+            lines.append((row.name, *map(_value, summary(row.objects, structure)), failures(row.objects)))
+        if row.printed is not None and has_room:
+            means = printed_means(row.printed)
+            lines.append((_authors(row), *(means.get(measure) for measure in measures), None))
+    return Table(_counted(caption, rows), columns, tuple(lines))
 
 
 def of_nothing(rows: Sequence[ScanRow], caption: Caption) -> Table:
@@ -150,8 +169,8 @@ def _printed(row: PaperRow, part: int, measures: Sequence[Measure]) -> list[Cell
     cells: list[Cell] = []
     for measure in measures:
         values = row[PAPER_COLUMNS[measure.key]] if measure.key in PAPER_COLUMNS else ()
-        place = part - 1 if measure.of_joints else part
-        cells.append(values[place] if part in rows_of(measure, structure) and place < len(values) else None)
+        place = part - 1 if measure.per_joint else part
+        cells.append(values[place] if part in measured_rows(measure, structure) and place < len(values) else None)
     return cells
 
 

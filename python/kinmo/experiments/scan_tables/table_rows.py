@@ -1,82 +1,102 @@
-"""What the rows of Tables 2, 3 and 4 of the paper are of."""
+"""Rows of the tables of scans: the labels that networks learn from, and the scans that they are tested on."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from kinmo.core.categories import same_category
-from kinmo.dataset.workspace import DEFAULT_METHOD, Workspace
+from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.paper_tables import paper_tables
+from kinmo.experiments.workspaces import Variant
+from kinmo.methods import DEFAULT_METHOD
 from kinmo.pipeline.scans.scan_dataset import PAPER_CATEGORIES
-from kinmo.pipeline.scans.scan_networks import Cell
-from kinmo.pipeline.scans.scored_scans import JudgedScans
-from kinmo.pipeline.scans.training_settings import Setting, by_method
+from kinmo.pipeline.scans.scan_networks import ScanRun
+from kinmo.pipeline.scans.scan_scores import ScanScores
+from kinmo.pipeline.scans.training_settings import Setting
 
 SHARES = (1.0, 0.8, 0.5, 0.3)
-"""Of the labelled shapes, in Table 3."""
+"""Shares of the labels in Table 3."""
+PAPER = "paper"
+IDEAL, NOISY = "ideal", "noisy"
 
 
 @dataclass(frozen=True)
-class RowOf:
-    """A row of a table: networks of a `setting`, with a share of the labels, and what the paper calls it, if it has it.
+class TableRow:
+    """A row of a table of scans.
 
-    `method` is whose pseudo labels networks learn from, if they do. Networks are trained on scans by the rough sensor if
-    they are `of_rough`, and judged on those if `on_rough`.
+    Attributes:
+        title: title of the row.
+        setting: labels besides those of the labelled shapes.
+        variant: workspace that networks are trained in.
+        printed: name of the row in the paper; empty if it has none.
+        method: method whose pseudo labels are used.
+        tested_on: `ideal` or `noisy` if networks are tested on scans of that sensor; empty for the scans of their workspace.
     """
 
     title: str
     setting: Setting
-    labels: float = 1.0
+    variant: Variant = field(default_factory=Variant)
     printed: str = ""
-    of_rough: bool = False
-    on_rough: bool = False
     method: str = DEFAULT_METHOD
+    tested_on: str = ""
 
-    def workspace(self, root: Workspace) -> Workspace:
-        """The one, in `root`, with the row's share of labels, and the pseudo labels of its method."""
-        return Workspace(root.root, self.labels, self.of_rough, self.method)
+    @property
+    def tested_variant(self) -> Variant:
+        """Variant whose test scans are used."""
+        return Variant(is_noisy=self.tested_on == NOISY) if self.tested_on else self.variant
 
-    def cell(self, category: str, seed: int) -> Cell:
-        """The networks of the row."""
-        return Cell(category, self.setting, seed)
+    def run(self, category: str, seed: int) -> ScanRun:
+        """Networks of the row."""
+        return ScanRun(category, self.setting, seed, self.method)
 
-    def judged(self, root: Workspace, category: str, seed: int) -> JudgedScans:
-        """What the networks of the row are judged on, in `root`."""
-        return JudgedScans(self.workspace(root), self.cell(category, seed), self.on_rough)
-
-
-PAPER = "paper"
-"""The method, beside the default one, that rows learn from pseudo labels of."""
-METHODS = "Rows with the word paper learn from pseudo labels by --method paper, those beside them by kinmo."
-
-
-def _by_both_methods(title: str, setting: Setting, labels: float = 1.0, printed: str = "") -> tuple[RowOf, RowOf]:
-    """A row by kinmo's pseudo labels, and one by the paper's, which has the paper's figures."""
-    return RowOf(title, setting, labels), RowOf(by_method(title, PAPER), setting, labels, printed, method=PAPER)
+    def scores(self, root: Workspace, category: str, seed: int) -> ScanScores:
+        """Scores of the row's networks."""
+        place, scanned = self.variant.workspace(root), self.tested_variant.workspace(root)
+        is_other = scanned != place
+        return ScanScores(place, self.run(category, seed), scanned if is_other else None, self.tested_on if is_other else "")
 
 
-SENSORS = CLEAN, ROUGH = "clean", "rough"
-SEEN_BY_SENSORS: Mapping[Setting, str] = {"supervised": "scans", "semi-weakly": "scans and pseudo labels"}
-"""Settings of which networks are trained by either sensor, and what they are trained on, in words."""
+def with_method(title: str, method: str) -> str:
+    """Title of a row, with the method whose pseudo labels it learns from unless that is the default."""
+    return title if method == DEFAULT_METHOD else f"{title}, {method}"
 
 
-def _by_sensors(trained: str, tested: str, setting: Setting) -> str:
-    return f"{trained} {SEEN_BY_SENSORS[setting]}, tested on {tested}"
+def _of_both_methods(title: str, printed: str = "", variant: Variant | None = None) -> tuple[TableRow, TableRow]:
+    """A semi-weakly supervised row with kinmo's pseudo labels, and one with the paper's, beside the printed figures."""
+    own = variant or Variant()
+    return (
+        TableRow(title, "semi-weakly", own),
+        TableRow(with_method(title, PAPER), "semi-weakly", own, printed, PAPER),
+    )
 
 
 @dataclass(frozen=True)
 class ScanTable:
-    """A table; `categories` are those that the paper has figures of, or else that it is made of.
+    """A table of scans.
 
-    Of each pair of titles that are `compared`, what the second row has gained over the first is shown too.
+    Attributes:
+        title: title of the table.
+        categories: categories with printed figures, or else those that the table is made of.
+        rows: rows of the table.
+        compared: pairs of row titles; the difference of the second to the first is shown too.
+        note: explanation below the table.
     """
 
     title: str
     categories: tuple[str, ...]
-    rows: tuple[RowOf, ...]
+    rows: tuple[TableRow, ...]
     compared: tuple[tuple[str, str], ...]
     note: str = ""
+
+
+METHODS_NOTE = "Rows with the word paper learn from pseudo labels of --method paper, the others from kinmo's."
+SENSOR_LABELS: Mapping[Setting, str] = {"supervised": "scans", "semi-weakly": "scans and pseudo labels"}
+"""Settings in the study of sensors, with the training data in words."""
+
+
+def _sensor_row(trained: str, tested: str, setting: Setting) -> str:
+    return f"{trained} {SENSOR_LABELS[setting]}, tested on {tested}"
 
 
 TABLES: Mapping[str, ScanTable] = {
@@ -84,19 +104,19 @@ TABLES: Mapping[str, ScanTable] = {
         "Table 2, poses and joints from partial scans",
         PAPER_CATEGORIES,
         (
-            RowOf("supervised", "supervised", printed="ANCSH"),
-            RowOf("semi", "semi", printed="ANCSH (Semi)"),
-            *_by_both_methods("semi-weakly", "semi-weakly", printed="ANCSH (Semi-weakly)"),
-            RowOf("true labels", "ceiling"),
+            TableRow("supervised", "supervised", printed="ANCSH"),
+            TableRow("self-training", "self-training", printed="ANCSH (Semi)"),
+            *_of_both_methods("semi-weakly", "ANCSH (Semi-weakly)"),
+            TableRow("oracle labels", "oracle"),
         ),
         (
-            ("supervised", "semi"),
+            ("supervised", "self-training"),
             ("supervised", "semi-weakly"),
-            ("supervised", by_method("semi-weakly", PAPER)),
-            (by_method("semi-weakly", PAPER), "semi-weakly"),
+            ("supervised", with_method("semi-weakly", PAPER)),
+            (with_method("semi-weakly", PAPER), "semi-weakly"),
         ),
-        f"{METHODS} True labels: those of the shapes that the others have no labels of, the best that pseudo labels could do. "
-        "Semi sees the scans of all unlabelled objects, whatever their structure.",
+        f"{METHODS_NOTE} Oracle labels: the true labels of the shapes that the other rows pseudo-label, an upper bound. "
+        "Self-training uses scans of all unlabelled objects, whatever their structure.",
     ),
     "3": ScanTable(
         "Table 3, fewer labels",
@@ -105,66 +125,66 @@ TABLES: Mapping[str, ScanTable] = {
             *(
                 row
                 for share in SHARES
-                for row in _by_both_methods(
-                    f"semi-weakly, {share:.0%}", "semi-weakly", share, printed=f"Semi-weakly ({share:.0%})"
-                )
+                for row in _of_both_methods(f"semi-weakly, {share:.0%}", f"Semi-weakly ({share:.0%})", Variant(labels=share))
             ),
-            RowOf("supervised, 100%", "supervised", printed="Supervised (100%)"),
+            TableRow("supervised, 100%", "supervised", printed="Supervised (100%)"),
         ),
         tuple(
             ("supervised, 100%", title)
             for share in SHARES
-            for title in (f"semi-weakly, {share:.0%}", by_method(f"semi-weakly, {share:.0%}", PAPER))
+            for title in (f"semi-weakly, {share:.0%}", with_method(f"semi-weakly, {share:.0%}", PAPER))
         ),
-        f"{METHODS} Fewer labels are fewer for the motion networks, for what chooses axes and for ANCSH alike.",
+        f"{METHODS_NOTE} Fewer labels mean fewer for the motion networks, for axis selection and for ANCSH alike.",
     ),
     "4": ScanTable(
-        "Table 4, shapes in the layout of DSG-Net as the unlabelled ones",
+        "Table 4, generated shapes as the unlabelled ones",
         ("StorageFurniture",),
         (
-            RowOf("supervised", "supervised", printed="ANCSH"),
-            *_by_both_methods("generated shapes", "dsg-net", printed="ANCSH (DSG)"),
+            TableRow("supervised", "supervised", printed="ANCSH"),
+            *_of_both_methods("generated shapes", "ANCSH (DSG)", Variant(generated=True)),
         ),
-        (("supervised", "generated shapes"), ("supervised", by_method("generated shapes", PAPER))),
-        f"{METHODS} These generated shapes are not DSG-Net's own, as the authors' are, but whatever the workspace has in its "
-        "layout.",
+        (("supervised", "generated shapes"), ("supervised", with_method("generated shapes", PAPER))),
+        f"{METHODS_NOTE} Generated shapes are all shapes in DSG-Net's layout in the workspace; the authors' came from DSG-Net.",
     ),
     "sensors": ScanTable(
         "Sensors",
         ("Refrigerator",),
         tuple(
-            RowOf(_by_sensors(trained, tested, setting), setting, of_rough=trained == ROUGH, on_rough=tested == ROUGH)
-            for setting in SEEN_BY_SENSORS
-            for trained in SENSORS
-            for tested in SENSORS
+            TableRow(_sensor_row(trained, tested, setting), setting, Variant(is_noisy=trained == NOISY), tested_on=tested)
+            for setting in SENSOR_LABELS
+            for trained in (IDEAL, NOISY)
+            for tested in (IDEAL, NOISY)
         ),
         (
             *(
-                (_by_sensors(CLEAN, tested, setting), _by_sensors(ROUGH, tested, setting))
-                for setting in SEEN_BY_SENSORS
-                for tested in SENSORS
+                (_sensor_row(IDEAL, tested, setting), _sensor_row(NOISY, tested, setting))
+                for setting in SENSOR_LABELS
+                for tested in (IDEAL, NOISY)
             ),
-            *((_by_sensors(ROUGH, tested, "supervised"), _by_sensors(ROUGH, tested, "semi-weakly")) for tested in SENSORS),
+            *(
+                (_sensor_row(NOISY, tested, "supervised"), _sensor_row(NOISY, tested, "semi-weakly"))
+                for tested in (IDEAL, NOISY)
+            ),
         ),
-        "Rough scans are the same scans with noise, holes and crops, and without what is seen too flatly. Pseudo labels are by "
-        "--method kinmo.",
+        "Noisy scans are the ideal scans with noise, holes and crops, and without surfaces at grazing angles. Pseudo labels "
+        "are kinmo's.",
     ),
 }
-"""By what `kinmo table` calls them."""
+"""All tables of scans, by their names for `kinmo table`."""
 
 
-def has_figures(name: str, category: str) -> bool:
-    """Whether a table is of a category, which for the paper's is whether it prints figures."""
-    return any(same_category(category, name) for name in TABLES[name].categories)
+def is_about(name: str, category: str) -> bool:
+    """True if a table is about a category; for the paper's tables, if it prints figures for it."""
+    return any(same_category(category, known) for known in TABLES[name].categories)
 
 
 def is_printed(name: str, category: str) -> bool:
-    """Whether a table is one of the paper's, and has figures of a category there."""
+    """True if the paper prints figures of a table for a category."""
     return any(printed_row(name, category, row.printed) for row in TABLES[name].rows)
 
 
 def printed_row(table: str, category: str, name: str) -> list[list[float | None]] | None:
-    """What the paper prints in a row of a table; None where it has no such row."""
+    """Figures that the paper prints in a row of a table; None if it has no such row."""
     for known, rows in paper_tables().get(f"table{table}", {"categories": {}})["categories"].items():
         if same_category(known, category):
             found: list[list[float | None]] | None = rows.get(name)

@@ -1,4 +1,4 @@
-"""Tables 2, 3 and 4 of whatever was judged."""
+"""Tables of scans on disk, made from the scores that there are."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ from kinmo.core.categories import same_category
 from kinmo.core.errors import InputError
 from kinmo.dataset.shape_dataset import open_dataset
 from kinmo.dataset.stage import Outcome
-from kinmo.dataset.workspace import StageRecord, Workspace
+from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.scan_records import ACCURACIES, Measure
 from kinmo.evaluation.tables import Caption, Table, as_text, write_table
-from kinmo.experiments.scan_tables.category_rows import CategoryRows, HeldBySeed, judgements
+from kinmo.experiments.scan_tables.category_rows import CategoryRows, InputsBySeed, current_scores
 from kinmo.experiments.scan_tables.scan_table_layout import (
     ScanRow,
     by_part,
+    means_alone,
     of_nothing,
     over_categories,
     over_parts,
@@ -25,82 +26,94 @@ from kinmo.experiments.scan_tables.scan_table_layout import (
 )
 from kinmo.experiments.scan_tables.table_notes import gaps, objects_in_words, pseudo_labels, seed_by_seed
 from kinmo.experiments.scan_tables.table_rows import TABLES
-from kinmo.experiments.table1.evaluation_folder import ALL
+from kinmo.pipeline.evaluation.evaluation_folder import ALL
 from kinmo.pipeline.scans.scan_dataset import ScanDataset, open_scan_dataset
-from kinmo.pipeline.scans.scan_networks import PROTOCOLS, Protocol
+from kinmo.pipeline.scans.scan_scores import PROTOCOLS, Protocol
 
-WAYS: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code measures"}
-MORE: Mapping[Protocol, Sequence[Measure]] = {"kinmo": (), "ancsh": ACCURACIES}
-"""What is measured besides, part by part."""
-AUTHORS_MEASURE = "The authors' figures are of their data, and measured as --protocol ancsh measures."
-AGAINST = (
-    "Rows with the word against say by how much the first is above the second, over the seeds that both have, and the parts "
-    "and joints of each frame that both have found."
+PROTOCOL_TITLES: Mapping[Protocol, str] = {"kinmo": "", "ancsh": ", as ANCSH's public code measures"}
+MORE_MEASURES: Mapping[Protocol, Sequence[Measure]] = {"kinmo": (), "ancsh": ACCURACIES}
+"""Additional measures, part by part."""
+PRINTED_NOTE = "Printed figures come from the authors' data, and are measured as --protocol ancsh measures."
+AGAINST_NOTE = (
+    "Rows with the word against show the difference of the first to the second, over the seeds that both have, and over the "
+    "parts and joints of each frame that both found."
 )
-Held = Mapping[str, HeldBySeed]
-"""By category: the judgements that there are to show."""
+Inputs = Mapping[str, InputsBySeed]
+"""Inputs of the up-to-date scores, by category."""
 
 
 @dataclass(frozen=True)
 class WrittenTables:
-    """A table (`table_rows.TABLES`), a category at a time. Rows that were not run, or are outdated, say so."""
+    """A table of scans, for one category or several. Missing and outdated rows say so.
+
+    Attributes:
+        workspace: the original workspace.
+        name: name of the table, a key of `TABLES`.
+        details: print all figures of every part.
+    """
 
     workspace: Workspace
     name: str
+    details: bool = False
 
     @property
     def folder(self) -> Path:
-        """Where it is written, a folder a category, and one of all where there are several."""
+        """Folder with a subfolder for each category, and one for all."""
         return self.workspace.evaluation / f"table-{self.name}"
 
     def write(self, seeds: Mapping[str, Sequence[int]], shown: Protocol = "kinmo") -> Outcome:
-        """Write it for the categories of `seeds`, by each protocol; the text is that of the one to be `shown`."""
+        """Write the table by every protocol.
+
+        Args:
+            seeds: seeds to show, by category.
+            shown: protocol of the printed table.
+        """
         with self.workspace.locked():
             return self._write(seeds, shown)
 
     def _write(self, seeds: Mapping[str, Sequence[int]], shown: Protocol) -> Outcome:
         texts, data = [], {}
-        whole = self._held(seeds)
+        whole = self._inputs_by_category(seeds)
         places = {category: {category: by_seed} for category, by_seed in whole.items()}
-        for place, held in (places | {ALL: whole} if len(seeds) > 1 else places).items():
+        for place, inputs in (places | {ALL: whole} if len(seeds) > 1 else places).items():
             paths: list[Path] = []
             for protocol in PROTOCOLS:
-                tables = self._over_categories(held, protocol) if place == ALL else self._of(place, held[place], protocol)
+                tables = self._of_all(inputs, protocol) if place == ALL else self._of(place, inputs[place], protocol)
                 for name, table in tables.items():
                     paths += write_table(table, self.folder / place, name if protocol == "kinmo" else f"{name}_{protocol}")
                 if protocol == shown:
-                    texts += [as_text(table) for table in tables.values()]
+                    printed = [name for name in tables if (name == "summary") is not self.details or len(tables) == 1]
+                    texts += [as_text(tables[name]) for name in printed]
                     data[place] = {
                         name: {"columns": [column.title for column in table.columns], "rows": table.rows}
                         for name, table in tables.items()
                     }
             for old in {*(self.folder / place).iterdir()}.difference(paths):
                 old.unlink()
-            outputs = tuple(str(path.relative_to(self.workspace.path)) for path in paths)
-            self.workspace.write_record(self._stage(place), StageRecord(_inputs(held), outputs))
+            self.workspace.record(self._stage(place), _plain(inputs), paths)
         return Outcome(self.folder, data, "\n".join(texts))
 
     def is_current(self, place: str) -> bool:
-        """Whether what was written, of a category or of `ALL`, is still what there is to show."""
-        record = self.workspace.record(self._stage(place))
-        if record is None:
+        """True if the tables of a category, or of `ALL`, show the present scores."""
+        inputs = self.workspace.inputs_of(self._stage(place))
+        if inputs is None:
             return False
-        seeds = {category: list(map(int, by_seed)) for category, by_seed in record.inputs["held"].items()}
-        return self.workspace.is_current(self._stage(place), _inputs(self._held(seeds)))
+        seeds = {category: list(map(int, by_seed)) for category, by_seed in inputs["scores"].items()}
+        return self.workspace.is_current(self._stage(place), _plain(self._inputs_by_category(seeds)))
 
-    def _held(self, seeds: Mapping[str, Sequence[int]]) -> Held:
-        return {category: judgements(self.workspace, self.name, category, own) for category, own in seeds.items()}
+    def _inputs_by_category(self, seeds: Mapping[str, Sequence[int]]) -> Inputs:
+        return {category: current_scores(self.workspace, self.name, category, own) for category, own in seeds.items()}
 
-    def _of(self, category: str, held: HeldBySeed, protocol: Protocol) -> dict[str, Table]:
-        """The tables of one category: over all parts, and part by part."""
-        rows = CategoryRows(self.workspace, self.name, category, held, protocol)
-        shown, more = rows.all(), MORE[protocol]
+    def _of(self, category: str, inputs: InputsBySeed, protocol: Protocol) -> dict[str, Table]:
+        """Tables of one category: a summary, means over all parts with intervals, and part by part."""
+        rows = CategoryRows(self.workspace, self.name, category, inputs, protocol)
+        shown, more = rows.all(), MORE_MEASURES[protocol]
         run = _seeds(shown)
         dataset = self._dataset(category)
         reasons = [f"Not run: {row.name}: {row.reason}." for row in shown if row.reason]
         has_printed = any(row.printed is not None for row in shown)
         if isinstance(dataset, InputError):
-            caption = self._caption(category, "no scans to judge by", run, protocol, has_printed)
+            caption = self._caption(category, "no scans to test on", run, protocol, has_printed)
             caption = caption.noting(f"{dataset.problem}.", *reasons)
             printed = next((row.printed for row in shown if row.printed is not None), None)
             if printed is None:
@@ -108,26 +121,27 @@ class WrittenTables:
             structure = printed_structure(printed)
             return {"means": over_parts(shown, structure, caption), "parts": by_part(shown, structure, caption, more)}
         structure = dataset.structure
-        of = objects_in_words(self.workspace, dataset)
-        caption = self._caption(str(structure), of, run, protocol, has_printed)
-        pairs = [rows.alike(titles) for titles in TABLES[self.name].compared]
+        objects = objects_in_words(self.workspace, dataset)
+        caption = self._caption(str(structure), objects, run, protocol, has_printed)
+        pairs = [rows.comparable(titles) for titles in TABLES[self.name].compared]
         compared = [(pair[0], pair[1]) for pair in pairs if pair]
         notes = (*gaps(rows, structure), *seed_by_seed(rows, structure), *pseudo_labels(rows, shown), *reasons)
-        summed = caption.noting(*notes, AGAINST if compared else "")
+        short = Caption(f"{TABLES[self.name].title}: {category}", f"{structure}", 0, 0, "test split", run)
         return {
-            "means": over_parts(shown, structure, summed, compared),
+            "summary": means_alone(shown, structure, short),
+            "means": over_parts(shown, structure, caption.noting(*notes, AGAINST_NOTE if compared else ""), compared),
             "parts": by_part(shown, structure, caption, more),
         }
 
-    def _over_categories(self, held: Held, protocol: Protocol) -> dict[str, Table]:
-        """Means over categories. (The paper's own average degrees together with lengths.)"""
-        datasets = {name: self._dataset(name) for name in held}
+    def _of_all(self, inputs: Inputs, protocol: Protocol) -> dict[str, Table]:
+        """Means over categories. (The paper's own means mix degrees and lengths.)"""
+        datasets = {name: self._dataset(name) for name in inputs}
         structures = {name: found.structure for name, found in datasets.items() if isinstance(found, ScanDataset)}
-        of_each = {name: CategoryRows(self.workspace, self.name, name, own, protocol) for name, own in held.items()}
-        rows = {row.title: {category: own.row(row) for category, own in of_each.items()} for row in TABLES[self.name].rows}
-        every = [row for by_category in rows.values() for row in by_category.values()]
+        by_category = {name: CategoryRows(self.workspace, self.name, name, own, protocol) for name, own in inputs.items()}
+        rows = {row.title: {name: own.row(row) for name, own in by_category.items()} for row in TABLES[self.name].rows}
+        every = [row for own in rows.values() for row in own.values()]
         has_printed = any(row.printed is not None for row in every)
-        caption = self._caption("means over categories", ", ".join(held), _seeds(every), protocol, has_printed)
+        caption = self._caption("means over categories", ", ".join(inputs), _seeds(every), protocol, has_printed)
         labelled = open_dataset(self.workspace).categories()
         absent = [name for name in TABLES[self.name].categories if not any(same_category(name, there) for there in labelled)]
         if absent:
@@ -137,17 +151,17 @@ class WrittenTables:
     def _caption(self, what: str, of: str, seeds: tuple[int, ...], protocol: Protocol, has_printed: bool) -> Caption:
         table = TABLES[self.name]
         caption = Caption(
-            title=f"{table.title}{WAYS[protocol]}: {what}",
-            data=f"{of} of workspace {self.workspace.root.absolute().name}",
+            title=f"{table.title}{PROTOCOL_TITLES[protocol]}: {what}",
+            data=f"{of} of workspace {self.workspace.path.absolute().name}",
             shapes=0,
             joints=0,
             split="test split by hashed id",
             seeds=seeds,
         )
-        return caption.noting(table.note, AUTHORS_MEASURE if protocol == "kinmo" and has_printed else "")
+        return caption.noting(table.note, PRINTED_NOTE if protocol == "kinmo" and has_printed else "")
 
     def _dataset(self, category: str) -> ScanDataset | InputError:
-        """The scans of a category, or what is wrong with them: before there are any, or where scanning was stopped."""
+        """The scans of a category, or the problem with them."""
         try:
             return open_scan_dataset(self.workspace, category)
         except InputError as error:
@@ -157,9 +171,9 @@ class WrittenTables:
         return f"table-{self.name}-{place}"
 
 
-def _inputs(held: Held) -> dict[str, Any]:
-    """What a table shows, as JSON has it, whose keys are text."""
-    return {"held": {category: {str(seed): dict(rows) for seed, rows in by_seed.items()} for category, by_seed in held.items()}}
+def _plain(inputs: Inputs) -> dict[str, Any]:
+    """Inputs as JSON has them, with text as keys."""
+    return {"scores": {name: {str(seed): dict(rows) for seed, rows in by_seed.items()} for name, by_seed in inputs.items()}}
 
 
 def _seeds(rows: Sequence[ScanRow]) -> tuple[int, ...]:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.joint import Joint
-from kinmo.scans.articulated_object import Extents, Structure
-from kinmo.scans.labelled_frames import Scans
-from kinmo.scans.point_predictions import MIDDLE, PointAnswers, said_half_sizes, said_joints
-from kinmo.scans.pose_fitting import ScanEstimate
+from kinmo.scans.object_structure import Extents, Structure
+from kinmo.scans.poses.point_predictions import MIDDLE, PointPredictions, predicted_half_sizes, predicted_joints
+from kinmo.scans.poses.scan_estimate import ScanEstimate
+from kinmo.scans.rendering.labelled_frames import LabelledFrames
 
 F64 = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ class SaidObject:
     part_extents: Extents
 
     @property
-    def facing(self) -> F64:
+    def axis_aligned_shares(self) -> F64:
         """As in `ScanFile`: not known."""
         return np.full(self.structure.part_count, np.nan)
 
@@ -44,11 +44,11 @@ def is_sure(found: ScanEstimate, confidence: float) -> bool:
 def self_labelled(
     name: tuple[str, str],
     points: NDArray[np.float32],
-    answers: Sequence[PointAnswers],
+    answers: Sequence[PointPredictions],
     estimates: Sequence[ScanEstimate],
     structure: Structure,
     confidence: float,
-) -> tuple[SaidObject, Scans] | None:
+) -> tuple[SaidObject, LabelledFrames] | None:
     """The frames of one object that networks are sure of, labelled; None where there is none.
 
     `name` is the object's id and category, `points` [F, n, 3] its scans in the camera's frame. Boxes and joints are the medians
@@ -72,24 +72,24 @@ def self_labelled(
     unknown = np.full((len(sure), count - 1), np.nan)
     refused = Counter({UNSURE: len(estimates) - len(sure)})
     poses_of = np.full((len(sure), count, 4, 4), np.nan)
-    return said, Scans(points[sure], parts_of, places, poses_of, unknown, unknown.copy(), refused)
+    return said, LabelledFrames(points[sure], parts_of, places, poses_of, unknown, unknown.copy(), refused)
 
 
-def _extents(answers: Sequence[PointAnswers]) -> Extents:
+def _extents(answers: Sequence[PointPredictions]) -> Extents:
     """Boxes whose diagonals are the sizes of the parts in NAOCS, and whose proportions are those said."""
     scales = np.median([answer.part_scales for answer in answers], axis=0)
     shifts = np.median([answer.part_shifts for answer in answers], axis=0)
-    shapes = np.median([said_half_sizes(answer) for answer in answers], axis=0)
+    shapes = np.median([predicted_half_sizes(answer) for answer in answers], axis=0)
     sizes = shapes / np.linalg.norm(shapes, axis=1, keepdims=True) * scales[:, None]
     return Extents(shifts + MIDDLE * scales[:, None] - MIDDLE, sizes)
 
 
-def _joints(answers: Sequence[PointAnswers], estimates: Sequence[ScanEstimate], structure: Structure) -> tuple[Joint, ...]:
+def _joints(answers: Sequence[PointPredictions], estimates: Sequence[ScanEstimate], structure: Structure) -> tuple[Joint, ...]:
     """Pivots are medians of what is said; directions the lines that come nearest to those found, of the sign of most."""
     parents = list(structure.parents)
     found = [np.einsum("kji,kj->ki", each.poses.rotations[parents], each.directions) for each in estimates]
     directions = [_mean_direction(np.stack([frame[row] for frame in found])) for row in range(len(parents))]
-    pivots = np.median([said_joints(answer, structure)[1] for answer in answers], axis=0)
+    pivots = np.median([predicted_joints(answer, structure)[1] for answer in answers], axis=0)
     return tuple(
         Joint(kind, direction, pivot - MIDDLE)
         for kind, direction, pivot in zip(structure.kinds, directions, pivots, strict=True)

@@ -1,4 +1,4 @@
-"""The row without learning: joints by a rule that anybody can check.
+"""A rule without learning, as a baseline: joints from size, contact and position.
 
 - The largest body stands still.
 - A small body is pressed: it slides along the direction in which its contact with the rest is thinnest.
@@ -16,37 +16,37 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from kinmo.core.box import Box
-from kinmo.core.edge_labels import motion_type
-from kinmo.core.joint import Joint, JointKind, MotionType
+from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
+from kinmo.core.motion_types import MotionType, motion_type
 from kinmo.core.normalisation import Normalisation
-from kinmo.core.prediction import JointEstimate, Prediction
+from kinmo.core.prediction import JointEstimate, ShapeEstimate
 from kinmo.core.vector import Vector
 from kinmo.features.prepared_shape import PreparedShape
 
 F64 = NDArray[np.float64]
 
-SMALL = 0.2
-"""Of the object's diagonal: a part with a smaller box is pressed, not turned."""
-FLAT = 0.3
-"""Of the middle extent: a part with a smaller thinnest extent is a panel."""
-NEAREST = 0.05
-"""The share of a part's points that counts as its contact with the rest."""
-OFF_CENTRE = 0.5
-"""Of the half extent: contact farther from the middle than this is contact at an edge."""
+MAX_BUTTON_SIZE = 0.2
+"""Diagonal (of the object's) below which a part is pressed rather than turned."""
+MAX_PANEL_THICKNESS = 0.3
+"""Thickness of a panel at most, as a share of its middle extent."""
+CONTACT_SHARE = 0.05
+"""Share of a part's points that counts as its contact with the rest."""
+EDGE_OFFSET = 0.5
+"""Distance from the middle (in half extents) beyond which contact is at an edge."""
 
 
-def without_learning(truth: PreparedShape) -> dict[int, JointEstimate]:
-    """Answers to all bodies of `truth`, given its bodies but no joint, in the normalised frame."""
+def rule_joints(truth: PreparedShape) -> dict[int, JointEstimate]:
+    """Estimates for all bodies of an annotated shape from its bodies alone, in the normalised frame."""
     mobility, boxes = truth.annotation
-    answers = _answers(truth, truth.body_leaves, [boxes[index] for index in range(len(mobility.bodies))])
-    return dict(enumerate(answers))
+    estimates = _estimates(truth, truth.body_leaves, [boxes[index] for index in range(len(mobility.bodies))])
+    return dict(enumerate(estimates))
 
 
-def segmented_without_learning(shape: PreparedShape) -> Prediction:
-    """A mobility for a shape of which only the hierarchy is given.
+def rule_prediction(shape: PreparedShape) -> ShapeEstimate:
+    """ShapeEstimate from the hierarchy alone, in the shape's own frame.
 
-    From the root down, the first part that has several parts is taken for the object: those are its bodies, all on the largest.
+    The bodies are the children of the first part from the root down that has several; all are attached to the largest.
     """
     children: dict[int, list[int]] = {}
     for node, parent in enumerate(shape.parents):
@@ -54,37 +54,37 @@ def segmented_without_learning(shape: PreparedShape) -> Prediction:
     nodes = [0]
     while len(nodes) == 1 and nodes[0] in children:
         nodes = children[nodes[0]]
-    found = _answers(shape, [shape.leaves_below[node] for node in nodes], [shape.symmetric_boxes[node] for node in nodes])
-    still = next(index for index, answer in enumerate(found) if answer.joint is None)
+    found = _estimates(shape, [shape.leaves_below[node] for node in nodes], [shape.symmetric_boxes[node] for node in nodes])
+    still = next(index for index, estimate in enumerate(found) if estimate.joint is None)
     frame = Normalisation(shape.center, shape.diagonal)
-    answers = [frame.undo_estimate(answer) for answer in found]
+    estimates = [frame.undo_estimate(estimate) for estimate in found]
     bodies = [
         Body(
             index,
             shape.part_names[node],
             tuple(shape.leaves[place] for place in shape.leaves_below[node]),
             None if index == still else still,
-            answer.joint,
+            estimate.joint,
         )
-        for index, (node, answer) in enumerate(zip(nodes, answers, strict=True))
+        for index, (node, estimate) in enumerate(zip(nodes, estimates, strict=True))
     ]
-    estimates = tuple((answer,) for answer in answers)
-    return Prediction(shape.id, shape.category, Mobility(tuple(bodies)), estimates, tuple(answers), "rule")
+    ranked = tuple((estimate,) for estimate in estimates)
+    return ShapeEstimate(shape.id, shape.category, Mobility(tuple(bodies)), ranked, tuple(estimates), "rule")
 
 
-def _answers(shape: PreparedShape, bodies: Sequence[Sequence[int]], boxes: Sequence[Box]) -> list[JointEstimate]:
-    """What the rule says of bodies (positions of their leaves) with these boxes; at least one of them stands still."""
+def _estimates(shape: PreparedShape, bodies: Sequence[Sequence[int]], boxes: Sequence[Box]) -> list[JointEstimate]:
+    """Estimates for bodies (positions of their leaves) with these boxes; at least one of them rests."""
     clouds = [_cloud(shape, leaves) for leaves in bodies]
     sizes = [float(np.linalg.norm(box.half_extents)) for box in boxes]
-    answers = []
+    estimates = []
     for index, (cloud, box) in enumerate(zip(clouds, boxes, strict=True)):
         rest = [other for place, other in enumerate(clouds) if place != index]
         if sizes[index] == max(sizes) or not rest:
-            answers.append(JointEstimate(None, MotionType.FIXED, 1.0, source="rule"))
+            estimates.append(JointEstimate(None, MotionType.FIXED, 1.0, source="rule"))
             continue
         joint = _rule(box, shape.up, *_contact(cloud, np.concatenate(rest)))
-        answers.append(JointEstimate(joint, motion_type(joint, box, shape.up), 1.0, source="rule"))
-    return answers
+        estimates.append(JointEstimate(joint, motion_type(joint, box, shape.up), 1.0, source="rule"))
+    return estimates
 
 
 def _cloud(shape: PreparedShape, leaves: Sequence[int]) -> F64:
@@ -94,18 +94,18 @@ def _cloud(shape: PreparedShape, leaves: Sequence[int]) -> F64:
 
 
 def _contact(cloud: F64, rest: F64) -> tuple[Vector, Vector]:
-    """Middle [3] of the points of `cloud` nearest to `rest`, and the direction [3] in which most of `rest` faces there."""
+    """Middle [3] of the points of `cloud` nearest to `rest`, and the main normal [3] of `rest` there."""
     distances, nearest = cKDTree(rest[:, :3]).query(cloud[:, :3])
-    chosen = np.argsort(distances, kind="stable")[: max(3, int(NEAREST * len(cloud)))]
+    chosen = np.argsort(distances, kind="stable")[: max(3, int(CONTACT_SHARE * len(cloud)))]
     facing = np.linalg.svd(rest[nearest[chosen], 3:], full_matrices=False)[2][0]
     return cloud[chosen, :3].mean(axis=0), facing
 
 
 def _rule(box: Box, up: Vector, contact: Vector, facing: Vector) -> Joint:
     order = np.argsort(box.half_extents)
-    if 2.0 * np.linalg.norm(box.half_extents) < SMALL:
+    if 2.0 * np.linalg.norm(box.half_extents) < MAX_BUTTON_SIZE:
         return Joint(JointKind.PRISMATIC, facing, box.center)
-    if box.half_extents[order[0]] < FLAT * box.half_extents[order[1]]:
+    if box.half_extents[order[0]] < MAX_PANEL_THICKNESS * box.half_extents[order[1]]:
         return _panel(box.axes[order[1:]], box.half_extents[order[1:]], box.center, contact, up)
     away = box.center - np.dot(box.center, up) * up
     axis = box.axes[np.argmax(np.abs(box.axes @ away) - np.abs(box.axes @ up))]
@@ -116,7 +116,7 @@ def _panel(axes: F64, extents: F64, center: Vector, contact: Vector, up: Vector)
     """A hinge along an edge of the panel that `axes` [2, 3] span with half `extents` [2]."""
     offsets = axes @ (contact - center) / extents
     across = int(np.argmax(np.abs(offsets)))
-    if abs(offsets[across]) > OFF_CENTRE:
+    if abs(offsets[across]) > EDGE_OFFSET:
         side = np.sign(offsets[across])
     else:
         across = int(np.argmin(np.abs(axes @ up)))

@@ -1,4 +1,4 @@
-"""The bar of a simple learner: boosted trees on hand-made features (the extra `trees`)."""
+"""Boosted trees of scikit-learn (the extra `trees`): a classifier and a ranker."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ I64 = NDArray[np.int64]
 ITERATIONS = 150
 LEARNING_RATE = 0.1
 KIND_LEAVES, RANK_LEAVES = 8, 31
-"""Of a tree. There are hundreds of bodies to class, and dozens of times as many candidates to rank."""
+"""Largest numbers of leaves of a tree: there are many more candidates to rank than bodies to classify."""
 
 
 def library_version() -> str | None:
-    """The version of scikit-learn, which is not imported for this; None where it is not installed."""
+    """Version of scikit-learn, without importing it; None if it is not installed."""
     try:
         return version("scikit-learn")
     except PackageNotFoundError:
@@ -38,20 +38,24 @@ def _classifier(seed: int, iterations: int, leaves: int) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Ranker:
-    """Tells which of a body's candidates are likely to be right."""
+    """Ranks the candidate joints of a body."""
 
     model: Any
 
     def likelihoods(self, features: F64) -> F64:
-        """How likely each of R candidates is to be right, [R] in [0, 1], from `features` [R, F]."""
+        """Probability [R] of each candidate to be right, from its features [R, F]."""
         return _column(self.model, features, 1)
 
 
 def fit_rank(features: F64, groups: I64, right: NDArray[np.bool_], *, seed: int = 0, iterations: int = ITERATIONS) -> Ranker:
-    """Learn which of a body's candidates are right.
+    """Fit a ranker. Every body has the same weight, however many candidates it has.
 
-    `features` [R, F] (NaN where unknown), `groups` [R] bodies, `right` [R]. Every body weighs the same, however many
-    candidates it has.
+    Args:
+        features: features [R, F] of candidates; NaN where unknown.
+        groups: body [R] of each candidate.
+        right: [R], True for right candidates.
+        seed: seed of the trees.
+        iterations: number of trees.
     """
     _, inverse, counts = np.unique(groups, return_inverse=True, return_counts=True)
     return Ranker(
@@ -61,23 +65,23 @@ def fit_rank(features: F64, groups: I64, right: NDArray[np.bool_], *, seed: int 
 
 @dataclass(frozen=True, eq=False)
 class KindClassifier:
-    """Says which class a body is of."""
+    """Predicts the class of a body."""
 
     model: Any
 
     def probabilities(self, features: F64, classes: int) -> F64:
-        """[N, classes] for N bodies; 0 for a class that was never seen."""
+        """Probabilities [N, classes] for N bodies; 0 for a class that was never seen."""
         found = np.zeros((len(features), classes))
         found[:, self.model.classes_] = self.model.predict_proba(features)
         return found
 
 
 def fit_kinds(features: F64, kinds: I64, *, seed: int = 0, iterations: int = ITERATIONS) -> KindClassifier:
-    """Learn the class [N] of N bodies (such as CoarseType) from `features` [N, F]."""
+    """Fit a classifier of N bodies from features [N, F] and classes [N]."""
     return KindClassifier(_classifier(seed, iterations, KIND_LEAVES).fit(features, kinds))
 
 
 def _column(model: Any, features: F64, label: int) -> F64:
-    """The likelihood of a class; 0 if training had none of it."""
+    """Probability of a class; 0 if training had none of it."""
     where = np.flatnonzero(model.classes_ == label)
     return np.asarray(model.predict_proba(features)[:, where[0]]) if len(where) else np.zeros(len(features))

@@ -1,7 +1,7 @@
-"""The row `trees`, *parts given*: what boosted trees make of the evidence that the `kinmo` method ranks.
+"""Boosted trees as a baseline, parts given: they see the same features as kinmo's ranking networks, but no names.
 
-A classifier says of every body whether it turns, slides, screws or rests, by the numbers that describe it and the bodies beside
-it; of the motions of that kind a ranker picks one, by the numbers of the motion and of the body. Names are shown to neither.
+A classifier predicts the kind of each body's joint from the features of all bodies. A ranker then picks a candidate joint of
+that kind from the features of candidate and body.
 """
 
 from __future__ import annotations
@@ -12,19 +12,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.edge_labels import motion_type
-from kinmo.core.joint import KINDS, Joint, MotionType
+from kinmo.core.joint import KINDS, Joint
+from kinmo.core.motion_types import MotionType, motion_type
 from kinmo.core.prediction import JointEstimate
-from kinmo.evaluation.joint_records import AXIS_WITHIN, LINE_WITHIN
+from kinmo.evaluation.metrics import MAX_AXIS_ERROR, MAX_LINE_DISTANCE
 from kinmo.experiments.table1.trees import KindClassifier, Ranker, fit_kinds, fit_rank
-from kinmo.features.candidate_features import Evidence
-from kinmo.features.prepared_shape import PreparedShape, units_of
+from kinmo.features.candidate_features import CandidateFeatures
+from kinmo.features.prepared_shape import PreparedShape, leaf_groups
 
 F64 = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-"""How evidence numbers the kinds; a body at rest is `REST`."""
 REST = len(KINDS)
+"""Class of a body at rest; the others are the codes of the kinds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,32 +34,37 @@ class TreesBaseline:
     kinds: KindClassifier
     ranker: Ranker
 
-    def answers(self, shape: PreparedShape, *, kinds_given: bool = False) -> dict[int, JointEstimate]:
-        """The joint of every body of an annotated shape by its index, in the normalised frame.
+    def predict(self, shape: PreparedShape, *, kinds_given: bool = False) -> dict[int, JointEstimate]:
+        """Predict the joint of every body of an annotated shape.
 
-        With `kinds_given` the true kinds are told, and the axes alone are asked for.
+        Args:
+            shape: the shape.
+            kinds_given: use the true kinds, and predict the axes alone.
+
+        Returns:
+            Estimates by body, in the normalised frame.
         """
         mobility, boxes = shape.annotation
-        evidence, units = Evidence.of(shape.evidence), _body_units(shape)
-        odds = self.kinds.probabilities(_classed(evidence, list(units.values())), REST + 1)
+        features, body_groups = CandidateFeatures.of(shape.candidate_features), _body_groups(shape)
+        probabilities = self.kinds.probabilities(_classifier_features(features, list(body_groups.values())), REST + 1)
         found = {}
-        for (body, unit), chances in zip(units.items(), odds, strict=True):
+        for (body, group), chances in zip(body_groups.items(), probabilities, strict=True):
             true = mobility.bodies[body].joint
             kind = int(np.argmax(chances)) if not kinds_given else REST if true is None else true.kind.code
-            rows = _rows(evidence, unit, kind)
+            rows = _rows(features, group, kind)
             if kind == REST or not len(rows):
                 found[body] = JointEstimate(None, MotionType.FIXED, float(chances[REST]), source="trees")
                 continue
-            likelihoods = self.ranker.likelihoods(_ranked(evidence, unit, rows))
+            likelihoods = self.ranker.likelihoods(_ranker_features(features, group, rows))
             best = rows[np.argmax(likelihoods)]
-            joint = Joint(KINDS[kind], evidence.directions[best], evidence.pivots[best])
+            joint = Joint(KINDS[kind], features.directions[best], features.pivots[best])
             score = float(chances[kind] * likelihoods.max())
             found[body] = JointEstimate(joint, motion_type(joint, boxes[body], shape.up), score, source="trees")
         return found
 
 
 def fit_trees(shapes: Iterable[PreparedShape], *, seed: int = 0) -> TreesBaseline:
-    """Train on annotated shapes; what is kept of each is its evidence alone. Needs scikit-learn, else raises ImportError."""
+    """Train on annotated shapes. Raises ImportError without scikit-learn."""
     bodies: list[F64] = []
     classes: list[int] = []
     motions: list[F64] = []
@@ -67,50 +72,50 @@ def fit_trees(shapes: Iterable[PreparedShape], *, seed: int = 0) -> TreesBaselin
     right: list[NDArray[np.bool_]] = []
     for shape in shapes:
         mobility, _ = shape.annotation
-        evidence, units = Evidence.of(shape.evidence), _body_units(shape)
-        bodies.append(_classed(evidence, list(units.values())))
-        for body, unit in units.items():
+        features, body_groups = CandidateFeatures.of(shape.candidate_features), _body_groups(shape)
+        bodies.append(_classifier_features(features, list(body_groups.values())))
+        for body, group in body_groups.items():
             joint = mobility.bodies[body].joint
             classes.append(REST if joint is None else joint.kind.code)
-            rows = _rows(evidence, unit, classes[-1])
+            rows = _rows(features, group, classes[-1])
             if joint is not None and len(rows):
-                motions.append(_ranked(evidence, unit, rows))
+                motions.append(_ranker_features(features, group, rows))
                 groups.append(np.full(len(rows), len(classes)))
-                right.append(_right(evidence, rows, joint, evidence.centers[unit]))
+                right.append(_is_right(features, rows, joint, features.centers[group]))
     kinds = fit_kinds(np.concatenate(bodies), np.array(classes), seed=seed)
     return TreesBaseline(kinds, fit_rank(np.concatenate(motions), np.concatenate(groups), np.concatenate(right), seed=seed))
 
 
-def _body_units(shape: PreparedShape) -> Mapping[int, int]:
-    """The unit of every body that has leaves."""
-    place = {leaves: unit for unit, leaves in enumerate(units_of(shape.leaves_below, shape.body_leaves))}
+def _body_groups(shape: PreparedShape) -> Mapping[int, int]:
+    """Index in the features of every body that has leaves."""
+    place = {leaves: group for group, leaves in enumerate(leaf_groups(shape.leaves_below, shape.body_leaves))}
     return {body: place[leaves] for body, leaves in enumerate(shape.body_leaves) if leaves}
 
 
-def _rows(evidence: Evidence, unit: int, kind: int) -> Rows:
-    """The rows of a unit's motions of one kind."""
-    rows = evidence.rows(unit)
-    return np.asarray(rows.start + np.flatnonzero(evidence.kinds[rows] == kind))
+def _rows(features: CandidateFeatures, group: int, kind: int) -> Rows:
+    """Rows of a body's candidate joints of one kind."""
+    rows = features.rows(group)
+    return np.asarray(rows.start + np.flatnonzero(features.kinds[rows] == kind))
 
 
-def _classed(evidence: Evidence, units: list[int]) -> F64:
-    """What the classifier sees of the bodies of a shape [B, 4 G]: each, and the range and the mean of all."""
-    own = evidence.unit_features[units].astype(float)
+def _classifier_features(features: CandidateFeatures, body_groups: list[int]) -> F64:
+    """Features [B, 4 G] for the classifier: those of each body, and minimum, maximum and mean over all bodies."""
+    own = features.group_features[body_groups].astype(float)
     beside = np.concatenate([own.min(axis=0), own.max(axis=0), own.mean(axis=0)])
     return np.concatenate([own, np.broadcast_to(beside, (len(own), len(beside)))], axis=1)
 
 
-def _ranked(evidence: Evidence, unit: int, rows: Rows) -> F64:
-    """What the ranker sees of some motions of a unit [R, F + G]."""
-    whole = np.broadcast_to(evidence.unit_features[unit], (len(rows), evidence.unit_features.shape[1]))
-    return np.concatenate([evidence.features[rows], whole], axis=1).astype(float)
+def _ranker_features(features: CandidateFeatures, group: int, rows: Rows) -> F64:
+    """Features [R, F + G] for the ranker: those of candidates and of their body."""
+    whole = np.broadcast_to(features.group_features[group], (len(rows), features.group_features.shape[1]))
+    return np.concatenate([features.features[rows], whole], axis=1).astype(float)
 
 
-def _right(evidence: Evidence, rows: Rows, joint: Joint, center: F64) -> NDArray[np.bool_]:
-    """Which motions [R] have the axis of `joint` and, but for sliders, its line near the part's `center`."""
-    directions, pivots = evidence.directions[rows], evidence.pivots[rows]
-    right = np.abs(directions @ joint.direction) >= np.cos(AXIS_WITHIN)
+def _is_right(features: CandidateFeatures, rows: Rows, joint: Joint, center: F64) -> NDArray[np.bool_]:
+    """Mask [R] of the candidates with the axis of `joint` and, except for sliders, its line near the part's `center`."""
+    directions, pivots = features.directions[rows], features.pivots[rows]
+    right = np.abs(directions @ joint.direction) >= np.cos(MAX_AXIS_ERROR)
     if joint.has_pivot:
         at_part = joint.pivot + ((center - joint.pivot) @ joint.direction) * joint.direction
-        right &= np.linalg.norm(np.cross(at_part - pivots, directions), axis=1) <= LINE_WITHIN
+        right &= np.linalg.norm(np.cross(at_part - pivots, directions), axis=1) <= MAX_LINE_DISTANCE
     return np.asarray(right)

@@ -1,4 +1,4 @@
-"""The row that frames a table from above: the best that the candidates allow."""
+"""Upper bound: the best joint among a set of candidates, the true kind known."""
 
 from __future__ import annotations
 
@@ -7,22 +7,31 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from kinmo import _core
+from kinmo.config import RefinementConfig
 from kinmo.core.joint import Joint
 from kinmo.core.prediction import JointEstimate
 from kinmo.core.vector import Vector
 from kinmo.evaluation import metrics
-from kinmo.evaluation.joint_records import AXIS_WITHIN, LINE_WITHIN
 from kinmo.features.prepared_shape import PreparedShape
+from kinmo.methods.paper.leaf_roles import leaf_roles
+from kinmo.methods.paper.refinement import Refiner
 
 F64 = NDArray[np.float64]
 
 
-def ceiling(truth: PreparedShape, candidates: Mapping[int, tuple[F64, F64]]) -> dict[int, JointEstimate]:
-    """The best candidate of every movable body of `truth`, its true kind known.
+def upper_bound(truth: PreparedShape, candidates: Mapping[int, tuple[F64, F64]]) -> dict[int, JointEstimate]:
+    """Best candidate for every movable body.
 
-    `candidates` holds directions [K, 3] (unit) and pivots [K, 3] by body, in the normalised frame. Best is the one whose
-    worse error, axis over 5 degrees or line at the part over 0.05 diagonals, is smallest. It has no range. A body without
-    candidates gets no answer.
+    The best candidate has the smallest worse error: axis error over 5 degrees, or line distance at the part over 0.05
+    diagonals. It has no range.
+
+    Args:
+        truth: the annotated shape.
+        candidates: unit directions [K, 3] and pivots [K, 3] by body, in the normalised frame.
+
+    Returns:
+        Estimates by body, in the normalised frame; a body without candidates has none.
     """
     mobility, boxes = truth.annotation
     best = {}
@@ -33,10 +42,30 @@ def ceiling(truth: PreparedShape, candidates: Mapping[int, tuple[F64, F64]]) -> 
             continue
         joints = [Joint(true.kind, d, p) for d, p in zip(directions, pivots, strict=True)]
         joint = min(joints, key=lambda found: _error(true, found, boxes[index].center))
-        best[index] = JointEstimate(joint, truth.body_types[index], 1.0, source="ceiling")
+        best[index] = JointEstimate(joint, truth.body_types[index], 1.0, source="upper bound")
     return best
 
 
+def true_type_candidates(
+    truth: PreparedShape, meshes: _core.Meshes | None, config: RefinementConfig
+) -> dict[int, tuple[F64, F64]]:
+    """Candidates of every movable body for its true motion type.
+
+    Args:
+        truth: the annotated shape.
+        meshes: meshes of the leaves, in the normalised frame; needed for candidates beyond the paper's.
+        config: which candidates there are.
+
+    Returns:
+        Unit directions [K, 3] and pivots [K, 3] by body, in the normalised frame.
+    """
+    mobility, _ = truth.annotation
+    roles = leaf_roles(truth, mobility.bodies)
+    refiner = Refiner(truth, config, None, meshes)
+    found = {index: refiner.candidates(roles[index], truth.body_types[index]) for index, _ in mobility.movable()}
+    return {index: (candidates.directions, candidates.pivots) for index, candidates in found.items()}
+
+
 def _error(true: Joint, found: Joint, middle: Vector) -> float:
-    axis = metrics.axis_error(true.direction, found.direction) / AXIS_WITHIN
-    return max(axis, metrics.line_distance_at_part(true, found, middle) / LINE_WITHIN) if true.has_pivot else axis
+    axis = metrics.axis_error(true.direction, found.direction) / metrics.MAX_AXIS_ERROR
+    return max(axis, metrics.line_distance_at_part(true, found, middle) / metrics.MAX_LINE_DISTANCE) if true.has_pivot else axis

@@ -1,22 +1,22 @@
-"""Readers of public datasets. Each returns a `kinmo.core.shape.Shape` or raises `kinmo.core.errors.InputError`."""
+"""Readers of shapes, one input format per module.
 
-from kinmo.core.shape import Shape
-from kinmo.io.readers.discover import Found, Layout, discover
-from kinmo.io.readers.dsg_net_reader import read_dsg_net
-from kinmo.io.readers.glb_reader import read_glb
-from kinmo.io.readers.partnet_mobility_reader import read_partnet_mobility
-from kinmo.io.readers.partnet_reader import read_partnet
+To add a format, write a module `<format>_reader.py` that defines `READER` (see `kinmo.io.readers.reader`) and list it here.
+"""
 
-__all__ = ["Found", "Layout", "discover", "read_dsg_net", "read_found", "read_glb", "read_partnet", "read_partnet_mobility"]
+from kinmo.io.readers import dsg_net_reader, glb_reader, partnet_mobility_reader, partnet_reader
+from kinmo.io.readers.dsg_net_reader import DSG_NET, read_dsg_net
+from kinmo.io.readers.glb_reader import GLB, read_glb
+from kinmo.io.readers.partnet_mobility_reader import PARTNET_MOBILITY, read_partnet_mobility
+from kinmo.io.readers.partnet_reader import PARTNET, read_partnet
+from kinmo.io.readers.reader import Reader
 
-_READERS = {
-    Layout.PARTNET_MOBILITY: read_partnet_mobility,
-    Layout.PARTNET: read_partnet,
-    Layout.DSG_NET: read_dsg_net,
-    Layout.GLB: read_glb,
-}
+__all__ = [
+    "DSG_NET", "GLB", "PARTNET", "PARTNET_MOBILITY", "READERS",
+    "Reader", "read_dsg_net", "read_glb", "read_partnet", "read_partnet_mobility",
+]  # fmt: skip
 
+_MODULES = (partnet_mobility_reader, partnet_reader, dsg_net_reader, glb_reader)
+"""Reader modules. The first one that recognises a file or folder reads it."""
 
-def read_found(found: Found) -> Shape:
-    """Reads what `discover` found."""
-    return _READERS[found.layout](found.path)
+READERS: dict[str, Reader] = {module.READER.layout: module.READER for module in _MODULES}
+"""All readers by the name of their format."""

@@ -1,4 +1,4 @@
-"""Arrays from NumPy and MATLAB files, never with pickles."""
+"""Arrays from NumPy and MATLAB files. Pickled objects are never loaded."""
 
 from __future__ import annotations
 
@@ -11,40 +11,67 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
-from kinmo.io.readers.untrusted_files import LARGEST_MESH, read_bytes
+from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, read_bytes
 
 Array = NDArray[np.float64]
 
+_HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
+_MATLAB_HEADER_BYTES = 512
+"""Length of the header that MATLAB writes before the HDF5 data."""
+
 
 def read_npz(path: Path, folder: Path, names: tuple[str, ...]) -> dict[str, Array]:
-    """Those of the arrays `names` that the file has, as float64."""
-    raw = read_bytes(path, folder, LARGEST_MESH)
+    """Read arrays from a NumPy archive.
+
+    Args:
+        path: the .npz file.
+        folder: the folder that the file must be in, with links followed.
+        names: names of the arrays.
+
+    Returns:
+        The arrays that exist, as float64.
+
+    Raises:
+        InputError: the file is missing, too large, or not a NumPy archive.
+    """
+    raw = read_bytes(path, folder, MAX_MESH_BYTES)
     found: dict[str, Array] = {}
     try:
         with zipfile.ZipFile(io.BytesIO(raw)) as archive:
             sizes = {info.filename: info.file_size for info in archive.infolist()}
-        if sum(sizes.get(f"{name}.npy", 0) for name in names) > LARGEST_MESH:
-            raise InputError(path, f"unpacks to more than {LARGEST_MESH >> 20} MiB")
+        if sum(sizes.get(f"{name}.npy", 0) for name in names) > MAX_MESH_BYTES:
+            raise InputError(path, f"unpacks to more than {MAX_MESH_BYTES >> 20} MiB")
         with np.load(io.BytesIO(raw), allow_pickle=False) as data:
             for name in names:
                 if name in data.files:
                     found[name] = np.asarray(data[name], np.float64)
     except InputError:
         raise
-    except Exception as error:  # whatever an unreadable archive makes zipfile and NumPy raise
+    except Exception as error:  # zipfile and NumPy raise many kinds of errors for broken archives
         raise InputError(path, f"not a NumPy archive ({type(error).__name__})") from None
     return found
 
 
 def read_mat(path: Path, folder: Path, names: tuple[str, ...]) -> dict[str, Array]:
-    """The arrays `names` of a MATLAB file as float64, their axes in MATLAB's order.
+    """Read arrays from a MATLAB file.
 
     Files of version 7.3 are HDF5 and need the package h5py (`pip install 'kinmo[matlab]'`).
+
+    Args:
+        path: the .mat file.
+        folder: the folder that the file must be in, with links followed.
+        names: names of the arrays.
+
+    Returns:
+        The arrays as float64, with the axes in MATLAB's order.
+
+    Raises:
+        InputError: the file is missing, too large, not a MATLAB file, lacks an array, or needs h5py.
     """
-    raw = read_bytes(path, folder, LARGEST_MESH)
+    raw = read_bytes(path, folder, MAX_MESH_BYTES)
     values: Mapping[str, object]
     try:
-        if raw[:8] == b"\x89HDF\r\n\x1a\n" or raw[512:520] == b"\x89HDF\r\n\x1a\n":
+        if raw.startswith(_HDF5_MAGIC) or raw.startswith(_HDF5_MAGIC, _MATLAB_HEADER_BYTES):
             values = _read_hdf5(raw, path, names)
         else:
             from scipy.io import loadmat
@@ -55,7 +82,7 @@ def read_mat(path: Path, folder: Path, names: tuple[str, ...]) -> dict[str, Arra
         raise
     except KeyError as error:
         raise InputError(path, "missing", str(error.args[0])) from None
-    except Exception as error:  # whatever an unreadable file makes the two readers raise
+    except Exception as error:  # both libraries raise many kinds of errors for broken files
         raise InputError(path, f"not a MATLAB file ({type(error).__name__})") from None
 
 
@@ -66,5 +93,5 @@ def _read_hdf5(raw: bytes, path: Path, names: tuple[str, ...]) -> dict[str, obje
         raise InputError(path, "is HDF5 and needs the package h5py: pip install 'kinmo[matlab]'") from None
     with h5py.File(io.BytesIO(raw), "r") as file:
         found = {name: file[name][()] for name in names if name in file}
-    # MATLAB writes its arrays column by column, which HDF5 reads as rows.
+    # MATLAB writes arrays column by column, HDF5 reads them as rows
     return {name: value.T for name, value in found.items()} if raw.startswith(b"MATLAB") else found

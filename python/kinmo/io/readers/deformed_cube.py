@@ -1,10 +1,15 @@
-"""DSG-Net's part geometry: a cube mesh deformed by a gradient a vertex.
+"""DSG-Net's part geometry: a cube mesh with one deformation gradient per vertex.
 
 A part is stored as a rotation (its logarithm, 3 numbers) and a symmetric stretch (6 numbers) for each of the P vertices of a
-cube. The vertices solve, in least squares, (v_i - v_j) = (T_i + T_j)/2 (u_i - u_j) over the cube's edges, u being the
-undeformed vertices. cube_meshinfo.mat holds what that needs: `neighbour` [P, D] (from 1, 0 where there is none), `vdiff`
-[P, D, 3] (weighted u_i - u_j), `recon` [P, P] (the solver's matrix), and the faces `ref_F` [F, 3] (from 1). The solution is
-free to shift; the part's box says where it stands.
+cube. The deformed vertices v solve the least squares problem (v_i - v_j) = (T_i + T_j)/2 (u_i - u_j) over the cube's edges,
+where u are the undeformed vertices. The solution has no fixed position: the box of the part gives it.
+
+The file cube_meshinfo.mat holds the arrays of the solver:
+
+- `neighbour` [P, D]: vertices along the edges, counted from 1, or 0 for none;
+- `vdiff` [P, D, 3]: weighted differences u_i - u_j;
+- `recon` [P, P]: the matrix of the solver;
+- `ref_F` [F, 3]: faces, with vertices counted from 1.
 """
 
 from __future__ import annotations
@@ -16,16 +21,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
-from kinmo.core.shape import Mesh
 from kinmo.io.readers.array_reader import read_mat
 
 Array = NDArray[np.float64]
 _STRETCH = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
+"""Position of each entry of the symmetric stretch matrix among its 6 stored numbers."""
 
 
 @dataclass(frozen=True, eq=False)
 class CubeMesh:
-    """The undeformed cube and its solver: arrays as described above, `neighbours` and `faces` from 0 with -1 for none."""
+    """The undeformed cube and its solver.
+
+    Attributes:
+        neighbours: [P, D], vertices along the edges, counted from 0, or -1 for none.
+        differences: [P, D, 3], weighted differences of undeformed vertices.
+        solver: [P, P].
+        faces: [F, 3], with vertices counted from 0.
+    """
 
     neighbours: NDArray[np.int64]
     differences: Array
@@ -33,7 +45,7 @@ class CubeMesh:
     faces: NDArray[np.uint32]
 
     def decode(self, rotation_logs: Array, stretches: Array) -> Array:
-        """Vertices [P, 3], up to a shift, from `rotation_logs` [P, 3] and `stretches` [P, 6]."""
+        """Vertices [P, 3] in an arbitrary position, from `rotation_logs` [P, 3] and `stretches` [P, 6]."""
         gradients = _rotations(rotation_logs) @ stretches[:, _STRETCH]
         padded = np.concatenate([gradients, np.zeros((1, 3, 3))])
         sums = padded[self.neighbours] + gradients[:, None]
@@ -43,7 +55,18 @@ class CubeMesh:
 
 
 def read_cube_mesh(path: Path, folder: Path) -> CubeMesh:
-    """Reads cube_meshinfo.mat. Raises InputError for arrays that do not fit together."""
+    """Read cube_meshinfo.mat.
+
+    Args:
+        path: the file.
+        folder: the folder that the file must be in, with links followed.
+
+    Returns:
+        The undeformed cube.
+
+    Raises:
+        InputError: the file cannot be used, or its arrays do not fit together.
+    """
     data = read_mat(path, folder, ("neighbour", "vdiff", "recon", "ref_F"))
     solver, neighbours, differences, faces = data["recon"], data["neighbour"], data["vdiff"], data["ref_F"]
     if solver.ndim != 2 or solver.shape[0] != solver.shape[1]:
@@ -61,7 +84,15 @@ def read_cube_mesh(path: Path, folder: Path) -> CubeMesh:
 
 
 def place_in_box(vertices: Array, box: Array) -> Array:
-    """`vertices` shifted so that they are centred in `box` [12] (centre, size, x and y direction), along its axes."""
+    """Move vertices to the centre of a box.
+
+    Args:
+        vertices: [P, 3].
+        box: [12], the centre, size, x direction and y direction.
+
+    Returns:
+        Vertices [P, 3] whose extent along the axes of the box is centred in it.
+    """
     x, y = (direction / np.linalg.norm(direction) for direction in (box[6:9], box[9:12]))
     axes = np.stack([x, y, np.cross(x, y)])
     along = vertices @ axes.T
@@ -70,12 +101,8 @@ def place_in_box(vertices: Array, box: Array) -> Array:
     return placed
 
 
-def mesh_of(cube: CubeMesh, vertices: Array) -> Mesh:
-    return Mesh(np.ascontiguousarray(vertices), cube.faces)
-
-
 def _rotations(logs: Array) -> Array:
-    """Rotations [P, 3, 3] by Rodrigues' formula; entries (1,2), (1,3), (2,3) of the logarithm are given."""
+    """Rotations [P, 3, 3] by Rodrigues' formula, from entries (1,2), (1,3) and (2,3) of their logarithms [P, 3]."""
     skew = np.zeros((len(logs), 3, 3))
     for (row, column), entry in zip(((0, 1), (0, 2), (1, 2)), logs.T, strict=True):
         skew[:, row, column], skew[:, column, row] = entry, -entry

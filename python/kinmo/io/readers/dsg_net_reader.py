@@ -1,20 +1,21 @@
-"""DSG-Net and StructureNet: a tree JSON a shape, geometry beside it.
+"""DSG-Net and StructureNet: one JSON file with the part tree of a shape, and its geometry in other files.
 
-The tree is {id, label, box, children, edges}. `chair_hier/7.json` finds the geometry of its leaves, in this order, in
+A node of the tree is {id, label, box, children, edges}. The geometry of the leaves of `chair_hier/7.json` is searched in this
+order:
 
-1. `chair_obj/7/<leaf id>.obj` (or `chair_objs`), or `7/<leaf id>.obj` beside the tree;
-2. the leaf's own field `geo`, a list of points;
-3. `chair_geo/7.npz`, or `7.npz` beside the tree: `parts` [N, 1000, 3], by node id, and for negative ids `other_parts` by the
-   place of the parent's id in `other_ids`;
-4. `chair_dgeo/7.npz`: `LOGR` [N, P, 3] and `S` [N, P, 6], deformation gradients, if cube_meshinfo.mat stands beside that
-   folder.
+1. `chair_obj/7/<leaf id>.obj` (or `chair_objs`), or `7/<leaf id>.obj` beside the tree.
+2. The field `geo` of a leaf: a list of points.
+3. `chair_geo/7.npz`, or `7.npz` beside the tree: `parts` [N, 1000, 3] by node id. A node with a negative id uses `other_parts`,
+   at the position of its parent's id in `other_ids`.
+4. `chair_dgeo/7.npz`: deformation gradients `LOGR` [N, P, 3] and `S` [N, P, 6]. They need cube_meshinfo.mat beside that folder.
 
-Boxes and edges of the file are not used: kinmo fits its own.
+The boxes and edges of the file are not used, because kinmo computes its own.
 """
 
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -25,58 +26,86 @@ from numpy.typing import NDArray
 from kinmo.core.categories import canonical_category, same_category
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, Shape
+from kinmo.core.wording import clean_text
 from kinmo.io.readers.array_reader import read_npz
-from kinmo.io.readers.deformed_cube import CubeMesh, mesh_of, place_in_box, read_cube_mesh
-from kinmo.io.readers.field import Field, clean_text
+from kinmo.io.readers.deformed_cube import CubeMesh, place_in_box, read_cube_mesh
+from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.mesh_checks import has_surface
 from kinmo.io.readers.obj_reader import read_obj
-from kinmo.io.readers.part_hierarchy import Node, build, walk
+from kinmo.io.readers.part_hierarchy import Node, build_hierarchy, read_nodes
+from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.triangulated_points import surface_of_points
-from kinmo.io.readers.untrusted_files import inside, read_json
+from kinmo.io.readers.untrusted_files import inside, peek, read_json
 
 Array = NDArray[np.float64]
+
+DSG_NET = "dsg_net"
 _SUFFIX = "_hier"
-_CUBE = "cube_meshinfo.mat"
-_FEWEST_POINTS = 4
+_CUBE_FILE = "cube_meshinfo.mat"
+_MIN_POINTS = 4
 
 
 def read_dsg_net(path: Path) -> Shape:
-    """Reads the shape of a tree JSON. Raises InputError, naming file and field, for what cannot be used."""
+    """Read a shape of DSG-Net or StructureNet.
+
+    Args:
+        path: the JSON file of the part tree.
+
+    Returns:
+        The shape, without mobility.
+
+    Raises:
+        InputError: the files cannot be used. The message names file and field.
+    """
     path = Path(path)
     geometry = _Geometry(path)
-    root = Field(path, read_json(path, geometry.dataset))
-    nodes = walk(root, "label")
+    nodes = read_nodes(JsonField(path, read_json(path, geometry.dataset)), "label")
     meshes = {}
     for index, node in enumerate(nodes):
         if node.is_leaf:
-            mesh = geometry.of(node, None if node.parent is None else nodes[node.parent].id)
-            if has_surface(mesh):
+            mesh = geometry.mesh_of(node, None if node.parent is None else nodes[node.parent].id)
+            if mesh is not None and has_surface(mesh):
                 meshes[index] = mesh
-    hierarchy = build(nodes, meshes)
+    hierarchy = build_hierarchy(nodes, meshes)
     category, repairs = _category(nodes[0].name, geometry.stem, path)
     return Shape(
-        id=shape_id(path),
+        id=_shape_id(path),
         category=category,
         parts=hierarchy.parts,
         source=path,
-        layout="dsg_net",
+        layout=DSG_NET,
         partnet_id=path.stem if path.stem.isdecimal() else None,
         repairs=(*repairs, *hierarchy.repairs),
     )
 
 
-def shape_id(path: Path) -> str:
-    """The id of a tree file: its name, behind the category's where it is a bare number, which other categories have too."""
+def _shape_id(path: Path) -> str:
+    """Name of the tree file. A bare number gets the category in front, because several categories have the same numbers."""
     stem = _Geometry(path).stem
     return clean_text(f"{stem}-{path.stem}" if stem and path.stem.isdecimal() else path.stem)
 
 
-def geometry_places(path: Path) -> list[Path]:
-    """All files and folders in which the leaves of a tree file may have their geometry, whether they are there or not."""
-    return _Geometry(path).places
+def _id_of_file(path: Path) -> str | None:
+    """The id of the shape if a JSON file is a part tree. In a folder `*_hier` every JSON file is one."""
+    if path.suffix != ".json":
+        return None
+    if not Path(os.path.realpath(path.parent)).name.endswith(_SUFFIX):
+        text = peek(path, path.parent)
+        has_fields = b'"label"' in text and b'"id"' in text and (b'"children"' in text or b'"box"' in text)
+        if not has_fields or not re.match(rb"\s*\{", text):
+            return None
+    return _shape_id(path)
+
+
+def _source_files(path: Path) -> SourceFiles:
+    return path.absolute().parent.parent, [path, *_Geometry(path).places]
+
+
+READER = Reader(DSG_NET, read_dsg_net, _source_files, id_of_file=_id_of_file)
 
 
 def _category(label: str, folder: str, path: Path) -> tuple[str, tuple[str, ...]]:
+    """The category by the label of the root or the name of the folder, and a note if they differ."""
     if not label and not folder:
         raise InputError(path, "expected the category", "label")
     if label and folder and not same_category(label, folder):
@@ -87,19 +116,19 @@ def _category(label: str, folder: str, path: Path) -> tuple[str, tuple[str, ...]
 
 @dataclass(frozen=True)
 class _Geometry:
-    """Where the leaves of one tree file have their geometry."""
+    """The geometry of the leaves of one tree file."""
 
     path: Path
 
     @cached_property
     def stem(self) -> str:
-        """`chair` of `chair_hier`, empty in a folder of another name."""
+        """`chair` for a tree in `chair_hier`. Empty in a folder of another name."""
         name = self.path.absolute().parent.name
         return name[: -len(_SUFFIX)] if name.endswith(_SUFFIX) else ""
 
     @cached_property
     def dataset(self) -> Path:
-        """The folder that geometry may not lead out of."""
+        """The folder that geometry files may not lead out of."""
         folder = self.path.absolute().parent
         return folder.parent if self.stem else folder
 
@@ -121,15 +150,15 @@ class _Geometry:
 
     @property
     def places(self) -> list[Path]:
-        """Everything that is looked for."""
-        return [*self._mesh_places, *self._point_places, *self._gradient_places, self.dataset / _CUBE]
+        """All files and folders that may hold geometry, whether they exist or not."""
+        return [*self._mesh_places, *self._point_places, *self._gradient_places, self.dataset / _CUBE_FILE]
 
     @cached_property
-    def meshes(self) -> Path | None:
+    def _mesh_folder(self) -> Path | None:
         return next((inside(place, self.dataset) for place in self._mesh_places if place.is_dir()), None)
 
     @cached_property
-    def points(self) -> tuple[Path, dict[str, Array]] | None:
+    def _points(self) -> tuple[Path, dict[str, Array]] | None:
         for place in self._point_places:
             if os.path.lexists(place):
                 inside(place.parent, self.dataset)
@@ -137,49 +166,49 @@ class _Geometry:
         return None
 
     @cached_property
-    def gradients(self) -> tuple[Path, dict[str, Array], CubeMesh] | None:
+    def _gradients(self) -> tuple[Path, dict[str, Array], CubeMesh] | None:
         place = next((place for place in self._gradient_places if place.exists()), None)
         if place is None:
             return None
         inside(place.parent, self.dataset)
-        cube = self.dataset / _CUBE
+        cube = self.dataset / _CUBE_FILE
         if not cube.exists():
-            raise InputError(place, f"deformation gradients need {_CUBE} beside their folder, which is missing")
+            raise InputError(place, f"deformation gradients need {_CUBE_FILE} beside their folder, which is missing")
         return place, read_npz(place, self.dataset, ("LOGR", "S")), read_cube_mesh(cube, self.dataset)
 
-    def of(self, node: Node, parent: int | None) -> Mesh:
-        """The mesh of a leaf; one without faces if the file that should have them has none."""
-        if self.meshes is not None:
-            mesh = read_obj(self.meshes / f"{node.id}.obj", self.dataset)
-            return Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.uint32)) if mesh is None else mesh
+    def mesh_of(self, node: Node, parent: int | None) -> Mesh | None:
+        """The mesh of a leaf, or None if its OBJ file has no faces. `parent` is the id of the parent node."""
+        if self._mesh_folder is not None:
+            return read_obj(self._mesh_folder / f"{node.id}.obj", self.dataset)
         inline = node.field["geo"]
         if not inline.is_absent:
-            return _from_points(_inline_points(inline), inline.where, inline.path)
-        if self.points is not None:
-            place, arrays = self.points
-            return _from_points(_stored_points(arrays, node, parent, place), place, f"parts[{node.id}]")
-        if self.gradients is not None:
-            return self._decoded(node, *self.gradients)
+            return _mesh_of_points(_inline_points(inline), inline.where, inline.path)
+        if self._points is not None:
+            place, arrays = self._points
+            return _mesh_of_points(_stored_points(arrays, node, parent, place), place, f"parts[{node.id}]")
+        if self._gradients is not None:
+            return _deformed_mesh(node, *self._gradients)
         raise node.field.fail("has no geometry: expected an OBJ or points for every leaf")
 
-    def _decoded(self, node: Node, place: Path, arrays: dict[str, Array], cube: CubeMesh) -> Mesh:
-        count = len(cube.solver)
-        for name, width in (("LOGR", 3), ("S", 6)):
-            array = arrays.get(name)
-            if array is None or array.ndim != 3 or array.shape[1:] != (count, width):
-                raise InputError(place, f"expected [N, {count}, {width}] numbers", name)
-            if not 0 <= node.id < len(array):
-                raise InputError(place, f"there is no part {node.id}", name)
-            if not np.all(np.isfinite(array[node.id])):
-                raise InputError(place, "expected finite numbers", f"{name}[{node.id}]")
-        box = node.field["box"]
-        corner = box.vector(12)
-        if min(np.linalg.norm(corner[6:9]), np.linalg.norm(corner[9:12])) == 0.0:
-            raise box.fail("expected two directions, found zero")
-        return mesh_of(cube, place_in_box(cube.decode(arrays["LOGR"][node.id], arrays["S"][node.id]), corner))
+
+def _deformed_mesh(node: Node, place: Path, arrays: dict[str, Array], cube: CubeMesh) -> Mesh:
+    count = len(cube.solver)
+    for name, width in (("LOGR", 3), ("S", 6)):
+        array = arrays.get(name)
+        if array is None or array.ndim != 3 or array.shape[1:] != (count, width):
+            raise InputError(place, f"expected [N, {count}, {width}] numbers", name)
+        if not 0 <= node.id < len(array):
+            raise InputError(place, f"there is no part {node.id}", name)
+        if not np.all(np.isfinite(array[node.id])):
+            raise InputError(place, "expected finite numbers", f"{name}[{node.id}]")
+    box = node.field["box"].vector(12)
+    if min(np.linalg.norm(box[6:9]), np.linalg.norm(box[9:12])) == 0.0:
+        raise node.field["box"].fail("expected two directions, found zero")
+    vertices = place_in_box(cube.decode(arrays["LOGR"][node.id], arrays["S"][node.id]), box)
+    return Mesh(np.ascontiguousarray(vertices), cube.faces)
 
 
-def _inline_points(field: Field) -> Array:
+def _inline_points(field: JsonField) -> Array:
     try:
         points = np.array(field.value, np.float64)
     except (ValueError, TypeError, OverflowError):
@@ -204,7 +233,7 @@ def _stored_points(arrays: dict[str, Array], node: Node, parent: int | None, pla
     return np.asarray(array[index], np.float64)
 
 
-def _from_points(points: Array, where: Path, field: str) -> Mesh:
-    if len(points) < _FEWEST_POINTS or not np.all(np.isfinite(points)):
-        raise InputError(where, f"expected at least {_FEWEST_POINTS} finite points", field)
+def _mesh_of_points(points: Array, where: Path, field: str) -> Mesh:
+    if len(points) < _MIN_POINTS or not np.all(np.isfinite(points)):
+        raise InputError(where, f"expected at least {_MIN_POINTS} finite points", field)
     return surface_of_points(points)

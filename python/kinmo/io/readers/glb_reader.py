@@ -1,13 +1,10 @@
-"""Binary glTF 2.0 (Khronos Group): one file whose nodes are the parts, y up and +z in front as kinmo has it."""
+"""Binary glTF 2.0 (GLB): the nodes of the scene are the parts, with y up and the front at +z."""
 
 from __future__ import annotations
 
-import json
-import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,255 +13,199 @@ from scipy.spatial.transform import Rotation
 from kinmo.core.categories import canonical_category
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, Shape, join
-from kinmo.io.readers.field import Field, clean_text
+from kinmo.core.wording import clean_text
+from kinmo.io.readers.gltf_file import FLOAT, INDEX_TYPES, GltfFile
+from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.mesh_checks import has_surface
-from kinmo.io.readers.part_hierarchy import Node, build, check_depth, check_number
+from kinmo.io.readers.part_hierarchy import Node, build_hierarchy, check_depth, check_part_count
 from kinmo.io.readers.partnet_annotation import UNKNOWN_CATEGORY
-from kinmo.io.readers.untrusted_files import LARGEST_JSON, LARGEST_MESH, read_bytes
+from kinmo.io.readers.reader import Reader
 
 F64 = NDArray[np.float64]
 
-ENDING = ".glb"
-_HEADER, _CHUNK = struct.Struct("<4sII"), struct.Struct("<I4s")
-_LOOKS_ALONE = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "EXT_lights_", "MSFT_texture_", "KHR_xmp_")
-"""What begins the names of extensions that change nothing about where surfaces lie."""
-_NUMBERS: dict[int, np.dtype[Any]] = {
-    5121: np.dtype("<u1"),
-    5123: np.dtype("<u2"),
-    5125: np.dtype("<u4"),
-    5126: np.dtype("<f4"),
-}
-_FLOAT = 5126
-_WIDTHS = {"SCALAR": 1, "VEC3": 3}
+GLB = "glb"
+_ENDING = ".glb"
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_MOST_CORNERS = 20_000_000
-"""Read and placed, of all parts together: a small file may show one mesh many times."""
-_MOST_NODES = 100_000
-"""Of a scene, those that are no parts included: bones, say."""
+"""Codes of primitives that have surfaces."""
+MAX_CORNERS = 20_000_000
+"""Most vertices and indices of all parts together. A small file may show one mesh many times."""
+MAX_NODES = 100_000
+"""Most nodes of a scene, including nodes that are no parts, such as bones."""
 
 
 def read_glb(path: Path) -> Shape:
-    """Reads a binary glTF file, the nodes of its scene as parts, each where its transforms have it.
+    """Read a binary glTF file. The nodes of its scene become parts, with their transforms applied.
 
-    A node that has a mesh and children with meshes gets its own as one more child. Nodes without a mesh at or below them are
-    passed over, as are those above the first one that has a mesh or several children. Raises InputError, naming file and field,
-    for what cannot be used.
+    The mesh of a node that also has children becomes one more child. Nodes without a mesh at or below them are skipped. So are
+    nodes above the first node that has a mesh or several children.
+
+    Args:
+        path: the file.
+
+    Returns:
+        The shape, without mobility. The name of its root gives the category.
+
+    Raises:
+        InputError: the file cannot be used. The message names file and field.
     """
     path = Path(path)
-    nodes, meshes = _Scene(path).parts()
-    hierarchy = build(nodes, meshes)
+    nodes, meshes = _Scene(GltfFile(path)).parts()
+    hierarchy = build_hierarchy(nodes, meshes)
     return Shape(
         id=clean_text(path.stem),
         category=canonical_category(hierarchy.parts[0].name or UNKNOWN_CATEGORY),
         parts=hierarchy.parts,
         source=path,
-        layout="glb",
+        layout=GLB,
         repairs=hierarchy.repairs,
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Item:
-    """A node in its place: `pose` [4, 4] in the scene."""
+def _id_of_file(path: Path) -> str | None:
+    name = clean_text(path.stem)
+    return name if path.suffix.lower() == _ENDING and name.strip(".") else None
 
-    field: Field
+
+READER = Reader(GLB, read_glb, lambda path: (path.absolute().parent, [path]), id_of_file=_id_of_file, ending=_ENDING)
+
+
+@dataclass(frozen=True, eq=False)
+class _SceneNode:
+    """A node of the scene. `pose` [4, 4] is its transform to the scene, `parent` an index into the list of nodes."""
+
+    field: JsonField
     name: str
     pose: F64
     parent: int | None
 
 
 class _Scene:
-    """The scene of a file."""
+    """The scene of a glTF file."""
 
-    def __init__(self, path: Path) -> None:
-        self.root, self.binary = _chunks(path)
-        for needed in self.root["extensionsRequired"].items():
-            if not needed.text().startswith(_LOOKS_ALONE):
-                raise needed.fail(f"expected a file that can be read without {needed.text()}: export it without")
-        self._lists: dict[str, list[Field]] = {}
+    def __init__(self, file: GltfFile) -> None:
+        self.file = file
+        self.nodes = list(self._scene_nodes())
         self._surfaces: dict[int, Mesh | None] = {}
         self._corners = 0
 
     def parts(self) -> tuple[list[Node], dict[int, Mesh]]:
-        """The nodes that have a mesh at or below them, in preorder, and the meshes of leaves."""
-        items = list(self._items())
-        own = [self._surface(item) for item in items]
-        is_kept = [surface is not None for surface in own]
-        for index in reversed(range(len(items))):
-            parent = items[index].parent
-            if parent is not None and is_kept[index]:
-                is_kept[parent] = True
-        children: list[list[int]] = [[] for _ in items]
-        for index, item in enumerate(items):
-            if item.parent is not None and is_kept[index]:
-                children[item.parent].append(index)
+        """The nodes that have a mesh at or below them, in preorder, and the placed meshes of the leaves."""
+        own = [self._surface(node) for node in self.nodes]
+        children = self._children_with_surface([surface is not None for surface in own])
         top = 0
         while len(children[top]) == 1 and own[top] is None:
             (top,) = children[top]
-        nodes: list[Node] = []
+        parts: list[Node] = []
         meshes: dict[int, Mesh] = {}
-        pending: list[tuple[int, int | None, bool]] = [(top, None, False)]
+        pending: list[tuple[int, int | None, bool]] = [(top, None, False)]  # True: the node's own mesh, beside its children
         while pending:
             index, parent, is_surface = pending.pop()
-            item, surface, place = items[index], own[index], len(nodes)
-            check_number(item.field, place)
+            node, surface, place = self.nodes[index], own[index], len(parts)
+            check_part_count(node.field, place)
             below = [] if is_surface else children[index]
-            nodes.append(Node(item.field, place, item.name, parent, not below))
+            parts.append(Node(node.field, place, node.name, parent, not below))
             pending += [(child, place, False) for child in reversed(below)]
             if surface is not None and below:
                 pending.append((index, place, True))
             elif surface is not None:
-                self._take_in(len(surface.vertices))
-                mesh = _placed(surface, item)
+                self._count_corners(len(surface.vertices))
+                mesh = _placed(surface, node)
                 if has_surface(mesh):
                     meshes[place] = mesh
-        return nodes, meshes
+        return parts, meshes
 
-    def _items(self) -> Iterator[_Item]:
-        """All nodes of the scene below one that holds them together, in preorder."""
-        yield _Item(self.root, "", np.eye(4), None)
+    def _children_with_surface(self, is_kept: list[bool]) -> list[list[int]]:
+        """For each node the children that have a mesh at or below them. `is_kept` tells which nodes have one themselves."""
+        children: list[list[int]] = [[] for _ in self.nodes]
+        for index in reversed(range(len(self.nodes))):
+            parent = self.nodes[index].parent
+            if parent is not None and is_kept[index]:
+                is_kept[parent] = True
+                children[parent].append(index)
+        return [list(reversed(indices)) for indices in children]
+
+    def _scene_nodes(self) -> Iterator[_SceneNode]:
+        """All nodes of the scene in preorder, below one node that stands for the scene."""
+        root = self.file.root
+        yield _SceneNode(root, "", np.eye(4), None)
         seen: set[int] = set()
         poses = [np.eye(4)]
-        pending = [(field, 0, 1) for field in reversed(self._roots)]
+        pending = [(field, 0, 1) for field in reversed(self._roots())]
         while pending:
             index, parent, depth = pending.pop()
-            node = self._entry("nodes", index)
+            node = self.file.entry("nodes", index)
             check_depth(node, depth)
-            if len(poses) > _MOST_NODES:
-                raise InputError(self.root.where, f"more than {_MOST_NODES} nodes")
+            if len(poses) > MAX_NODES:
+                raise InputError(root.where, f"more than {MAX_NODES} nodes")
             if index.integer() in seen:
                 raise index.fail(f"node {index.integer()} is in two places")
             seen.add(index.integer())
             place = len(poses)
-            poses.append(poses[parent] @ _local(node))
-            yield _Item(node, node["name"].text(""), poses[place], parent)
+            poses.append(poses[parent] @ _local_pose(node))
+            yield _SceneNode(node, node["name"].text(""), poses[place], parent)
             pending += [(child, place, depth + 1) for child in reversed(node["children"].items())]
 
-    @property
-    def _roots(self) -> list[Field]:
-        """Of the scene to show, else of the first; of all nodes where there is none."""
-        if self.root["scenes"].items():
-            scene = self.root["scene"]
-            chosen = self.root["scenes"].items()[0] if scene.is_absent else self._entry("scenes", scene)
+    def _roots(self) -> list[JsonField]:
+        """Indices of the root nodes of the default scene, or of the first scene. Without scenes, of all nodes."""
+        root = self.file.root
+        if root["scenes"].items():
+            scene = root["scene"]
+            chosen = root["scenes"].items()[0] if scene.is_absent else self.file.entry("scenes", scene)
             return chosen["nodes"].items()
-        nodes = self.root["nodes"].items()
+        nodes = root["nodes"].items()
         below = {child.integer() for node in nodes for child in node["children"].items()}
-        return [Field(node.where, index, node.path) for index, node in enumerate(nodes) if index not in below]
+        return [JsonField(node.where, index, node.path) for index, node in enumerate(nodes) if index not in below]
 
-    def _entry(self, name: str, index: Field) -> Field:
-        """What a field counts in one of the lists of the file."""
-        if name not in self._lists:
-            self._lists[name] = self.root[name].items()
-        entries = self._lists[name]
-        if not 0 <= index.integer() < len(entries):
-            raise index.fail(f"expected one of the {len(entries)} {name}, got {index.integer()}")
-        return entries[index.integer()]
-
-    def _surface(self, item: _Item) -> Mesh | None:
-        """The triangles of a node's mesh, before it is placed; None if it has none."""
-        index = item.field["mesh"] if item.parent is not None else Field(item.field.where, None)
-        if index.is_absent:
+    def _surface(self, node: _SceneNode) -> Mesh | None:
+        """The triangles of a node's mesh in its own frame. None if it has none."""
+        if node.parent is None or node.field["mesh"].is_absent:
             return None
+        index = node.field["mesh"]
         number = index.integer()
         if number not in self._surfaces:
-            pieces = [self._piece(each) for each in self._entry("meshes", index)["primitives"].items()]
+            pieces = [self._triangles(each) for each in self.file.entry("meshes", index)["primitives"].items()]
             surfaces = [piece for piece in pieces if piece is not None]
             self._surfaces[number] = join(*surfaces) if surfaces else None
         return self._surfaces[number]
 
-    def _take_in(self, corners: int) -> None:
-        self._corners += corners
-        if self._corners > _MOST_CORNERS:
-            raise InputError(self.root.where, f"more than {_MOST_CORNERS} corners")
-
-    def _piece(self, primitive: Field) -> Mesh | None:
-        """None for points and lines."""
-        mode = primitive["mode"].integer() if not primitive["mode"].is_absent else _TRIANGLES
+    def _triangles(self, primitive: JsonField) -> Mesh | None:
+        """The triangles of a primitive. None for points and lines."""
+        mode = primitive["mode"].integer(_TRIANGLES)
         position = primitive["attributes"]["POSITION"]
         if mode < _TRIANGLES or position.is_absent:
             return None
-        vertices = self._numbers(position, "VEC3", (_FLOAT,)).astype(np.float64)
+        vertices = self.file.numbers(position, "VEC3", (FLOAT,)).astype(np.float64)
         if not np.isfinite(vertices).all():
             raise position.fail("expected finite numbers")
         indices = primitive["indices"]
         if indices.is_absent:
             order = np.arange(len(vertices), dtype=np.uint32)
         else:
-            order = self._numbers(indices, "SCALAR", tuple(kind for kind in _NUMBERS if kind != _FLOAT))[:, 0].astype(np.uint32)
+            order = self.file.numbers(indices, "SCALAR", INDEX_TYPES)[:, 0].astype(np.uint32)
             if len(order) and int(order.max()) >= len(vertices):
                 raise indices.fail(f"expected indices below {len(vertices)}, got {int(order.max())}")
-        self._take_in(len(vertices) + len(order))
-        faces = _triangles(order, mode)
+        self._count_corners(len(vertices) + len(order))
+        faces = _faces(order, mode)
         if faces is None:
             raise primitive["mode"].fail(f"expected 0 to 6, got {mode}")
         return Mesh(vertices, faces).compact
 
-    def _numbers(self, index: Field, kind: str, allowed: tuple[int, ...]) -> NDArray[Any]:
-        """The numbers [count, width] of an accessor, seen in the file's bytes."""
-        accessor = self._entry("accessors", index)
-        component = accessor["componentType"]
-        if component.integer() not in allowed:
-            names = ", ".join(_NUMBERS[each].name for each in allowed)
-            raise component.fail(f"expected {names}, got type {component.integer()}: export without quantization")
-        if accessor["type"].text() != kind:
-            raise accessor["type"].fail(f"expected {kind}")
-        if not accessor["sparse"].is_absent or accessor["bufferView"].is_absent:
-            raise accessor.fail("expected all numbers in a bufferView: export without sparse accessors and compression")
-        view = self._entry("bufferViews", accessor["bufferView"])
-        buffer = self._entry("buffers", view["buffer"])
-        if view["buffer"].integer() != 0 or not buffer["uri"].is_absent:
-            raise view["buffer"].fail("expected what is in the file itself")
-        number = _NUMBERS[component.integer()]
-        size = number.itemsize * _WIDTHS[kind]
-        begin = _count(view["byteOffset"]) + _count(accessor["byteOffset"])
-        end = min(_count(view["byteOffset"]) + _count(view["byteLength"]), len(self.binary))
-        count, stride = _count(accessor["count"]), _count(view["byteStride"]) or size
-        if count == 0 or stride < size or begin + (count - 1) * stride + size > end:
-            raise accessor["count"].fail(f"expected as many as there are bytes of, got {count}")
-        found: NDArray[Any] = np.ndarray((count, _WIDTHS[kind]), number, self.binary, begin, (stride, number.itemsize))
-        return found
+    def _count_corners(self, corners: int) -> None:
+        self._corners += corners
+        if self._corners > MAX_CORNERS:
+            raise InputError(self.file.root.where, f"more than {MAX_CORNERS} corners")
 
 
-def _chunks(path: Path) -> tuple[Field, bytes]:
-    """The JSON of a file, and what binary data it has."""
-    data = read_bytes(path, path.parent, LARGEST_MESH)
-    if len(data) < _HEADER.size or not data.startswith(b"glTF"):
-        raise InputError(path, "expected a binary glTF file")
-    _, version, length = _HEADER.unpack_from(data)
-    if version != 2:
-        raise InputError(path, f"expected version 2 of glTF, got {version}")
-    if length != len(data):
-        raise InputError(path, f"expected {length} bytes, as its header says, got {len(data)}")
-    chunks: dict[bytes, bytes] = {}
-    begin = _HEADER.size
-    while begin + _CHUNK.size <= length:
-        size, kind = _CHUNK.unpack_from(data, begin)
-        begin += _CHUNK.size
-        if begin + size > length:
-            raise InputError(path, "a chunk is longer than the file")
-        chunks.setdefault(kind, data[begin : begin + size])
-        begin += size
-    if len(chunks.get(b"JSON", b"")) > LARGEST_JSON:
-        raise InputError(path, f"its JSON is larger than {LARGEST_JSON >> 20} MiB")
-    try:
-        value = json.loads(chunks[b"JSON"].decode("utf-8"))
-    except RecursionError:
-        raise InputError(path, "nested too deeply") from None
-    except (KeyError, ValueError) as error:
-        raise InputError(path, f"expected a chunk of JSON ({error})") from None
-    return Field(path, value), chunks.get(b"BIN\0", b"")
-
-
-def _local(node: Field) -> F64:
-    """Where a node is in its parent, [4, 4]."""
+def _local_pose(node: JsonField) -> F64:
+    """Transform [4, 4] from a node to its parent."""
     if not node["matrix"].is_absent:
         return np.asarray(node["matrix"].vector(16).reshape(4, 4).T)
     pose = np.eye(4)
     if not node["rotation"].is_absent:
-        turn = node["rotation"].vector(4)
-        if not np.linalg.norm(turn) > 0.0:
+        quaternion = node["rotation"].vector(4)
+        if not np.linalg.norm(quaternion) > 0.0:
             raise node["rotation"].fail("expected a quaternion")
-        pose[:3, :3] = Rotation.from_quat(turn).as_matrix()
+        pose[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
     if not node["scale"].is_absent:
         pose[:3, :3] *= node["scale"].vector(3)
     if not node["translation"].is_absent:
@@ -272,17 +213,18 @@ def _local(node: Field) -> F64:
     return pose
 
 
-def _placed(surface: Mesh, item: _Item) -> Mesh:
+def _placed(surface: Mesh, node: _SceneNode) -> Mesh:
+    """The triangles of a node in the scene. Mirrored triangles are flipped, so that they still face outwards."""
     with np.errstate(over="ignore", invalid="ignore"):
-        vertices = surface.vertices @ item.pose[:3, :3].T + item.pose[:3, 3]
+        vertices = surface.vertices @ node.pose[:3, :3].T + node.pose[:3, 3]
     if not np.isfinite(vertices).all():
-        raise item.field.fail("expected transforms that leave places finite")
-    is_mirrored = np.linalg.det(item.pose[:3, :3]) < 0.0
+        raise node.field.fail("expected transforms that leave places finite")
+    is_mirrored = np.linalg.det(node.pose[:3, :3]) < 0.0
     return Mesh(vertices, surface.faces[:, ::-1] if is_mirrored else surface.faces)
 
 
-def _triangles(order: NDArray[np.uint32], mode: int) -> NDArray[np.uint32] | None:
-    """Faces [F, 3]; None for an unknown mode."""
+def _faces(order: NDArray[np.uint32], mode: int) -> NDArray[np.uint32] | None:
+    """Faces [F, 3] of a list, strip or fan of triangles. None for an unknown mode."""
     if mode == _TRIANGLES:
         return order[: len(order) // 3 * 3].reshape(-1, 3)
     count = max(len(order) - 2, 0)
@@ -293,11 +235,3 @@ def _triangles(order: NDArray[np.uint32], mode: int) -> NDArray[np.uint32] | Non
     faces = np.column_stack([order[:count], order[1 : count + 1], order[2:]])
     faces[1::2] = faces[1::2, ::-1]
     return faces
-
-
-def _count(field: Field) -> int:
-    """A number of things or bytes; 0 where it is not said."""
-    value = 0 if field.is_absent else field.integer()
-    if value < 0:
-        raise field.fail("expected a number that is not below 0")
-    return value

@@ -1,7 +1,7 @@
-"""Wavefront OBJ: the vertices and faces of a file, polygons as fans.
+"""Wavefront OBJ: vertices and faces. A polygon becomes a fan of triangles.
 
-Of an OBJ only `v` and `f` lines matter here. They are gathered and converted in bulk, which is several times faster than a
-line at a time: a shape of PartNet-Mobility has some fifty OBJ files.
+Only `v` and `f` lines are used. They are converted in bulk, several times faster than line by line: a shape of PartNet-Mobility
+has about fifty OBJ files.
 """
 
 from __future__ import annotations
@@ -16,21 +16,44 @@ from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh
-from kinmo.io.readers.untrusted_files import LARGEST_MESH, read_bytes
+from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, read_bytes
 
-_LARGEST_COORDINATE = 1e60
-_MOST_DIGITS = 10
+_MAX_COORDINATE = 1e60
+_MAX_DIGITS = 10
+"""Most digits of an index."""
 _VERTEX = re.compile(rb"\n[ \t]*v[ \t]+([^\n#]*)")
 _FACE = re.compile(rb"\n[ \t]*f[ \t]+([^\n#]*)")
 
 
 def read_obj(path: Path, folder: Path) -> Mesh | None:
-    """The triangles of an OBJ file in `folder`; None if it has no faces."""
-    return parse_obj(read_bytes(path, folder, LARGEST_MESH), path)
+    """Read the triangles of an OBJ file.
+
+    Args:
+        path: the file.
+        folder: the folder that the file must be in, with links followed.
+
+    Returns:
+        The mesh without unused vertices, or None if the file has no faces.
+
+    Raises:
+        InputError: the file is missing, too large, or not a valid OBJ.
+    """
+    return parse_obj(read_bytes(path, folder, MAX_MESH_BYTES), path)
 
 
 def parse_obj(data: bytes, where: Path) -> Mesh | None:
-    """The triangles of an OBJ's text; None if it has no faces. `where` names the file in errors."""
+    """Read the triangles of OBJ text.
+
+    Args:
+        data: the text.
+        where: the file, for messages.
+
+    Returns:
+        The mesh without unused vertices, or None if the text has no faces.
+
+    Raises:
+        InputError: the text is not a valid OBJ.
+    """
     text = b"\n" + data.removeprefix(BOM_UTF8)
     if b"\r" in text:
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
@@ -53,7 +76,7 @@ def parse_obj(data: bytes, where: Path) -> Mesh | None:
 
 
 def _vertices(lines: list[bytes]) -> NDArray[np.float64]:
-    """Coordinates [V, 3]; what follows the third number of a line is a weight or a colour."""
+    """Coordinates [V, 3]. Numbers after the third one of a line are weights or colours, and ignored."""
     joined = b" ".join(lines)
     numbers = joined.split()
     has_plain_lines = {line.count(b" ") for line in lines} == {2} and b"\t" not in joined
@@ -66,11 +89,11 @@ def _vertices(lines: list[bytes]) -> NDArray[np.float64]:
 
 
 def _corners(lines: list[bytes]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The first index of every corner `v/vt/vn` of all faces, and the number of corners a face.
+    """First index of every corner `v/vt/vn` of all faces, and the number of corners of each face.
 
-    All numbers grow digit by digit at once.
+    The loop adds one digit to all indices at a time.
     """
-    text = np.frombuffer(b"".join([b"\n".join(lines), b"\n", b" " * (_MOST_DIGITS + 2)]), np.uint8)
+    text = np.frombuffer(b"".join([b"\n".join(lines), b"\n", b" " * (_MAX_DIGITS + 2)]), np.uint8)
     blank = (text == 32) | (text == 10) | (text == 9)
     starts = np.flatnonzero(blank[:-1] & ~blank[1:]) + 1
     if not blank[0]:
@@ -81,7 +104,7 @@ def _corners(lines: list[bytes]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     places = starts + negative
     values, after = np.zeros(len(starts), np.int64), places.copy()
     growing = np.ones(len(starts), bool)
-    for step in range(_MOST_DIGITS + 1):
+    for step in range(_MAX_DIGITS + 1):
         digits = text[places + step].astype(np.int64) - ord("0")
         growing &= (digits >= 0) & (digits <= 9)
         if not growing.any():
@@ -96,7 +119,7 @@ def _corners(lines: list[bytes]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 
 
 def _absolute(text: bytes, corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Negative indices count back from the last vertex above the face's line: here from the first of the file."""
+    """Convert negative indices, relative to the last vertex before the line of the face, to absolute ones from 1."""
     vertex_places = np.array([match.start() for match in _VERTEX.finditer(text)], np.int64)
     face_places = np.array([match.start() for match in _FACE.finditer(text)], np.int64)
     above = np.repeat(np.searchsorted(vertex_places, face_places), sizes)
@@ -104,7 +127,7 @@ def _absolute(text: bytes, corners: NDArray[np.int64], sizes: NDArray[np.int64])
 
 
 def _fans(corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Triangles [F, 3] of polygons whose corners stand one after the other; points and lines vanish."""
+    """Triangles [F, 3] of polygons, given by all corners and the number of corners of each. Points and lines are skipped."""
     if np.all(sizes == 3):
         return corners.reshape(-1, 3)
     starts = np.cumsum(sizes) - sizes
@@ -115,8 +138,8 @@ def _fans(corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.in
 
 
 def _compact(vertices: NDArray[np.float64], faces: NDArray[np.int64], where: Path) -> Mesh:
-    """Drops vertices that no face uses, and checks the others."""
-    is_fine = np.all(np.abs(vertices) <= _LARGEST_COORDINATE, axis=1)
+    """The mesh without unused vertices. Raises InputError if a used one is not finite."""
+    is_fine = np.all(np.abs(vertices) <= _MAX_COORDINATE, axis=1)
     bad = faces[~is_fine[faces]]
     if len(bad):
         raise InputError(where, f"vertex {bad.min() + 1} is not finite", "v")

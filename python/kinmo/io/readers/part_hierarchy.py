@@ -1,4 +1,4 @@
-"""From the nested nodes of a file to the parts of a shape."""
+"""Conversion of the nested nodes of a file to the parts of a shape."""
 
 from __future__ import annotations
 
@@ -7,17 +7,25 @@ from dataclasses import dataclass
 
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, Part
-from kinmo.io.readers.field import Field
+from kinmo.io.readers.json_field import JsonField
 
-MOST_PARTS = 1000
-DEEPEST = 64
+MAX_PARTS = 1000
+MAX_DEPTH = 64
 
 
 @dataclass(frozen=True)
 class Node:
-    """A node as the file has it. `parent` is an index into the list of nodes, which is in preorder."""
+    """A node of a file.
 
-    field: Field
+    Attributes:
+        field: the JSON object of the node.
+        id: number of the node.
+        name: name of the node.
+        parent: index into the list of nodes, which is in preorder. None for the root.
+        is_leaf: True if the node has no children.
+    """
+
+    field: JsonField
     id: int
     name: str
     parent: int | None
@@ -29,10 +37,12 @@ class Node:
 
 @dataclass(frozen=True, eq=False)
 class Hierarchy:
-    """The parts with geometry.
+    """The parts that have geometry.
 
-    `leaves_of` gives for the id of every node, left out or not, the indices of the leaves at or below it. `repairs` says what
-    was left out.
+    Attributes:
+        parts: the parts in preorder.
+        leaves_of: for the id of every node, included or not, the indices of the leaf parts at or below it.
+        repairs: one line for each node that was left out.
     """
 
     parts: tuple[Part, ...]
@@ -40,15 +50,26 @@ class Hierarchy:
     repairs: tuple[str, ...]
 
 
-def walk(root: Field, name: str) -> list[Node]:
-    """All nodes below `root` in preorder, named by their field `name`. Raises InputError for an id that occurs twice."""
+def read_nodes(root: JsonField, name: str) -> list[Node]:
+    """All nodes of a nested JSON hierarchy.
+
+    Args:
+        root: the JSON object of the root, with fields `id` and `children`.
+        name: the field that holds the name of a node.
+
+    Returns:
+        The nodes in preorder.
+
+    Raises:
+        InputError: an id occurs twice, or there are too many nodes or levels.
+    """
     nodes: list[Node] = []
     seen: dict[int, str] = {}
-    pending: list[tuple[Field, int | None, int]] = [(root, None, 0)]
+    pending: list[tuple[JsonField, int | None, int]] = [(root, None, 0)]
     while pending:
         field, parent, depth = pending.pop()
         check_depth(field, depth)
-        check_number(field, len(nodes))
+        check_part_count(field, len(nodes))
         identity = field["id"].integer()
         if identity in seen:
             raise field["id"].fail(f"part {identity} occurs twice, first at {seen[identity]}")
@@ -59,20 +80,31 @@ def walk(root: Field, name: str) -> list[Node]:
     return nodes
 
 
-def check_depth(node: Field, depth: int) -> None:
-    """Raises InputError for a node that is nested too deeply."""
-    if depth > DEEPEST:
-        raise node.fail(f"nested deeper than {DEEPEST} levels")
+def check_depth(node: JsonField, depth: int) -> None:
+    """Raise InputError if a node is more than `MAX_DEPTH` levels below the root."""
+    if depth > MAX_DEPTH:
+        raise node.fail(f"nested deeper than {MAX_DEPTH} levels")
 
 
-def check_number(node: Field, before: int) -> None:
-    """Raises InputError for a node that is a part, if there are too many `before` it."""
-    if before >= MOST_PARTS:
-        raise InputError(node.where, f"more than {MOST_PARTS} parts")
+def check_part_count(node: JsonField, before: int) -> None:
+    """Raise InputError if `MAX_PARTS` parts come before a node."""
+    if before >= MAX_PARTS:
+        raise InputError(node.where, f"more than {MAX_PARTS} parts")
 
 
-def build(nodes: Sequence[Node], meshes: Mapping[int, Mesh]) -> Hierarchy:
-    """Parts from nodes and the meshes of leaf nodes, by index; what is left without a mesh is left out."""
+def build_hierarchy(nodes: Sequence[Node], meshes: Mapping[int, Mesh]) -> Hierarchy:
+    """Build the parts of a shape. Nodes without a mesh at or below them are left out.
+
+    Args:
+        nodes: the nodes in preorder.
+        meshes: meshes of leaf nodes by index of the node.
+
+    Returns:
+        The hierarchy of the other nodes.
+
+    Raises:
+        InputError: no node has a mesh.
+    """
     has_mesh = [index in meshes for index in range(len(nodes))]
     for index in reversed(range(len(nodes))):
         parent = nodes[index].parent

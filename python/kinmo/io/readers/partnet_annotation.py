@@ -1,4 +1,4 @@
-"""What PartNet and PartNet-Mobility share: result.json, its meshes, and meta.json."""
+"""Files that PartNet and PartNet-Mobility share: result.json, its OBJ meshes, and meta.json."""
 
 from __future__ import annotations
 
@@ -8,44 +8,69 @@ from pathlib import Path
 from kinmo.core.categories import canonical_category, same_category
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, join
-from kinmo.io.readers.field import Field, clean_text
+from kinmo.core.wording import clean_text
+from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.mesh_checks import has_surface
 from kinmo.io.readers.obj_reader import read_obj
-from kinmo.io.readers.part_hierarchy import Hierarchy, Node, build, walk
+from kinmo.io.readers.part_hierarchy import Hierarchy, Node, build_hierarchy, read_nodes
+from kinmo.io.readers.reader import SourceFiles
 from kinmo.io.readers.untrusted_files import inside, read_json
 
 UNKNOWN_CATEGORY = "unknown"
+MOBILITY_FILE = "mobility_v2.json"
+HIERARCHY_FILES = ("result.json", "result_after_merging.json")
+META_FILE = "meta.json"
 MESH_FOLDERS = ("textured_objs", "objs")
-META = "meta.json"
 PSEUDO_LABEL = "pseudo_label"
-"""A field of meta.json: what the joints were predicted by, where nobody annotated them."""
+"""Field of meta.json that marks predicted joints. It holds the method that predicted them."""
 
 
 @dataclass(frozen=True)
 class Meta:
-    """What is known of a shape beside its parts. `annotation` is the `anno_id` of meta.json."""
+    """Facts about a shape from meta.json.
+
+    Attributes:
+        category: canonical name of the category.
+        annotation: the PartNet annotation (`anno_id`). None if it is not given.
+        repairs: one line for each problem that was repaired.
+    """
 
     category: str
     annotation: str | None
     repairs: tuple[str, ...]
 
 
+def annotation_files(folder: Path) -> SourceFiles:
+    """The files that a shape of PartNet or PartNet-Mobility is read from."""
+    return folder.absolute(), [folder / name for name in (MOBILITY_FILE, *HIERARCHY_FILES, META_FILE, *MESH_FOLDERS)]
+
+
 def read_hierarchy(folder: Path, file: Path) -> Hierarchy:
-    """The hierarchy of result.json or result_after_merging.json, with a mesh a leaf."""
-    roots = Field(file, read_json(file, folder)).items()
+    """Read the part hierarchy and the meshes of its leaves.
+
+    Args:
+        folder: the folder of the shape.
+        file: its result.json or result_after_merging.json.
+
+    Returns:
+        The parts that have geometry.
+
+    Raises:
+        InputError: a file is missing or wrong.
+    """
+    roots = JsonField(file, read_json(file, folder)).items()
     if len(roots) != 1:
         raise InputError(file, f"expected a list of one root, found {len(roots)}")
-    nodes = walk(roots[0], "name")
-    source = mesh_folder(folder)
+    nodes = read_nodes(roots[0], "name")
+    source = _mesh_folder(folder)
     meshes = {}
     for index, node in enumerate(nodes):
         if node.is_leaf and (mesh := _leaf_mesh(node, source, folder)) is not None:
             meshes[index] = mesh
-    return build(nodes, meshes)
+    return build_hierarchy(nodes, meshes)
 
 
-def mesh_folder(folder: Path) -> Path:
-    """The folder of the OBJ files."""
+def _mesh_folder(folder: Path) -> Path:
     for name in MESH_FOLDERS:
         if (folder / name).exists() or (folder / name).is_symlink():
             real = inside(folder / name, folder)
@@ -64,8 +89,8 @@ def _leaf_mesh(node: Node, source: Path, folder: Path) -> Mesh | None:
     return mesh if has_surface(mesh) else None
 
 
-def _mesh_name(field: Field) -> str:
-    """The file of an entry of `objs`, which names it without its ending."""
+def _mesh_name(field: JsonField) -> str:
+    """File name of an entry of `objs`, which has no ending."""
     name = field.value
     if not isinstance(name, str) or not name:
         raise field.fail("expected the name of a mesh")
@@ -77,12 +102,25 @@ def _mesh_name(field: Field) -> str:
 
 
 def read_meta(folder: Path, root_name: str) -> Meta:
-    """Category and annotation. meta.json decides, without it the name of the root part; without both it is unknown."""
-    file = folder / META
+    """Read the category and the annotation id of a shape.
+
+    The category comes from meta.json. Without it, the name of the root part is used. Without both it is `UNKNOWN_CATEGORY`.
+
+    Args:
+        folder: the folder of the shape.
+        root_name: name of the root part.
+
+    Returns:
+        The facts, with a note on each contradiction.
+
+    Raises:
+        InputError: meta.json exists but is wrong.
+    """
+    file = folder / META_FILE
     if not file.exists() and not file.is_symlink():
         category, repair = _category_of_root(root_name, "meta.json is missing")
         return Meta(category, None, (repair,))
-    meta = Field(file, read_json(file, folder))
+    meta = JsonField(file, read_json(file, folder))
     annotation = meta["anno_id"]
     number = (str(annotation.integer()) if isinstance(annotation.value, int) else annotation.text("")) or None
     if meta["model_cat"].is_absent:
@@ -100,16 +138,23 @@ def read_meta(folder: Path, root_name: str) -> Meta:
 
 
 def check_annotated(folder: Path) -> None:
-    """Raises InputError if the joints of a shape are pseudo labels, and so nothing to learn from as truth or to judge by."""
-    file = folder / META
-    if file.is_file() and not Field(file, read_json(file, folder))[PSEUDO_LABEL].is_absent:
+    """Check that the joints of a shape were annotated, so that they can serve as ground truth.
+
+    Args:
+        folder: the folder of the shape.
+
+    Raises:
+        InputError: the joints are pseudo labels.
+    """
+    file = folder / META_FILE
+    if file.is_file() and not JsonField(file, read_json(file, folder))[PSEUDO_LABEL].is_absent:
         raise InputError(
-            file, "these joints were predicted and not annotated: no truth to train on or to judge by", PSEUDO_LABEL
+            file, "these joints were predicted, not annotated: they cannot serve as truth for training or scores", PSEUDO_LABEL
         )
 
 
 def _category_of_root(name: str, reason: str) -> tuple[str, str]:
-    """The category that the root part's name says, and what is to be told of it."""
+    """The category by the name of the root part, and a note with the reason."""
     if name:
         return canonical_category(name), f"{reason}: category taken from the root part"
     return UNKNOWN_CATEGORY, f"{reason}, and the root part has no name: category {UNKNOWN_CATEGORY}"

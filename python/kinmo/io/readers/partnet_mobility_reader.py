@@ -5,16 +5,28 @@ from __future__ import annotations
 from pathlib import Path
 
 from kinmo.core.shape import Shape
-from kinmo.io.readers.field import clean_text
-from kinmo.io.readers.mobility_bodies import read_mobility
-from kinmo.io.readers.partnet_annotation import read_hierarchy, read_meta
+from kinmo.core.wording import clean_text
+from kinmo.io.readers.partnet_annotation import MOBILITY_FILE, annotation_files, read_hierarchy, read_meta
+from kinmo.io.readers.partnet_mobility_bodies import read_mobility
+from kinmo.io.readers.reader import Reader
 
+PARTNET_MOBILITY = "partnet_mobility"
 _FIRST_OWN_ID = 100_000
-"""Shapes below it come from PartNet and keep their annotation's number; later ones are numbered apart from it."""
+"""First id of shapes that do not come from PartNet. Smaller ids are those of PartNet annotations."""
 
 
 def read_partnet_mobility(folder: Path) -> Shape:
-    """Reads a shape of PartNet-Mobility. Raises InputError, naming file and field, for what cannot be used."""
+    """Read a shape of PartNet-Mobility.
+
+    Args:
+        folder: the folder of the shape.
+
+    Returns:
+        The shape with its mobility.
+
+    Raises:
+        InputError: the files cannot be used. The message names file and field.
+    """
     folder = Path(folder)
     hierarchy = read_hierarchy(folder, folder / "result.json")
     repairs: list[str] = []
@@ -27,8 +39,13 @@ def read_partnet_mobility(folder: Path) -> Shape:
         category=meta.category,
         parts=hierarchy.parts,
         source=folder,
-        layout="partnet_mobility",
+        layout=PARTNET_MOBILITY,
         mobility=mobility,
         partnet_id=meta.annotation if comes_from_partnet else None,
         repairs=(*meta.repairs, *hierarchy.repairs, *repairs),
     )
+
+
+READER = Reader(
+    PARTNET_MOBILITY, read_partnet_mobility, annotation_files, is_shape_folder=lambda folder, names: MOBILITY_FILE in names
+)

@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Set as AbstractSet
 from pathlib import Path
 
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Shape
-from kinmo.io.readers.field import clean_text
-from kinmo.io.readers.partnet_annotation import read_hierarchy, read_meta
+from kinmo.core.wording import clean_text
+from kinmo.io.readers.partnet_annotation import HIERARCHY_FILES, MESH_FOLDERS, annotation_files, read_hierarchy, read_meta
+from kinmo.io.readers.reader import Reader
+from kinmo.io.readers.untrusted_files import peek
 
-HIERARCHY_FILES = ("result.json", "result_after_merging.json")
+PARTNET = "partnet"
 
 
 def read_partnet(folder: Path) -> Shape:
-    """Reads a shape of PartNet. Raises InputError, naming file and field, for what cannot be used."""
+    """Read a shape of PartNet.
+
+    Args:
+        folder: the folder of the shape.
+
+    Returns:
+        The shape, without mobility.
+
+    Raises:
+        InputError: the files cannot be used. The message names file and field.
+    """
     folder = Path(folder)
     file = next((folder / name for name in HIERARCHY_FILES if (folder / name).exists()), None)
     if file is None:
@@ -26,7 +40,21 @@ def read_partnet(folder: Path) -> Shape:
         category=meta.category,
         parts=hierarchy.parts,
         source=folder,
-        layout="partnet",
+        layout=PARTNET,
         partnet_id=meta.annotation or name,
         repairs=(*meta.repairs, *hierarchy.repairs),
     )
+
+
+def _is_shape_folder(folder: Path, names: AbstractSet[str]) -> bool:
+    """True for a hierarchy file with meshes beside it, or one that looks like PartNet's, to report it as incomplete."""
+    file = next((name for name in HIERARCHY_FILES if name in names), None)
+    if file is None:
+        return False
+    if not names.isdisjoint(MESH_FOLDERS):
+        return True
+    text = peek(folder / file, folder)
+    return bool(re.match(rb"\s*\[\s*\{", text)) and b'"name"' in text and b'"id"' in text
+
+
+READER = Reader(PARTNET, read_partnet, annotation_files, is_shape_folder=_is_shape_folder)

@@ -1,4 +1,4 @@
-"""Surfaces for parts that a file gives as points."""
+"""Surfaces for parts that a file gives as point clouds."""
 
 from __future__ import annotations
 
@@ -11,13 +11,20 @@ from scipy.spatial import cKDTree
 from kinmo.core.shape import Mesh
 
 _NEIGHBOURS = 8
+"""Number of nearest neighbours that give the normal and the area of a point."""
 
 
 def surface_of_points(points: NDArray[np.float64]) -> Mesh:
-    """A mesh with one small equilateral triangle around each of the points [n, 3], n >= 3.
+    """A mesh with one small equilateral triangle around each point of a sampled surface.
 
-    A triangle lies in the plane of the point's nearest neighbours and covers the area that belongs to it, so that areas,
-    samples, boxes and distances come out as those of the sampled surface to within the spacing of its samples.
+    A triangle lies in the plane of the nearest neighbours of its point and covers the area that belongs to the point. Areas,
+    samples, boxes and distances match those of the sampled surface up to the spacing of the samples.
+
+    Args:
+        points: [n, 3] with n >= 3.
+
+    Returns:
+        A mesh with n faces.
     """
     count = min(_NEIGHBOURS, len(points) - 1)
     distances, indices = cKDTree(points).query(points, count + 1)

@@ -1,4 +1,4 @@
-"""Reading files that nobody vouches for: bounded, regular, and inside the folder they belong to."""
+"""Safe reading of files from unknown sources: regular files of limited size inside their own folder."""
 
 from __future__ import annotations
 
@@ -10,15 +10,24 @@ from pathlib import Path
 
 from kinmo.core.errors import InputError
 
-LARGEST_JSON = 32 << 20
-LARGEST_MESH = 128 << 20
+MAX_JSON_BYTES = 32 << 20
+MAX_MESH_BYTES = 128 << 20
+_PEEK_BYTES = 1 << 16
 _OPEN_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 
 
 def inside(path: Path, folder: Path) -> Path:
-    """`path` with its links followed.
+    """Follow the links of a path and check that it stays inside a folder.
 
-    Raises InputError if that leads out of `folder`, nowhere, or round in a circle.
+    Args:
+        path: the path, which may be a link.
+        folder: the folder that it may not leave.
+
+    Returns:
+        The path without links.
+
+    Raises:
+        InputError: the path leads out of the folder, does not exist, or is a cycle of links.
     """
     try:
         real = Path(os.path.realpath(path, strict=True))
@@ -30,19 +39,28 @@ def inside(path: Path, folder: Path) -> Path:
     return real
 
 
-def read_bytes(path: Path, folder: Path, largest: int) -> bytes:
-    """Contents of a regular file in `folder`.
+def read_bytes(path: Path, folder: Path, max_bytes: int) -> bytes:
+    """Contents of a regular file.
 
-    Raises InputError for one that is larger than `largest` bytes, and for pipes, sockets and devices, without waiting for them.
+    Args:
+        path: the file.
+        folder: the folder that the file must be in, with links followed.
+        max_bytes: largest accepted size.
+
+    Returns:
+        All bytes of the file.
+
+    Raises:
+        InputError: the file is missing, too large, or a pipe, socket or device. The function never waits for those.
     """
-    data = read_beginning(path, folder, largest + 1)
-    if len(data) > largest:
-        raise InputError(path, f"larger than {largest >> 20} MiB")
+    data = read_beginning(path, folder, max_bytes + 1)
+    if len(data) > max_bytes:
+        raise InputError(path, f"larger than {max_bytes >> 20} MiB")
     return data
 
 
 def read_beginning(path: Path, folder: Path, count: int) -> bytes:
-    """The first `count` bytes of a regular file in `folder`."""
+    """The first `count` bytes of a regular file. Same arguments and errors as `read_bytes`."""
     try:
         handle = _open(path, folder)
         try:
@@ -58,17 +76,40 @@ def read_beginning(path: Path, folder: Path, count: int) -> bytes:
         raise _unreadable(path, error) from None
 
 
+def peek(path: Path, folder: Path) -> bytes:
+    """The first 64 KiB of a regular file, to recognise its format. Empty if the file cannot be read."""
+    try:
+        return read_beginning(path, folder, _PEEK_BYTES)
+    except InputError:
+        return b""
+
+
 def read_json(path: Path, folder: Path) -> object:
-    """The value of a UTF-8 JSON file in `folder`."""
-    raw = read_bytes(path, folder, LARGEST_JSON)
+    """The value of a UTF-8 JSON file.
+
+    Args:
+        path: the file.
+        folder: the folder that the file must be in, with links followed.
+
+    Returns:
+        The parsed value.
+
+    Raises:
+        InputError: the file is missing, too large, or not JSON.
+    """
+    return parse_json(read_bytes(path, folder, MAX_JSON_BYTES), path)
+
+
+def parse_json(raw: bytes, where: Path) -> object:
+    """The value of UTF-8 JSON text. Raises InputError, naming the file `where`, for anything else."""
     try:
         value: object = json.loads(raw.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
-        raise InputError(path, f"not UTF-8 at byte {error.start}") from None
+        raise InputError(where, f"not UTF-8 at byte {error.start}") from None
     except RecursionError:
-        raise InputError(path, "nested too deeply") from None
+        raise InputError(where, "nested too deeply") from None
     except ValueError as error:
-        raise InputError(path, "empty" if not raw.strip() else f"not JSON ({error})") from None
+        raise InputError(where, "empty" if not raw.strip() else f"not JSON ({error})") from None
     return value
 
 

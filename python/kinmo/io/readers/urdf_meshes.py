@@ -9,25 +9,19 @@ import trimesh
 from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
-from kinmo.core.shape import Mesh
 from kinmo.io.readers.obj_reader import parse_obj
 
 Triangles = NDArray[np.float64]
 """A triangle soup [T, 3, 3]."""
 
 NO_TRIANGLES: Triangles = np.zeros((0, 3, 3))
-LARGEST_FILE = 300 * 2**20
-LARGEST_NUMBER = 1e30
-"""Of coordinates and scales: products of four lengths, as areas and nearest points take, stay far inside what a float holds."""
-
-
-def triangles_of(mesh: Mesh) -> Triangles:
-    """The triangles of a mesh."""
-    return mesh.vertices[mesh.faces]
+MAX_FILE_BYTES = 300 * 2**20
+MAX_NUMBER = 1e30
+"""Largest coordinate or scale. Areas and closest points multiply four lengths, which stays far inside the range of a float."""
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a file; a name that no file can have is none."""
+    """True if the file exists. False for a name that no file can have."""
     try:
         return path.is_file()
     except OSError:
@@ -35,28 +29,35 @@ def is_file(path: Path) -> bool:
 
 
 def read_triangles(path: Path) -> Triangles:
-    """All triangles of a mesh file in any format that trimesh reads, scene transforms applied.
+    """Read all triangles of a mesh file, with scene transforms applied.
 
-    Raises InputError where the file is missing, too large, unreadable, or a coordinate is not finite or over `LARGEST_NUMBER`.
+    Args:
+        path: a mesh file in any format that trimesh reads.
+
+    Returns:
+        Triangles [T, 3, 3] in the frame of the file.
+
+    Raises:
+        InputError: the file is missing, too large or unreadable, or a coordinate is not finite or exceeds `MAX_NUMBER`.
     """
     if not is_file(path):
         raise InputError(path, "expected a mesh file, found none")
-    if path.stat().st_size > LARGEST_FILE:
-        raise InputError(path, f"expected a mesh file of at most {LARGEST_FILE >> 20} MiB")
+    if path.stat().st_size > MAX_FILE_BYTES:
+        raise InputError(path, f"expected a mesh file of at most {MAX_FILE_BYTES >> 20} MiB")
     if path.suffix.lower() == ".obj":
         mesh = parse_obj(path.read_bytes(), path)
-        triangles = NO_TRIANGLES if mesh is None else triangles_of(mesh)
+        triangles = NO_TRIANGLES if mesh is None else mesh.triangles
     else:
-        triangles = _loaded(path)
-    if not np.all(np.abs(triangles) <= LARGEST_NUMBER):
-        raise InputError(path, f"expected finite vertices, of at most {LARGEST_NUMBER:g}")
+        triangles = _load_with_trimesh(path)
+    if not np.all(np.abs(triangles) <= MAX_NUMBER):
+        raise InputError(path, f"expected finite vertices, of at most {MAX_NUMBER:g}")
     return triangles
 
 
-def _loaded(path: Path) -> Triangles:
+def _load_with_trimesh(path: Path) -> Triangles:
     try:
         scene = trimesh.load_scene(path, process=False)
         pieces = [mesh.triangles for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh)]
-    except Exception as error:  # a reader may fail in any way on a broken file
+    except Exception as error:  # trimesh raises many kinds of errors for broken files
         raise InputError(path, f"expected a readable mesh: {type(error).__name__}: {error}") from error
     return np.concatenate([NO_TRIANGLES, *pieces])

@@ -1,4 +1,4 @@
-"""Reading a URDF file: its links with their geometry, and its joints."""
+"""URDF files: links with their geometry, and joints."""
 
 from __future__ import annotations
 
@@ -13,14 +13,24 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from kinmo.core.errors import InputError
-from kinmo.io.readers.urdf_meshes import LARGEST_NUMBER, NO_TRIANGLES, Triangles, is_file, read_triangles
+from kinmo.io.readers.urdf_meshes import MAX_NUMBER, NO_TRIANGLES, Triangles, is_file, read_triangles
 
 Matrix = NDArray[np.float64]
+"""An array of numbers, or a rigid transform [4, 4]."""
 
 
 @dataclass(frozen=True, eq=False)
 class JointElement:
-    """A <joint>. `type` is URDF's word, `pose` [4, 4] places the child link in the parent, `axis` [3] is unit, in the child."""
+    """A `<joint>` element.
+
+    Attributes:
+        type: the type as URDF names it, such as "revolute".
+        parent: name of the parent link.
+        child: name of the child link.
+        pose: [4, 4], transform from the child link to the parent link at joint value 0.
+        axis: [3], unit vector in the frame of the child link.
+        limits: lower and upper limit, in radians or metres. None without limits.
+    """
 
     type: str
     parent: str
@@ -32,21 +42,31 @@ class JointElement:
 
 @dataclass(frozen=True, eq=False)
 class RobotFile:
-    """A tree of links. `pieces` are the triangles of every link with their poses in it, `above` the joint of every child.
+    """A tree of links.
 
-    `links` are names, the root first and every link after its parent.
+    Attributes:
+        links: names of the links, the root first and every link after its parent.
+        joint_above: the joint of each child link, by name of the link.
+        pieces: for each link its triangle soups, each with its transform [4, 4] to the link.
     """
 
     links: tuple[str, ...]
-    above: dict[str, JointElement]
+    joint_above: dict[str, JointElement]
     pieces: dict[str, list[tuple[Triangles, Matrix]]]
 
 
 def read_robot_file(path: Path, packages: Path) -> RobotFile:
-    """The URDF at `path`, with its meshes.
+    """Read a URDF file with its meshes. Collision shapes are used if no link has visual ones.
 
-    `package://` meshes are looked for beside the file and in the folders above it, up to `packages`. Collision shapes stand
-    in where no link has a visual. Raises InputError for whatever makes the file unusable.
+    Args:
+        path: the file.
+        packages: topmost folder that is searched for `package://` meshes. The search begins beside the file.
+
+    Returns:
+        The robot.
+
+    Raises:
+        InputError: the file or one of its meshes cannot be used.
     """
     root = _parse(path)
     elements = {element.get("name") or "": element for element in root.findall("link")}
@@ -71,7 +91,7 @@ def _parse(path: Path) -> ET.Element:
 
 
 def _numbers(
-    path: Path, element: ET.Element | None, field: str, default: tuple[float, ...], largest: float = LARGEST_NUMBER
+    path: Path, element: ET.Element | None, field: str, default: tuple[float, ...], largest: float = MAX_NUMBER
 ) -> Matrix:
     text = None if element is None else element.get(field)
     if text is None:
@@ -99,7 +119,7 @@ def _joint_element(path: Path, element: ET.Element) -> JointElement:
         raise InputError(path, "expected a parent and a child link", f"joint {element.get('name')}")
     axis = _numbers(path, element.find("axis"), "xyz", (1.0, 0.0, 0.0))
     length = float(np.linalg.norm(axis))
-    if length < 1.0 / LARGEST_NUMBER:
+    if length < 1.0 / MAX_NUMBER:
         raise InputError(path, "expected an axis that is not zero", f"joint {element.get('name')}")
     limits = _limits(path, element.find("limit"))
     pose = _pose(path, element.find("origin"))
@@ -107,14 +127,14 @@ def _joint_element(path: Path, element: ET.Element) -> JointElement:
 
 
 def _limits(path: Path, element: ET.Element | None) -> tuple[float, float] | None:
-    """A range, the right way round; None for an empty one, and for the largest floats, by which some writers mean no limit."""
+    """The limits in ascending order. None for an empty range, and for the largest floats, which mean no limit in some files."""
     ends = (float(_numbers(path, element, field, (0.0,), sys.float_info.max)[0]) for field in ("lower", "upper"))
     lower, upper = sorted(ends)
-    return (lower, upper) if -LARGEST_NUMBER <= lower < upper <= LARGEST_NUMBER else None
+    return (lower, upper) if -MAX_NUMBER <= lower < upper <= MAX_NUMBER else None
 
 
 def _checked_order(path: Path, names: list[str], joints: list[JointElement]) -> tuple[str, ...]:
-    """Names of the links, each after its parent, provided that they form one tree."""
+    """Names of the links, each after its parent. Raises InputError unless they form one tree."""
     if not names:
         raise InputError(path, "expected at least one link")
     children: dict[str, list[str]] = {name: [] for name in names}
@@ -145,7 +165,7 @@ def _geometry(path: Path, packages: Path, piece: ET.Element) -> tuple[Triangles,
     if shape is None:
         return NO_TRIANGLES, pose
     if shape.tag == "mesh":
-        file = mesh_path(shape.get("filename") or "", path, packages)
+        file = _mesh_path(shape.get("filename") or "", path, packages)
         return read_triangles(file) * _numbers(path, shape, "scale", (1.0, 1.0, 1.0)), pose
     if shape.tag == "box":
         mesh = trimesh.creation.box(_numbers(path, shape, "size", (1.0, 1.0, 1.0)))
@@ -156,14 +176,14 @@ def _geometry(path: Path, packages: Path, piece: ET.Element) -> tuple[Triangles,
         )
     elif shape.tag == "sphere":
         mesh = trimesh.creation.icosphere()
-        mesh.apply_scale(float(_numbers(path, shape, "radius", (1.0,))[0]))  # trimesh knows no sphere of radius 0
+        mesh.apply_scale(float(_numbers(path, shape, "radius", (1.0,))[0]))  # trimesh has no sphere of radius 0
     else:
         raise InputError(path, f"expected mesh, box, cylinder or sphere, found {shape.tag[:40]!r}", "geometry")
     return np.asarray(mesh.triangles, float), pose
 
 
-def mesh_path(name: str, urdf: Path, packages: Path) -> Path:
-    """Where the mesh `name` of a URDF is: beside the file, or for package:// in the folders above it up to `packages` too."""
+def _mesh_path(name: str, urdf: Path, packages: Path) -> Path:
+    """The file of a mesh: beside the URDF, or for package:// names also in the folders above it, up to `packages`."""
     if not name.startswith("package://"):
         return urdf.parent / name.removeprefix("file://")
     inside = name.removeprefix("package://")

@@ -1,1 +1,66 @@
-"""Mobilities as files that other programs read."""
+"""Writers of shapes with joints, one output format per module.
+
+To add a format, write a module `<format>_writer.py` with a function of the form `kinmo.io.writers.writer.Writer`, and list it
+in `WRITERS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from kinmo.core.errors import InputError, did_you_mean
+from kinmo.core.mobility import Mobility
+from kinmo.core.prediction import ShapeEstimate
+from kinmo.core.shape import Shape
+from kinmo.io.atomic_files import write_folder_atomically
+from kinmo.io.writers.joints_json_writer import write_joints_json
+from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
+from kinmo.io.writers.urdf_writer import write_urdf
+from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions, Writer
+
+__all__ = ["WRITERS", "ExportOptions", "Writer", "export", "write_joints_json", "write_partnet_mobility", "write_urdf"]
+
+WRITERS: dict[str, Writer] = {
+    "joints_json": write_joints_json,
+    "partnet_mobility": write_partnet_mobility,
+    "urdf": write_urdf,
+}
+"""All writers by the name of their format."""
+
+
+def export(
+    shape: Shape,
+    result: ShapeEstimate | Mobility,
+    folder: Path,
+    formats: Sequence[str],
+    options: ExportOptions = DEFAULT_OPTIONS,
+) -> dict[str, Path]:
+    """Write a shape with its joints in some formats into one folder.
+
+    The folder is replaced as a whole. If the export fails, it is unchanged.
+
+    Args:
+        shape: the shape.
+        result: a prediction, or a bare mobility such as an annotation. Both are in the frame and the length unit of the shape.
+        folder: the folder to write.
+        formats: names of formats, keys of `WRITERS`.
+        options: the settings.
+
+    Returns:
+        The path of the main file of each format.
+
+    Raises:
+        InputError: a format is unknown.
+
+    Example:
+        >>> export(shape, prediction, Path("out/cabinet"), ["urdf", "joints_json"])
+    """
+    for name in formats:
+        if name not in WRITERS:
+            raise InputError(
+                "formats", f"unknown format {name}{did_you_mean(name, WRITERS)}; expected one of {', '.join(WRITERS)}"
+            )
+    with write_folder_atomically(folder) as draft:
+        written = {name: WRITERS[name](shape, result, draft, options).relative_to(draft) for name in formats}
+    return {name: folder / path for name, path in written.items()}

@@ -1,7 +1,8 @@
-"""PartNet-Mobility's own layout, so that whatever reads that reads predictions and pseudo labels too.
+"""PartNet-Mobility: the format of the dataset, so that its readers also read predictions and pseudo labels.
 
-y-up, degrees for hinges, the file's lengths for everything else, and every joint at 0 in the pose of the meshes. Simulators
-read mobility.urdf (z-up, one link for bodies fastened to each other, called after a body's number) and semantics.txt.
+Shapes are y-up, in the length unit of their file, with hinge angles in degrees. Every joint has the value 0 in the pose of the
+meshes. Simulators read mobility.urdf and semantics.txt. Those are z-up, with one link for bodies that are fixed to each other.
+A link has the number of a body in its name.
 """
 
 from __future__ import annotations
@@ -20,58 +21,66 @@ from kinmo.core.frames import Y_UP_TO_Z_UP, z_up_rotation
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.links import links_of
 from kinmo.core.mobility import Mobility
+from kinmo.core.prediction import ShapeEstimate
 from kinmo.core.shape import Shape
-from kinmo.io.readers.partnet_annotation import META
+from kinmo.io.readers.partnet_annotation import META_FILE, MOBILITY_FILE
 from kinmo.io.writers.obj_writer import write_obj
-from kinmo.io.writers.urdf_writer import robot, write_robot
-from kinmo.io.writers.whole_folder import whole_folder
+from kinmo.io.writers.urdf_writer import robot_element, write_robot
+from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions, mobility_of
 
 MESHES = "textured_objs"
-LEAST_RANGE = 1e-6
-"""Degrees of a hinge with limits, or diagonals of the object: less than anybody measures."""
+MIN_RANGE = 1e-6
+"""Smallest joint range that is written, in degrees (hinges) or diagonals. It is far below any measurable motion."""
 
 
-def write_partnet_mobility(shape: Shape, mobility: Mobility, folder: Path, *, meta: Mapping[str, Any] | None = None) -> Path:
-    """Write mobility_v2.json, result.json, meta.json, mobility.urdf, semantics.txt and one OBJ a leaf in textured_objs.
+def write_partnet_mobility(
+    shape: Shape, result: ShapeEstimate | Mobility, folder: Path, options: ExportOptions = DEFAULT_OPTIONS
+) -> Path:
+    """Write a shape as PartNet-Mobility does (see `kinmo.io.writers.writer.Writer`).
 
-    Returns `folder`, which is replaced as a whole.
+    The files are mobility_v2.json, result.json, meta.json, mobility.urdf, semantics.txt and one OBJ per leaf in textured_objs.
+    Bodies are numbered in their order. Parts keep their ids.
 
-    `mobility` is over the leaves of `shape`, in its frame and lengths. Bodies are numbered as they stand; parts keep their ids.
-    `meta` is added to meta.json.
+    Args:
+        shape: the shape.
+        result: a prediction or a bare mobility.
+        folder: the folder to write into.
+        options: the setting `meta`, which is added to meta.json.
+
+    Returns:
+        `folder`.
     """
+    mobility = mobility_of(result)
     rotation = Y_UP_TO_Z_UP.T @ z_up_rotation(np.asarray(shape.up, float))
-    facts = {"model_cat": shape.category, "model_id": shape.id, "anno_id": shape.partnet_id, **(meta or {})}
-    with whole_folder(folder) as draft:
-        (draft / MESHES).mkdir()
-        for leaf in shape.leaves:
-            mesh = shape.parts[leaf].mesh
-            assert mesh is not None, "a leaf carries a mesh: readers make sure of it"
-            write_obj(draft / MESHES / f"{_mesh_name(leaf)}.obj", mesh.turned(rotation))
-        _write(draft / META, {key: value for key, value in facts.items() if value is not None})
-        _write(draft / "result.json", [_node(shape, 0)])
-        bodies = [_body(shape, mobility, i, rotation) for i in range(len(mobility.bodies))]
-        _write(draft / "mobility_v2.json", bodies)
-        numbered = _numbered(mobility)
-        files = {leaf: f"{MESHES}/{_mesh_name(leaf)}.obj" for leaf in shape.leaves}
-        write_robot(robot(shape, numbered, files=files, files_rotation=Y_UP_TO_Z_UP), draft / "mobility.urdf")
-        (draft / "semantics.txt").write_text("".join(_semantics(numbered, bodies)), encoding="utf-8")
+    facts = {"model_cat": shape.category, "model_id": shape.id, "anno_id": shape.partnet_id, **options.meta}
+    (folder / MESHES).mkdir(parents=True, exist_ok=True)
+    for leaf in shape.leaves:
+        write_obj(folder / MESHES / f"{_mesh_name(leaf)}.obj", shape.leaf_mesh(leaf).rotated(rotation))
+    _write_json(folder / META_FILE, {key: value for key, value in facts.items() if value is not None})
+    _write_json(folder / "result.json", [_node(shape, 0)])
+    entries = [_body(shape, mobility, i, rotation) for i in range(len(mobility.bodies))]
+    _write_json(folder / MOBILITY_FILE, entries)
+    numbered = _numbered(mobility)
+    files = {leaf: f"{MESHES}/{_mesh_name(leaf)}.obj" for leaf in shape.leaves}
+    write_robot(robot_element(shape, numbered, files=files, files_rotation=Y_UP_TO_Z_UP), folder / "mobility.urdf")
+    (folder / "semantics.txt").write_text("".join(_semantics(numbered, entries)), encoding="utf-8")
     return folder
 
 
 def _numbered(mobility: Mobility) -> Mobility:
-    """The same bodies, called as the dataset's URDFs call links."""
+    """The same bodies, named like the links in the URDFs of the dataset."""
     return Mobility(tuple(replace(body, name=f"link_{i}") for i, body in enumerate(mobility.bodies)), mobility.junk)
 
 
 def _semantics(mobility: Mobility, entries: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """A line a link: its name, and joint and name of the body it is called after; for the base, of the first of its bodies."""
+    """One line per link: its name, and the joint and the name of its body. The base uses its first body."""
     for link in links_of(mobility):
         body = link.body if link.body is not None else next(iter(link.bodies), None)
         if body is not None:
             yield f"{link.name} {entries[body]['joint']} {'_'.join(entries[body]['name'].split()) or 'part'}\n"
 
 
-def _write(path: Path, value: Any) -> None:
+def _write_json(path: Path, value: Any) -> None:
     path.write_text(json.dumps(value, allow_nan=False) + "\n", encoding="utf-8")
 
 
@@ -90,24 +99,24 @@ def _node(shape: Shape, index: int) -> dict[str, Any]:
 def _body(shape: Shape, mobility: Mobility, index: int, rotation: NDArray[np.float64]) -> dict[str, Any]:
     body = mobility.bodies[index]
     parts = [shape.parts[leaf] for leaf in body.leaves]
-    entry: dict[str, Any] = {
+    return {
         "id": index,
         "parent": -1 if body.parent is None else body.parent,
-        "joint": _still(body.parent, bool(body.leaves) and mobility.junk >= set(body.leaves)),
+        "joint": _joint_name(mobility, index),
         "name": body.name,
         "parts": [{"id": part.id, "name": part.name, "children": []} for part in parts],
-        "jointData": {},
+        "jointData": {} if body.joint is None else _joint_data(body.joint, rotation, shape.diagonal),
     }
+
+
+def _joint_name(mobility: Mobility, index: int) -> str:
+    """Value of the field `joint`. A screw is a slider that rotates."""
+    body = mobility.bodies[index]
     if body.joint is not None:
-        entry["joint"] = "hinge" if body.joint.kind is JointKind.REVOLUTE else "slider"
-        entry["jointData"] = _joint_data(body.joint, rotation, shape.diagonal)
-    return entry
-
-
-def _still(parent: int | None, is_junk: bool) -> str:
-    if is_junk:
+        return "hinge" if body.joint.kind is JointKind.REVOLUTE else "slider"
+    if mobility.is_junk(index):
         return "junk"
-    return "heavy" if parent is None else "static"
+    return "heavy" if body.parent is None else "static"
 
 
 def _joint_data(joint: Joint, rotation: NDArray[np.float64], diagonal: float) -> dict[str, Any]:
@@ -126,12 +135,12 @@ def _joint_data(joint: Joint, rotation: NDArray[np.float64], diagonal: float) ->
 
 
 def _limits(joint: Joint, diagonal: float) -> tuple[float, float]:
-    """Degrees of a hinge, else lengths; zeros without limits."""
+    """Limits in degrees (hinges) or lengths. Zeros without limits."""
     if joint.lower is None or joint.upper is None:
         return 0.0, 0.0
     is_hinge = joint.kind is JointKind.REVOLUTE
-    unit, least = (math.degrees(1.0), LEAST_RANGE) if is_hinge else (1.0, LEAST_RANGE * diagonal)
+    unit, min_range = (math.degrees(1.0), MIN_RANGE) if is_hinge else (1.0, MIN_RANGE * diagonal)
     lower, upper = unit * (joint.lower - joint.rest), unit * (joint.upper - joint.rest)
-    if upper - lower < least:  # equal limits mean none in this layout: what cannot move would come back free
-        return lower - 0.5 * least, upper + 0.5 * least
+    if upper - lower < min_range:  # in this format equal limits mean no limits
+        return lower - 0.5 * min_range, upper + 0.5 * min_range
     return lower, upper

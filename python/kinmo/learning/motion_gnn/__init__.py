@@ -1,1 +1,1 @@
-"""The motion GNN: a motion type, a direction and a pivot for every pair of sibling parts (paper, section 3.2)."""
+"""The motion GNN: a motion type, an axis direction and a pivot for every pair of sibling parts (paper, section 3.2)."""

@@ -1,4 +1,4 @@
-"""How one oriented box lies to another: the features of an edge (paper, section 3.2)."""
+"""Relation of two oriented boxes: the features of an edge of the part pair graph (paper, section 3.2)."""
 
 from __future__ import annotations
 
@@ -13,44 +13,70 @@ F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
 STATES = ("inside", "around", "apart", "crossing")
-"""How much of a box lies in the other: nearly all, all of the other in it, hardly any, something between."""
+"""Overlap of the moving box with the reference box: inside it, around it, hardly any overlap, or anything else."""
 
 SIDES = ("right", "left", "top", "bottom", "front", "back")
-"""The face of the reference box that the moving box's centre is nearest to, by the object's frame."""
+"""Face of the reference box that is nearest to the centre of the moving box, in the object's frame."""
 
-MOSTLY, HARDLY = 0.9, 0.1
+INSIDE_SHARE, APART_SHARE = 0.9, 0.1
+"""Share of a box's volume from which on it counts as inside the other, and below which the two are apart."""
 GRID = 6
+"""Points along each side of the grid that estimates shared volumes."""
 PAIRS_AT_ONCE = 8192
+"""Number of box pairs in one batch, which bounds the memory."""
 POSE_FEATURES = 18
-_ORDERS = np.array(list(permutations(range(3))))
+"""Number of features that `relative_poses` gives for an edge."""
+_AXIS_ORDERS = np.array(list(permutations(range(3))))
 
 
 def object_axes(up: F64) -> F64:
-    """The object's frame [3, 3]: unit rows right, up, front. For y up these are x, y, z of the file."""
+    """Axes of the object's frame.
+
+    Args:
+        up: Up direction [3] in the file's frame; need not have unit length.
+
+    Returns:
+        Unit rows right, up, front [3, 3]. For y up these are the x, y and z axes of the file.
+    """
     up = up / np.linalg.norm(up)
     front = np.array([0.0, 0.0, 1.0]) if abs(up[2]) < 0.9 else np.array([0.0, -1.0, 0.0])
     front = front - (front @ up) * up
     front /= np.linalg.norm(front)
-    # np.cross takes twenty times as long for two vectors, and this is asked of every variant of every shape
+    # np.cross takes twenty times as long for two vectors, and this runs for every variant of every shape
     right = up[[1, 2, 0]] * front[[2, 0, 1]] - up[[2, 0, 1]] * front[[1, 2, 0]]
     return np.array([right, up, front])
 
 
-def canonical(boxes: Boxes, up: F64) -> Boxes:
-    """The same boxes with their axes in the order and the sense of the object's right, up and front, as nearly as they can be.
+def canonical_boxes(boxes: Boxes, up: F64) -> Boxes:
+    """The same boxes with their axes ordered and oriented like the object's right, up and front, as nearly as possible.
 
-    A box does not say which of its axes is the first; without this a network would have to learn all 24 ways to write it.
+    A box has no first axis: the same box can be written in 24 ways. Without this step a network would have to learn them all.
+
+    Args:
+        boxes: N boxes.
+        up: Up direction [3] of the object.
+
+    Returns:
+        N boxes with the same centres and extents.
     """
     cosines = boxes.axes @ object_axes(up).T  # [N, axis of the box, axis of the object]
-    fit = np.abs(cosines)[:, _ORDERS, np.arange(3)].sum(-1)
-    order = _ORDERS[np.argmax(fit, axis=1)]
+    fit = np.abs(cosines)[:, _AXIS_ORDERS, np.arange(3)].sum(-1)
+    order = _AXIS_ORDERS[np.argmax(fit, axis=1)]
     rows = np.arange(len(boxes))[:, None]
-    sense = np.where(cosines[rows, order, np.arange(3)] < 0, -1.0, 1.0)
-    return Boxes(boxes.centers, boxes.axes[rows, order] * sense[..., None], boxes.half_extents[rows, order])
+    signs = np.where(cosines[rows, order, np.arange(3)] < 0, -1.0, 1.0)
+    return Boxes(boxes.centers, boxes.axes[rows, order] * signs[..., None], boxes.half_extents[rows, order])
 
 
 def box_states(boxes: Boxes, edges: I64) -> I64:
-    """Index into STATES [E] for each (moving, reference) pair, by the share of a grid of points of one box inside the other."""
+    """Overlap of the two boxes of every edge, estimated with a grid of points in each box.
+
+    Args:
+        boxes: N boxes.
+        edges: Pairs of moving and reference box [E, 2].
+
+    Returns:
+        Indices into `STATES` [E].
+    """
     steps = (np.arange(GRID) + 0.5) / GRID * 2 - 1
     grid = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), -1).reshape(-1, 3)
     points = boxes.centers[:, None] + (grid * boxes.half_extents[:, None]) @ boxes.axes
@@ -62,16 +88,24 @@ def box_states(boxes: Boxes, edges: I64) -> I64:
 
     states = np.empty(len(edges), np.int64)
     for start in range(0, len(edges), PAIRS_AT_ONCE):
-        moving, reference = edges[start : start + PAIRS_AT_ONCE].T
+        some = slice(start, start + PAIRS_AT_ONCE)
+        moving, reference = edges[some].T
         inside, around = share_inside(moving, reference), share_inside(reference, moving)
-        states[start : start + PAIRS_AT_ONCE] = np.select(
-            [inside >= MOSTLY, around >= MOSTLY, inside <= HARDLY], [0, 1, 2], default=3
-        )
+        conditions = [inside >= INSIDE_SHARE, around >= INSIDE_SHARE, inside <= APART_SHARE]
+        states[some] = np.select(conditions, [0, 1, 2], default=3)
     return states
 
 
 def box_sides(boxes: Boxes, edges: I64) -> I64:
-    """Index into SIDES [E] for each (moving, reference) pair of `canonical` boxes."""
+    """Face of the reference box that is nearest to the centre of the moving box, for every edge.
+
+    Args:
+        boxes: N boxes from `canonical_boxes`.
+        edges: Pairs of moving and reference box [E, 2].
+
+    Returns:
+        Indices into `SIDES` [E].
+    """
     moving, reference = edges.T
     faces = boxes.axes[reference] * boxes.half_extents[reference][..., None]
     faces = np.stack([faces, -faces], axis=2).reshape(-1, 6, 3)
@@ -80,16 +114,21 @@ def box_sides(boxes: Boxes, edges: I64) -> I64:
 
 
 def relative_poses(boxes: Boxes, edges: I64) -> F64:
-    """[E, POSE_FEATURES]: the moving box as the reference box sees it.
+    """Pose of the moving box in the frame of the reference box, for every edge.
 
-    Offset of the centres along the reference's axes, as a length and in its half extents (bounded), rotation between the axes,
-    and the ratios of sizes (bounded logarithm).
+    Args:
+        boxes: N boxes from `canonical_boxes`, in the normalised frame.
+        edges: Pairs of moving and reference box [E, 2].
+
+    Returns:
+        Features [E, POSE_FEATURES]: the offset of the centres along the reference's axes as a length (3) and in half extents
+        of the reference (3, bounded by tanh), the rotation between the axes (9), and the bounded log ratios of sizes (3).
     """
     moving, reference = edges.T
     frame = boxes.axes[reference]
     offset = np.einsum("eij,ej->ei", frame, boxes.centers[moving] - boxes.centers[reference])
-    turn = frame @ boxes.axes[moving].transpose(0, 2, 1)
+    rotation = frame @ boxes.axes[moving].transpose(0, 2, 1)
     smallest = 1e-3
     relative = np.tanh(offset / (boxes.half_extents[reference] + smallest))
     ratio = np.tanh(np.log((boxes.half_extents[moving] + smallest) / (boxes.half_extents[reference] + smallest)) / 2)
-    return np.concatenate([offset, relative, turn.reshape(-1, 9), ratio], axis=1)
+    return np.concatenate([offset, relative, rotation.reshape(-1, 9), ratio], axis=1)

@@ -1,4 +1,4 @@
-"""Prepared shapes as graphs of tensors, and batches of them."""
+"""Prepared shapes as graphs of tensors, augmented variants of them, and batches."""
 
 from __future__ import annotations
 
@@ -13,67 +13,82 @@ from torch import Tensor
 
 from kinmo.config import GnnConfig
 from kinmo.features.prepared_shape import Boxes, PreparedShape
-from kinmo.learning.motion_gnn.box_relations import box_sides, box_states, canonical, object_axes, relative_poses
+from kinmo.learning.motion_gnn.box_relations import box_sides, box_states, canonical_boxes, object_axes, relative_poses
 from kinmo.learning.motion_gnn.hierarchy_graph import GraphBatch, ShapeGraph, batch_graphs
-from kinmo.learning.name_encoding import HIDDEN, bags
+from kinmo.learning.name_encoding import HIDDEN, encode_names
 
 F64 = NDArray[np.float64]
 
-NEAR = 0.02
-"""Distances are shown to the network as exp(-distance / NEAR)."""
+DISTANCE_SCALE = 0.02
+"""Distance d between two parts becomes the feature exp(-d / DISTANCE_SCALE); in diagonals of the object."""
 
 
 def shape_graph(shape: PreparedShape, config: GnnConfig) -> ShapeGraph:
-    """The tensors of one shape, with all points of its leaves and only the edges that `config.edges` wants (`used_edges`).
+    """Graph of one shape, with all points of its leaves and the edges that `used_edges` gives.
 
-    A true direction has one sense, towards the object's right, up or front: the file's tells only which way the range runs.
+    The sign of a joint's axis only tells which way its range runs. Therefore true directions point towards the object's right,
+    up or front.
+
+    Args:
+        shape: The shape, with or without labels.
+        config: Configuration of the network.
+
+    Returns:
+        The graph, with types of -1 and zero directions and pivots for a shape without labels.
     """
     used = used_edges(shape, config)
     edges = shape.edges[used]
-    name_ids, name_counts = bags(shape.part_names, config.name_buckets)
-    count = len(edges)
+    name_ids, name_counts = encode_names(shape.part_names, config.name_buckets)
     return ShapeGraph(
         leaf_points=_unit_clouds(torch.from_numpy(np.array(shape.leaf_points, np.float32))),
-        leaves=_whole(shape.leaves),
-        parents=_whole(shape.parents),
-        depths=_whole(_depths(shape.parents)),
-        name_ids=_whole(name_ids),
-        name_counts=_whole(name_counts),
-        up=_real(shape.up),
-        edges=_whole(edges).reshape(-1, 2),
-        states=_whole(box_states(shape.symmetric_boxes, edges)),
-        types=_whole(np.full(count, -1) if shape.edge_labels is None else shape.edge_labels.types[used]),
-        **_measures(shape, config, used, np.eye(3)),
+        leaves=_integers(shape.leaves),
+        parents=_integers(shape.parents),
+        depths=_integers(_depths(shape.parents)),
+        name_ids=_integers(name_ids),
+        name_counts=_integers(name_counts),
+        up=_floats(shape.up),
+        edges=_integers(edges).reshape(-1, 2),
+        states=_integers(box_states(shape.symmetric_boxes, edges)),
+        types=_integers(np.full(len(edges), -1) if shape.edge_labels is None else shape.edge_labels.types[used]),
+        **_geometry(shape, config, used, np.eye(3)),
     )
 
 
-def changed_graph(graph: ShapeGraph, shape: PreparedShape, config: GnnConfig, change: F64) -> ShapeGraph:
-    """`graph`, that of `shape`, as if the shape had been prepared under `change` [3, 3], a linear map.
+def transformed_graph(graph: ShapeGraph, shape: PreparedShape, config: GnnConfig, transform: F64) -> ShapeGraph:
+    """Graph of a shape under a linear map, except for the leaf points, which the caller transforms.
 
-    The map should be nearly diagonal along the object's axes. Points are left to the caller. States stay, since linear maps
-    leave shares of volumes as they are, and so do distances.
+    Box states and distances stay as they are: a linear map leaves shares of volumes unchanged, and distances change little.
+
+    Args:
+        graph: Graph of the shape itself.
+        shape: The shape.
+        config: Configuration of the network.
+        transform: Linear map [3, 3], nearly diagonal along the object's axes.
+
+    Returns:
+        The graph as if the shape had been prepared after the transformation.
     """
-    return replace(graph, **_measures(shape, config, used_edges(shape, config), change))
+    return replace(graph, **_geometry(shape, config, used_edges(shape, config), transform))
 
 
-def _measures(shape: PreparedShape, config: GnnConfig, used: NDArray[np.int64], change: F64) -> dict[str, Tensor]:
-    """What of a graph a linear map changes."""
+def _geometry(shape: PreparedShape, config: GnnConfig, used: NDArray[np.int64], transform: F64) -> dict[str, Tensor]:
+    """Fields of a graph that a linear map changes."""
     edges, labels = shape.edges[used], shape.edge_labels
-    boxes = canonical(_changed(shape.symmetric_boxes, change), shape.up)
+    boxes = canonical_boxes(_transformed(shape.symmetric_boxes, transform), shape.up)
     distances = shape.edge_distances[used]
-    relation = np.stack([np.exp(-distances / NEAR), distances <= config.contact], axis=1)
-    still = np.zeros((len(edges), 3))
+    relation = np.stack([np.exp(-distances / DISTANCE_SCALE), distances <= config.contact], axis=1)
+    zeros = np.zeros((len(edges), 3))
     return {
-        "boxes": _real(np.concatenate([boxes.centers, 2 * boxes.half_extents, boxes.axes.reshape(-1, 9)], axis=1)),
-        "sides": _whole(box_sides(boxes, edges)),
-        "pose": _real(np.concatenate([relative_poses(boxes, edges), relation], axis=1)),
-        "directions": _real(still if labels is None else _one_sense(labels.directions[used] @ change.T, shape.up)),
-        "pivots": _real(still if labels is None else labels.pivots[used] @ change.T),
+        "boxes": _floats(np.concatenate([boxes.centers, 2 * boxes.half_extents, boxes.axes.reshape(-1, 9)], axis=1)),
+        "sides": _integers(box_sides(boxes, edges)),
+        "pose": _floats(np.concatenate([relative_poses(boxes, edges), relation], axis=1)),
+        "directions": _floats(zeros if labels is None else _with_sign(labels.directions[used] @ transform.T, shape.up)),
+        "pivots": _floats(zeros if labels is None else labels.pivots[used] @ transform.T),
     }
 
 
 def used_edges(shape: PreparedShape, config: GnnConfig) -> NDArray[np.int64]:
-    """Indices of the edges that the network sees: all of them, or those of parts in contact."""
+    """Indices of the edges that the network sees: all sibling pairs, or only those in contact (`GnnConfig.edges`)."""
     if config.edges == "siblings":
         return np.arange(len(shape.edges))
     return np.flatnonzero(shape.edge_distances <= config.contact)
@@ -81,62 +96,86 @@ def used_edges(shape: PreparedShape, config: GnnConfig) -> NDArray[np.int64]:
 
 @dataclass(frozen=True, eq=False)
 class _Variant:
+    """Graph of a shape, and the linear map [3, 3] that its leaf points still need (None: no map)."""
+
     graph: ShapeGraph
-    change: Tensor | None
+    transform: Tensor | None
 
 
 class GraphData:
-    """Training and validation graphs, batched so that no batch has many more than `batch_edges` edges."""
+    """Batches of training and validation graphs.
+
+    A batch has at most `batch_shapes` shapes and `batch_edges` edges. Training shapes are augmented: one of several variants
+    is drawn, with random points, and names are hidden at random.
+
+    Args:
+        training: Annotated shapes to train on.
+        validation: Annotated shapes to choose the best epoch by.
+        config: Configuration of the network. Shapes without a used edge are skipped.
+    """
 
     def __init__(self, training: Sequence[PreparedShape], validation: Sequence[PreparedShape], config: GnnConfig) -> None:
         self.config = config
         self.training = [_variants(shape, config) for shape in training if len(used_edges(shape, config))]
-        graphs = [shape_graph(shape, config) for shape in validation if len(used_edges(shape, config))]
-        self._validation = [batch_graphs(group) for group in grouped((thinned(g, config.leaf.points) for g in graphs), config)]
+        graphs = (shape_graph(shape, config) for shape in validation if len(used_edges(shape, config)))
+        sampled = [subsampled(graph, config.leaf.points) for graph in graphs]
+        self._validation = [batch_graphs(group) for group in batch_groups(sampled, config)]
 
     @property
     def labels(self) -> Tensor:
-        """Types [E] of all training edges."""
+        """Motion types of all training edges [E]."""
         return torch.cat([variants[0].graph.types for variants in self.training])
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[GraphBatch]:
-        order = (self._drawn(self.training[i], rng) for i in rng.permutation(len(self.training)))
-        return map(batch_graphs, grouped(order, self.config))
+        """Every training shape once, in random order."""
+        graphs = (self._drawn(self.training[i], rng) for i in rng.permutation(len(self.training)))
+        return map(batch_graphs, batch_groups(graphs, self.config))
 
     def validation_batches(self) -> Sequence[GraphBatch]:
+        """Every validation shape once, the same each time."""
         return self._validation
 
     def _drawn(self, variants: Sequence[_Variant], rng: np.random.Generator) -> ShapeGraph:
         variant = variants[int(rng.integers(len(variants)))]
-        graph = thinned(variant.graph, self.config.leaf.points, rng)
-        if variant.change is not None:
-            graph = replace(graph, leaf_points=_unit_clouds(graph.leaf_points @ variant.change.T))
+        graph = subsampled(variant.graph, self.config.leaf.points, rng)
+        if variant.transform is not None:
+            graph = replace(graph, leaf_points=_unit_clouds(graph.leaf_points @ variant.transform.T))
         if rng.random() < self.config.hide_names:
             graph = without_names(graph)
         return graph
 
 
 def _variants(shape: PreparedShape, config: GnnConfig) -> list[_Variant]:
-    first = _Variant(shape_graph(shape, config), None)
+    """The shape itself and `config.variants` transformed forms, the same ones each time."""
+    original = shape_graph(shape, config)
     rng = np.random.default_rng(zlib.crc32(shape.id.encode()))
-    found = [first]
-    for _ in range(config.variants):
-        change = random_change(shape.up, config.stretch, rng)
-        found.append(_Variant(changed_graph(first.graph, shape, config, change), _real(change)))
-    return found
+    transforms = [random_transform(shape.up, config.stretch, rng) for _ in range(config.variants)]
+    return [
+        _Variant(original, None),
+        *(_Variant(transformed_graph(original, shape, config, each), _floats(each)) for each in transforms),
+    ]
 
 
-def random_change(up: F64, stretch: float, rng: np.random.Generator) -> F64:
-    """A map [3, 3] that mirrors left to right every other time, and stretches each of the object's axes by e ** +-`stretch`."""
+def random_transform(up: F64, stretch: float, rng: np.random.Generator) -> F64:
+    """Random linear map that mirrors left to right in half of all cases and stretches along the object's axes.
+
+    Args:
+        up: Up direction [3] of the object.
+        stretch: Greatest logarithm of a stretch factor; each axis has a factor of its own.
+        rng: Source of randomness.
+
+    Returns:
+        The map [3, 3].
+    """
     axes = object_axes(up)
     factors = np.exp(rng.uniform(-stretch, stretch, 3))
     factors[0] *= rng.choice([-1.0, 1.0])
-    change: F64 = axes.T @ np.diag(factors) @ axes
-    return change
+    transform: F64 = axes.T @ np.diag(factors) @ axes
+    return transform
 
 
-def grouped(graphs: Iterable[ShapeGraph], config: GnnConfig) -> Iterator[list[ShapeGraph]]:
-    """Runs of at most `batch_shapes` graphs and `batch_edges` edges (more only for one shape that has more)."""
+def batch_groups(graphs: Iterable[ShapeGraph], config: GnnConfig) -> Iterator[list[ShapeGraph]]:
+    """Runs of at most `batch_shapes` graphs and `batch_edges` edges; a single graph may have more edges."""
     group: list[ShapeGraph] = []
     edges = 0
     for graph in graphs:
@@ -149,8 +188,17 @@ def grouped(graphs: Iterable[ShapeGraph], config: GnnConfig) -> Iterator[list[Sh
         yield group
 
 
-def thinned(graph: ShapeGraph, points: int, rng: np.random.Generator | None = None) -> ShapeGraph:
-    """The graph with `points` points a leaf: drawn anew with `rng`, evenly spread over the stored ones without."""
+def subsampled(graph: ShapeGraph, points: int, rng: np.random.Generator | None = None) -> ShapeGraph:
+    """Graph with fewer points a leaf.
+
+    Args:
+        graph: A graph with n stored points a leaf.
+        points: Number of points to keep; all are kept if there are no more.
+        rng: Source of a random choice; None for points evenly spread over the stored ones.
+
+    Returns:
+        The graph with min(n, points) points a leaf.
+    """
     stored = graph.leaf_points.shape[1]
     if stored <= points:
         return graph
@@ -160,27 +208,28 @@ def thinned(graph: ShapeGraph, points: int, rng: np.random.Generator | None = No
 
 
 def without_names(graph: ShapeGraph) -> ShapeGraph:
-    """The graph with all names hidden."""
+    """The same graph with all names hidden."""
     counts = torch.ones_like(graph.name_counts)
     return replace(graph, name_ids=torch.full_like(counts, HIDDEN), name_counts=counts)
 
 
-def _changed(boxes: Boxes, change: F64) -> Boxes:
-    axes = boxes.axes @ change.T
+def _transformed(boxes: Boxes, transform: F64) -> Boxes:
+    axes = boxes.axes @ transform.T
     lengths = np.linalg.norm(axes, axis=2)
-    return Boxes(boxes.centers @ change.T, axes / lengths[..., None], boxes.half_extents * lengths)
+    return Boxes(boxes.centers @ transform.T, axes / lengths[..., None], boxes.half_extents * lengths)
 
 
-def _one_sense(directions: F64, up: F64) -> F64:
-    """Unit vectors [E, 3] along `directions` (zero stays zero), the largest of their parts right, up and front positive."""
-    parts = directions @ object_axes(up).T
-    largest = np.take_along_axis(parts, np.argmax(np.abs(parts), axis=1)[:, None], axis=1)
+def _with_sign(directions: F64, up: F64) -> F64:
+    """Unit vectors along `directions` [E, 3] (zero stays zero) whose largest component right, up or front is positive."""
+    components = directions @ object_axes(up).T
+    largest = np.take_along_axis(components, np.argmax(np.abs(components), axis=1)[:, None], axis=1)
     lengths = np.linalg.norm(directions, axis=1, keepdims=True)
     unit: F64 = directions / np.where(lengths > 0, lengths, 1.0) * np.where(largest < 0, -1.0, 1.0)
     return unit
 
 
 def _unit_clouds(points: Tensor) -> Tensor:
+    """Clouds [L, n, 3], each centred on its mean and scaled into the unit sphere."""
     centered = points - points.mean(1, keepdim=True)
     radius = centered.norm(dim=2).amax(1).clamp(min=1e-9)
     scaled: Tensor = centered / radius[:, None, None]
@@ -189,14 +238,14 @@ def _unit_clouds(points: Tensor) -> Tensor:
 
 def _depths(parents: Sequence[int]) -> list[int]:
     depths: list[int] = []
-    for parent in parents:  # preorder: a parent stands before its children
+    for parent in parents:  # in preorder, a parent comes before its children
         depths.append(0 if parent < 0 else depths[parent] + 1)
     return depths
 
 
-def _whole(values: Sequence[int] | NDArray[np.int64]) -> Tensor:
+def _integers(values: Sequence[int] | NDArray[np.int64]) -> Tensor:
     return torch.from_numpy(np.array(values, np.int64))
 
 
-def _real(values: F64) -> Tensor:
+def _floats(values: F64) -> Tensor:
     return torch.from_numpy(np.array(values, np.float32))

@@ -1,4 +1,4 @@
-"""The motion GNN's estimate for one rigid body, taken from the edges of its parts."""
+"""Estimate of the motion GNN for one rigid body, from the predictions for the edges of its parts."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.joint import CoarseType, Joint, MotionType
+from kinmo.core.joint import Joint
+from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.core.prediction import JointEstimate
 from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions
 
@@ -16,7 +17,14 @@ F64 = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class GnnEstimate:
-    """What is said of one body: `probabilities` over `type_set`, a unit `direction` [3], a `pivot` [3] (normalised)."""
+    """Estimated motion of one body.
+
+    Attributes:
+        type_set: Enumeration that the probabilities are over.
+        probabilities: Probability of each type [T].
+        direction: Unit axis direction [3].
+        pivot: Point on the axis [3] in the normalised frame.
+    """
 
     type_set: type[MotionType] | type[CoarseType]
     probabilities: F64
@@ -25,19 +33,28 @@ class GnnEstimate:
 
     @property
     def type(self) -> MotionType | CoarseType:
+        """Most probable type."""
         return self.type_set(int(np.argmax(self.probabilities)))
 
 
 def mean_estimate(predictions: EdgePredictions, edges: NDArray[np.int64]) -> GnnEstimate:
-    """The mean of some edges, at least one; directions and pivots count by how probable a motion is, directions regardless of
-    their sense.
+    """Mean of the predictions for several edges.
+
+    Directions and pivots are weighted by the probability of a motion. Directions are averaged regardless of their sign.
+
+    Args:
+        predictions: Predictions for all edges of a shape.
+        edges: Indices of at least one edge.
+
+    Returns:
+        The mean probabilities, direction and pivot.
     """
     probabilities = predictions.type_probabilities[edges]
     weights = probabilities[:, : predictions.type_set.FIXED].sum(axis=1) + 1e-9
     weights /= weights.sum()
     directions = predictions.directions[edges]
-    leader = directions[np.argmax(weights)]
-    directions = directions * np.where(directions @ leader < 0, -1.0, 1.0)[:, None]
+    heaviest = directions[np.argmax(weights)]
+    directions = directions * np.where(directions @ heaviest < 0, -1.0, 1.0)[:, None]
     direction = weights @ directions
     return GnnEstimate(
         predictions.type_set,
@@ -48,7 +65,7 @@ def mean_estimate(predictions: EdgePredictions, edges: NDArray[np.int64]) -> Gnn
 
 
 def gnn_joint(estimate: GnnEstimate | None) -> JointEstimate:
-    """What the network says of one body by itself, in the normalised frame, without limits."""
+    """Joint estimate from the network alone, in the normalised frame and without limits; no motion where `estimate` is None."""
     if estimate is None:
         return JointEstimate(None, MotionType.NONE, 1.0)
     kind = estimate.type.kind

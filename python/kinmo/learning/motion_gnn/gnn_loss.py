@@ -1,4 +1,4 @@
-"""L = L_cls + L_dir + L_pos (paper, section 3.2)."""
+"""Loss of the motion GNN: L = L_cls + L_dir + L_pos (paper, section 3.2)."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ from torch import Tensor
 from torch.nn.functional import cross_entropy
 
 from kinmo.core.errors import InputError
-from kinmo.core.joint import JointKind, MotionType
-from kinmo.learning.layers import scatter_mean
+from kinmo.core.joint import JointKind
+from kinmo.core.motion_types import MotionType
 from kinmo.learning.motion_gnn.gnn_network import EdgeOutput
+from kinmo.learning.network_layers import scatter_mean
 
 COARSE_OF_FINE = torch.tensor([t.coarse.value for t in MotionType])
-"""The coarse class of each fine one."""
+"""Coarse class of each fine motion type [10]."""
 
-_SLIDES_ONLY = torch.tensor([t.kind is JointKind.PRISMATIC for t in MotionType])
+_IS_PRISMATIC = torch.tensor([t.kind is JointKind.PRISMATIC for t in MotionType])
 
 
 class EdgeLosses(NamedTuple):
-    """Each a scalar; zero where no edge has what it is of."""
+    """The three terms of the loss, each a scalar; zero where no edge contributes."""
 
     type: Tensor
     direction: Tensor
@@ -28,6 +29,7 @@ class EdgeLosses(NamedTuple):
 
     @property
     def total(self) -> Tensor:
+        """Sum of the terms, with unit weights."""
         return self.type + self.direction + self.pivot
 
 
@@ -39,35 +41,59 @@ def edge_losses(
     class_weights: Tensor | None = None,
     direction_loss: str = "mean",
 ) -> EdgeLosses:
-    """The three losses over E edges.
+    """Losses over E edges (paper, section 3.2).
 
-    `types` [E] are fine types whatever the network's classes, `directions` [E, 3] unit vectors, `pivots` [E, 3]. L_cls is the
-    mean cross entropy. L_dir = ||d - d^||, un-squared, over motion edges: their mean, or as `frobenius` one norm over all, or
-    `undirected` to the nearer of d^ and -d^. L_pos = ||(p - p^) x d^|| / ||d^||, the mean over R and PR edges.
+    L_cls is the mean cross entropy. L_dir is ||d - d^||, not squared, over motion edges. L_pos is ||(p - p^) x d^|| / ||d^||,
+    the mean over edges of rotating types (R and PR).
+
+    Args:
+        output: Predictions of the network.
+        types: True fine types [E], for fine and coarse networks alike.
+        directions: True unit directions [E, 3].
+        pivots: True pivots [E, 3].
+        class_weights: Weight of each class [C] in L_cls; None for equal weights.
+        direction_loss: "mean" over motion edges, "frobenius" for one norm over all of them, or "undirected" for the mean
+            distance to the nearer of d^ and -d^.
+
+    Returns:
+        The three terms.
     """
     zero = output.logits.sum() * 0.0
     targets = types if output.logits.shape[1] == len(MotionType) else COARSE_OF_FINE.to(types.device)[types]
     moves = types < MotionType.FIXED
-    turns = moves & ~_SLIDES_ONLY.to(types.device)[types]
+    rotates = moves & ~_IS_PRISMATIC.to(types.device)[types]
     type_loss = cross_entropy(output.logits, targets, class_weights) if len(types) else zero
     direction_term = pivot_term = zero
     if moves.any():
-        found, true = output.directions[moves], directions[moves]
-        norms = torch.linalg.vector_norm(found - true, dim=1)
+        predicted, true = output.directions[moves], directions[moves]
+        norms = torch.linalg.vector_norm(predicted - true, dim=1)
         if direction_loss == "undirected":
-            norms = torch.minimum(norms, torch.linalg.vector_norm(found + true, dim=1))
+            norms = torch.minimum(norms, torch.linalg.vector_norm(predicted + true, dim=1))
         direction_term = torch.linalg.vector_norm(norms) if direction_loss == "frobenius" else norms.mean()
-    if turns.any():
-        across = torch.linalg.cross(output.pivots[turns] - pivots[turns], directions[turns])
-        lengths = torch.linalg.vector_norm(directions[turns], dim=1)
+    if rotates.any():
+        across = torch.linalg.cross(output.pivots[rotates] - pivots[rotates], directions[rotates])
+        lengths = torch.linalg.vector_norm(directions[rotates], dim=1)
         pivot_term = (torch.linalg.vector_norm(across, dim=1) / lengths).mean()
     return EdgeLosses(type_loss, direction_term, pivot_term)
 
 
 def class_weights(types: Tensor, classes: int, given: tuple[float, ...], balance: float) -> Tensor | None:
-    """Weights [classes]: `given` (ones if empty) times the class's share of `types` ** -balance; None if all are one.
+    """Weights of the classes in L_cls.
 
-    Those `given` are of the ten fine types; of five classes each has the mean of its own. Raises InputError for another number.
+    A class has its given weight, times (its share of the training edges) ** -balance. With `balance` the mean over the
+    training edges is one.
+
+    Args:
+        types: Fine types of all training edges [E].
+        classes: Number of classes C: 10 fine or 5 coarse ones.
+        given: Weights of the ten fine types, or empty for ones. A coarse class has the mean weight of its fine types.
+        balance: Exponent; 0 ignores how frequent a class is.
+
+    Returns:
+        Weights [C], or None if all are one.
+
+    Raises:
+        InputError: `given` has another number of weights.
     """
     if not given and not balance:
         return None

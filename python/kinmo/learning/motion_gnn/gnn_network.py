@@ -1,4 +1,4 @@
-"""Messages over sibling edges of all levels, and what each edge says (paper, section 3.2)."""
+"""Network of the motion GNN: messages over the sibling edges of all levels, and a head for every edge (paper, section 3.2)."""
 
 from __future__ import annotations
 
@@ -9,26 +9,33 @@ from torch import Tensor, nn
 from torch.nn.functional import normalize
 
 from kinmo.config import GnnConfig
-from kinmo.core.joint import CoarseType, MotionType
-from kinmo.learning.layers import mlp, scatter_mean
+from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.learning.motion_gnn.box_relations import POSE_FEATURES, SIDES, STATES
 from kinmo.learning.motion_gnn.hierarchy_encoder import HierarchyEncoder, NameEmbedding, RelationEmbedding
 from kinmo.learning.motion_gnn.hierarchy_graph import GraphBatch
+from kinmo.learning.network_layers import mlp, scatter_mean
 
 KIND = "motion_gnn"
-"""The name of its weights (`learning.weights`)."""
+"""Kind of network in the header of its weights (`kinmo.learning.weights`)."""
 TypeSet = Literal["fine", "coarse"]
 CLASSES: dict[TypeSet, int] = {"fine": len(MotionType), "coarse": len(CoarseType)}
+"""Number of motion types in each set."""
 
 EDGE_CHANNELS = POSE_FEATURES + 2
-"""Relative pose, distance and contact."""
+"""Number of features of an edge: the relative pose of the boxes, the distance and the contact of the parts."""
 
-LEAST_REACH = 0.2
-"""Of a box's longest half extent."""
+MIN_EXTENT_RATIO = 0.2
+"""Least half extent of a box in `from_box`, as a share of its longest half extent."""
 
 
 class EdgeOutput(NamedTuple):
-    """Of E edges: `logits` [E, types], unit `directions` [E, 3], `pivots` [E, 3] in the normalised frame."""
+    """Output of the network for E edges.
+
+    Attributes:
+        logits: Scores of the motion types [E, C].
+        directions: Unit axis directions [E, 3].
+        pivots: Points on the axes [E, 3] in the normalised frame.
+    """
 
     logits: Tensor
     directions: Tensor
@@ -36,7 +43,14 @@ class EdgeOutput(NamedTuple):
 
 
 class TripleConvolution(nn.Module):
-    """One round of messages over (moving part, edge, reference part) triples: every part takes the mean over its triples."""
+    """One round of messages over (moving part, edge, reference part) triples; a part takes the mean over its triples.
+
+    Args:
+        node: Width of a part's features.
+        edge: Width of an edge's features.
+        hidden: Width of the messages.
+        features: Width of the results.
+    """
 
     def __init__(self, node: int, edge: int, hidden: int, features: int) -> None:
         super().__init__()
@@ -45,7 +59,16 @@ class TripleConvolution(nn.Module):
         self.node = mlp([hidden, hidden, features], nn.LeakyReLU)
 
     def forward(self, nodes: Tensor, edges: Tensor, ends: Tensor) -> tuple[Tensor, Tensor]:
-        """`nodes` [N, *], `edges` [E, *], `ends` [E, 2] -> [N, features], [E, features]."""
+        """Update features of parts and edges.
+
+        Args:
+            nodes: Features of the parts [N, node].
+            edges: Features of the edges [E, edge].
+            ends: Moving and reference part of each edge [E, 2].
+
+        Returns:
+            Features of the parts [N, features] and of the edges [E, features].
+        """
         moving, reference = ends.unbind(1)
         triples = self.triple(torch.cat([nodes[moving], edges, nodes[reference]], 1))
         to_moving, along, to_reference = triples.split([self.hidden, self.features, self.hidden], 1)
@@ -54,9 +77,13 @@ class TripleConvolution(nn.Module):
 
 
 class MotionGnn(nn.Module):
-    """A motion type of `types`, a direction and a pivot for every edge of a batch of hierarchies.
+    """The motion GNN: scores of motion types, a direction and a pivot for every edge of a batch of hierarchies.
 
-    Pivots are told in the moving part's box (`from_box`).
+    The head predicts directions and pivots in the box of the moving part (`along_box`, `from_box`).
+
+    Args:
+        config: Sizes of the layers.
+        types: Number of motion types C (`CLASSES`).
     """
 
     def __init__(self, config: GnnConfig, types: int) -> None:
@@ -79,6 +106,7 @@ class MotionGnn(nn.Module):
                     nn.init.kaiming_normal_(layer.weight)
 
     def forward(self, batch: GraphBatch) -> EdgeOutput:
+        """Output for all E edges of a batch."""
         graph = batch.graph
         nodes = torch.cat([self.encoder(batch), self.names(graph.name_ids, graph.name_counts)], 1)
         edges = self.relations(graph.states, graph.sides, graph.pose)
@@ -89,17 +117,32 @@ class MotionGnn(nn.Module):
         return EdgeOutput(logits, along_box(directions, boxes), from_box(pivots, boxes))
 
 
-def along_box(parts: Tensor, boxes: Tensor) -> Tensor:
-    """Unit vectors [E, 3] of the normalised frame from their `parts` [E, 3] along the axes of `boxes` [E, 15]."""
-    return normalize(torch.einsum("ei,eij->ej", parts, boxes[:, 6:].view(-1, 3, 3)), dim=1)
+def along_box(components: Tensor, boxes: Tensor) -> Tensor:
+    """Unit directions in the normalised frame.
+
+    Args:
+        components: Components [E, 3] along the axes of the boxes, of any length.
+        boxes: Boxes [E, 15]: centre (3), full size (3), axes (9).
+
+    Returns:
+        Unit vectors [E, 3].
+    """
+    return normalize(torch.einsum("ei,eij->ej", components, boxes[:, 6:].view(-1, 3, 3)), dim=1)
 
 
-def from_box(places: Tensor, boxes: Tensor) -> Tensor:
-    """Points [E, 3] of the normalised frame from `places` [E, 3] in the half extents of `boxes` [E, 15].
+def from_box(coordinates: Tensor, boxes: Tensor) -> Tensor:
+    """Points in the normalised frame.
 
-    The edges and the middle of a box are -1, 0 and 1 there, whatever its size and place. Thin extents count as a fifth of the
-    longest, so that a point off a plate can be said.
+    The coordinates of a box's edges and middle are -1, 0 and 1, whatever its size and place. Thin half extents count as
+    `MIN_EXTENT_RATIO` of the longest, so that a point off a plate can be predicted.
+
+    Args:
+        coordinates: Coordinates [E, 3] in half extents of the boxes, along their axes.
+        boxes: Boxes [E, 15]: centre (3), full size (3), axes (9).
+
+    Returns:
+        Points [E, 3].
     """
     centers, half_extents, axes = boxes[:, :3], boxes[:, 3:6] / 2, boxes[:, 6:].view(-1, 3, 3)
-    reach = torch.maximum(half_extents, LEAST_REACH * half_extents.amax(1, keepdim=True))
-    return centers + torch.einsum("ei,eij->ej", places * reach, axes)
+    reach = torch.maximum(half_extents, MIN_EXTENT_RATIO * half_extents.amax(1, keepdim=True))
+    return centers + torch.einsum("ei,eij->ej", coordinates * reach, axes)

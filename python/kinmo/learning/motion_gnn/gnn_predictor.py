@@ -1,4 +1,4 @@
-"""Asking a trained motion GNN."""
+"""Predictions of a trained motion GNN."""
 
 from __future__ import annotations
 
@@ -10,18 +10,30 @@ import numpy as np
 import torch
 
 from kinmo.config import GnnConfig
-from kinmo.core.joint import CoarseType, MotionType
+from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.core.typed_tables import from_table
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions
-from kinmo.learning.motion_gnn.gnn_batches import grouped, shape_graph, thinned, used_edges, without_names
+from kinmo.learning.motion_gnn.gnn_batches import batch_groups, shape_graph, subsampled, used_edges, without_names
 from kinmo.learning.motion_gnn.gnn_network import CLASSES, KIND, EdgeOutput, MotionGnn, TypeSet
 from kinmo.learning.motion_gnn.hierarchy_graph import batch_graphs
 from kinmo.learning.weights import load_weights, pick_device
 
 
 class MotionGnnPredictor:
-    """A trained network with its configuration. `hide_names` keeps the names of parts from it."""
+    """A trained motion GNN.
+
+    Args:
+        network: The network with its trained weights.
+        config: Configuration that it was trained with.
+        device: Device to compute on.
+        sha256: Hash of the weights.
+        hide_names: Whether to hide the names of parts from the network.
+
+    Example:
+        >>> gnn = MotionGnnPredictor.load(Path("models/gnn_fine/weights.safetensors"))
+        >>> gnn.predict_edges(shape).types
+    """
 
     def __init__(self, network: MotionGnn, config: GnnConfig, device: str, sha256: str = "", hide_names: bool = False) -> None:
         self.network, self.config, self.device = network.to(device).eval(), config, device
@@ -30,7 +42,16 @@ class MotionGnnPredictor:
 
     @classmethod
     def load(cls, weights: Path, device: str = "auto", hide_names: bool = False) -> MotionGnnPredictor:
-        """Read `weights.safetensors` of `train_motion_gnn`. Raises InputError if they are not a motion GNN's, or not whole."""
+        """Load the weights that `train_motion_gnn` wrote.
+
+        Args:
+            weights: File `weights.safetensors`.
+            device: "cpu", "cuda", "mps", or "auto".
+            hide_names: Whether to hide the names of parts from the network.
+
+        Raises:
+            InputError: The file does not hold the weights of a motion GNN, or is cut.
+        """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
         config = from_table(GnnConfig, loaded.config, weights.with_suffix(".json"), "config.")
@@ -40,9 +61,9 @@ class MotionGnnPredictor:
         return cls(network, config, device, loaded.sha256, hide_names)
 
     def predict_edges(self, shape: PreparedShape) -> EdgePredictions:
-        """What the network says of every edge of `shape`, in the normalised frame; edges it does not see are NONE.
+        """Predictions for every edge of a shape, in the normalised frame; edges that the network does not see are NONE.
 
-        A shape is looked at once for as long as it is in memory.
+        The predictions are kept for as long as the shape is in memory.
         """
         if shape not in self._known:
             self._known[shape] = self.predict_many([shape])[0]
@@ -50,29 +71,28 @@ class MotionGnnPredictor:
 
     @torch.inference_mode()
     def predict_many(self, shapes: Sequence[PreparedShape]) -> list[EdgePredictions]:
-        """`predict_edges` of several shapes, batched."""
-        graphs = [thinned(shape_graph(shape, self.config), self.config.leaf.points) for shape in shapes]
+        """Predictions for the edges of several shapes, computed in batches."""
+        graphs = [subsampled(shape_graph(shape, self.config), self.config.leaf.points) for shape in shapes]
         if self.hide_names:
             graphs = [without_names(graph) for graph in graphs]
-        pieces: list[EdgeOutput] = []
-        for group in grouped(graphs, self.config):
+        outputs: list[EdgeOutput] = []
+        for group in batch_groups(graphs, self.config):
             batch = batch_graphs(group).to(self.device)
-            output = EdgeOutput(*(values.cpu().double() for values in self.network(batch)))
-            pieces += map(
-                EdgeOutput._make, zip(*(torch.split(values, list(batch.edge_counts)) for values in output), strict=True)
-            )
-        return [self._whole(shape, output) for shape, output in zip(shapes, pieces, strict=True)]
+            columns = [torch.split(values.cpu().double(), list(batch.edge_counts)) for values in self.network(batch)]
+            outputs += map(EdgeOutput._make, zip(*columns, strict=True))
+        return [self._all_edges(shape, output) for shape, output in zip(shapes, outputs, strict=True)]
 
-    def _whole(self, shape: PreparedShape, output: EdgeOutput) -> EdgePredictions:
+    def _all_edges(self, shape: PreparedShape, output: EdgeOutput) -> EdgePredictions:
+        """Predictions for all edges of a shape from those that the network sees."""
         none = MotionType.NONE if self.network.types == len(MotionType) else CoarseType.NONE
         count, used = len(shape.edges), used_edges(shape, self.config)
         probabilities = np.zeros((count, self.network.types))
         probabilities[:, none] = 1.0
         probabilities[used] = output.logits.softmax(1).numpy()
         directions = np.tile(shape.up, (count, 1))
-        found = output.directions.numpy()
-        lengths = np.linalg.norm(found, axis=1, keepdims=True)
-        directions[used] = np.where(lengths > 1e-9, found / np.maximum(lengths, 1e-9), shape.up)
+        predicted = output.directions.numpy()
+        lengths = np.linalg.norm(predicted, axis=1, keepdims=True)
+        directions[used] = np.where(lengths > 1e-9, predicted / np.maximum(lengths, 1e-9), shape.up)
         pivots = np.zeros((count, 3))
         pivots[used] = output.pivots.numpy()
         return EdgePredictions(probabilities, directions, pivots)

@@ -1,23 +1,26 @@
-"""Training the motion GNN."""
+"""Training of the motion GNN (paper, section 3.2)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import torch
 
 from kinmo.config import GnnConfig
-from kinmo.core.joint import MotionType
+from kinmo.core.motion_types import MotionType
 from kinmo.core.typed_tables import to_table
 from kinmo.features.prepared_shape import PreparedShape
+from kinmo.learning.learner import Learner
 from kinmo.learning.motion_gnn.gnn_batches import GraphData
 from kinmo.learning.motion_gnn.gnn_loss import COARSE_OF_FINE, class_weights, edge_losses
-from kinmo.learning.motion_gnn.gnn_network import CLASSES, KIND, EdgeOutput, MotionGnn, TypeSet
+from kinmo.learning.motion_gnn.gnn_network import CLASSES, KIND, MotionGnn, TypeSet
 from kinmo.learning.motion_gnn.hierarchy_graph import GraphBatch
-from kinmo.learning.training_loop import MONITOR, FitResult, Learner, Progress, fit
+from kinmo.learning.training_loop import FitResult, Progress, fit
 from kinmo.learning.weights import load_weights, save_weights
+
+ERRORS = ("type_error", "rest_error", "direction_error", "pivot_error")
+"""Validation metrics whose sum decides which epoch is the best."""
 
 
 def train_motion_gnn(
@@ -33,11 +36,25 @@ def train_motion_gnn(
     on_progress: Callable[[Progress], None] | None = None,
     initial: Path | None = None,
 ) -> FitResult:
-    """Train on annotated shapes; leaves `weights.safetensors` and `.json` of the best epoch on `validation` in `run_dir`.
+    """Train a motion GNN and write `weights.safetensors` and `weights.json` of the kept epoch.
 
-    `fine` learns the ten motion types, `coarse` the five without orientation and place. `initial` are weights of an earlier
-    training with the same sizes to start from. Resumes what was cut off (`training.fit`). Raises InputError if `initial` does
-    not fit.
+    Args:
+        training: Annotated shapes to train on.
+        validation: Annotated shapes to choose the best epoch by.
+        config: Configuration of the network and its training.
+        run_dir: Folder for the results. An interrupted training there is resumed (`kinmo.learning.training_loop.fit`).
+        types: "fine" for the ten motion types, "coarse" for the five without orientation and place of the axis.
+        seed: Seed of everything random.
+        device: "cpu", "cuda", "mps", or "auto".
+        fingerprint: Hash of the data, which a checkpoint must agree with to be resumed.
+        on_progress: Called after every epoch.
+        initial: Weights of an earlier training with the same sizes, to start from.
+
+    Returns:
+        The kept epoch and the metrics of all epochs.
+
+    Raises:
+        InputError: `initial` does not fit the configuration, or the training fails (`fit`).
     """
     data = GraphData(training, validation, config)
     torch.manual_seed(seed)
@@ -51,10 +68,16 @@ def train_motion_gnn(
 
 
 class GnnLearner(Learner):
-    """What the loop optimises (L, section 3.2) and by what the best epoch is chosen.
+    """A motion GNN with its loss L (paper, section 3.2).
 
-    The latter is the share of wrong types among motion edges plus that among the others, plus the mean error of direction
-    (undirected, ||d -+ d^||) and of place: the same sum as the loss, with errors that over-confidence does not inflate.
+    The validation error is the sum of `ERRORS`: the share of wrong types among motion edges, that among all other edges, the
+    mean direction error (undirected, ||d -+ d^||) and the mean pivot error. It has the same terms as the loss, in a form that
+    over-confident probabilities do not inflate.
+
+    Args:
+        config: Configuration of the network and its training.
+        classes: Number of motion types.
+        labels: Fine types of all training edges [E], which the class weights depend on.
     """
 
     def __init__(self, config: GnnConfig, classes: int, labels: torch.Tensor) -> None:
@@ -65,36 +88,29 @@ class GnnLearner(Learner):
         self.class_weights: torch.Tensor | None
         self.register_buffer("class_weights", weights)
 
-    def forward(self, batch: GraphBatch) -> EdgeOutput:
-        return self.network(batch)  # type: ignore[no-any-return]
-
-    def training_step(self, batch: GraphBatch, index: int) -> torch.Tensor:
+    def training_step(self, batch: GraphBatch) -> torch.Tensor:
         graph = batch.graph
+        output = self.network(batch)
         losses = edge_losses(
-            self(batch), graph.types, graph.directions, graph.pivots, self.class_weights, self.config.direction_loss
+            output, graph.types, graph.directions, graph.pivots, self.class_weights, self.config.direction_loss
         )
-        self._log("training", len(graph.types), loss=losses.total)
+        self.log("training", len(graph.types), loss=losses.total)
         return losses.total
 
-    def validation_step(self, batch: GraphBatch, index: int) -> None:
+    def validation_step(self, batch: GraphBatch) -> None:
         graph = batch.graph
-        output = self(batch)
+        output = self.network(batch)
         losses = edge_losses(output, graph.types, graph.directions, graph.pivots, self.class_weights, "undirected")
         targets = graph.types if self.classes == len(MotionType) else COARSE_OF_FINE.to(graph.types.device)[graph.types]
         wrong = (output.logits.argmax(1) != targets).float()
         moves = graph.types < MotionType.FIXED
-        self._log("validation", len(wrong), loss=losses.total, edge_accuracy=1.0 - wrong.mean())
+        self.log("validation", len(wrong), loss=losses.total, edge_accuracy=1.0 - wrong.mean())
         if (~moves).any():
-            self._log("validation", int((~moves).sum()), rest_error=wrong[~moves].mean())
+            self.log("validation", int((~moves).sum()), rest_error=wrong[~moves].mean())
         if moves.any():
             motion = {"type_error": wrong[moves].mean(), "direction_error": losses.direction, "pivot_error": losses.pivot}
-            self._log("validation", int(moves.sum()), **motion)
+            self.log("validation", int(moves.sum()), **motion)
 
-    def on_validation_epoch_end(self) -> None:
-        found = self.trainer.callback_metrics
-        names = ("type_error", "rest_error", "direction_error", "pivot_error")
-        self.log(MONITOR, sum((found.get(f"validation/{name}", torch.tensor(0.0)) for name in names), torch.tensor(0.0)))
-
-    def _log(self, stage: str, size: int, **values: torch.Tensor) -> None:
-        logged: dict[str, Any] = {f"{stage}/{name}": value for name, value in values.items()}
-        self.log_dict(logged, on_step=False, on_epoch=True, batch_size=size)
+    def validation_error(self, means: Mapping[str, torch.Tensor]) -> torch.Tensor:
+        names = (f"validation/{name}" for name in ERRORS)
+        return sum((means[name] for name in names if name in means), torch.tensor(0.0))

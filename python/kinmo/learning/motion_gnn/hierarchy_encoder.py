@@ -1,4 +1,4 @@
-"""Features of every part of a hierarchy, from the leaves up, after StructureNet (Mo 2019; paper, section 3.2)."""
+"""Encoder of part hierarchies, from the leaves up, after StructureNet (Mo et al. 2019; paper, section 3.2)."""
 
 from __future__ import annotations
 
@@ -6,26 +6,39 @@ import torch
 from torch import Tensor, nn
 
 from kinmo.config import GnnConfig
-from kinmo.learning.layers import mlp, point_encoder, scatter_max, scatter_mean
 from kinmo.learning.motion_gnn.hierarchy_graph import GraphBatch
+from kinmo.learning.network_layers import mlp, point_encoder, scatter_max, scatter_mean
 
 BOX_CHANNELS = 15
+"""Number of values of a box: centre (3), full size (3), axes (9)."""
 
 
 class NameEmbedding(nn.Module):
-    """The mean of the embeddings of a name's buckets (`kinmo.learning.name_encoding`)."""
+    """Mean embedding of the hash buckets of each name (`kinmo.learning.name_encoding`).
+
+    Args:
+        buckets: Number of hash buckets.
+        features: Width F of the embeddings.
+    """
 
     def __init__(self, buckets: int, features: int) -> None:
         super().__init__()
-        self.table = nn.EmbeddingBag(buckets, features, mode="mean")  # of variance 1: smaller ones are hardly heeded
+        self.table = nn.EmbeddingBag(buckets, features, mode="mean")  # of variance 1: the network nearly ignores smaller ones
 
     def forward(self, ids: Tensor, counts: Tensor) -> Tensor:
-        """`ids` [T], `counts` [N] -> [N, F]."""
+        """Embeddings [N, F] of N names, from the buckets of all names `ids` [T] and the number of each name `counts` [N]."""
         return self.table(ids, counts.cumsum(0) - counts)  # type: ignore[no-any-return]
 
 
 class RelationEmbedding(nn.Module):
-    """State and side of a pair of boxes, embedded and put one after the other, and (`pose` channels) their relative pose."""
+    """Embedding of the relation of two boxes: state, side and, optionally, relative pose (`box_relations`), concatenated.
+
+    Args:
+        states: Number of states.
+        sides: Number of sides.
+        pose: Number of channels of the relative pose; 0 leaves the pose out.
+        features: Width of each embedding. The attribute `features` is the width of the result.
+    """
 
     def __init__(self, states: int, sides: int, pose: int, features: int) -> None:
         super().__init__()
@@ -35,6 +48,7 @@ class RelationEmbedding(nn.Module):
         self.features = features * (3 if pose else 2)
 
     def forward(self, states: Tensor, sides: Tensor, pose: Tensor) -> Tensor:
+        """Features [E, self.features] of E edges with `states` [E], `sides` [E] and `pose` [E, *]."""
         pieces = [self.state(states), self.side(sides)]
         if self.pose is not None:
             pieces.append(self.pose(pose))
@@ -42,7 +56,15 @@ class RelationEmbedding(nn.Module):
 
 
 class ChildEncoder(nn.Module):
-    """The feature of a parent from those of its children: messages along sibling edges, maxima before and after every round."""
+    """Feature of a parent from its children: rounds of messages along sibling edges, with a maximum before and after each.
+
+    Args:
+        width: Width W of the features.
+        name_width: Width of the children's name embeddings.
+        edge_width: Width of the edges' features.
+        rounds: Number of rounds of messages.
+        box_width: Width of the parents' box features; 0 leaves them out.
+    """
 
     def __init__(self, width: int, name_width: int, edge_width: int, rounds: int, box_width: int) -> None:
         super().__init__()
@@ -53,20 +75,41 @@ class ChildEncoder(nn.Module):
     def forward(
         self, children: Tensor, names: Tensor, slots: Tensor, ends: tuple[Tensor, Tensor], edges: Tensor, boxes: Tensor
     ) -> Tensor:
-        """`children` [C, W], `slots` [C] their parents, `ends` two of [M], `edges` [M, *], `boxes` [P, *] -> [P, W]."""
+        """Features of P parents from their C children.
+
+        Args:
+            children: Features of the children [C, W].
+            names: Name embeddings of the children [C, name_width].
+            slots: Parent of each child [C], in 0..P-1.
+            ends: Start and end of each sibling edge, two index tensors [M] into the children.
+            edges: Features of the sibling edges [M, edge_width].
+            boxes: Box features of the parents [P, box_width].
+
+        Returns:
+            Features of the parents [P, W].
+        """
         features = self.child(torch.cat([children, names], 1))
         pooled = [scatter_max(features, slots, len(boxes))]
         starts, stops = ends
         for message in self.messages:
             sent = message(torch.cat([features[starts], features[stops], edges], 1))
             received, count = scatter_mean(sent, starts, len(features))
-            features = torch.where((count > 0).unsqueeze(1), received, features)  # an only child keeps what it has
+            features = torch.where((count > 0).unsqueeze(1), received, features)  # an only child keeps its features
             pooled.append(scatter_max(features, slots, len(boxes)))
         return self.parent(torch.cat([*pooled, boxes], 1))  # type: ignore[no-any-return]
 
 
 class HierarchyEncoder(nn.Module):
-    """Leaves from their points and boxes; inner nodes from their children and, with `inner_boxes`, their own box too."""
+    """Features of all parts: leaves from their points and boxes, inner parts from their children.
+
+    With `GnnConfig.inner_boxes`, inner parts also see their own box.
+
+    Args:
+        config: Sizes of the layers.
+        states: Number of states of two boxes.
+        sides: Number of sides.
+        pose: Number of channels of the relative pose; 0 leaves the pose out.
+    """
 
     def __init__(self, config: GnnConfig, states: int, sides: int, pose: int) -> None:
         super().__init__()
@@ -83,7 +126,7 @@ class HierarchyEncoder(nn.Module):
         )
 
     def forward(self, batch: GraphBatch) -> Tensor:
-        """Features [N, node_features] of all parts of all shapes."""
+        """Features [N, node_features] of all N parts of all shapes."""
         graph = batch.graph
         boxes = self.box(graph.boxes)
         names = self.names(graph.name_ids, graph.name_counts)

@@ -1,4 +1,4 @@
-"""Hierarchies of many shapes as one graph of tensors."""
+"""Part hierarchies of one or many shapes as one graph of tensors."""
 
 from __future__ import annotations
 
@@ -11,11 +11,24 @@ from torch import Tensor
 
 @dataclass(frozen=True, eq=False)
 class ShapeGraph:
-    """One shape. N parts, L leaves, E edges (moving, reference), all indices into the parts.
+    """Graph of one shape with N parts, L leaves and E edges from a moving to a reference part.
 
-    `leaf_points` [L, n, 3] each centred in the unit sphere, `boxes` [N, 15] (centre, full size, axes), `name_ids` [T] the name
-    buckets of all parts one after the other, `name_counts` [N], `up` [3]. Edges have a `state` and a `side` [E] and `pose` [E,
-    F]. `types` [E], `directions` and `pivots` [E, 3] are the truth; a shape without one has -1 as types.
+    Attributes:
+        leaf_points: Points of the leaves [L, n, 3], each cloud centred and scaled into the unit sphere.
+        leaves: Part of each leaf [L].
+        parents: Parent of each part [N]; -1 for the root.
+        depths: Depth of each part [N]; 0 for the root.
+        boxes: Box of each part [N, 15]: centre (3), full size (3), axes (9).
+        name_ids: Name buckets of all parts, one part after the other [T].
+        name_counts: Number of name buckets of each part [N].
+        up: Up direction [3].
+        edges: Moving and reference part of each edge [E, 2].
+        states: Overlap of the two boxes [E] (`box_relations.STATES`).
+        sides: Side of the moving box [E] (`box_relations.SIDES`).
+        pose: Relative pose, distance and contact [E, F].
+        types: True motion type of each edge [E]; -1 for a shape without labels.
+        directions: True unit directions [E, 3].
+        pivots: True pivots [E, 3].
     """
 
     leaf_points: Tensor
@@ -36,11 +49,16 @@ class ShapeGraph:
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
-    """The parts of one depth (`children`) and the depth above (`parents`), as indices of nodes.
+class HierarchyLevel:
+    """Parts of one depth (children) with their parents.
 
-    `slots` [C] is each child's parent as a place in `parents`; `edges` [M] are the edges among the children, as indices of
-    edges, and `starts` and `ends` [M] their ends as places in `children`.
+    Attributes:
+        children: Parts of this depth [C].
+        parents: Their parents, each once [P].
+        slots: Parent of each child [C], as an index into `parents`.
+        edges: Edges among the children [M], as indices into the graph's edges.
+        starts: First end of each of these edges [M], as an index into `children`.
+        ends: Second end of each of these edges [M], as an index into `children`.
     """
 
     children: Tensor
@@ -50,27 +68,33 @@ class Level:
     starts: Tensor
     ends: Tensor
 
-    def to(self, device: torch.device | str) -> Level:
-        return Level(*(getattr(self, f.name).to(device) for f in fields(self)))
+    def to(self, device: torch.device | str) -> HierarchyLevel:
+        """The same level on a device."""
+        return HierarchyLevel(*(value.to(device) for value in vars(self).values()))
 
 
 @dataclass(frozen=True, eq=False)
 class GraphBatch:
-    """Several shapes side by side: nodes and edges numbered on, levels deepest first, `edge_counts` [B] the edges of each
-    shape.
+    """Several shapes as one graph.
+
+    Attributes:
+        graph: Parts and edges of all shapes, numbered one shape after the other. `graph.up` is [B, 3].
+        levels: Levels of all hierarchies together, the deepest first.
+        edge_counts: Number of edges of each shape [B].
     """
 
     graph: ShapeGraph
-    levels: tuple[Level, ...]
+    levels: tuple[HierarchyLevel, ...]
     edge_counts: tuple[int, ...]
 
-    def to(self, device: torch.device | str, non_blocking: bool = False) -> GraphBatch:
-        graph = ShapeGraph(*(getattr(self.graph, f.name).to(device) for f in fields(self.graph)))
+    def to(self, device: torch.device | str) -> GraphBatch:
+        """The same batch on a device."""
+        graph = ShapeGraph(*(value.to(device) for value in vars(self.graph).values()))
         return GraphBatch(graph, tuple(level.to(device) for level in self.levels), self.edge_counts)
 
 
 def batch_graphs(shapes: Sequence[ShapeGraph]) -> GraphBatch:
-    """Put shapes side by side."""
+    """Combine the graphs of several shapes into one."""
     sizes = [len(shape.parents) for shape in shapes]
     firsts = [sum(sizes[:i]) for i in range(len(sizes))]
 
@@ -87,7 +111,7 @@ def batch_graphs(shapes: Sequence[ShapeGraph]) -> GraphBatch:
     return GraphBatch(graph, _levels(graph), tuple(len(shape.edges) for shape in shapes))
 
 
-def _levels(graph: ShapeGraph) -> tuple[Level, ...]:
+def _levels(graph: ShapeGraph) -> tuple[HierarchyLevel, ...]:
     edge_depths = graph.depths[graph.edges[:, 0]]
     place = torch.zeros_like(graph.parents)
     levels = []
@@ -97,5 +121,5 @@ def _levels(graph: ShapeGraph) -> tuple[Level, ...]:
         parents, slots = torch.unique(graph.parents[children], return_inverse=True)
         edges = torch.nonzero(edge_depths == depth).squeeze(1)
         starts, ends = place[graph.edges[edges]].unbind(1)
-        levels.append(Level(children, parents, slots, edges, starts, ends))
+        levels.append(HierarchyLevel(children, parents, slots, edges, starts, ends))
     return tuple(levels)

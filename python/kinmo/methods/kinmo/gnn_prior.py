@@ -1,8 +1,7 @@
-"""What the motion GNN says of hypotheses that were ranked: two networks that see a shape in different ways know more than one.
+"""Motion types predicted by the motion GNN, as a prior for ranked candidate joints.
 
-The ranking sees numbers about every motion, which are the same however the shape is turned about up; the GNN sees points and
-the hierarchy, along the axes of the file. Where few shapes of a kind are annotated, what one has not learnt the other often
-has.
+The ranking networks see features of candidate joints that do not change when the object turns about up. The motion GNN sees
+points and the hierarchy along the axes of the file. The two make different errors, above all where few shapes are annotated.
 """
 
 from __future__ import annotations
@@ -13,54 +12,88 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.box import Box
-from kinmo.core.edge_labels import motion_type
-from kinmo.core.joint import KINDS, Joint, MotionType
+from kinmo.core.joint import KINDS, Joint
+from kinmo.core.motion_types import MotionType, motion_type
+from kinmo.core.prediction import JointEstimate
 from kinmo.core.vector import Vector
-from kinmo.features.candidate_features import Evidence
+from kinmo.features.candidate_features import CandidateFeatures
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions
-from kinmo.learning.motion_gnn.gnn_estimate import mean_estimate
-from kinmo.methods.kinmo.ranking.shape_views import maximal_nodes
+from kinmo.learning.motion_gnn.gnn_estimate import gnn_joint, mean_estimate
+from kinmo.methods.kinmo.ranking.name_words import maximal_nodes
 
 F64 = NDArray[np.float64]
 
-SAY = 0.5
-"""The power of the GNN's probabilities beside those of the ranking, which is several networks, and right more often."""
-LEAST = 0.005
-"""Added to the probability of every type of motion: to what the GNN holds to be fixed all of them are alike."""
-MOTIONS = len([kind for kind in MotionType if kind.kind is not None])
+PRIOR_POWER = 0.5
+"""Power of the GNN's type probabilities; below 1 because the ranking networks are right more often."""
+MIN_TYPE_PROBABILITY = 0.005
+"""Added to every type probability, so that a body predicted as FIXED has no preferred motion type."""
+MOTION_TYPES = int(MotionType.FIXED)
+"""Number of motion types of parts that move."""
 
 
 def outward_edges(shape: PreparedShape, leaves: Sequence[int]) -> NDArray[np.int64]:
-    """Indices of the edges from the parts of a body (positions of its leaves) to siblings outside it."""
+    """Indices of the edges from the parts of a body to siblings outside it.
+
+    Args:
+        shape: the prepared shape.
+        leaves: positions of the body's leaves.
+    """
     is_own = np.isin(shape.edges, maximal_nodes(shape, leaves))
     return np.flatnonzero(is_own[:, 0] & ~is_own[:, 1])
 
 
-def motion_types_of(shape: PreparedShape, leaves: Sequence[int], edges: EdgePredictions) -> F64 | None:
-    """The GNN's probabilities [8] of the types of motion of a body, if it moves; None for one without an edge to a sibling."""
-    outwards = outward_edges(shape, leaves)
-    if not len(outwards):
+def motion_type_probabilities(shape: PreparedShape, leaves: Sequence[int], edges: EdgePredictions) -> F64 | None:
+    """The GNN's probabilities of the motion types of a body, given that it moves.
+
+    Args:
+        shape: the prepared shape.
+        leaves: positions of the body's leaves.
+        edges: predictions of the GNN for the shape.
+
+    Returns:
+        [8], or None for a body without an edge to a sibling.
+    """
+    outward = outward_edges(shape, leaves)
+    if not len(outward):
         return None
-    said = mean_estimate(edges, outwards).probabilities[:MOTIONS] + LEAST
-    return np.asarray(said / said.sum(), np.float64)
+    probabilities = mean_estimate(edges, outward).probabilities[:MOTION_TYPES] + MIN_TYPE_PROBABILITY
+    return np.asarray(probabilities / probabilities.sum(), np.float64)
 
 
-def with_types(odds: F64, types: F64 | None, evidence: Evidence, unit: int, box: Box, up: Vector) -> F64:
-    """Probabilities [h] of the hypotheses of a unit, those of its types of motion [8] taken into account.
+def apply_gnn_prior(
+    probabilities: F64, types: F64 | None, features: CandidateFeatures, group: int, box: Box, up: Vector
+) -> F64:
+    """Probabilities of a group's candidate joints, weighted by the GNN's probabilities of their motion types.
 
-    How likely it is to turn, to slide, or to do both stays as it is: of that the ranking knows more. The types depend on `box`,
-    the unit's, and `up`.
+    The total probability of each joint kind stays the same, because the ranking networks predict kinds more reliably.
+
+    Args:
+        probabilities: [C] probabilities of the ranking networks.
+        types: [8] probabilities of the motion types; None leaves the probabilities as they are.
+        features: candidate joints of the shape.
+        group: index of the group.
+        box: symmetry-aligned box of the group, which types depend on.
+        up: [3] unit vector, which types depend on.
+
+    Returns:
+        [C] probabilities.
     """
     if types is None:
-        return odds
-    rows = evidence.rows(unit)
-    kinds = evidence.kinds[rows]
-    motions = zip(kinds.tolist(), evidence.directions[rows], evidence.pivots[rows], strict=True)
-    said = [types[motion_type(Joint(KINDS[kind], direction, pivot), box, up)] for kind, direction, pivot in motions]
-    both = odds * np.power(said, SAY)
+        return probabilities
+    rows = features.rows(group)
+    kinds = features.kinds[rows]
+    motions = zip(kinds.tolist(), features.directions[rows], features.pivots[rows], strict=True)
+    prior = [types[motion_type(Joint(KINDS[kind], direction, pivot), box, up)] for kind, direction, pivot in motions]
+    weighted = probabilities * np.power(prior, PRIOR_POWER)
     for kind in np.unique(kinds):
         own = kinds == kind
-        if both[own].any():
-            both[own] *= odds[own].sum() / both[own].sum()
-    return np.asarray(both)
+        if weighted[own].any():
+            weighted[own] *= probabilities[own].sum() / weighted[own].sum()
+    return np.asarray(weighted)
+
+
+def gnn_estimates(shape: PreparedShape, bodies: Sequence[tuple[int, ...]], edges: EdgePredictions) -> list[JointEstimate]:
+    """The joint that the motion GNN alone predicts for every body (positions of its leaves), in the normalised frame."""
+    outward = [outward_edges(shape, leaves) for leaves in bodies]
+    return [gnn_joint(mean_estimate(edges, own) if len(own) else None) for own in outward]

@@ -1,7 +1,8 @@
-"""From what the network says of edges to rigid bodies and what each moves against (paper, section 3.3).
+"""Mobility tree of a shape, from the motion GNN's edge predictions (paper, section 3.3).
 
-The hierarchy is pruned to the parts that take part in a motion; parts that are fixed to each other and move against the same
-reference become one, with the parameters of the larger; where references would form a cycle, the least sure edge is cut.
+The hierarchy is pruned to the parts that take part in a motion. Parts that are fixed to each other and move relative to the
+same reference are merged, with the motion parameters of the larger part. If references form a cycle, the least probable motion
+edge is left out.
 """
 
 from __future__ import annotations
@@ -10,177 +11,198 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kinmo.core.joint import MotionType
-from kinmo.core.mobility import Body, has_cycle, upwards
+from kinmo.core.mobility import Body, has_cycle, path_to_root
+from kinmo.core.motion_types import MotionType
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions
 from kinmo.learning.motion_gnn.gnn_estimate import GnnEstimate, mean_estimate
 
-F64 = NDArray[np.float64]
-
 
 @dataclass(frozen=True, eq=False)
 class MobilityTree:
-    """Bodies without joints yet (`leaves` are indices of parts), and of each what the network says; None: it has no edge."""
+    """Bodies without joints, and the motion GNN's estimate for each.
+
+    Attributes:
+        bodies: rigid bodies; `Body.leaves` are indices of parts.
+        estimates: motion parameters of each body; None for bodies at rest.
+    """
 
     bodies: tuple[Body, ...]
     estimates: tuple[GnnEstimate | None, ...]
 
 
-def given_tree(shape: PreparedShape, predictions: EdgePredictions) -> MobilityTree:
-    """*Parts given*: the bodies of the shape's annotation, nothing of its joints or of what hangs on what.
+def tree_with_given_bodies(shape: PreparedShape, predictions: EdgePredictions) -> MobilityTree:
+    """Mobility tree in the setting *parts given*: the annotation's bodies, with predicted motions and references.
 
-    A part stands for the body that holds most of its surface, and the edges between the parts of two bodies say how the one
-    moves against the other. Different bodies are not fixed to each other, and in a tree only one rests; so every other body has
-    the most probable motion against its reference, the surest references first and none that closes a cycle. A body without
-    an edge to another rests. Raises ValueError for a shape that is not annotated.
+    A part belongs to the body that holds most of its surface. The edges between the parts of two bodies predict how one body
+    moves relative to the other. Different bodies are not fixed to each other, and only the root of a tree rests. Every other
+    body therefore gets its most probable motion type. References are chosen in the order of their motion probabilities, without
+    cycles. A body without an edge to another body rests.
+
+    Args:
+        shape: an annotated shape; joints and parents of the annotation are not used.
+        predictions: predictions for its edges.
+
+    Raises:
+        ValueError: the shape is not annotated.
     """
     if shape.mobility is None:
         raise ValueError(f"shape {shape.id} is not annotated")
-    owner = _owners(shape)
-    sure = predictions.type_probabilities[:, : predictions.type_set.FIXED].sum(axis=1)
+    owner = _bodies_of_parts(shape)
+    moves = predictions.type_probabilities[:, : predictions.type_set.FIXED].sum(axis=1)
     pairs: dict[tuple[int, int], list[int]] = {}
     for edge, (part, other) in enumerate(shape.edges.tolist()):
-        if owner[part] != owner[other] and sure[edge] > 0:  # 0: the network did not see it
+        if owner[part] != owner[other] and moves[edge] > 0:  # 0 for edges that the network does not see
             pairs.setdefault((owner[part], owner[other]), []).append(edge)
-    surest = sorted(pairs, key=lambda pair: (-float(np.mean(sure[pairs[pair]])), pair))
+    ordered = sorted(pairs, key=lambda pair: (-float(np.mean(moves[pairs[pair]])), pair))
     parents: dict[int, int] = {}
     estimates: dict[int, GnnEstimate] = {}
-    for body, reference in surest:
-        if body not in parents and body not in upwards(parents, reference):
+    for body, reference in ordered:
+        if body not in parents and body not in path_to_root(parents, reference):
             parents[body] = reference
-            estimates[body] = _moving(mean_estimate(predictions, np.array(pairs[body, reference])))
+            estimates[body] = _without_fixed(mean_estimate(predictions, np.array(pairs[body, reference])))
     bodies = enumerate(shape.mobility.bodies)
     tree = tuple(Body(body.id, body.name, body.leaves, parents.get(index)) for index, body in bodies)
     return MobilityTree(tree, tuple(estimates.get(index) for index in range(len(tree))))
 
 
-def retyped(tree: MobilityTree, types: Mapping[int, MotionType]) -> MobilityTree:
-    """The bodies of `tree` that the network gives another type than `types` does, by body, with that type; nothing is said of
-    the others.
+def with_true_types(tree: MobilityTree, types: Mapping[int, MotionType]) -> MobilityTree:
+    """The tree with true motion types for the bodies whose type is predicted wrongly, and no estimates for the others.
+
+    Args:
+        tree: a predicted tree.
+        types: true motion types by body.
     """
     estimates: list[GnnEstimate | None] = [None] * len(tree.bodies)
     for body, estimate in enumerate(tree.estimates):
         if estimate is None or body not in types:
             continue
-        wanted = types[body] if estimate.type_set is MotionType else types[body].coarse
-        if estimate.type is not wanted:
-            told = np.zeros(len(estimate.type_set))
-            told[wanted] = 1.0
-            estimates[body] = replace(estimate, probabilities=told)
+        true = types[body] if estimate.type_set is MotionType else types[body].coarse
+        if estimate.type is not true:
+            probabilities = np.zeros(len(estimate.type_set))
+            probabilities[true] = 1.0
+            estimates[body] = replace(estimate, probabilities=probabilities)
     return replace(tree, estimates=tuple(estimates))
 
 
-def _owners(shape: PreparedShape) -> list[int]:
-    """For every part, the body of the annotation that holds most of its surface."""
+def _bodies_of_parts(shape: PreparedShape) -> list[int]:
+    """The body of the annotation that holds most of the surface of each part."""
 
-    def held(part: tuple[int, ...], body: tuple[int, ...]) -> float:
+    def shared_area(part: tuple[int, ...], body: tuple[int, ...]) -> float:
         return float(shape.leaf_areas[sorted(set(part) & set(body))].sum())
 
-    return [int(np.argmax([held(part, body) for body in shape.body_leaves])) for part in shape.leaves_below]
+    return [int(np.argmax([shared_area(part, body) for body in shape.body_leaves])) for part in shape.leaves_below]
 
 
-def _moving(estimate: GnnEstimate) -> GnnEstimate:
-    """The estimate for a body of which it is known that it moves."""
+def _without_fixed(estimate: GnnEstimate) -> GnnEstimate:
+    """The estimate for a body that is known to move."""
     fixed = int(estimate.type_set.FIXED)
-    odds = np.where(np.arange(len(estimate.probabilities)) < fixed, estimate.probabilities, 0.0)
-    return replace(estimate, probabilities=odds / odds.sum())
+    moving = np.where(np.arange(len(estimate.probabilities)) < fixed, estimate.probabilities, 0.0)
+    return replace(estimate, probabilities=moving / moving.sum())
 
 
-def predicted_tree(shape: PreparedShape, predictions: EdgePredictions) -> MobilityTree:
-    """*Hierarchy given*: which parts form bodies is read off the edges. Body 0 is what everything rests on."""
-    motion = _Motion(shape, predictions)
-    group_of = _merged(shape, motion)
+def tree_with_predicted_bodies(shape: PreparedShape, predictions: EdgePredictions) -> MobilityTree:
+    """Mobility tree in the setting *hierarchy given*: parts are merged into bodies as the edges predict (paper, section 3.3).
+
+    Args:
+        shape: a shape; its annotation is not used.
+        predictions: predictions for its edges.
+
+    Returns:
+        The tree. Body 0 holds all parts at rest, unless it has no leaves.
+    """
+    motion = _PartMotions(shape, predictions)
+    group_of = _merge_parts(shape, motion)
     groups: dict[int, list[int]] = {}
     for part in motion.references:
         groups.setdefault(group_of[part], []).append(part)
     owners = {part: group for group, parts in groups.items() for part in parts}
-    owners |= _companions(shape, motion, group_of)
+    owners |= _fixed_to_moving(motion, group_of)
     number = {group: index + 1 for index, group in enumerate(sorted(groups, key=lambda g: min(groups[g])))}
     body_of = [0] * len(shape.parents)
-    for part, parent in enumerate(shape.parents):  # preorder: what is above is known
+    for part, parent in enumerate(shape.parents):  # preorder: the parent's body is known
         body_of[part] = number[owners[part]] if part in owners else body_of[parent] if parent >= 0 else 0
-    bodies = [Body(0, "base", _leaves(shape, body_of, 0))]
+    bodies = [Body(0, "base", _leaves_of(shape, body_of, 0))]
     estimates: list[GnnEstimate | None] = [None]
-    for group in number:
+    for group, index in number.items():
         largest = max(groups[group], key=lambda part: (_area(shape, part), -part))
-        edge = motion.edge_of[largest]
-        index = number[group]
-        bodies.append(
-            Body(index, shape.part_names[largest], _leaves(shape, body_of, index), body_of[motion.references[largest]])
-        )
-        estimates.append(mean_estimate(predictions, np.array([edge])))
-    return _without_empty(MobilityTree(tuple(bodies), tuple(estimates)))
+        parent = body_of[motion.references[largest]]
+        bodies.append(Body(index, shape.part_names[largest], _leaves_of(shape, body_of, index), parent))
+        estimates.append(mean_estimate(predictions, np.array([motion.edge_of[largest]])))
+    return _without_empty_bodies(MobilityTree(tuple(bodies), tuple(estimates)))
 
 
-class _Motion:
-    """For every part that moves, what it moves against (`references`) and by which edge (`edge_of`).
+class _PartMotions:
+    """Predicted motion of every part that moves.
 
-    `fixed` says of pairs by how much FIXED is more probable than any other type, on average over both directions.
+    Attributes:
+        references: the reference part of each moving part.
+        edge_of: the edge from each moving part to its reference.
+        fixed: mean margin between the probability of FIXED and that of the next most probable type, by pair of parts.
     """
 
     def __init__(self, shape: PreparedShape, predictions: EdgePredictions) -> None:
         fixed = predictions.type_set.FIXED.value
-        chosen, probabilities = predictions.types, predictions.type_probabilities
-        moves = np.flatnonzero(chosen < fixed)
-        sure = probabilities[:, :fixed].sum(axis=1)
+        probabilities = predictions.type_probabilities
+        motion_edges = np.flatnonzero(predictions.types < fixed)
+        moves = probabilities[:, :fixed].sum(axis=1)
         self.references: dict[int, int] = {}
         self.edge_of: dict[int, int] = {}
-        for edge in moves[np.argsort(-sure[moves], kind="stable")]:  # the surest first: an edge that closes a cycle is left out
+        # Most probable edges first; an edge that closes a cycle is left out.
+        for edge in motion_edges[np.argsort(-moves[motion_edges], kind="stable")]:
             part, reference = shape.edges[edge].tolist()
-            if part not in self.references and part not in upwards(self.references, reference):
+            if part not in self.references and part not in path_to_root(self.references, reference):
                 self.references[part], self.edge_of[part] = reference, int(edge)
-        both: dict[tuple[int, int], list[float]] = {}
-        rival = np.delete(probabilities, fixed, axis=1).max(axis=1)
-        for (part, other), odds in zip(shape.edges.tolist(), probabilities[:, fixed] - rival, strict=True):
-            both.setdefault((min(part, other), max(part, other)), []).append(float(odds))
-        self.fixed: dict[tuple[int, int], float] = {pair: float(np.mean(odds)) for pair, odds in both.items()}
+        margins: dict[tuple[int, int], list[float]] = {}
+        next_best = np.delete(probabilities, fixed, axis=1).max(axis=1)
+        for (part, other), margin in zip(shape.edges.tolist(), probabilities[:, fixed] - next_best, strict=True):
+            margins.setdefault((min(part, other), max(part, other)), []).append(float(margin))
+        self.fixed: dict[tuple[int, int], float] = {pair: float(np.mean(values)) for pair, values in margins.items()}
 
 
-def _merged(shape: PreparedShape, motion: _Motion) -> list[int]:
-    """A number for every part; parts with the same one are one body (parts at rest that are fixed to each other, too)."""
-    number = list(range(len(shape.parents)))
+def _merge_parts(shape: PreparedShape, motion: _PartMotions) -> list[int]:
+    """Group of every part; parts of one group form one body, or rest and are fixed to each other."""
+    group_of = list(range(len(shape.parents)))
     pairs = sorted(pair for pair, margin in motion.fixed.items() if margin > 0)
 
-    def fit(part: int, other: int) -> bool:
-        """Whether both rest, or both move against the same."""
-        if number[part] == number[other] or (part in motion.references) != (other in motion.references):
+    def can_merge(part: int, other: int) -> bool:
+        """True if both parts rest, or both move relative to the same group."""
+        if group_of[part] == group_of[other] or (part in motion.references) != (other in motion.references):
             return False
-        return part not in motion.references or number[motion.references[part]] == number[motion.references[other]]
+        return part not in motion.references or group_of[motion.references[part]] == group_of[motion.references[other]]
 
     changed = True
-    while changed:  # a merger may make the references of other parts one
+    while changed:  # a merger may give other parts the same reference
         changed = False
         for part, other in pairs:
-            if fit(part, other):
-                old, new = max(number[part], number[other]), min(number[part], number[other])
-                trial = [new if value == old else value for value in number]
+            if can_merge(part, other):
+                old, new = max(group_of[part], group_of[other]), min(group_of[part], group_of[other])
+                trial = [new if value == old else value for value in group_of]
                 if not has_cycle(_group_parents(trial, motion)):
-                    number, changed = trial, True
-    return number
+                    group_of, changed = trial, True
+    return group_of
 
 
-def _group_parents(number: list[int], motion: _Motion) -> list[int | None]:
-    parents: list[int | None] = [None] * len(number)
+def _group_parents(group_of: list[int], motion: _PartMotions) -> list[int | None]:
+    parents: list[int | None] = [None] * len(group_of)
     for part, reference in motion.references.items():
-        parents[number[part]] = number[reference]
+        parents[group_of[part]] = group_of[reference]
     return parents
 
 
-def _companions(shape: PreparedShape, motion: _Motion, group_of: list[int]) -> dict[int, int]:
-    """Parts without a motion of their own that are more surely fixed to a moving sibling than to any that rests."""
+def _fixed_to_moving(motion: _PartMotions, group_of: list[int]) -> dict[int, int]:
+    """Groups of the parts without a motion that are fixed to a moving sibling with more margin than to any at rest."""
     best: dict[int, tuple[float, int]] = {}
-    anchors = set(motion.references.values())  # what others move against rests
+    references = set(motion.references.values())  # they rest
     for pair, margin in motion.fixed.items():
         for part, other in (pair, pair[::-1]):
-            if part not in motion.references and part not in anchors and margin > best.get(part, (0.0, -1))[0]:
+            if part not in motion.references and part not in references and margin > best.get(part, (0.0, -1))[0]:
                 best[part] = (margin, other)
     return {part: group_of[other] for part, (_, other) in best.items() if other in motion.references}
 
 
-def _leaves(shape: PreparedShape, body_of: list[int], body: int) -> tuple[int, ...]:
+def _leaves_of(shape: PreparedShape, body_of: list[int], body: int) -> tuple[int, ...]:
     return tuple(leaf for leaf in shape.leaves if body_of[leaf] == body)
 
 
@@ -188,18 +210,16 @@ def _area(shape: PreparedShape, part: int) -> float:
     return float(shape.leaf_areas[list(shape.leaves_below[part])].sum())
 
 
-def _without_empty(tree: MobilityTree) -> MobilityTree:
-    """The tree without bodies that have no leaf left; what was attached to one is attached to what that was attached to."""
+def _without_empty_bodies(tree: MobilityTree) -> MobilityTree:
+    """The tree without bodies that have no leaves; their children are attached to their parents."""
     kept = [index for index, body in enumerate(tree.bodies) if body.leaves]
-    place = {old: new for new, old in enumerate(kept)}
+    new_index = {old: new for new, old in enumerate(kept)}
 
     def parent_of(body: Body) -> int | None:
         parent = body.parent
-        while parent is not None and parent not in place:
+        while parent is not None and parent not in new_index:
             parent = tree.bodies[parent].parent
-        return None if parent is None else place[parent]
+        return None if parent is None else new_index[parent]
 
-    bodies = (tree.bodies[index] for index in kept)
-    return MobilityTree(
-        tuple(Body(b.id, b.name, b.leaves, parent_of(b)) for b in bodies), tuple(tree.estimates[index] for index in kept)
-    )
+    bodies = tuple(replace(tree.bodies[index], parent=parent_of(tree.bodies[index])) for index in kept)
+    return MobilityTree(bodies, tuple(tree.estimates[index] for index in kept))

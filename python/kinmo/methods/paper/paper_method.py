@@ -1,4 +1,4 @@
-"""The paper's method: motion GNN, mobility tree, candidate axes, axis selection (section 3)."""
+"""The paper's method: motion GNN, mobility tree, candidate axes, axis selection (paper, section 3)."""
 
 from __future__ import annotations
 
@@ -13,15 +13,20 @@ from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.config import RefinementConfig
-from kinmo.core.prediction import Prediction
+from kinmo.core.prediction import ShapeEstimate
 from kinmo.core.typed_tables import to_table
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.learning.motion_gnn.gnn_network import TypeSet
 from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
-from kinmo.methods.method import NETWORKS_KEPT, load_gnn
+from kinmo.methods.method import CACHED_NETWORKS, load_gnn
 from kinmo.methods.paper.axis_selection.axis_selector import AxisSelector
-from kinmo.methods.paper.mobility_tree import MobilityTree, given_tree, predicted_tree, retyped
+from kinmo.methods.paper.mobility_tree import (
+    MobilityTree,
+    tree_with_given_bodies,
+    tree_with_predicted_bodies,
+    with_true_types,
+)
 from kinmo.methods.paper.refinement import Refiner
 
 
@@ -29,15 +34,17 @@ from kinmo.methods.paper.refinement import Refiner
 class PaperMethod:
     """The paper's method with fine (ten) or coarse (five) motion types.
 
-    Networks are read from `models` when they are first needed; a category's own networks come before those of all.
+    Networks are read from `models` when they are first needed. Networks trained for one category alone take precedence.
 
     Attributes:
         models: the folder with the trained networks.
-        refinement: candidates and scores of the refinement.
+        refinement: candidates of the refinement, and weights of their scores.
         types: `fine` or `coarse`.
         device: where networks run.
         hide_names: hide the names of all parts.
         contact_edges: use the GNN that was trained on edges between touching parts alone.
+        name: name of the method.
+        finds_parents: False: with parts given, the method does not predict parents of bodies.
     """
 
     models: ModelFolder
@@ -51,11 +58,15 @@ class PaperMethod:
 
     @cached_property
     def weights(self) -> str:
-        """Hash of all networks that take part."""
+        """Hash of all networks of the method."""
         return self.models.digest((self._gnn_model, "axis"))
 
     def check(self) -> None:
-        """Raise InputError if one of the networks is missing or cannot be read."""
+        """Check that all networks can be read.
+
+        Raises:
+            InputError: a network is missing or cannot be read.
+        """
         for path in self.models.all_weights(self._gnn_model):
             load_gnn(path, self.device, self.hide_names)
         for path in self.models.all_weights("axis"):
@@ -68,21 +79,21 @@ class PaperMethod:
 
     @property
     def config(self) -> Mapping[str, Any]:
-        """Everything but the networks that predictions depend on."""
+        """Settings that predictions depend on, as plain data."""
         return {"types": self.types, "refinement": to_table(self.refinement), "hide_names": self.hide_names}
 
-    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
-        """Predict bodies and joints from the hierarchy."""
-        return self._refined(shape, meshes, predicted_tree(shape, self._gnn(shape).predict_edges(shape)))
+    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
+        """Predict bodies and joints (setting *hierarchy given*); see `Method.predict`."""
+        return self._refine(shape, meshes, tree_with_predicted_bodies(shape, self._gnn(shape).predict_edges(shape)))
 
-    def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
-        """Predict the joints of the annotated bodies."""
-        return self._refined(shape, meshes, given_tree(shape, self._gnn(shape).predict_edges(shape)))
+    def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
+        """Predict the joints of the annotated bodies (setting *parts given*); see `Method.predict_given`."""
+        return self._refine(shape, meshes, tree_with_given_bodies(shape, self._gnn(shape).predict_edges(shape)))
 
-    def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> Prediction:
-        """Predict the joints of the bodies whose type the GNN gets wrong, with their true types."""
-        tree = given_tree(shape, self._gnn(shape).predict_edges(shape))
-        return self._refined(shape, meshes, retyped(tree, shape.body_types))
+    def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
+        """Predict the joints of the bodies whose type the GNN predicts wrongly, with their true types."""
+        tree = tree_with_given_bodies(shape, self._gnn(shape).predict_edges(shape))
+        return self._refine(shape, meshes, with_true_types(tree, shape.body_types))
 
     def edge_types(self, shape: PreparedShape) -> NDArray[np.int64]:
         """Predicted motion type [E] of every edge."""
@@ -95,12 +106,12 @@ class PaperMethod:
     def _gnn(self, shape: PreparedShape) -> MotionGnnPredictor:
         return load_gnn(self.models.weights_for(self._gnn_model, shape.category), self.device, self.hide_names)
 
-    def _refined(self, shape: PreparedShape, meshes: _core.Meshes, tree: MobilityTree) -> Prediction:
+    def _refine(self, shape: PreparedShape, meshes: _core.Meshes, tree: MobilityTree) -> ShapeEstimate:
         weights = self.models.weights_for("axis", shape.category)
         selector = _load_selector(weights, weights.stat().st_mtime_ns, self.device)
         return Refiner(shape, self.refinement, selector, meshes).refine(tree, self.name)
 
 
-@lru_cache(maxsize=NETWORKS_KEPT)
+@lru_cache(maxsize=CACHED_NETWORKS)
 def _load_selector(weights: Path, written: int, device: str) -> AxisSelector:
     return AxisSelector.load(weights, device)

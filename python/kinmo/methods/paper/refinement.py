@@ -1,4 +1,4 @@
-"""The most plausible joint of every body, among candidates from its geometry (paper, section 3.3)."""
+"""Refinement of predicted joints: the best candidate axis of every body (paper, section 3.3)."""
 
 from __future__ import annotations
 
@@ -10,43 +10,52 @@ from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.config import RefinementConfig
-from kinmo.core.joint import CoarseType, Joint, MotionType
+from kinmo.core.joint import Joint
 from kinmo.core.mobility import Body, Mobility
+from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.core.normalisation import Normalisation
-from kinmo.core.prediction import JointEstimate, Prediction
-from kinmo.features.candidate_joints import Candidates, line_candidates, merged, no_candidates, paper_candidates
-from kinmo.features.candidate_lines import Source
-from kinmo.features.free_travel import Travel, free_travel
-from kinmo.features.part_geometry import PartGeometry, interaction_centroid, lines_of, part_geometries, symmetric_box
+from kinmo.core.prediction import JointEstimate, ShapeEstimate
+from kinmo.features.candidate_joints import CandidateJoints
+from kinmo.features.joint_limits import JointLimits, estimate_joint_limits
 from kinmo.features.prepared_shape import PreparedShape
+from kinmo.features.symmetric_box import symmetric_box
 from kinmo.learning.motion_gnn.gnn_estimate import GnnEstimate, gnn_joint
+from kinmo.methods.paper.candidate_axes import candidate_axes
+from kinmo.methods.paper.candidate_scores import CandidateScores, score_candidates
+from kinmo.methods.paper.extra_candidates import EXTRA_SOURCES, line_candidates, merge_candidates, part_lines
+from kinmo.methods.paper.interaction_region import interaction_centroid
+from kinmo.methods.paper.leaf_roles import LeafRoles, leaf_roles
 from kinmo.methods.paper.mobility_tree import MobilityTree
-from kinmo.methods.paper.scoring import Scores, score
 
 F64 = NDArray[np.float64]
 
-ALTERNATIVES = 10
-"""So many answers are kept for a body."""
-
-EXTRA_SOURCES: dict[str, tuple[Source, ...]] = {
-    "boxes": (Source.MINIMUM_BOX_EDGE, Source.MINIMUM_BOX_CENTER, Source.ALIGNED_BOX_EDGE, Source.ALIGNED_BOX_CENTER),
-    "contact": (Source.CONTACT_LINE, Source.CONTACT_CENTER),
-    "symmetry": (Source.SYMMETRY_AXIS,),
-}
-"""Candidates beyond the paper's, by the name that RefinementConfig.extra has for them."""
+MAX_ESTIMATES = 10
+"""Largest number of ranked joints per body."""
 
 
 class FeasibilityScorer(Protocol):
-    """What gives s^f: `kinmo.methods.paper.axis_selection.axis_selector.AxisSelector` does."""
+    """A model of the feasibility score s^f, such as `kinmo.methods.paper.axis_selection.axis_selector.AxisSelector`."""
 
-    def score_candidates(self, shape: PreparedShape, moving: list[int], candidates: Candidates) -> F64: ...
+    def feasibility(self, shape: PreparedShape, moving: list[int], candidates: CandidateJoints) -> F64:
+        """Feasibility scores s^f [C] of the candidates of the part with the leaves at positions `moving`."""
 
 
 class Refiner:
-    """Candidates, scores and limits for the bodies of one mobility tree.
+    """Refinement of the bodies of mobility trees of one shape.
 
-    Without a `selector` there is no feasibility term. `meshes` (of the leaves, in the normalised frame) are needed for
-    candidates beyond the paper's, the sweep term and limits; without them joints have no limits.
+    Args:
+        shape: the prepared shape.
+        config: candidates and weights of the scores.
+        selector: model of the feasibility score; None leaves that term out.
+        meshes: meshes of the leaves, in the normalised frame. Candidates beyond the paper's, the sweep term and limits need
+            them; without them joints have no limits.
+
+    Raises:
+        ValueError: `config` needs meshes, and there are none.
+
+    Example:
+        >>> tree = tree_with_predicted_bodies(shape, gnn.predict_edges(shape))
+        >>> prediction = Refiner(shape, RefinementConfig(), selector, meshes).refine(tree)
     """
 
     def __init__(
@@ -60,93 +69,106 @@ class Refiner:
             raise ValueError("meshes: needed for candidates beyond the paper's and for the sweep term")
         self.shape, self.config, self.selector, self.meshes = shape, config, selector, meshes
 
-    def refine(self, tree: MobilityTree, method: str = "paper") -> Prediction:
-        """The best joint of every body, its runners-up, and what the network alone said, in the shape's own frame."""
-        parts = part_geometries(self.shape, tree.bodies)
-        frame = Normalisation(self.shape.center, self.shape.diagonal)
-        ranked, network, bodies = [], [], []
-        for body, part, estimate in zip(tree.bodies, parts, tree.estimates, strict=True):
-            said = self._network_estimate(part, estimate)
-            answers = self.estimates(part, estimate) if estimate is not None else ()
-            answers = tuple(frame.undo_estimate(answer) for answer in (answers or (replace(said, joint=None),)))
-            ranked.append(answers)
-            network.append(frame.undo_estimate(said))
-            bodies.append(Body(body.id, body.name, body.leaves, body.parent, answers[0].joint))
-        mobility = Mobility(tuple(bodies))
-        return Prediction(self.shape.id, self.shape.category, mobility, tuple(ranked), tuple(network), method)
+    def refine(self, tree: MobilityTree, method: str = "paper") -> ShapeEstimate:
+        """Predict the joint of every body, in the shape's own frame.
 
-    def estimates(self, part: PartGeometry, estimate: GnnEstimate) -> tuple[JointEstimate, ...]:
-        """Ranked joints for one body, in the normalised frame; empty if it is not thought to move."""
+        Args:
+            tree: bodies of the shape and the motion GNN's estimates for them.
+            method: name of the method, for the prediction.
+
+        Returns:
+            The best joint of every body, its runners-up, and the joint that the motion GNN regressed.
+        """
+        frame = Normalisation(self.shape.center, self.shape.diagonal)
+        ranked, regressed, bodies = [], [], []
+        for body, roles, estimate in zip(tree.bodies, leaf_roles(self.shape, tree.bodies), tree.estimates, strict=True):
+            own = self._regressed(roles, estimate)
+            found = self.estimates(roles, estimate) if estimate is not None else ()
+            found = tuple(frame.undo_estimate(each) for each in (found or (replace(own, joint=None),)))
+            ranked.append(found)
+            regressed.append(frame.undo_estimate(own))
+            bodies.append(Body(body.id, body.name, body.leaves, body.parent, found[0].joint))
+        mobility = Mobility(tuple(bodies))
+        return ShapeEstimate(self.shape.id, self.shape.category, mobility, tuple(ranked), tuple(regressed), method)
+
+    def estimates(self, roles: LeafRoles, estimate: GnnEstimate) -> tuple[JointEstimate, ...]:
+        """Ranked joints of one body, in the normalised frame; none if it is predicted not to move.
+
+        Args:
+            roles: leaves of the body and of its surroundings.
+            estimate: the motion GNN's estimate for the body.
+        """
         motion = estimate.type
-        candidates = self.candidates(part, motion)
+        candidates = self.candidates(roles, motion)
         if not len(candidates):
             return ()
-        travel = self._travel(part, candidates) if self.config.sweeps else None
-        scores = self.scores(part, estimate, candidates, travel)
-        best = np.argsort(-scores.total, kind="stable")[:ALTERNATIVES]
-        chosen = _subset(candidates, best)
-        travel = self._travel(part, chosen) if self.meshes is not None else None
-        answers = []
+        limits = self._limits(roles, candidates) if self.config.sweeps else None
+        scores = self.scores(roles, estimate, candidates, limits)
+        best = np.argsort(-scores.total, kind="stable")[:MAX_ESTIMATES]
+        chosen = candidates.subset(best)
+        limits = self._limits(roles, chosen) if self.meshes is not None else None
+        found = []
         for place, index in enumerate(best):
-            limits = (None, None) if travel is None else travel.range(place)
-            joint = _oriented(chosen, place, limits, estimate.direction)
+            lower, upper = (None, None) if limits is None else limits.range(place)
+            joint = Joint(chosen.kind(place), chosen.directions[place], chosen.pivots[place], lower, upper)
+            if joint.direction @ estimate.direction < 0:
+                joint = joint.reversed()
             terms = {name: float(values[index]) for name, values in scores.terms.items()}
-            terms |= {} if travel is None else {"sweep": float(travel.freedom[place])}
-            answers.append(JointEstimate(joint, motion, float(scores.total[index]), terms, chosen.sources[place]))
-        return tuple(answers)
+            terms |= {} if limits is None else {"sweep": float(limits.freedom[place])}
+            found.append(JointEstimate(joint, motion, float(scores.total[index]), terms, chosen.sources[place]))
+        return tuple(found)
 
-    def candidates(self, part: PartGeometry, motion: MotionType | CoarseType) -> Candidates:
-        """The paper's candidates for the motion type, and those that `config.extra` adds."""
+    def candidates(self, roles: LeafRoles, motion: MotionType | CoarseType) -> CandidateJoints:
+        """The paper's candidates for a motion type, and those that `config.extra` adds.
+
+        Args:
+            roles: leaves of the body and of its surroundings.
+            motion: motion type of the body.
+        """
         if motion.kind is None:
-            return no_candidates()
-        box = symmetric_box(self.shape, part.leaves, self.meshes)
+            return CandidateJoints.empty()
+        box = symmetric_box(self.shape, roles.own, self.meshes)
         central = isinstance(motion, MotionType) and motion.is_central
         wants_contact = central or self.config.contact_pivots == "revolute"
-        contact = interaction_centroid(self.shape, part) if wants_contact and self.config.contact_pivots != "none" else None
-        found = paper_candidates(motion, box, self.shape.up, contact, self.config.contact_pivots)
+        contact = interaction_centroid(self.shape, roles) if wants_contact and self.config.contact_pivots != "none" else None
+        found = candidate_axes(motion, box, self.shape.up, contact, self.config.contact_pivots)
         if not self.config.extra or self.meshes is None:
             return found
         sources = [source for name in self.config.extra for source in EXTRA_SOURCES[name]]
-        return merged(found, line_candidates(motion, lines_of(self.shape, part, self.meshes), self.shape.up, sources))
+        lines = part_lines(self.shape, roles, self.meshes)
+        return merge_candidates(found, line_candidates(motion, lines, self.shape.up, sources))
 
-    def scores(self, part: PartGeometry, estimate: GnnEstimate, candidates: Candidates, travel: Travel | None = None) -> Scores:
-        """Feasibility, consistency and swept freedom of some candidates, weighed as configured."""
-        feasibility = None if self.selector is None else self.selector.score_candidates(self.shape, part.moving, candidates)
-        return score(
+    def scores(
+        self, roles: LeafRoles, estimate: GnnEstimate, candidates: CandidateJoints, limits: JointLimits | None = None
+    ) -> CandidateScores:
+        """Final scores of candidates (paper, section 3.3, equation 7), with the configured weights.
+
+        Args:
+            roles: leaves of the body and of its surroundings.
+            estimate: the motion GNN's estimate for the body.
+            candidates: candidates of the body.
+            limits: limits of the candidates; None leaves the sweep term out.
+        """
+        feasibility = None if self.selector is None else self.selector.feasibility(self.shape, roles.moving, candidates)
+        return score_candidates(
             candidates,
             estimate.direction,
             estimate.pivot,
             feasibility,
-            None if travel is None else travel.freedom,
+            None if limits is None else limits.freedom,
             weights=self.config.weights,
             reading=self.config.position,
         )
 
-    def _travel(self, part: PartGeometry, candidates: Candidates) -> Travel:
-        assert self.meshes is not None, "checked when the refiner was made"
-        points = self.shape.leaf_points[part.leaves].reshape(-1, 3).astype(np.float64)
-        return free_travel(self.meshes, part.moving, part.obstacles, candidates, points)
+    def _limits(self, roles: LeafRoles, candidates: CandidateJoints) -> JointLimits:
+        assert self.meshes is not None, "checked in __init__"
+        points = self.shape.leaf_points[roles.own].reshape(-1, 3).astype(np.float64)
+        return estimate_joint_limits(self.meshes, roles.moving, roles.obstacles, candidates, points)
 
-    def _network_estimate(self, part: PartGeometry, estimate: GnnEstimate | None) -> JointEstimate:
-        said = gnn_joint(estimate)
-        if said.joint is None or self.meshes is None:
-            return said
-        kind, axis = said.joint.kind.code, said.joint
-        alone = Candidates(np.array([kind], np.uint8), axis.direction[None], axis.pivot[None], (said.source,))
-        lower, upper = self._travel(part, alone).range(0)
-        return replace(said, joint=replace(axis, lower=lower, upper=upper))
-
-
-def _oriented(candidates: Candidates, index: int, limits: tuple[float | None, float | None], towards: F64) -> Joint:
-    """The joint of one candidate, its direction (and with it its range) turned to the side of the network's."""
-    joint = Joint(candidates.kind(index), candidates.directions[index], candidates.pivots[index], *limits)
-    return joint.reversed() if joint.direction @ towards < 0 else joint
-
-
-def _subset(candidates: Candidates, rows: NDArray[np.intp]) -> Candidates:
-    return Candidates(
-        candidates.kinds[rows],
-        candidates.directions[rows],
-        candidates.pivots[rows],
-        tuple(candidates.sources[index] for index in rows),
-    )
+    def _regressed(self, roles: LeafRoles, estimate: GnnEstimate | None) -> JointEstimate:
+        """The joint that the motion GNN regressed, with limits if there are meshes."""
+        found = gnn_joint(estimate)
+        if found.joint is None or self.meshes is None:
+            return found
+        lower, upper = self._limits(roles, CandidateJoints.of([found.joint], [found.source])).range(0)
+        return replace(found, joint=replace(found.joint, lower=lower, upper=upper))

@@ -1,1 +1,1 @@
-"""The stages of what sees scans: each object scanned, networks trained, judged and shown, and the tables of that."""
+"""Stages that work on scans: rendering, training, evaluation and prediction."""

@@ -1,4 +1,4 @@
-"""A scan to try `kinmo predict` on."""
+"""A test scan as a file, to try `kinmo predict` on."""
 
 from __future__ import annotations
 
@@ -12,31 +12,39 @@ from kinmo.core.errors import InputError
 from kinmo.core.wording import counted
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
-from kinmo.pipeline.scans.render_scans import Render
+from kinmo.pipeline.scans.render_scans import RenderScans
 from kinmo.pipeline.scans.scan_dataset import open_scan_dataset, scanned_categories
-from kinmo.scans.scan_file import ScanFile
-from kinmo.scans.scan_reader import READING, write_points
+from kinmo.scans.files.scan_file import ScanFile
+from kinmo.scans.files.scan_formats import READ_ERRORS
+from kinmo.scans.files.scan_reader import write_points
 
 MARK = "example_of"
-"""The array beside the points, which has the id of the object."""
+"""Array beside the points with the id of the object."""
 
 
 @dataclass(frozen=True)
 class ExampleScan:
-    """Write one of the scans that networks of `category` are tested on to `path`, an .npz: its points, in the camera's frame.
+    """Write one test scan of a category to an .npz file: points in the camera's frame.
 
-    It is of the scans that there are, however they were made; only where there are none `rendering` makes them. The object is
-    drawn by `seed`; of its scans it is the one that shows all parts best. Raises InputError if there is no such scan, or `path`
-    holds anything but such an example.
+    The object is drawn by the seed; the scan is the one that shows all its parts best. Scans are rendered only if there are
+    none yet.
+
+    Attributes:
+        workspace: the workspace.
+        category: the category.
+        path: the file to write; only an earlier example is replaced.
+        rendering: the stage that makes scans.
+        seed: seed of the choice.
     """
 
     workspace: Workspace
     category: str
     path: Path
-    rendering: Render
+    rendering: RenderScans
     seed: int = 0
 
     def plan(self) -> Plan:
+        """Rendering, if needed, and writing the file."""
         self._check_replaceable()
         if self._is_scanned():
             self._files()
@@ -44,6 +52,7 @@ class ExampleScan:
         return Plan((*before.steps, f"write a test scan of a {self.category} to {self.path}"), before.seconds)
 
     def run(self, observer: Observer) -> Outcome:
+        """Write the file."""
         self._check_replaceable()
         failed = 0
         if not self._is_scanned():
@@ -66,8 +75,8 @@ class ExampleScan:
         if not files:
             others = sum(count for (_, role, _), count in dataset.others.items() if role == "test")
             problem = (
-                f"expected scans of a test object with {dataset.structure.in_words}, as most objects to train on have: there "
-                f"is none, but {counted(others, 'other test object')}; prepare more, or name their joints (scans.joints)"
+                f"expected scans of a test object with {dataset.structure.in_words}, like most training objects; found "
+                f"{counted(others, 'other test object')}. Prepare more shapes, or name their joints (scans.joints)"
             )
             raise InputError(self.workspace.scans / dataset.category, problem)
         return files
@@ -80,7 +89,7 @@ class ExampleScan:
             raise InputError(self.path, "expected a name that ends in .npz", "--example")
         try:
             is_own = MARK in getattr(np.load(self.path, allow_pickle=False), "files", ())
-        except READING:
+        except READ_ERRORS:
             is_own = False
         if self.path.exists() and not is_own:
-            raise InputError(self.path, "is in the way: name another file", "--example")
+            raise InputError(self.path, "exists, and is no example: name another file", "--example")

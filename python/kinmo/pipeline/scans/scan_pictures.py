@@ -1,4 +1,4 @@
-"""Pictures of scans that evaluation keeps for the report: what was found beside the truth (the paper's figure 5)."""
+"""Pictures of evaluated scans for the report: predictions beside the truth (as in the paper's figure 5)."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from numpy.typing import NDArray
 from kinmo.core.errors import InputError
 from kinmo.evaluation.scan_metrics import FrameScore
 from kinmo.io.atomic_files import write_text_atomically
-from kinmo.scans.articulated_object import Structure
-from kinmo.scans.pose_fitting import ScanEstimate
-from kinmo.scans.scan_file import ScanFile
-from kinmo.scans.scan_picture import ScanView, scan_picture
+from kinmo.scans.files.scan_file import ScanFile
+from kinmo.scans.files.scan_picture import ScanView, scan_picture
+from kinmo.scans.object_structure import Structure
+from kinmo.scans.poses.scan_estimate import ScanEstimate
 
 HIT_DEGREES, HIT_IOU = 10.0, 0.5
-"""A frame is a hit if every part is turned right within so much, and every box overlaps the true one by so much."""
+"""Largest rotation error (degrees) and smallest box IoU of any part in a frame that counts as a hit."""
 PICTURES = 6
-"""Of hits, and as many of failures."""
+"""Number of pictures of hits, and of failures."""
 COMMON = 4
-"""Frames that every cell of a category is shown on."""
+"""Number of frames that the pictures of every run of a category show."""
 DRAWN_POINTS = 512
 
 
 @dataclass(frozen=True)
 class ScanPicture:
-    """One test frame: `text` says its errors. Of those in `common` every cell of a category has a picture."""
+    """Picture of one test frame; `text` states its errors. Every run of a category has pictures of the common frames."""
 
     id: str
     frame: int
@@ -41,13 +41,13 @@ class ScanPicture:
 
 
 @dataclass(frozen=True, eq=False)
-class JudgedFrame:
-    """All that is needed to draw one test frame."""
+class EvaluatedFrame:
+    """One test frame with prediction, truth and score."""
 
     id: str
     frame: int
     points: NDArray[np.floating]
-    said_parts: NDArray[np.integer]
+    predicted_parts: NDArray[np.integer]
     true_parts: NDArray[np.integer]
     found: ScanEstimate
     true: ScanEstimate
@@ -55,45 +55,43 @@ class JudgedFrame:
 
     @property
     def is_hit(self) -> bool:
+        """True if the rotation and the box of every part are right."""
         turned = np.degrees(self.score.rotation)
         return bool((turned <= HIT_DEGREES).all() and (self.score.iou >= HIT_IOU).all())
 
 
-def view_of(points: NDArray[np.floating], parts: NDArray[np.integer], said: ScanEstimate, structure: Structure) -> ScanView:
-    """What is drawn of an estimate, or of the truth."""
+def view_of(points: NDArray[np.floating], parts: NDArray[np.integer], estimate: ScanEstimate, structure: Structure) -> ScanView:
+    """View of an estimate, or of the truth, to draw."""
     return ScanView(
         points,
         parts,
-        said.centers,
-        said.poses.rotations,
-        said.half_extents,
+        estimate.centers,
+        estimate.poses.rotations,
+        estimate.half_extents,
         structure.kinds,
-        said.directions,
-        said.pivots,
+        estimate.directions,
+        estimate.pivots,
     )
 
 
 def common_frames(files: Sequence[ScanFile]) -> frozenset[tuple[str, int]]:
-    """Of the test objects some that lie evenly among all, by their ids, and a frame of each: the one in the middle."""
+    """Middle frames of a few test objects that are evenly spread over all of them, sorted by id."""
     ordered = sorted(files, key=lambda file: file.id)
     places = {len(ordered) * (2 * turn + 1) // (2 * COMMON) for turn in range(COMMON)} if ordered else set()
     return frozenset((ordered[place].id, ordered[place].frames // 2) for place in places)
 
 
 class PictureBook:
-    """Gathers a few frames, of as many objects as there are: an object's next frame only after every other's first.
-
-    Those in `common` (by object and number) are kept beside them, whatever came of them.
-    """
+    """Collects a few hits and failures, of as many objects as possible, and all frames in `common` (object id and number)."""
 
     def __init__(self, structure: Structure, common: frozenset[tuple[str, int]] = frozenset()) -> None:
         self.structure, self.common = structure, common
-        self._common: list[JudgedFrame] = []
+        self._common: list[EvaluatedFrame] = []
         self._seen: dict[tuple[bool, str], int] = {}
-        self._kept: dict[bool, list[tuple[int, JudgedFrame]]] = {True: [], False: []}
+        self._kept: dict[bool, list[tuple[int, EvaluatedFrame]]] = {True: [], False: []}
 
-    def offer(self, frame: JudgedFrame) -> None:
-        """Keep the frame if it is wanted."""
+    def offer(self, frame: EvaluatedFrame) -> None:
+        """Keep a frame if there is room for it."""
         if (frame.id, frame.frame) in self.common:
             self._common.append(frame)
         key = (frame.is_hit, frame.id)
@@ -105,15 +103,15 @@ class PictureBook:
             del kept[PICTURES:]
 
     def pictures(self) -> list[ScanPicture]:
-        """Draw what was kept, hits first, those in common last."""
+        """Draw the collected frames: hits, failures, common frames."""
         chosen = [self._draw(frame) for is_hit in (True, False) for _, frame in self._kept[is_hit]]
         return chosen + [replace(self._draw(frame), is_common=True) for frame in self._common]
 
-    def _draw(self, frame: JudgedFrame) -> ScanPicture:
+    def _draw(self, frame: EvaluatedFrame) -> ScanPicture:
         some = slice(None, DRAWN_POINTS)
         views = [
-            view_of(frame.points[some], parts[some], said, self.structure)
-            for parts, said in ((frame.said_parts, frame.found), (frame.true_parts, frame.true))
+            view_of(frame.points[some], parts[some], estimate, self.structure)
+            for parts, estimate in ((frame.predicted_parts, frame.found), (frame.true_parts, frame.true))
         ]
         text = _errors(frame.score)
         return ScanPicture(frame.id, frame.frame, frame.is_hit, text, scan_picture(views, f"{frame.id}: {text}"))
@@ -128,12 +126,12 @@ def _errors(score: FrameScore) -> str:
 
 
 def write_pictures(path: Path, pictures: Iterable[ScanPicture]) -> None:
-    """Write one JSON line a picture."""
+    """Write one JSON line per picture."""
     write_text_atomically(path, "".join(json.dumps(asdict(picture), ensure_ascii=False) + "\n" for picture in pictures))
 
 
 def read_pictures(path: Path) -> list[ScanPicture]:
-    """The pictures of a file. Raises InputError if it is not what `write_pictures` writes."""
+    """Read the pictures that `write_pictures` wrote. Raises InputError for any other file."""
     try:
         lines: list[Mapping[str, object]] = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
         return [ScanPicture(**line) for line in lines]  # type: ignore[arg-type]

@@ -1,1 +1,1 @@
-"""ANCSH: from the points of one depth scan to parts, their canonical coordinates, and joints (Li 2020)."""
+"""ANCSH: parts, canonical coordinates and joints from the points of one depth scan (Li et al. 2020; paper, section 3.4)."""

@@ -1,4 +1,4 @@
-"""The losses of ANCSH."""
+"""Losses of ANCSH (Li et al. 2020, section 4; weights in `AncshWeights`)."""
 
 from __future__ import annotations
 
@@ -8,17 +8,26 @@ import torch
 from torch import Tensor
 
 from kinmo.config import AncshConfig, MeanOver
-from kinmo.scans.ancsh.ancsh_network import JointAnswers, PartAnswers
+from kinmo.scans.ancsh.ancsh_network import JointOutput, PartOutput
 
 
 @dataclass(frozen=True, eq=False)
 class ScanBatch:
-    """B labelled scans of n points each.
+    """B labelled scans of n points each, of objects with K parts. Quantities are those of the networks' outputs.
 
-    `points` [B, n, 3] as the network sees them; `parts` [B, n] (C - 1 for a point of none), `npcs` and `naocs` [B, n, 3] of the
-    part that the point is of, `joints` [B, n] the joint that it is near to, 0 for none. Where it is near to one, `heatmap`
-    [B, n], `toward` and `axes` [B, n, 3] are as in `JointAnswers`, and `has_pivot` [B, n] says that its axis has a place.
-    `half_sizes` [B, K, 3] and `pivots` [B, K - 1, 3] are as in `LayoutAnswers`; `is_line` [B, K - 1]: the joint has a pivot.
+    Attributes:
+        points: Points in the input frame [B, n, 3].
+        parts: True part of each point [B, n]; C - 1 for a point of no part.
+        npcs: True NPCS on that part [B, n, 3].
+        naocs: True NAOCS [B, n, 3].
+        joints: Joint near each point [B, n]; 0 for none.
+        heatmap: Closeness to the axis of that joint [B, n].
+        toward: Unit vector to that axis in NAOCS [B, n, 3].
+        axes: Direction of that axis in NAOCS [B, n, 3].
+        has_pivot: Whether that axis has a place [B, n]; the axis of a slider has none.
+        half_sizes: Half sides of the parts' boxes in NPCS [B, K, 3].
+        pivots: Points on the joint axes in NAOCS [B, K - 1, 3].
+        is_line: Whether the joint's axis has a place [B, K - 1].
     """
 
     points: Tensor
@@ -35,65 +44,96 @@ class ScanBatch:
     is_line: Tensor
 
     def to(self, device: torch.device | str) -> ScanBatch:
+        """The same batch on a device."""
         return ScanBatch(*(value.to(device) for value in vars(self).values()))
 
 
-def relaxed_iou_loss(logarithms: Tensor, truth: Tensor) -> Tensor:
-    """1 - the mean relaxed IoU of the classes: `logarithms` [B, n, C] of probabilities, `truth` [B, n]."""
-    probabilities = logarithms.exp()
-    marked = torch.nn.functional.one_hot(truth, logarithms.shape[-1]).to(probabilities.dtype)
+def relaxed_iou_loss(log_probabilities: Tensor, truth: Tensor) -> Tensor:
+    """One minus the mean relaxed IoU of the classes (Li et al. 2020, section 4).
+
+    The relaxed IoU of a class is p.g / (sum p + sum g - p.g), with probabilities p and true indicators g over the points.
+
+    Args:
+        log_probabilities: Logarithms of the class probabilities [B, n, C].
+        truth: True classes [B, n].
+
+    Returns:
+        The loss, a scalar in [0, 1].
+    """
+    probabilities = log_probabilities.exp()
+    marked = torch.nn.functional.one_hot(truth, log_probabilities.shape[-1]).to(probabilities.dtype)
     shared = (probabilities * marked).sum(1)
     union = probabilities.sum(1) + marked.sum(1) - shared
     return 1.0 - (shared / (union + 1e-6)).mean()
 
 
-def part_losses(answers: PartAnswers, batch: ScanBatch, mean_over: MeanOver) -> dict[str, Tensor]:
-    """`parts` and `npcs`."""
+def part_losses(output: PartOutput, batch: ScanBatch, mean_over: MeanOver) -> dict[str, Tensor]:
+    """Losses `parts` (relaxed IoU) and `npcs` (mean distance at the true part).
+
+    Args:
+        output: Output of the network.
+        batch: The labelled scans.
+        mean_over: "points" for means over all points, as in the release, or "parts" for means over the visible parts.
+
+    Returns:
+        Scalars by name.
+    """
     return {
-        "parts": relaxed_iou_loss(answers.parts, batch.parts),
-        "npcs": _apart(answers.npcs, batch.npcs, batch.parts, mean_over),
+        "parts": relaxed_iou_loss(output.parts, batch.parts),
+        "npcs": _distance_at_true_part(output.npcs, batch.npcs, batch.parts, mean_over),
     }
 
 
-def joint_losses(parts: PartAnswers, answers: JointAnswers, batch: ScanBatch, mean_over: MeanOver) -> dict[str, Tensor]:
-    """`naocs`, `joints`, `heatmap`, `toward` and `axes`, the last three over all points though few are near to a joint; and
-    `sizes` and `pivots`, where scans are asked as wholes.
+def joint_losses(parts: PartOutput, output: JointOutput, batch: ScanBatch, mean_over: MeanOver) -> dict[str, Tensor]:
+    """Losses `naocs`, `joints`, `heatmap`, `toward` and `axes`; with a global head also `sizes` and `pivots`.
+
+    `heatmap`, `toward` and `axes` are means over all points, although only points near a joint contribute (Li et al. 2020).
+    `sizes` compares logarithms: what counts for a box are ratios.
+
+    Args:
+        parts: Parts and NPCS of the same network.
+        output: Output of the network.
+        batch: The labelled scans.
+        mean_over: As in `part_losses`.
+
+    Returns:
+        Scalars by name.
     """
     near = (batch.joints > 0).to(batch.points.dtype)
-    placed = near * batch.has_pivot
+    near_line = near * batch.has_pivot
     losses = {
-        "naocs": _apart(answers.naocs(parts.npcs), batch.naocs, batch.parts, mean_over),
-        "joints": relaxed_iou_loss(answers.joints, batch.joints),
-        "heatmap": ((answers.heatmap - batch.heatmap).abs() * placed).mean(),
-        "toward": (torch.linalg.vector_norm(answers.toward - batch.toward, dim=-1) * placed).mean(),
-        "axes": (torch.linalg.vector_norm(answers.axes - batch.axes, dim=-1) * near).mean(),
+        "naocs": _distance_at_true_part(output.naocs(parts.npcs), batch.naocs, batch.parts, mean_over),
+        "joints": relaxed_iou_loss(output.joints, batch.joints),
+        "heatmap": ((output.heatmap - batch.heatmap).abs() * near_line).mean(),
+        "toward": (torch.linalg.vector_norm(output.toward - batch.toward, dim=-1) * near_line).mean(),
+        "axes": (torch.linalg.vector_norm(output.axes - batch.axes, dim=-1) * near).mean(),
     }
-    if answers.layout is not None:
-        # of boxes ratios count: a door a tenth of its width too wide is as far off as one that is as much too thick
-        losses["sizes"] = (answers.layout.half_sizes / batch.half_sizes).log().abs().mean()
-        off = torch.linalg.vector_norm(answers.layout.pivots - batch.pivots, dim=-1)
-        losses["pivots"] = (off * batch.is_line).mean()
+    if output.whole is not None:
+        losses["sizes"] = (output.whole.half_sizes / batch.half_sizes).log().abs().mean()
+        distances = torch.linalg.vector_norm(output.whole.pivots - batch.pivots, dim=-1)
+        losses["pivots"] = (distances * batch.is_line).mean()
     return losses
 
 
-def total(losses: dict[str, Tensor], config: AncshConfig) -> Tensor:
-    """The weighted sum."""
+def total_loss(losses: dict[str, Tensor], config: AncshConfig) -> Tensor:
+    """Sum of the losses, weighted by `AncshConfig.weights`."""
     return torch.stack([getattr(config.weights, name) * loss for name, loss in losses.items()]).sum()
 
 
-def _apart(found: Tensor, truth: Tensor, parts: Tensor, mean_over: MeanOver) -> Tensor:
-    """Mean distance of `found` [B, n, K, 3], at the true part, from `truth` [B, n, 3].
+def _distance_at_true_part(predicted: Tensor, truth: Tensor, parts: Tensor, mean_over: MeanOver) -> Tensor:
+    """Mean distance of `predicted` [B, n, K, 3], taken at the true `parts` [B, n], from `truth` [B, n, 3].
 
-    Over all points, those of no part counting as zero; or over those of each part that a scan shows, and then over these parts.
+    With "points" the mean is over all points, and points of no part count as zero. With "parts" it is over the points of each
+    visible part of a scan, and then over these parts.
     """
-    count = found.shape[2]
+    count = predicted.shape[2]
     known = parts < count
     own = torch.where(known, parts, 0)
     index = own.view(*parts.shape, 1, 1).expand(-1, -1, 1, 3)
-    distances: Tensor = torch.linalg.vector_norm(torch.gather(found, 2, index).squeeze(2) - truth, dim=-1) * known
+    distances: Tensor = torch.linalg.vector_norm(torch.gather(predicted, 2, index).squeeze(2) - truth, dim=-1) * known
     if mean_over == "points":
         return distances.mean()
     marked = torch.nn.functional.one_hot(own, count).to(distances.dtype) * known.unsqueeze(-1)
-    shown = marked.sum(1)
-    means = (distances.unsqueeze(-1) * marked).sum(1) / shown.clamp(min=1)
-    return means.sum() / (shown > 0).sum().clamp(min=1)
+    visible = marked.sum(1)
+    means = (distances.unsqueeze(-1) * marked).sum(1) / visible.clamp(min=1)
+    return means.sum() / (visible > 0).sum().clamp(min=1)

@@ -1,4 +1,4 @@
-"""The two networks of ANCSH (Li 2020, section 4; the paper, section 3.4)."""
+"""Networks of ANCSH: a PointNet++ backbone with one head per quantity (Li et al. 2020, section 4; paper, section 3.4)."""
 
 from __future__ import annotations
 
@@ -11,22 +11,35 @@ from kinmo.config import AncshConfig
 from kinmo.scans.ancsh.pointnet2 import PointNetPlusPlus, SharedLayers
 
 KIND = "ancsh"
+"""Kind of network in the header of its weights (`kinmo.learning.weights`)."""
+
+GLOBAL_WIDTH = 256
+"""Width of the hidden layer of heads on the global feature."""
 
 
 @dataclass(frozen=True, eq=False)
-class PartAnswers:
-    """For n points of B scans: `parts` [B, n, C] log-probabilities of the part, `npcs` [B, n, K, 3] in [0, 1]."""
+class PartOutput:
+    """Parts and NPCS of n points in each of B scans.
+
+    NPCS are the coordinates of a part in its own box, whose middle is (0.5, 0.5, 0.5) and whose diagonal is 1.
+
+    Attributes:
+        parts: Log-probabilities of the part [B, n, C]. C is the number of parts K, or K + 1 with a class for "no part".
+        npcs: NPCS of each point on each part [B, n, K, 3], in [0, 1].
+    """
 
     parts: Tensor
     npcs: Tensor
 
 
 @dataclass(frozen=True, eq=False)
-class LayoutAnswers:
-    """For B scans as wholes, of the object that is seen in each, with K parts.
+class GlobalOutput:
+    """Quantities of B scans as wholes, each of an object with K parts.
 
-    `half_sizes` [B, K, 3] of the parts' boxes in NPCS; `pivots` [B, K - 1, 3] in NAOCS, where the axes of the joints of parts 1
-    and up are nearest to the middles of these parts.
+    Attributes:
+        half_sizes: Half sides of the parts' boxes in NPCS [B, K, 3].
+        pivots: Points on the axes of the joints of parts 1 and up, in NAOCS [B, K - 1, 3]. Each is the point of the axis that
+            is nearest to the middle of its part.
     """
 
     half_sizes: Tensor
@@ -34,13 +47,19 @@ class LayoutAnswers:
 
 
 @dataclass(frozen=True, eq=False)
-class JointAnswers:
-    """For n points of B scans.
+class JointOutput:
+    """Joints of n points in each of B scans.
 
-    `scales` [B, n, K] in [0, 1] and `shifts` [B, n, K, 3] in [-1, 1] take NPCS to NAOCS. `joints` [B, n, K] are
-    log-probabilities of the joint that a point is near to (0: none), `heatmap` [B, n] is 1 on its axis and 0 where that is
-    `reach` away, `toward` [B, n, 3] the unit vector to the axis and `axes` [B, n, 3] its direction, in NAOCS. `layout` is what
-    the scans say as wholes, where they are asked.
+    NAOCS are the coordinates of the object in its canonical pose: its box has the middle (0.5, 0.5, 0.5) and the diagonal 1.
+
+    Attributes:
+        scales: Scales from NPCS to NAOCS [B, n, K], in [0, 1].
+        shifts: Shifts from NPCS to NAOCS [B, n, K, 3], in [-1, 1].
+        joints: Log-probabilities of the joint near a point [B, n, K]; 0 is no joint, j the joint of part j.
+        heatmap: Closeness to the joint axis [B, n]: 1 on the axis, 0 at the radius (`ancsh_targets.JOINT_RADIUS`).
+        toward: Unit vectors to the joint axis in NAOCS [B, n, 3].
+        axes: Directions of the joint axis in NAOCS [B, n, 3].
+        whole: Output for the scans as wholes, if the network has a global head.
     """
 
     scales: Tensor
@@ -49,18 +68,23 @@ class JointAnswers:
     heatmap: Tensor
     toward: Tensor
     axes: Tensor
-    layout: LayoutAnswers | None = None
+    whole: GlobalOutput | None = None
 
     def naocs(self, npcs: Tensor) -> Tensor:
-        """Places [B, n, K, 3] on the whole object of NPCS [B, n, K, 3]."""
+        """NAOCS [B, n, K, 3] of NPCS [B, n, K, 3]: npcs * scale + shift (Li et al. 2020, section 3)."""
         return npcs * self.scales.unsqueeze(-1) + self.shifts
 
 
 class PartNetwork(nn.Module):
-    """Which part every point is of, and where on it: the network that is called `npcs`."""
+    """Network named `npcs`: the part of every point, and its place on that part.
+
+    Args:
+        config: Sizes of the layers.
+        parts: Number of parts K.
+        classes: Number of classes C: `parts`, or one more if points may belong to no part.
+    """
 
     def __init__(self, config: AncshConfig, parts: int, classes: int) -> None:
-        """`classes` are the `parts`, and one more where points may be of none."""
         super().__init__()
         self.parts = parts
         self.backbone = PointNetPlusPlus(
@@ -69,66 +93,81 @@ class PartNetwork(nn.Module):
         features = self.backbone.features
         self.part = nn.Linear(features, classes)
         self.npcs = nn.Sequential(nn.Linear(features, features), nn.Linear(features, 3 * parts))
-        self.maps = PartMaps(self.backbone.whole_features, parts) if config.maps else None
+        self.maps = PartMaps(self.backbone.global_features, parts) if config.maps else None
 
-    def forward(self, points: Tensor) -> PartAnswers:
-        """`points` [B, n, 3]."""
-        return self._of(points, *self.backbone(points))
+    def forward(self, points: Tensor) -> PartOutput:
+        """Output for points [B, n, 3] in the input frame."""
+        return self._part_output(points, *self.backbone(points))
 
-    def _of(self, points: Tensor, features: Tensor, whole: Tensor) -> PartAnswers:
+    def _part_output(self, points: Tensor, features: Tensor, whole: Tensor) -> PartOutput:
         npcs = self.npcs(features).view(*features.shape[:2], self.parts, 3)
         if self.maps is not None:
             npcs = npcs + self.maps(points, whole)
-        return PartAnswers(torch.log_softmax(self.part(features), -1), torch.sigmoid(npcs))
+        return PartOutput(torch.log_softmax(self.part(features), -1), torch.sigmoid(npcs))
 
 
-def whole_layers(features: int, answers: int) -> nn.Sequential:
-    """From the features of a scan as a whole to `answers`, at first with the same for all scans."""
-    hidden = 256
-    last = nn.Linear(hidden, answers)
+def global_layers(features: int, outputs: int) -> nn.Sequential:
+    """Layers from the global feature [..., features] to [..., outputs]; before training the outputs are zero."""
+    last = nn.Linear(GLOBAL_WIDTH, outputs)
     nn.init.zeros_(last.weight)
     nn.init.zeros_(last.bias)
-    return nn.Sequential(nn.Linear(features, hidden), nn.LayerNorm(hidden), nn.ReLU(), last)
+    return nn.Sequential(nn.Linear(features, GLOBAL_WIDTH), nn.LayerNorm(GLOBAL_WIDTH), nn.ReLU(), last)
 
 
 class PartMaps(nn.Module):
-    """A linear map of the points for every part, of what the scan is as a whole.
+    """A linear map from points to the NPCS of every part, predicted from the global feature.
 
-    Of a rigid part NPCS are one, but for the bend of the sigmoid: so what every point says need only correct it.
+    The NPCS of a rigid part are a linear map of its points. The sigmoid after it bends the map a little, and the head for
+    single points adds corrections.
+
+    Args:
+        features: Width C of the global feature.
+        parts: Number of parts K.
     """
 
     SLOPE = 4.0
-    """Of the inverse of the sigmoid, in the middle."""
+    """Slope of the inverse of the sigmoid at its middle."""
 
     def __init__(self, features: int, parts: int) -> None:
         super().__init__()
         self.parts = parts
-        self.layers = whole_layers(features, 12 * parts)
+        self.layers = global_layers(features, 12 * parts)
 
     def forward(self, points: Tensor, whole: Tensor) -> Tensor:
-        """`points` [B, n, 3], `whole` [B, 1, C] -> [B, n, K, 3]."""
+        """Logits of NPCS [B, n, K, 3], from points [B, n, 3] and global features [B, 1, C]."""
         maps = self.layers(whole).view(len(points), self.parts, 3, 4)
         matrices, shifts = maps[..., :3], maps[:, None, :, :, 3]
         mapped: Tensor = torch.einsum("bkij,bnj->bnki", matrices, points) + shifts
         return self.SLOPE * mapped
 
 
-class LayoutHead(nn.Module):
-    """What is the same for all points of a scan, and so is asked of the scan as a whole."""
+class GlobalHead(nn.Module):
+    """Head for quantities that are the same for all points of a scan, predicted from the global feature.
+
+    Args:
+        features: Width C of the global feature.
+        parts: Number of parts K.
+    """
 
     def __init__(self, features: int, parts: int) -> None:
         super().__init__()
         self.parts = parts
-        self.layers = whole_layers(features, 3 * parts + 3 * (parts - 1))
+        self.layers = global_layers(features, 3 * parts + 3 * (parts - 1))
 
-    def forward(self, whole: Tensor) -> LayoutAnswers:
-        """`whole` [B, 1, C]."""
+    def forward(self, whole: Tensor) -> GlobalOutput:
+        """Output for the global features [B, 1, C] of B scans."""
         sizes, pivots = self.layers(whole).view(len(whole), -1, 3).split((self.parts, self.parts - 1), 1)
-        return LayoutAnswers(0.5 * torch.nn.functional.normalize(sizes.exp(), dim=-1), 0.5 + pivots)
+        return GlobalOutput(0.5 * torch.nn.functional.normalize(sizes.exp(), dim=-1), 0.5 + pivots)
 
 
 class AncshNetwork(PartNetwork):
-    """All that ANCSH predicts: the network that is called `ancsh`."""
+    """Network named `ancsh`: all quantities of ANCSH.
+
+    Args:
+        config: Sizes of the layers.
+        parts: Number of parts K.
+        classes: Number of classes C: `parts`, or one more if points may belong to no part.
+    """
 
     def __init__(self, config: AncshConfig, parts: int, classes: int) -> None:
         super().__init__(config, parts, classes)
@@ -143,21 +182,21 @@ class AncshNetwork(PartNetwork):
         self.toward = nn.Linear(features, 3)
         self.heatmap = nn.Linear(features, 1)
         self.joint = nn.Linear(features, parts)
-        self.layout = LayoutHead(self.backbone.whole_features, parts) if config.layout else None
-        if not config.layout:
-            self.confidence = nn.Linear(features, 1)  # a head of the release that no loss trains and nothing reads
+        self.global_head = GlobalHead(self.backbone.global_features, parts) if config.global_head else None
+        if not config.global_head:
+            self.confidence = nn.Linear(features, 1)  # a head of the release without a loss, whose output nothing uses
 
-    def forward_all(self, points: Tensor) -> tuple[PartAnswers, JointAnswers]:
-        """`points` [B, n, 3]."""
+    def forward_all(self, points: Tensor) -> tuple[PartOutput, JointOutput]:
+        """Outputs for points [B, n, 3] in the input frame."""
         features, whole = self.backbone(points)
         near = self.near_joints(features)
-        joints = JointAnswers(
+        joints = JointOutput(
             scales=torch.sigmoid(self.scale(features)),
             shifts=torch.tanh(self.shift(features)).view(*features.shape[:2], self.parts, 3),
             joints=torch.log_softmax(self.joint(near), -1),
             heatmap=torch.sigmoid(self.heatmap(near)).squeeze(-1),
             toward=torch.tanh(self.toward(near)),
             axes=torch.tanh(self.axis(near)),
-            layout=None if self.layout is None else self.layout(whole),
+            whole=None if self.global_head is None else self.global_head(whole),
         )
-        return self._of(points, features, whole), joints
+        return self._part_output(points, features, whole), joints

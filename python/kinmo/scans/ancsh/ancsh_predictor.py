@@ -17,11 +17,12 @@ from kinmo.core.typed_tables import from_table
 from kinmo.learning.weights import Weights, load_weights, pick_device
 from kinmo.scans.ancsh.ancsh_network import KIND, AncshNetwork, LayoutAnswers, PartNetwork
 from kinmo.scans.ancsh.ancsh_targets import REACH
-from kinmo.scans.articulated_object import Structure
-from kinmo.scans.category_prior import Typical
-from kinmo.scans.input_frame import InputFrame, base_axes, scan_rotations
-from kinmo.scans.point_predictions import Layout, PointAnswers
-from kinmo.scans.pose_fitting import PoseOptions, ScanEstimate, estimate
+from kinmo.scans.object_structure import Structure
+from kinmo.scans.poses.category_prior import CategoryPrior
+from kinmo.scans.poses.point_predictions import GlobalPredictions, PointPredictions
+from kinmo.scans.poses.pose_fitting import PoseOptions, estimate_poses
+from kinmo.scans.poses.scan_estimate import ScanEstimate
+from kinmo.scans.preprocessing.input_frame import InputFrame, base_axes, initial_axes
 
 F64 = NDArray[np.float64]
 
@@ -37,7 +38,7 @@ class Ancsh:
     parts: PartNetwork
     config: AncshConfig
     structure: Structure
-    typical: Typical
+    typical: CategoryPrior
     device: str
 
     @classmethod
@@ -63,14 +64,14 @@ class Ancsh:
 
     def find(
         self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None, *, seed: int = 0
-    ) -> tuple[list[PointAnswers], list[ScanEstimate]]:
+    ) -> tuple[list[PointPredictions], list[ScanEstimate]]:
         """What the networks say of scans, as in `answer`, and the parts and joints that follow."""
         answers = self.answer(scans, diagonals)
         options = PoseOptions(ties=self.config.ties, boxes=self.config.boxes, seed=seed)
-        return answers, estimate(answers, self.structure, options, self.typical)
+        return answers, estimate_poses(answers, self.structure, options, self.typical)
 
     @torch.inference_mode()
-    def answer(self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None) -> list[PointAnswers]:
+    def answer(self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None) -> list[PointPredictions]:
         """What the networks say of scans [n, 3] in a camera's frame.
 
         `diagonals` are those of the objects, without which networks that were trained with `normalised = "object"` take the
@@ -80,7 +81,7 @@ class Ancsh:
         if not len(scans):
             return []
         points = np.stack(scans)
-        rotations = scan_rotations(points, self.config.axes)
+        rotations = initial_axes(points, self.config.axes)
         if self.config.axes == "base":
             said = np.concatenate([self._said_parts(seen) for seen, _ in self._batches(scans, sizes, rotations)])
             rotations = base_axes(points, said == 0, rotations)
@@ -101,7 +102,7 @@ class Ancsh:
         """The part [B, n] of every point."""
         return np.asarray(self.parts(seen).parts.argmax(-1).cpu().numpy())
 
-    def _answer(self, seen: torch.Tensor, frames: Sequence[InputFrame]) -> list[PointAnswers]:
+    def _answer(self, seen: torch.Tensor, frames: Sequence[InputFrame]) -> list[PointPredictions]:
         own, joints = self.joints.forward_all(seen)
         parts = self.parts(seen)
         naocs = joints.naocs(own.npcs)
@@ -126,14 +127,14 @@ class Ancsh:
             points, npcs, pivots, axes, own_npcs, own_naocs = (array[row] for array in arrays)
             scales, shifts = to_naocs(own_npcs, own_naocs, homes[row])
             answers.append(
-                PointAnswers(frame, points, labels[row], npcs, scales, shifts, told[row], axes, pivots, layouts[row])
+                PointPredictions(frame, points, labels[row], npcs, scales, shifts, told[row], axes, pivots, layouts[row])
             )
         return answers
 
 
-def _layouts(said: LayoutAnswers) -> list[Layout]:
+def _layouts(said: LayoutAnswers) -> list[GlobalPredictions]:
     half_sizes, pivots = (values.cpu().double().numpy() for values in (said.half_sizes, said.pivots))
-    return [Layout(*both) for both in zip(half_sizes, pivots, strict=True)]
+    return [GlobalPredictions(*both) for both in zip(half_sizes, pivots, strict=True)]
 
 
 def to_naocs(npcs: F64, naocs: F64, parts: NDArray[np.integer]) -> tuple[F64, F64]:
@@ -180,9 +181,9 @@ def _classes_of(loaded: Weights, structure: Structure) -> int:
     return classes
 
 
-def _typical_of(loaded: Weights, structure: Structure) -> Typical:
+def _typical_of(loaded: Weights, structure: Structure) -> CategoryPrior:
     try:
-        return Typical.from_data(loaded.facts["typical"], structure)
+        return CategoryPrior.from_data(loaded.facts["typical"], structure)
     except (KeyError, TypeError, ValueError):
         problem = "expected what is typical of the objects it is for: run kinmo train ancsh again"
         raise InputError(loaded.path.with_suffix(".json"), problem, "facts.typical") from None

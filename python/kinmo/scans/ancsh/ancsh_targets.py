@@ -1,4 +1,4 @@
-"""What ANCSH is to say about a scan: canonical coordinates and the surroundings of joints."""
+"""Training targets of ANCSH: canonical coordinates, joints near points, and box sizes (Li et al. 2020, sections 3 and 4)."""
 
 from __future__ import annotations
 
@@ -9,22 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.joint import Joint
-from kinmo.scans.articulated_object import Extents, Structure
+from kinmo.scans.object_structure import Extents, Structure
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
-REACH = 0.2
-"""Distance from a joint's axis, in diagonals, within which points tell of it."""
+JOINT_RADIUS = 0.2
+"""Distance from a joint axis, in diagonals of the object, within which points predict the joint."""
 
-
-LEAST_SIZE = 1e-3
-"""Of half the side of a part's box in NPCS: what is flat has sides that no ratio tells."""
+MIN_HALF_SIZE = 1e-3
+"""Least half side of a part's box in NPCS. A flat part has a side of zero, and ratios to zero are meaningless."""
 
 
 @dataclass(frozen=True, eq=False)
 class JointAxes:
-    """Those of J joints of B objects: `directions` and `pivots` [B, J, 3] in the normalised frame; `has_pivot` [B, J]."""
+    """Axes of the J joints of each of B objects, in the normalised frame.
+
+    Attributes:
+        directions: Unit directions [B, J, 3].
+        pivots: Points on the axes [B, J, 3].
+        has_pivot: Whether the axis has a place [B, J]; the axis of a slider has none.
+    """
 
     directions: F64
     pivots: F64
@@ -32,7 +37,7 @@ class JointAxes:
 
     @classmethod
     def of(cls, joints: Sequence[Sequence[Joint]]) -> JointAxes:
-        """For the joints of each object."""
+        """Axes of the joints of several objects with as many joints each."""
         directions, pivots, has_pivot = (
             np.array([[getattr(joint, name) for joint in each] for each in joints])
             for name in ("direction", "pivot", "has_pivot")
@@ -41,9 +46,15 @@ class JointAxes:
 
 
 @dataclass(frozen=True, eq=False)
-class Surroundings:
-    """Of n points of B scans: `joints` [B, n] (0: none near), `heatmap` [B, n], `toward` and `axes` [B, n, 3] in NAOCS,
-    `has_pivot` [B, n].
+class JointTargets:
+    """Joint near each of n points in B scans.
+
+    Attributes:
+        joints: The joint [B, n]; 0 for none.
+        heatmap: Closeness to its axis [B, n], 1 on the axis and 0 at `JOINT_RADIUS`.
+        toward: Unit vector to the axis in NAOCS [B, n, 3].
+        axes: Direction of the axis in NAOCS [B, n, 3].
+        has_pivot: Whether there is a joint and its axis has a place [B, n].
     """
 
     joints: NDArray[np.int64]
@@ -53,62 +64,86 @@ class Surroundings:
     has_pivot: NDArray[np.bool_]
 
 
-def canonical_coordinates(places: NDArray[np.floating], parts: NDArray[np.integer], extents: Extents) -> tuple[F32, F32]:
-    """NPCS and NAOCS [..., n, 3] of `places` [..., n, 3] of the normalised frame on `parts` [..., n] (below 0: none) with these
-    `extents` [..., K].
+def canonical_coordinates(points: NDArray[np.floating], parts: NDArray[np.integer], extents: Extents) -> tuple[F32, F32]:
+    """NPCS and NAOCS of points on an object in its canonical pose (Li et al. 2020, section 3).
 
-    Of the object in NAOCS, as of every part in NPCS, the axis-aligned box has its middle at (0.5, 0.5, 0.5) and the diagonal 1.
+    The axis-aligned box of a part in NPCS, and that of the object in NAOCS, has its middle at (0.5, 0.5, 0.5) and a diagonal
+    of 1.
+
+    Args:
+        points: Points [..., n, 3] in the normalised frame.
+        parts: Part of each point [..., n]; negative for none, which counts as part 0.
+        extents: Boxes of the K parts [..., K].
+
+    Returns:
+        NPCS and NAOCS, both [..., n, 3].
     """
     own = np.maximum(parts, 0)[..., None]
     centers, diagonals = (np.take_along_axis(each, own, -2) for each in (extents.centers, extents.diagonals[..., None]))
-    return ((places - centers) / diagonals + 0.5).astype(np.float32), np.asarray(places + 0.5, np.float32)
+    return ((points - centers) / diagonals + 0.5).astype(np.float32), np.asarray(points + 0.5, np.float32)
 
 
-def surroundings(
-    places: NDArray[np.floating],
+def joint_targets(
+    points: NDArray[np.floating],
     parts: NDArray[np.integer],
     axes: JointAxes,
     structure: Structure,
     *,
     nearest: bool = True,
     lines_only: bool = False,
-) -> Surroundings:
-    """Which joint every point of B scans is near to, and where its axis lies from there: of `places` [B, n, 3] of the
-    normalised frame on `parts` [B, n].
+) -> JointTargets:
+    """Joint near every point, and the position of its axis relative to the point (Li et al. 2020, section 4).
 
-    A joint with a pivot is told of by points of the part that it moves and of the one that this moves against, within `REACH`
-    of its axis; one without by all points of the part that it moves. Near to several, a point tells of the `nearest`, else, as
-    in the release, of the last. With `lines_only`, as there too, a joint without a pivot is one about its stored origin.
+    A joint with a pivot is near the points of its moving part and of that part's parent within `JOINT_RADIUS` of the axis. A
+    joint without one is near all points of its moving part.
+
+    Args:
+        points: Points [B, n, 3] in the normalised frame.
+        parts: Part of each point [B, n].
+        axes: Axes of the joints of the B objects.
+        structure: Structure that all objects have.
+        nearest: Whether a point near several joints gets the nearest; otherwise, as in the release, the last.
+        lines_only: Whether to treat every axis as a line through its stored origin, as in the release.
+
+    Returns:
+        The targets of each point.
     """
     is_line = axes.has_pivot | lines_only
-    offsets, directions = axes.pivots[:, :, None] - places[:, None], axes.directions[:, :, None]
+    offsets, directions = axes.pivots[:, :, None] - points[:, None], axes.directions[:, :, None]
     offsets -= np.einsum("bjnk,bjok->bjn", offsets, directions)[..., None] * directions
     distances = np.linalg.norm(offsets, axis=-1)
     moved, parents = np.arange(1, len(structure.parents) + 1)[:, None], np.array(structure.parents)[:, None]
     is_moved, is_parent = parts[:, None] == moved, parts[:, None] == parents
-    near = np.where(is_line[..., None], (is_moved | is_parent) & (distances < REACH), is_moved)  # [B, J, n]
-    distances = np.where(is_line[..., None], distances, REACH)
+    near = np.where(is_line[..., None], (is_moved | is_parent) & (distances < JOINT_RADIUS), is_moved)  # [B, J, n]
+    distances = np.where(is_line[..., None], distances, JOINT_RADIUS)
     if nearest:
         chosen = np.where(near, distances, np.inf).argmin(axis=1)
     else:
         chosen = len(structure.parents) - 1 - near[:, ::-1].argmax(axis=1)
-    scans, points = np.arange(len(places))[:, None], np.arange(places.shape[1])
-    distances, offsets = distances[scans, chosen, points], offsets[scans, chosen, points]
+    scans, columns = np.arange(len(points))[:, None], np.arange(points.shape[1])
+    distances, offsets = distances[scans, chosen, columns], offsets[scans, chosen, columns]
     is_near = near.any(axis=1)
-    placed = is_near & is_line[scans, chosen]
-    return Surroundings(
+    near_line = is_near & is_line[scans, chosen]
+    return JointTargets(
         np.where(is_near, chosen + 1, 0),
-        np.where(placed, 1.0 - distances / REACH, 0.0).astype(np.float32),
-        np.where(placed[..., None], offsets / np.maximum(distances, 1e-9)[..., None], 0.0).astype(np.float32),
+        np.where(near_line, 1.0 - distances / JOINT_RADIUS, 0.0).astype(np.float32),
+        np.where(near_line[..., None], offsets / np.maximum(distances, 1e-9)[..., None], 0.0).astype(np.float32),
         np.where(is_near[..., None], axes.directions[scans, chosen], 0.0).astype(np.float32),
-        placed,
+        near_line,
     )
 
 
-def layout(extents: Extents, axes: JointAxes) -> tuple[F32, F32]:
-    """Half of the sides [B, K, 3] of the parts' boxes in NPCS, and pivots [B, K - 1, 3] in NAOCS: those next to the middles of
-    the parts that move. Of B objects with `extents` [B, K].
+def global_targets(extents: Extents, axes: JointAxes) -> tuple[F32, F32]:
+    """Targets of the global head for B objects with K parts.
+
+    Args:
+        extents: Boxes of the parts in the canonical pose [B, K].
+        axes: Axes of the joints of parts 1 and up.
+
+    Returns:
+        Half sides of the parts' boxes in NPCS [B, K, 3], and pivots in NAOCS [B, K - 1, 3]: the points of the axes that are
+        nearest to the middles of the moving parts.
     """
-    half_sizes = np.maximum(0.5 * extents.sizes / extents.diagonals[..., None], LEAST_SIZE)
+    half_sizes = np.maximum(0.5 * extents.sizes / extents.diagonals[..., None], MIN_HALF_SIZE)
     along = np.sum((extents.centers[:, 1:] - axes.pivots) * axes.directions, axis=-1, keepdims=True)
     return half_sizes.astype(np.float32), (axes.pivots + along * axes.directions + 0.5).astype(np.float32)

@@ -12,15 +12,16 @@ from torch import nn
 from kinmo.config import AncshConfig, AncshNetworkName
 from kinmo.core.errors import InputError
 from kinmo.core.typed_tables import to_table
-from kinmo.learning.training_loop import FitResult, Learner, Progress, fit
+from kinmo.learning.learner import Learner
+from kinmo.learning.training_loop import FitResult, Progress, fit
 from kinmo.learning.weights import save_weights
 from kinmo.scans.ancsh.ancsh_loss import ScanBatch, joint_losses, part_losses, total
 from kinmo.scans.ancsh.ancsh_network import KIND, AncshNetwork, PartNetwork
 from kinmo.scans.ancsh.scan_batches import ScanData
-from kinmo.scans.articulated_object import Structure
-from kinmo.scans.category_prior import Typical
-from kinmo.scans.renderers import NOTHING
-from kinmo.scans.scan_file import ScanFile, count_objects
+from kinmo.scans.files.scan_file import ScanFile, count_objects
+from kinmo.scans.object_structure import Structure
+from kinmo.scans.poses.category_prior import CategoryPrior
+from kinmo.scans.rendering.renderers import NO_PART
 
 
 def train_ancsh(
@@ -47,7 +48,7 @@ def train_ancsh(
             raise InputError(f"{name} scans", "expected at least one frame")
     torch.manual_seed(seed)
     used = [[file for file in files if file.frames] for files in (training, validation)]
-    sees_more = any(bool(np.any(file.read("parts") == NOTHING)) for file in used[0])
+    sees_more = any(bool(np.any(file.read("parts") == NO_PART)) for file in used[0])
     learner = AncshLearner(config, which, structure.part_count, structure.part_count + int(sees_more))
     data = ScanData(used[0], used[1], config)
     result = fit(learner, data, run_dir, seed=seed, device=device, fingerprint=fingerprint, on_progress=on_progress)
@@ -56,7 +57,7 @@ def train_ancsh(
         "kinds": [kind.value for kind in structure.kinds],
         "parents": list(structure.parents),
         "classes": learner.classes,
-        "typical": Typical.of([file for file in used[0] if file.provenance.has_true_labels] or used[0]).to_data(),
+        "typical": CategoryPrior.from_scans([file for file in used[0] if file.provenance.has_true_labels] or used[0]).to_data(),
         "seed": seed,
         "objects": count_objects(used[0]),
         "labelled": labelled,
@@ -90,23 +91,21 @@ class AncshLearner(Learner):
         self.config, self.classes = config, classes
         self.network = (AncshNetwork if which == "ancsh" else PartNetwork)(config, parts, classes)
 
-    def on_train_epoch_start(self) -> None:
+    def start_epoch(self, epoch: int) -> None:
         if self.config.norms == "release":
-            halved = self.current_epoch // self.config.training.decay_epochs if self.config.training.decay_epochs else 0
+            halved = epoch // self.config.training.decay_epochs if self.config.training.decay_epochs else 0
             for layer in self.modules():
                 if isinstance(layer, nn.BatchNorm1d):
                     layer.momentum = max(FIRST_MOMENTUM * 0.5**halved, LEAST_MOMENTUM)
 
-    def training_step(self, batch: ScanBatch, index: int) -> torch.Tensor:
+    def training_step(self, batch: ScanBatch) -> torch.Tensor:
         loss = total(self._losses(batch), self.config)
-        self.log("training/loss", loss, on_step=False, on_epoch=True, batch_size=len(batch.points))
+        self.log("training", len(batch.points), loss=loss)
         return loss
 
-    def validation_step(self, batch: ScanBatch, index: int) -> None:
+    def validation_step(self, batch: ScanBatch) -> None:
         losses = self._losses(batch)
-        logged = {"validation/error": total(losses, self.config)}
-        logged |= {f"validation/{name}": value for name, value in losses.items()}
-        self.log_dict(logged, batch_size=len(batch.points))
+        self.log("validation", len(batch.points), error=total(losses, self.config), **losses)
 
     def _losses(self, batch: ScanBatch) -> dict[str, torch.Tensor]:
         mean_over = self.config.mean_over

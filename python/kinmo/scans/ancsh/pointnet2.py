@@ -11,7 +11,7 @@ from torch import Tensor, nn
 from torch.nn.functional import conv2d, linear
 
 from kinmo import _core
-from kinmo.learning.layers import channel_norm, gather_points, max_over_points
+from kinmo.learning.network_layers import channel_norm, gather_points, max_over_points
 
 LEAST_DISTANCE = 1e-6
 """From which on distances tell weights."""

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from kinmo.config import AncshConfig
 from kinmo.scans.ancsh.ancsh_loss import ScanBatch
 from kinmo.scans.ancsh.ancsh_targets import JointAxes, canonical_coordinates, layout, surroundings
-from kinmo.scans.articulated_object import Extents
-from kinmo.scans.input_frame import InputFrame
-from kinmo.scans.scan_file import ScanFile
+from kinmo.scans.files.scan_file import ScanFile
+from kinmo.scans.object_structure import Extents
+from kinmo.scans.preprocessing.input_frame import InputFrame
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -79,7 +79,7 @@ class ScanData:
         if self.config.axes == "camera":
             return np.eye(3)
         is_first = self.config.axes != "base" or rng.random() < FIRST_LOOKS
-        look: F64 = file.read("looks", row)[0 if is_first else 1]
+        look: F64 = file.read("input_axes", row)[0 if is_first else 1]
         return look
 
 

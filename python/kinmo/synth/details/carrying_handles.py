@@ -1,6 +1,6 @@
-"""Handles to carry things by: bows, brackets, straps and rings that turn about the line through their two ends, or are fixed.
+"""Carrying handles: bows, brackets, straps and rings that turn about the line through their ends, or are fixed.
 
-Built on a wall that is the plane z = 0 and looks to +z, the two ends on the x axis.
+Built on the wall z = 0, which faces +z, with both ends on the x axis.
 """
 
 from __future__ import annotations
@@ -10,19 +10,26 @@ from numpy.typing import NDArray
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, hinge
 from kinmo.synth.primitives import X, box, cylinder, rounded_path, sweep, sweep_outline, transform
+from kinmo.synth.synth_object import Link, Node, hinge
 
-STRAP = np.array([[0.5, 0.12], [-0.5, 0.12], [-0.5, -0.12], [0.5, -0.12]])
-"""Outline of a flat band, to sweep."""
-STAMPED = np.array([[0.2, 0.5], [-0.2, 0.5], [-0.2, -0.5], [0.2, -0.5]])
-"""Outline of a ring cut from sheet, which lies flat on the wall it hangs on."""
+STRAP_OUTLINE = np.array([[0.5, 0.12], [-0.5, 0.12], [-0.5, -0.12], [0.5, -0.12]])
+"""Outline [4, 2] of a flat band, to sweep."""
+SHEET_RING_OUTLINE = np.array([[0.2, 0.5], [-0.2, 0.5], [-0.2, -0.5], [0.2, -0.5]])
+"""Outline [4, 2] of a ring cut from sheet metal, to sweep. The ring lies flat on its wall."""
 
 
 def carrying_handle(draw: Draw, half: float, reach: float, rod: float, *, hangs: bool = False) -> list[Mesh]:
-    """A handle with its ends at x = -half and half that stands off the wall by `reach`, `rod` thick.
+    """Meshes of a handle.
 
-    What `hangs` may be a ring.
+    Args:
+        half: half the distance between the ends, at x = -half and x = half.
+        reach: height above the wall.
+        rod: radius of the rod.
+        hangs: the handle may be a ring.
+
+    Returns:
+        The pieces.
     """
     if hangs and draw.chance(0.4):
         return _ring(draw, half, half * draw.between(0.5, 1.6), rod)
@@ -34,7 +41,7 @@ def carrying_handle(draw: Draw, half: float, reach: float, rod: float, *, hangs:
         top = half * (draw.between(0.5, 0.9) if kind == "trapezoid" else 1.0)
         path = rounded_path(np.array([(-half, 0, 0), (-top, 0, reach), (top, 0, reach), (half, 0, 0)]), 0.6 * reach)
     if kind == "strap":
-        return [sweep_outline(path, STRAP, rod * draw.between(2.0, 5.0))]
+        return [sweep_outline(path, STRAP_OUTLINE, rod * draw.between(2.0, 5.0))]
     pieces = [sweep(path, rod, draw.pick([6, 8, 10]))]
     if kind == "grip":
         pieces.append(cylinder(1.8 * rod, 1.3 * half, "x", (0, 0, reach), 12))
@@ -42,14 +49,14 @@ def carrying_handle(draw: Draw, half: float, reach: float, rod: float, *, hangs:
 
 
 def _ring(draw: Draw, half: float, reach: float, rod: float) -> list[Mesh]:
-    """A closed ring, round or stamped from sheet, wider away from the line it turns about, at times clipped there."""
+    """A closed ring, round or cut from sheet, wider away from its axis, sometimes with a clip there."""
     narrow = half * draw.between(0.4, 0.9)
-    way = rounded_path(np.array([(-narrow, 0, 0), (-half, 0, reach), (half, 0, reach), (narrow, 0, 0)]), 0.4 * half)
+    path = rounded_path(np.array([(-narrow, 0, 0), (-half, 0, reach), (half, 0, reach), (narrow, 0, 0)]), 0.4 * half)
     if draw.chance(0.5):
-        thick, wide = 2.0 * rod * np.ptp(STAMPED, axis=0)
-        pieces = [sweep_outline(way, STAMPED, 2.0 * rod), box((2 * narrow, thick, wide))]
+        thick, wide = 2.0 * rod * np.ptp(SHEET_RING_OUTLINE, axis=0)
+        pieces = [sweep_outline(path, SHEET_RING_OUTLINE, 2.0 * rod), box((2 * narrow, thick, wide))]
     else:
-        pieces = [sweep(way, rod, draw.pick([6, 8, 10])), cylinder(rod, 2 * narrow, "x", segments=10)]
+        pieces = [sweep(path, rod, draw.pick([6, 8, 10])), cylinder(rod, 2 * narrow, "x", segments=10)]
     if draw.chance(0.5):
         pieces.append(box((1.6 * narrow, draw.between(0.5, 2.0) * rod, draw.between(0.3, 0.8) * reach)))
     return pieces
@@ -65,10 +72,18 @@ def add_carrying_handle(
     hangs: bool = False,
     movable: bool = True,
 ) -> list[Link]:
-    """A handle that a rigid transform [4, 4] brings to its wall; it folds down to both sides of the wall's normal or to one.
+    """Add a carrying handle.
 
-    With `hangs` it lies against the wall towards -y, as at the ends of a chest. A handle that is not `movable` belongs to
-    `carrier`.
+    Args:
+        above: node that the handle is added below.
+        carrier: link of the wall.
+        place: rigid transform [4, 4] from the handle's frame to its wall.
+        half: half the distance between the ends.
+        hangs: show the handle against the wall towards local -y, as at the ends of a chest.
+        movable: give the handle a hinge. A fixed handle belongs to `carrier`.
+
+    Returns:
+        The handle's link, or nothing for a fixed handle.
     """
     rod, reach = half * draw.between(0.05, 0.14), half * draw.between(0.3, 1.1)
     deep = draw.between(0.0, 1.2) * rod
@@ -78,7 +93,7 @@ def add_carrying_handle(
         ends = [box((3 * rod, 4 * rod, 2 * rod), (s * half, 0, 0.5 * rod)) for s in (-1, 1)]
         carrier.nodes[0].pieces += [transform(piece, place) for piece in ends]
     if hangs:
-        # Counted from the wall: towards -y at 90 degrees about +x.
+        # At 0 degrees the handle stands out from the wall, at 90 degrees about +x it points to -y.
         limits = draw.pick([(-90.0, 90.0), (0.0, 90.0), (-60.0, 90.0)])
         rest = 90.0 - draw.pick([0.0, draw.between(0.0, 60.0)], [3, 1])
     else:
@@ -86,7 +101,7 @@ def add_carrying_handle(
         rest = draw.pick([0.0, draw.between(*limits), limits[0], limits[1]], [4, 2, 1, 1])
     motion = hinge((0, 0, deep), X, *limits, rest=rest).moved_by(place)
     if movable:
-        return [Link("handle", [node], carrier, motion, lumped_name="handle")]
+        return [Link("handle", [node], carrier, motion, leaf_name="handle")]
     node.pieces = [transform(piece, motion.at(rest)) for piece in node.pieces]
     carrier.nodes.append(node)
     return []

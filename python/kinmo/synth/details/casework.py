@@ -1,21 +1,30 @@
-"""Drawers, doors and the panels they are made of, named and nested as in PartNet."""
+"""Drawers, doors, panels and legs of furniture, named and nested as in PartNet."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, hinge, slider
 from kinmo.synth.primitives import box, box_between, cylinder, extrude, join, move, turn
+from kinmo.synth.synth_object import Link, Node, hinge, slider
 
 
 @dataclass(frozen=True)
 class Opening:
-    """A rectangular hole in a carcass: centre (x, y), size, the depth behind it, and the plane z of the carcass's front."""
+    """A rectangular hole in a carcass.
+
+    Attributes:
+        x: horizontal centre.
+        y: vertical centre.
+        width: width.
+        height: height.
+        depth: depth of the space behind it.
+        front: position of the carcass's front along z.
+    """
 
     x: float
     y: float
@@ -26,38 +35,56 @@ class Opening:
 
     @property
     def low(self) -> float:
+        """Lower edge."""
         return self.y - self.height / 2
 
     @property
     def high(self) -> float:
+        """Upper edge."""
         return self.y + self.height / 2
 
 
 @dataclass(frozen=True)
 class Fronts:
-    """What the fronts of one piece of furniture have in common."""
+    """Common style of the fronts of one piece of furniture.
+
+    Attributes:
+        thickness: thickness of a front.
+        gap: distance from a front to the edge of its opening. It is negative if fronts overlap the carcass.
+        look: "plain", "framed", "raised" or "bowed".
+        has_handles: True if doors and drawers have handles.
+        handle_length: usual length of a handle.
+    """
 
     thickness: float
     gap: float
-    """Between a front and its opening's edge; negative where fronts lie on the carcass and overlap it."""
     look: str
     has_handles: bool
     handle_length: float
 
     @staticmethod
-    def drawn(draw: Draw, unit: float) -> Fronts:
-        """Fronts for furniture with panels about `unit` thick."""
+    def random(draw: Draw, unit: float) -> Fronts:
+        """Random style for furniture with boards about `unit` thick."""
         gap = draw.pick([draw.between(0.05, 0.4) * unit, 0.0, -draw.between(0.2, 0.9) * unit], [4, 2, 4])
         look = draw.pick(["plain", "framed", "raised", "bowed"], [6, 3, 2, 1])
         return Fronts(draw.between(0.8, 2.0) * unit, gap, look, draw.chance(0.85), draw.between(0.08, 0.3))
 
     def back_plane(self, opening: Opening) -> float:
-        """Where the back of a front is: behind the carcass's front if it is inset, on it if it overlaps."""
+        """Position along z of a front's back: behind the carcass's front if inset, on it if overlapping."""
         return opening.front if self.gap < 0 else opening.front - self.thickness
+
+    def size(self, opening: Opening) -> tuple[float, float]:
+        """Width and height of the front of an opening."""
+        return opening.width - 2 * self.gap, opening.height - 2 * self.gap
+
+    def panel(self, draw: Draw, opening: Opening) -> list[Mesh]:
+        """Meshes of the front of an opening."""
+        at = (opening.x, opening.y, self.back_plane(opening))
+        return [move(piece, at) for piece in front_panel(draw, *self.size(opening), self.thickness, self.look)]
 
 
 def front_panel(draw: Draw, width: float, height: float, thickness: float, look: str) -> list[Mesh]:
-    """A door's or drawer's front, centred, its back on z = 0."""
+    """Meshes of a door's or drawer's front, centred, with its back on z = 0."""
     if look == "bowed":
         x = np.linspace(width / 2, -width / 2, 9)
         bow = thickness * draw.between(1.0, 2.5)
@@ -77,13 +104,11 @@ def front_panel(draw: Draw, width: float, height: float, thickness: float, look:
 
 
 def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:
-    """A drawer that slides out to +z. Its box is a group of boards, or only a front and a bottom, as annotators left it."""
+    """Add a drawer that slides to +z. Its box is a group of boards, or one block."""
     node = above.add("drawer")
     box_node = node.add("drawer_box")
-    width, height = opening.width - 2 * fronts.gap, opening.height - 2 * fronts.gap
-    back = fronts.back_plane(opening)
-    panel = front_panel(draw, width, height, fronts.thickness, fronts.look)
-    box_node.add("drawer_front", *(move(piece, (opening.x, opening.y, back)) for piece in panel))
+    width, back = fronts.size(opening)[0], fronts.back_plane(opening)
+    box_node.add("drawer_front", *fronts.panel(draw, opening))
     depth = _add_drawer_box(draw, box_node, opening, back)
     if fronts.has_handles:
         count = 2 if opening.width > 0.8 and draw.chance(0.3) else 1
@@ -91,14 +116,14 @@ def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts:
         y = opening.y + draw.pick([0.0, 0.3 * opening.height], [4, 1])
         for place in range(count):
             x = opening.x + width * ((place + 0.5) / count - 0.5)
-            node.add("handle", *pull(draw, length, (x, y, back + _face(fronts)), vertical=False))
+            node.add("handle", *pull(draw, length, (x, y, back + _front_height(fronts)), vertical=False))
     travel = depth * draw.between(0.55, 0.98)
     rest = travel * draw.between(0.2, 0.95) if draw.chance(0.15) else 0.0
     return Link("drawer", [node], carcass, slider((0, 0, 1), 0, travel, rest=rest))
 
 
 def _add_drawer_box(draw: Draw, node: Node, opening: Opening, back: float) -> float:
-    """The boards behind a drawer's front; returns how deep they reach."""
+    """Add the boards behind a drawer's front; returns their depth."""
     board = min(draw.between(0.015, 0.04), 0.1 * opening.width)
     clear = draw.pick([0.0, draw.between(0.002, 0.03)])
     depth = opening.depth * draw.between(0.75, 0.98)
@@ -124,13 +149,22 @@ def _add_drawer_box(draw: Draw, node: Node, opening: Opening, back: float) -> fl
     return depth
 
 
-def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, side: str, names: DoorNames) -> Link:
-    """A door hinged at `side` ("left", "right", "top", "bottom"), its handle near the opposite edge."""
-    width, height = opening.width - 2 * fronts.gap, opening.height - 2 * fronts.gap
-    back = fronts.back_plane(opening)
-    node = above.add(names.group)
-    place = (opening.x, opening.y, back)
-    node.add(names.surface, *(move(piece, place) for piece in front_panel(draw, width, height, fronts.thickness, fronts.look)))
+def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, side: str) -> Link:
+    """Add a door with a handle near the edge opposite to its hinge.
+
+    Args:
+        above: node that the door is added below.
+        carcass: link that carries the door.
+        opening: the opening that the door closes.
+        fronts: style of the door.
+        side: edge of the hinge: "left", "right", "top" or "bottom".
+
+    Returns:
+        Link of the door.
+    """
+    (width, height), back = fronts.size(opening), fronts.back_plane(opening)
+    node = above.add("cabinet_door")
+    node.add("cabinet_door_surface", *fronts.panel(draw, opening))
     out = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}[side]
     upright = out[0] != 0
     if fronts.has_handles:
@@ -139,7 +173,7 @@ def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: F
         x = opening.x - out[0] * (width / 2 - margin) + (0 if upright else along * width * 0.3)
         y = opening.y - out[1] * (height / 2 - margin) + (along * height if upright else 0)
         length = min(fronts.handle_length * draw.between(0.8, 1.5), 0.7 * (height if upright else width))
-        node.add("handle", *pull(draw, length, (x, y, back + _face(fronts)), vertical=upright))
+        node.add("handle", *pull(draw, length, (x, y, back + _front_height(fronts)), vertical=upright))
     inward = draw.pick([0.0, draw.between(0.0, 0.02), draw.between(0.02, 0.05)], [4, 4, 1]) * (width if upright else height)
     axis = np.array([opening.x, opening.y, back + fronts.thickness * draw.pick([0.0, 0.5, 1.0, -0.2], [4, 3, 2, 1])])
     axis[0 if upright else 1] += (out[0] * width if upright else out[1] * height) / 2 - (sum(out) * inward)
@@ -148,41 +182,41 @@ def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: F
     direction = (0, out[0], 0) if upright else (-out[1], 0, 0)
     opens = draw.pick([90.0, 120.0, 160.0, 180.0], [6, 2, 1, 1])
     rest = draw.between(10, 0.9 * opens) if draw.chance(0.12) else 0.0
-    return Link(names.link, [node], carcass, hinge(axis, direction, 0, opens, rest=rest), lumped_name=names.lumped)
+    return Link("cabinet_door", [node], carcass, hinge(axis, direction, 0, opens, rest=rest), leaf_name="door")
 
 
-@dataclass(frozen=True)
-class DoorNames:
-    """What a door's group, its surface, its body, and its only leaf are called."""
-
-    group: str = "cabinet_door"
-    surface: str = "cabinet_door_surface"
-    link: str = "cabinet_door"
-    lumped: str = "door"
+def add_door_pair(
+    draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, width: float | None = None
+) -> list[Link]:
+    """Add two doors that meet in the middle of an opening, each `width` wide (default: half of the opening)."""
+    links = []
+    for sign, side in ((-1, "left"), (1, "right")):
+        x = opening.x + sign * opening.width / 4
+        half = replace(opening, x=x, width=opening.width / 2 if width is None else width)
+        links.append(add_door(draw, above, carcass, half, fronts, side))
+    return links
 
 
 def add_sliding_doors(draw: Draw, above: Node, carcass: Link, opening: Opening, thickness: float) -> list[Link]:
-    """Two doors on parallel tracks that slide past each other along x."""
+    """Add two doors on parallel tracks that slide past each other along x."""
     links = []
     width = opening.width * draw.between(0.5, 0.54)
     for side, track in ((-1.0, 0), (1.0, 1)):
         x = opening.x + side * (opening.width - width) / 2
         node = above.add("cabinet_door")
         z = opening.front - (1.1 * track + 1.0) * thickness
-        node.add(
-            "cabinet_door_surface",
-            *(move(p, (x, opening.y, z)) for p in front_panel(draw, width, opening.height, thickness, "plain")),
-        )
+        panel = front_panel(draw, width, opening.height, thickness, "plain")
+        node.add("cabinet_door_surface", *(move(piece, (x, opening.y, z)) for piece in panel))
         if track == 0 or draw.chance(0.5):
             grip = pull(draw, 0.12, (x + side * 0.4 * width, opening.y, z + thickness), vertical=True, reach=0.1 * thickness)
             node.add("handle", *grip)
         travel = opening.width - width
-        links.append(Link("cabinet_door", [node], carcass, slider((-side, 0, 0), 0, travel), lumped_name="translation_door"))
+        links.append(Link("cabinet_door", [node], carcass, slider((-side, 0, 0), 0, travel), leaf_name="translation_door"))
     return links
 
 
 def legs(draw: Draw, half_x: float, half_z: float, low: float, high: float, thickness: float) -> list[Mesh]:
-    """Four legs between the heights `low` and `high`: square, round, tapered, or splayed."""
+    """Meshes of four legs between the heights `low` and `high`: square, round, tapered or splayed."""
     kind = draw.pick(["square", "round", "tapered", "splayed"], [5, 2, 2, 1])
     length, middle = high - low, 0.5 * (low + high)
     if kind == "square":
@@ -199,7 +233,7 @@ def legs(draw: Draw, half_x: float, half_z: float, low: float, high: float, thic
 
 
 def _add_hinges(draw: Draw, node: Node, axis: np.ndarray, upright: bool, length: float) -> None:
-    """Two small hinge barrels on the axis."""
+    """Add two small hinge barrels on a door's axis."""
     radius = 0.01
     for place in (-0.35, 0.35):
         at = axis + np.array([0, place * length, 0] if upright else [place * length, 0, 0])
@@ -208,6 +242,6 @@ def _add_hinges(draw: Draw, node: Node, axis: np.ndarray, upright: bool, length:
         node.add("hinge", *(draw.pick([[barrel], [join(barrel, plate)]])))
 
 
-def _face(fronts: Fronts) -> float:
-    """How far the middle of a front stands above its back."""
+def _front_height(fronts: Fronts) -> float:
+    """Height of a front's middle above its back."""
     return fronts.thickness * {"bowed": 1.6, "framed": 0.9, "raised": 1.35}.get(fronts.look, 1.0)

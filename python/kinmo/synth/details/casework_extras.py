@@ -1,19 +1,17 @@
-"""Less usual parts of furniture: lids, boards that pull out, false fronts, leaning drawers, locked doors, casters."""
+"""Rarer parts of furniture: lids, pull-out boards, false fronts, leaning drawers, locked doors, casters."""
 
 from __future__ import annotations
 
-from kinmo.synth.details.casework import DoorNames, Fronts, Opening, add_door, add_drawer, front_panel
+from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer
 from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.handles import pull
-from kinmo.synth.details.posture import carry
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, hinge, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, move
-from kinmo.synth.primitives.place import Point, rotation_about
+from kinmo.synth.primitives import Point, X, Y, Z, box, box_between, cylinder, rotation_about
+from kinmo.synth.synth_object import Link, Node, hinge, slider, spinner
 
 
 def add_lift_top(draw: Draw, above: Node, carcass: Link, low: Point, high: Point, name: str) -> Link:
-    """A board between two corners that folds up about its rear edge, rarely its front one or an end."""
+    """Add a board between two corners [3] that folds up about its rear edge, rarely its front edge or an end."""
     edge = draw.pick(["rear", "front", "end"], [8, 1, 1])
     thick = float(high[1]) - float(low[1])
     level = float(low[1]) + draw.pick([0.0, 0.5 * thick, thick])
@@ -25,11 +23,11 @@ def add_lift_top(draw: Draw, above: Node, carcass: Link, low: Point, high: Point
     else:
         z, sense = (float(low[2]), -1.0) if edge == "rear" else (float(high[2]), 1.0)
         motion = hinge((0, level, z), sense * X, 0.0, opens, rest=rest)
-    return Link("lid", [node], carcass, motion, lumped_name="rotation_lid")
+    return Link("lid", [node], carcass, motion, leaf_name="rotation_lid")
 
 
 def add_pullout(draw: Draw, above: Node, carcass: Link, opening: Opening) -> Link:
-    """A board in an opening that slides out: a keyboard tray, a shelf, a cutting board."""
+    """Add a board in an opening that slides out: a keyboard tray, a shelf, a cutting board."""
     thick = min(draw.between(0.015, 0.05), 0.5 * opening.height)
     deep, y = opening.depth * draw.between(0.6, 0.95), opening.low + draw.between(0.1, 0.8) * (opening.height - thick)
     front = opening.front + draw.pick([0.0, draw.between(-0.05, 0.02)])
@@ -40,34 +38,36 @@ def add_pullout(draw: Draw, above: Node, carcass: Link, opening: Opening) -> Lin
     node = above.add(draw.pick(["tray", "shelf", "keyboard_tray", "board"]), *pieces)
     travel = deep * draw.between(0.4, 0.9)
     rest = travel * draw.between(0.2, 0.9) if draw.chance(0.2) else 0.0
-    return Link("tray", [node], carcass, slider(Z, 0.0, travel, rest=rest), lumped_name="translation_tray")
+    return Link("tray", [node], carcass, slider(Z, 0.0, travel, rest=rest), leaf_name="translation_tray")
 
 
 def add_false_front(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> None:
-    """A panel that looks like a drawer or a door, sometimes with a handle, and stands still."""
-    width, height = opening.width - 2 * fronts.gap, opening.height - 2 * fronts.gap
-    back = fronts.back_plane(opening)
-    panel = front_panel(draw, width, height, fronts.thickness, fronts.look)
-    node = above.add(draw.pick(["vertical_front_panel", "frame_horizontal_bar", "other_leaf"], [4, 1, 1]))
-    node.pieces = [move(piece, (opening.x, opening.y, back)) for piece in panel]
+    """Add a fixed panel that looks like a drawer or a door, sometimes with a handle."""
+    panel, back = fronts.panel(draw, opening), fronts.back_plane(opening)
+    node = above.add(draw.pick(["vertical_front_panel", "frame_horizontal_bar", "other_leaf"], [4, 1, 1]), *panel)
     carcass.nodes.append(node)
     if draw.chance(0.5):
-        grip = pull(draw, 0.3 * width, (opening.x, opening.y, back + 1.5 * fronts.thickness), vertical=draw.chance(0.3))
+        grip = pull(
+            draw,
+            0.3 * fronts.size(opening)[0],
+            (opening.x, opening.y, back + 1.5 * fronts.thickness),
+            vertical=draw.chance(0.3),
+        )
         carcass.nodes.append(above.add("handle", *grip))
 
 
 def add_leaning_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:
-    """A drawer or bin whose way out leans up or down."""
+    """Add a drawer or bin that slides out along a line leaning up or down."""
     link = add_drawer(draw, above, carcass, opening, fronts)
     pivot = (opening.x, opening.low, opening.front)
-    carry([link], rotation_about(X, draw.sign() * draw.between(4.0, 30.0), pivot))
+    link.move(rotation_about(X, draw.sign() * draw.between(4.0, 30.0), pivot))
     return link
 
 
 def add_locked_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, side: str) -> list[Link]:
-    """A door with a knob, lever or key on it that turns about the door's normal."""
+    """Add a door with a knob, lever or key on it that turns about the door's normal."""
     plain = Fronts(fronts.thickness, fronts.gap, fronts.look, has_handles=False, handle_length=fronts.handle_length)
-    door = add_door(draw, above, carcass, opening, plain, side, DoorNames())
+    door = add_door(draw, above, carcass, opening, plain, side)
     out = 1.0 if side == "right" else -1.0
     at = (
         opening.x - out * draw.between(0.3, 0.42) * opening.width,
@@ -81,7 +81,18 @@ def add_locked_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fr
 
 
 def add_casters(draw: Draw, above: Node, carcass: Link, x: float, z: float, low: float) -> list[Link]:
-    """Four wheels below the height `low` at (+-x, +-z), which roll and mostly also turn on upright stems; some stand still."""
+    """Add four casters or wheels.
+
+    Args:
+        above: node that they are added below.
+        carcass: link that they carry.
+        x: half distance along x.
+        z: half distance along z.
+        low: height of the carcass's underside.
+
+    Returns:
+        Links of casters that swivel about a vertical stem, and of wheels that roll. What does not move belongs to `carcass`.
+    """
     radius, thick = draw.between(0.03, 0.07), draw.between(0.015, 0.04)
     swivels, rolls, heading = draw.chance(0.6), draw.chance(0.7), draw.between(0.0, 180.0)
     links: list[Link] = []
@@ -102,6 +113,7 @@ def add_casters(draw: Draw, above: Node, carcass: Link, x: float, z: float, low:
             made.append(Link("wheel", [wheel], owner, spinner(hub, X)))
         else:
             owner.nodes.append(wheel)
-        carry(made, turned)
+        for link in made:
+            link.move(turned)
         links += made
     return links

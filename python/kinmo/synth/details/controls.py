@@ -1,4 +1,4 @@
-"""Buttons, dials and keypads on a front (+z)."""
+"""Buttons and dials on a front that faces +z, and grids to place them."""
 
 from __future__ import annotations
 
@@ -6,12 +6,11 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import box, cylinder, lathe, move, rounded_box, turn
-from kinmo.synth.primitives.place import Point
+from kinmo.synth.primitives import Point, box, cylinder, lathe, move, rounded_box, turn
 
 
 def dial(draw: Draw, radius: float, depth: float, at: Point) -> list[Mesh]:
-    """A knob to turn about z, its foot at `at`: plain, stepped or tapered, often with a pointer that breaks the symmetry."""
+    """Meshes of a knob that turns about z, with its foot at `at`: plain, stepped or tapered, often with a pointer."""
     segments = draw.pick([12, 16, 24, 32])
     kind = draw.pick(["plain", "stepped", "tapered"])
     if kind == "plain":
@@ -20,15 +19,8 @@ def dial(draw: Draw, radius: float, depth: float, at: Point) -> list[Mesh]:
         body = cylinder(radius, depth, "z", (0, 0, depth / 2), segments, top_radius=draw.between(0.6, 0.9) * radius)
     else:
         share = draw.between(0.2, 0.5)
-        profile = [
-            [0, 0],
-            [radius, 0],
-            [radius, share * depth],
-            [0.7 * radius, share * depth],
-            [0.65 * radius, depth],
-            [0, depth],
-        ]
-        body = turn(lathe(np.array(profile), segments), (1, 0, 0), 90.0)
+        profile = np.array([[0, 0], [1, 0], [1, share], [0.7, share], [0.65, 1], [0, 1]]) * (radius, depth)
+        body = turn(lathe(profile, segments), (1, 0, 0), 90.0)
     pieces = [body]
     if draw.chance(0.5):
         grip = box((0.25 * radius, 1.7 * radius, 0.4 * depth), (0, 0, 1.1 * depth))
@@ -37,7 +29,7 @@ def dial(draw: Draw, radius: float, depth: float, at: Point) -> list[Mesh]:
 
 
 def button(draw: Draw, width: float, height: float, depth: float, at: Point) -> Mesh:
-    """A button to press along -z, its foot at `at`: square, rounded or round."""
+    """A button that is pressed along -z, with its foot at `at`: square, rounded or round."""
     kind = draw.pick(["box", "rounded", "round"], [5, 2, 2])
     if kind == "box":
         mesh = box((width, height, depth), (0, 0, depth / 2))

@@ -1,4 +1,4 @@
-"""What sits on a door's front (+z) and turns about the door's normal: dials, wheels, levers, key cylinders and their covers."""
+"""Door hardware on a front (+z) that turns about its normal: dials, wheels, levers, key cylinders and their covers."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, hinge, spinner
-from kinmo.synth.primitives import Z, box, cylinder, join, lathe, move, rounded_path, sweep, torus, turn
-from kinmo.synth.primitives.place import Point
+from kinmo.synth.primitives import Point, Z, box, cylinder, join, lathe, move, rounded_path, sweep, torus, turn
+from kinmo.synth.synth_object import Link, Node, hinge, spinner
 
-NAMES = {
+LOCK_NAMES = {
     "dial": ("switch", "knob"),
     "wheel": ("switch", "handle"),
     "lever": ("handle", "switch", "lever"),
@@ -19,24 +18,35 @@ NAMES = {
     "cylinder": ("lock", "switch", "key_hole"),
     "cover": ("lock", "switch"),
 }
-"""What the leaf of each kind is called, most frequent first."""
+"""Names of the leaf of each kind, most frequent first."""
 
 
 def add_door_lock(draw: Draw, above: Node, door: Link, kind: str, at: Point, size: float) -> Link:
-    """Something of about `size` across that turns on a door, its foot at `at`; now and then it only looks so and is fixed."""
+    """Add a lock that turns about the normal of a door.
+
+    Args:
+        above: node that the lock is added below.
+        door: link of the door.
+        kind: key of `LOCK_NAMES`.
+        at: foot [3] of the lock.
+        size: diameter or length of the lock.
+
+    Returns:
+        Link of the lock.
+    """
     pieces = [move(piece, at) for piece in lock_pieces(draw, kind, size)]
-    names = NAMES[kind]
+    names = LOCK_NAMES[kind]
     node = above.add(draw.pick(names, [4, *[1] * (len(names) - 1)]), *pieces)
     origin = (float(at[0]), float(at[1]), draw.pick([0.0, float(at[2])]))
     if kind in ("lever", "tee", "cover") and draw.chance(0.6):
         motion = hinge(origin, Z, *draw.pick([(-90.0, 0.0), (0.0, 90.0), (-45.0, 0.0), (0.0, 60.0), (-90.0, 90.0)]))
     else:
         motion = spinner(origin, Z)
-    return Link("knob", [node], door, motion, lumped_name=node.name)
+    return Link("knob", [node], door, motion, leaf_name=node.name)
 
 
 def lock_pieces(draw: Draw, kind: str, size: float) -> list[Mesh]:
-    """The pieces of a lock whose axis is the z axis and whose foot is on z = 0."""
+    """Meshes of a lock with its axis along z and its foot on z = 0. `kind` is a key of `LOCK_NAMES`."""
     if kind == "dial":
         return dial(draw, 0.5 * size, 0.5 * size * draw.between(0.25, 0.9), (0, 0, 0))
     if kind == "wheel":
@@ -55,7 +65,7 @@ def lock_pieces(draw: Draw, kind: str, size: float) -> list[Mesh]:
 
 
 def _arm_handle(draw: Draw, size: float, *, both_ways: bool) -> list[Mesh]:
-    """A hub with an arm to one side of the axis (or to both), level, hanging, upright or leaning."""
+    """A hub with an arm to one side of the axis or to both, at a random angle."""
     reach, thick = size * draw.between(0.2, 0.6), size * draw.between(0.06, 0.16)
     hub = size * draw.between(0.1, 0.2)
     start = -size * (0.5 if both_ways else draw.between(0.0, 0.2))
@@ -65,8 +75,8 @@ def _arm_handle(draw: Draw, size: float, *, both_ways: bool) -> list[Mesh]:
         arm = box((end - start, thick * draw.between(1.0, 2.5), thick), middle)
     else:
         bend = 0.0 if both_ways else draw.between(-0.3, 0.3) * size
-        way = np.array([(start, 0, reach), (0.5 * (start + end), 0, reach), (end, bend, reach)])
-        arm = sweep(rounded_path(way, 0.2 * size), thick / 2, 8)
+        path = np.array([(start, 0, reach), (0.5 * (start + end), 0, reach), (end, bend, reach)])
+        arm = sweep(rounded_path(path, 0.2 * size), thick / 2, 8)
     pieces = [cylinder(hub, reach, "z", (0, 0, reach / 2), draw.pick([10, 16, 24])), arm]
     if draw.chance(0.4):
         pieces.append(cylinder(1.6 * hub, 0.15 * reach, "z", (0, 0, 0.075 * reach), 20))
@@ -76,7 +86,7 @@ def _arm_handle(draw: Draw, size: float, *, both_ways: bool) -> list[Mesh]:
 
 
 def _wheel(draw: Draw, radius: float) -> list[Mesh]:
-    """A hub with one to five spokes, with knobs at their ends or a rim round them."""
+    """A hub with one to five spokes, sometimes with knobs or a rim at their ends."""
     reach, rod = radius * draw.between(0.12, 1.0), radius * draw.between(0.07, 0.16)
     level = max(0.8 * reach, 2.0 * rod)
     hub = cylinder(draw.between(0.2, 0.45) * radius, reach, "z", (0, 0, reach / 2), 20)

@@ -1,4 +1,4 @@
-"""Pulls, bars and knobs that stand on the front (+z) of a door or drawer."""
+"""Handles on the front (+z) of a door or drawer: pulls, bars, bows and knobs."""
 
 from __future__ import annotations
 
@@ -6,12 +6,11 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import arc_path, box, cylinder, ellipsoid, join, lathe, move, rounded_path, sweep, turn
-from kinmo.synth.primitives.place import Point
+from kinmo.synth.primitives import Point, arc_path, box, cylinder, ellipsoid, join, lathe, move, rounded_path, sweep, turn
 
 
 def bar_handle(draw: Draw, length: float, thickness: float, reach: float, *, vertical: bool) -> list[Mesh]:
-    """A bar on two posts, built along y or x, standing on the plane z = 0; one piece a rod."""
+    """A bar along y or x on two posts that stand on the plane z = 0, one piece per rod."""
     axis = "y" if vertical else "x"
     side = np.eye(3)[1 if vertical else 0]
     posts = [side * s * length * draw.between(0.36, 0.46) for s in (-1, 1)]
@@ -34,7 +33,7 @@ def bow_handle(draw: Draw, length: float, thickness: float, reach: float, *, ver
 
 
 def knob_handle(draw: Draw, radius: float, reach: float) -> list[Mesh]:
-    """A turned knob along +z."""
+    """A knob of revolution along +z."""
     segments = draw.pick([12, 16, 24])
     neck = radius * draw.between(0.3, 0.6)
     profile = np.array(
@@ -50,7 +49,18 @@ def knob_handle(draw: Draw, radius: float, reach: float) -> list[Mesh]:
 def pull(
     draw: Draw, length: float, at: Point, *, vertical: bool, thickness: float | None = None, reach: float | None = None
 ) -> list[Mesh]:
-    """Some handle of about `length`, its foot at the point `at`, pieces in the order they are fastened."""
+    """Meshes of a handle of a random kind.
+
+    Args:
+        length: length of the handle.
+        at: foot [3] of the handle.
+        vertical: along y instead of x.
+        thickness: thickness of the rod; None for a random one.
+        reach: height above the front; None for a random one.
+
+    Returns:
+        The pieces, in the order of assembly.
+    """
     thickness = length * draw.between(0.06, 0.16) if thickness is None else thickness
     reach = max(1.5 * thickness, length * draw.between(0.12, 0.3)) if reach is None else reach
     kind = draw.pick(["bar", "bow", "knob", "block"], [4, 3, 2, 1])

@@ -1,4 +1,4 @@
-"""Fields of buttons that go in, on a front (+z) or at the sides, and keys that only look like it."""
+"""Fields of keys on a front (+z), keys at the sides, and printed keys that do not move."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from numpy.typing import NDArray
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import button, grid_places
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, slider
-from kinmo.synth.primitives import box, join, move, sheet
-from kinmo.synth.primitives.place import Point
+from kinmo.synth.primitives import Point, box, join, move, sheet
+from kinmo.synth.synth_object import Link, Node, slider
 
-SMALLEST_CELL = 0.035
-"""Least pitch of the keys of a field, in an object about two units across."""
+MIN_KEY_PITCH = 0.035
+"""Smallest pitch of the keys of a field, for an object about two units wide."""
 
 
 def add_keypad(
@@ -26,14 +25,23 @@ def add_keypad(
     *,
     lookalikes: bool = True,
 ) -> list[Link]:
-    """Rows of keys on a front, below the node `above`.
+    """Add rows of keys to a front. Keys that do not move belong to `carrier`.
 
-    Every key is pressed in by about its own height, unless there are `lookalikes`: printed keys, which are flat and mostly
-    fixed, and fields of which only a block moves, as annotators left them. Keys that stand still belong to `carrier`.
+    Args:
+        above: node that the keys are added below.
+        carrier: link of the front.
+        center: centre [3] of the field.
+        size: width and height of the field.
+        name: name of each key's node.
+        lookalikes: allow printed keys, which are flat and mostly fixed, and fields annotated only in part. If False, every key
+            is pressed in by about its own height.
+
+    Returns:
+        Links of the moving keys.
     """
     columns, rows = draw.pick([1, 2, 3, 4], [1, 2, 5, 3]), draw.integer(2, 7)
-    # No more keys than fingers could tell apart.
-    columns, rows = (max(1, min(count, int(room / SMALLEST_CELL))) for count, room in zip((columns, rows), size, strict=True))
+    # Keys are large enough for fingers.
+    columns, rows = (max(1, min(count, int(room / MIN_KEY_PITCH))) for count, room in zip((columns, rows), size, strict=True))
     cell = min(size[0] / columns, size[1] / rows)
     width = cell * draw.between(0.45, 0.9)
     height = width * draw.pick([draw.between(0.45, 1.0), draw.between(1.0, 1.6) if width < 0.6 * cell else 1.0], [4, 1])
@@ -51,14 +59,14 @@ def add_keypad(
         node = above.add(name, key)
         if moving:
             motion = slider((0, 0, 1), -travel, 0.0) if rises else slider((0, 0, -1), 0.0, travel)
-            links.append(Link("button", [node], carrier, motion, lumped_name="button"))
+            links.append(Link("button", [node], carrier, motion, leaf_name="button"))
         else:
             carrier.nodes.append(node)
     return links
 
 
 def _moving_keys(draw: Draw, rows: int, columns: int, *, printed: bool) -> NDArray[np.bool_]:
-    """Which keys [rows, columns] of a field are annotated as moving."""
+    """Mask [rows, columns] of the keys that are annotated as moving."""
     moves = np.zeros((rows, columns), bool)
     kind = draw.pick(["all", "none", "rows", "columns"], [1, 12, 0, 0] if printed else [14, 2, 3, 1])
     if kind == "all":
@@ -83,7 +91,7 @@ def _printed_key(draw: Draw, width: float, height: float, at: Point, look: str) 
 
 
 def keypad(draw: Draw, base: Link, width: float, height: float, front: float, share: float) -> list[Link]:
-    """Rows of buttons over the lower `share` of a front of `width` by `height` about the origin, at z = `front`."""
+    """Rows of buttons over the lower `share` of a front of `width` x `height` about the origin, at z = `front`."""
     columns, rows = draw.integer(2, 4), draw.integer(2, 7)
     field = (0.85 * width, share * height)
     size = (field[0] / columns * draw.between(0.55, 0.85), min(field[1] / rows, 0.2) * draw.between(0.5, 0.8))

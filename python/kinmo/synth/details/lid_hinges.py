@@ -1,26 +1,28 @@
-"""The hinge of a lid, where it can be seen: without one, a hinged lid looks like one that lifts off."""
+"""Visible hinges of lids. Without one, a hinged lid looks like a lid that lifts off."""
 
 from __future__ import annotations
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Point
 from kinmo.synth.primitives import box, cylinder, join
+from kinmo.synth.synth_object import Point
 
-SEEN = 0.8
-"""Chance that the hinge shows."""
+VISIBLE_CHANCE = 0.8
+"""Chance that a hinge is visible."""
 
 
 def lid_hinge(draw: Draw, place: Point, length: float, size: float) -> list[Mesh]:
-    """A barrel of `length` along x at `place`, with a leaf of it towards +z, or a strap; at times nothing.
+    """Meshes of a hinge: a barrel along x with a leaf towards +z, a strap, or nothing.
 
     Args:
-        draw: what chooses.
-        place: a point of the joint's line.
-        length: how long the barrel may be.
-        size: a length that says how thick things of this kind are.
+        place: a point [3] of the joint's axis.
+        length: largest length of the barrel.
+        size: typical thickness of the parts around it.
+
+    Returns:
+        The pieces; empty for a hidden hinge.
     """
-    if not draw.chance(SEEN):
+    if not draw.chance(VISIBLE_CHANCE):
         return []
     length *= draw.between(0.3, 0.9)
     x, y, z = (float(value) for value in place)

@@ -1,44 +1,22 @@
-"""How a small thing lies: as it was built, turned about the upright, or stood on its end."""
+"""Resting postures of small objects: as they were built, turned about the vertical, or stood on an edge or end."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
-import numpy as np
-from numpy.typing import NDArray
-
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, SynthObject
-from kinmo.synth.primitives import X, Y, Z, transform
-from kinmo.synth.primitives.place import rotation_about
-
-ORIGIN = (0.0, 0.0, 0.0)
+from kinmo.synth.primitives import X, Y, Z, rotation_about
+from kinmo.synth.synth_object import SynthObject
 
 
-def carry(links: Iterable[Link], matrix: NDArray[np.float64]) -> None:
-    """Move links, their joints with them, by a rigid transform [4, 4]."""
-    for link in links:
-        for leaf in link.leaves():
-            leaf.pieces = [transform(piece, matrix) for piece in leaf.pieces]
-        if link.motion is not None:
-            link.motion = link.motion.moved_by(matrix)
+def turn_about_up(draw: Draw, shape: SynthObject, angles: tuple[float, ...] = (0.0, 90.0, 180.0, 270.0)) -> None:
+    """Turn the object about the vertical by one of `angles` (degrees), in place."""
+    shape.move(rotation_about(Y, draw.pick(angles)))
 
 
-def reorient(shape: SynthObject, matrix: NDArray[np.float64]) -> None:
-    """Move the whole object by a rigid transform [4, 4]."""
-    carry(shape.links, matrix)
-
-
-def face(draw: Draw, shape: SynthObject, directions: tuple[float, ...] = (0.0, 90.0, 180.0, 270.0)) -> None:
-    """Turn the object about the upright to one of `directions`, in degrees."""
-    reorient(shape, rotation_about(Y, draw.pick(directions), ORIGIN))
-
-
-def lay(draw: Draw, shape: SynthObject) -> None:
-    """Lay a flat object that is built across y on its face, or stand it up along or across."""
-    turned = draw.pick(["flat", "upright", "on edge"], [5, 3, 1])
-    if turned == "upright":
-        reorient(shape, rotation_about(X, draw.pick([90.0, -90.0]), ORIGIN))
-    elif turned == "on edge":
-        reorient(shape, rotation_about(Z, 90.0, ORIGIN))
-    face(draw, shape)
+def lay_down(draw: Draw, shape: SynthObject) -> None:
+    """Lay a flat object, built across y, on its face, or stand it on an end or an edge, in place."""
+    posture = draw.pick(["flat", "on end", "on edge"], [5, 3, 1])
+    if posture == "on end":
+        shape.move(rotation_about(X, draw.pick([90.0, -90.0])))
+    elif posture == "on edge":
+        shape.move(rotation_about(Z, 90.0))
+    turn_about_up(draw, shape)

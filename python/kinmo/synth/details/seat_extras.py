@@ -1,15 +1,15 @@
-"""Parts of chairs that move besides the seat: arms that rise, slide or turn up, foot rests, writing boards."""
+"""Moving parts of chairs besides the seat: arms that rise, slide or turn up, footrests, writing boards."""
 
 from __future__ import annotations
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Motion, Node, hinge, slider
 from kinmo.synth.primitives import X, Y, Z, box, cylinder, rounded_box
+from kinmo.synth.synth_object import Link, Motion, Node, hinge, slider
 
 
 def add_moving_arms(draw: Draw, root: Node, seat: Link, y: float, radius: float) -> list[Link]:
-    """Two arm rests that slide up their posts, or turn up about a level line at the back."""
+    """Add two armrests that slide up their posts, or turn up about a horizontal line at the back."""
     links = []
     top, x = y + draw.between(0.3, 0.45), radius * draw.between(0.98, 1.1)
     size = (draw.between(0.06, 0.12), draw.between(0.03, 0.06), radius * draw.between(0.8, 1.3))
@@ -32,7 +32,7 @@ def add_moving_arms(draw: Draw, root: Node, seat: Link, y: float, radius: float)
 
 
 def add_foot_rest(draw: Draw, root: Node, seat: Link, y: float, radius: float) -> Link:
-    """A board before the seat that folds up about the seat's front edge, or slides out from below it."""
+    """Add a footrest that folds up about the seat's front edge, or slides out from below the seat."""
     tall, thick, wide = draw.between(0.25, 0.5), draw.between(0.04, 0.1), radius * draw.between(1.2, 1.9)
     name = draw.pick(["footrest", "foot_rest", "seat_extension"])
     if draw.chance(0.65):
@@ -46,7 +46,7 @@ def add_foot_rest(draw: Draw, root: Node, seat: Link, y: float, radius: float) -
 
 
 def add_writing_board(draw: Draw, root: Node, seat: Link, y: float, radius: float) -> Link:
-    """A board on a post beside the seat that swings about the post, or folds up sideways."""
+    """Add a writing board on a post beside the seat that swings about the post, or folds up sideways."""
     side, top = draw.sign(), y + draw.between(0.35, 0.5)
     x = side * 1.05 * radius
     seat.nodes.append(root.add("arm_vertical_bar", cylinder(0.03, top - y, "y", (x, 0.5 * (top + y), 0.2 * radius), 12)))

@@ -1,4 +1,4 @@
-"""Spouts of faucets: the way they take, and their tube, head and mouth along it."""
+"""Spouts of faucets: their path, and their tube, head and mouth along it."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Node
 from kinmo.synth.primitives import rounded_path, sweep
+from kinmo.synth.synth_object import Node
 
 
 def arm_path(draw: Draw, reach: float, height: float, start: float) -> NDArray[np.float64]:
-    """A spout from the post at `height` to +z: straight, arched or kinked down at its end."""
+    """Path [N, 3] of a spout from the post at `height` to +z: straight, arched, or kinked down at its end."""
     rise = draw.between(-0.1, 0.35) * reach
     kind = draw.pick(["straight", "arched", "kinked"])
     corners = [(0, height, 0.3 * start), (0, height + rise, reach)]
@@ -23,7 +23,7 @@ def arm_path(draw: Draw, reach: float, height: float, start: float) -> NDArray[n
 
 
 def neck_path(draw: Draw, foot: float) -> NDArray[np.float64]:
-    """A goose neck, or a mast with an arm, from the height `foot` up, over to +z and down."""
+    """Path [N, 3] of a gooseneck, or of a mast with an arm, from the height `foot` up, over to +z and down."""
     reach, mast = draw.between(0.4, 0.9), foot + draw.between(0.2, 0.9)
     if draw.chance(0.6):
         angle = np.radians(np.linspace(0.0, draw.between(160.0, 210.0), 16))
@@ -35,7 +35,7 @@ def neck_path(draw: Draw, foot: float) -> NDArray[np.float64]:
 
 
 def add_spout(draw: Draw, spout: Node, path: NDArray[np.float64], radius: float) -> None:
-    """Fill the node `spout` with a tube along a path [N, 3] and perhaps a head and a mouth at its end."""
+    """Add a tube along a path [N, 3] to the node `spout`, and sometimes a head and a mouth at its end."""
     taper = np.linspace(1.0, draw.between(0.6, 1.05), len(path))
     spout.add("tube", sweep(path, radius * taper, draw.pick([8, 12, 16, 20])))
     tip = path[-1] - path[-2]

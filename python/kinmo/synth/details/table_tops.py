@@ -1,4 +1,4 @@
-"""Tops of tables that move: halves that fold over, boards that lift, turn or tilt, leaves that slide out."""
+"""Moving table tops: halves that fold over, boards that lift, turn or tilt, leaves that slide out."""
 
 from __future__ import annotations
 
@@ -6,14 +6,22 @@ import numpy as np
 
 from kinmo.synth.details.casework_extras import add_lift_top
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, hinge, slider, spinner
 from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder
+from kinmo.synth.synth_object import Link, Node, hinge, slider, spinner
 
 
 def add_moving_top(
     draw: Draw, above: Node, base: Link, links: list[Link], size: tuple[float, float, float], board: float
 ) -> None:
-    """A moving top above a frame of half extents (x, z) and height y; what stands still of it goes to `base`."""
+    """Add a moving top to a table frame. Parts that do not move go to `base`.
+
+    Args:
+        above: node that the top is added below.
+        base: link of the frame.
+        links: list that the links of the moving parts are appended to.
+        size: half extent along x, height, and half extent along z of the frame.
+        board: usual thickness of boards.
+    """
     x, y, z = size
     over, thick = draw.between(0.0, 0.1), draw.between(0.6, 2.0) * board
     x, z = x + over, z + over
@@ -27,26 +35,26 @@ def add_moving_top(
         at = (0, y + thick / 2, 0)
         slab = cylinder(max(x, z), thick, "y", at, 36) if draw.chance(0.6) else box((2 * x, thick, 2 * z), at)
         motion = spinner((0, y, 0), Y) if draw.chance(0.7) else hinge((0, y, 0), Y, *draw.pick([(0.0, 90.0), (-180.0, 180.0)]))
-        links.append(Link("board", [top.add("board", slab)], base, motion, lumped_name="rotation_board"))
+        links.append(Link("board", [top.add("board", slab)], base, motion, leaf_name="rotation_board"))
     elif kind == "tilt":
         lean = draw.between(30.0, 80.0)
         plate = top.add("board", box((2 * x, thick, 2 * z), (0, y + thick / 2, 0)))
         middle = (0, y + draw.pick([0.0, 0.5 * thick]), draw.pick([0.0, draw.between(-0.3, 0.3) * z]))
         motion = hinge(middle, X, *draw.pick([(0.0, lean), (-lean, lean), (0.0, 90.0)]), rest=draw.pick([0.0, 0.4 * lean]))
-        links.append(Link("board", [plate], base, motion, lumped_name="rotation_board"))
+        links.append(Link("board", [plate], base, motion, leaf_name="rotation_board"))
     elif kind == "raise":
         plate = top.add("board", box((2 * x, thick, 2 * z), (0, y + thick / 2, 0)))
         reach = draw.between(0.15, 0.5) * y
         posts = [box_between((s * 0.7 * x - 0.03, y - reach, -0.03), (s * 0.7 * x + 0.03, y, 0.03)) for s in (-1, 1)]
         pillar = top.add("vertical_support", *posts)
         motion = slider(Y, 0.0, reach, rest=reach * draw.pick([0.0, draw.between(0.2, 0.8)]))
-        links.append(Link("board", [plate, pillar], base, motion, lumped_name="translation_board"))
+        links.append(Link("board", [plate, pillar], base, motion, leaf_name="translation_board"))
     else:
         _extension(draw, top, base, links, (x, y, z), thick)
 
 
 def _halves(draw: Draw, top: Node, base: Link, links: list[Link], size: tuple[float, float, float], thick: float) -> None:
-    """A fixed half, and one that lies on it or beside it and folds over about the line between them."""
+    """Add a fixed half, and a half that folds over onto it or hangs down."""
     x, y, z = size
     base.nodes.append(top.add("board", box_between((-x, y, -z), (0, y + thick, z))))
     leaf = top.add("board", box_between((0, y, -z), (x, y + thick, z)))
@@ -57,11 +65,11 @@ def _halves(draw: Draw, top: Node, base: Link, links: list[Link], size: tuple[fl
         motion = hinge((0, y + draw.pick([0.0, thick]), 0), -Z, 0.0, 90.0, rest=min(rest, 90.0))
     else:
         motion = hinge((0, y + thick, 0), Z, 0.0, opens, rest=rest)
-    links.append(Link("board", [leaf], base, motion, lumped_name="rotation_board"))
+    links.append(Link("board", [leaf], base, motion, leaf_name="rotation_board"))
 
 
 def _extension(draw: Draw, top: Node, base: Link, links: list[Link], size: tuple[float, float, float], thick: float) -> None:
-    """A fixed board with one or two leaves below it that pull out at its ends, or two halves that slide apart."""
+    """Add a fixed board with one or two leaves that slide out at its ends, or two halves that slide apart."""
     x, y, z = size
     apart = draw.chance(0.4)
     if not apart:
@@ -73,4 +81,4 @@ def _extension(draw: Draw, top: Node, base: Link, links: list[Link], size: tuple
         leaf = top.add("board", box_between((low, y, -0.98 * z), (high, y + thick, 0.98 * z)))
         rest = reach * draw.pick([0.0, draw.between(0.2, 1.0)])
         motion = slider(np.array([side, 0.0, 0.0]), 0.0, reach, rest=rest)
-        links.append(Link("board", [leaf], base, motion, lumped_name="translation_board"))
+        links.append(Link("board", [leaf], base, motion, leaf_name="translation_board"))

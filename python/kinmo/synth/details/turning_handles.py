@@ -1,4 +1,4 @@
-"""Handles that turn about their stem: levers, cross handles, wheels, tees and lobed knobs of taps, valves and clamps."""
+"""Handles that turn about their stem: levers, crosses, wheels, tees and lobed knobs of taps, valves and clamps."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import (
     Y,
-    arc_path,
     box,
     cylinder,
     ellipsoid,
@@ -22,12 +21,12 @@ from kinmo.synth.primitives import (
     turn,
 )
 
-FLAT = np.array([[0.5, 0.15], [-0.5, 0.15], [-0.5, -0.15], [0.5, -0.15]])
-"""Outline of a flat bar, to sweep."""
+FLAT_BAR_OUTLINE = np.array([[0.5, 0.15], [-0.5, 0.15], [-0.5, -0.15], [0.5, -0.15]])
+"""Outline [4, 2] of a flat bar, to sweep."""
 
 
-def turned_cap(draw: Draw, radius: float, height: float) -> Mesh:
-    """A cap about y, its foot at the origin: a drum, a cone, a dome or a ball."""
+def revolved_cap(draw: Draw, radius: float, height: float) -> Mesh:
+    """A cap about y with its foot at the origin: a drum, a cone, a dome, a bell or a block."""
     segments = draw.pick([12, 16, 24])
     profiles = {
         "drum": [[0, 0], [1, 0], [1, 0.92], [0.92, 1], [0, 1]],
@@ -43,11 +42,11 @@ def turned_cap(draw: Draw, radius: float, height: float) -> Mesh:
 
 
 def lever(draw: Draw, length: float, thickness: float, height: float) -> list[Mesh]:
-    """An arm that reaches from the y axis to +z, starting at `height`: a rod, a bar, a curved or a tapered blade."""
+    """Meshes of an arm from the y axis at `height` to +z: a rod, or a flat, curved or tapered blade."""
     rise = length * draw.pick([0.0, draw.between(0.0, 0.5), draw.between(-0.25, 0.0)], [2, 4, 1])
     bend = draw.between(-0.15, 0.25) * length
-    way = np.array([(0, height, 0), (0, height + 0.5 * rise + bend, 0.5 * length), (0, height + rise, length)])
-    path = rounded_path(way, 0.45 * length, 7)
+    corners = np.array([(0, height, 0), (0, height + 0.5 * rise + bend, 0.5 * length), (0, height + rise, length)])
+    path = rounded_path(corners, 0.45 * length, 7)
     if draw.chance(0.45):
         rods = [sweep(path, thickness * np.linspace(1.0, draw.between(0.5, 1.2), len(path)), draw.pick([8, 12]))]
         if draw.chance(0.35):
@@ -56,11 +55,11 @@ def lever(draw: Draw, length: float, thickness: float, height: float) -> list[Me
         return rods
     widths = thickness * draw.between(2.0, 5.0) * np.linspace(1.0, draw.between(0.5, 1.3), len(path))
     # `sweep_outline` puts the outline's first axis across the path and the smallest component of its start: x here.
-    return [sweep_outline(path, FLAT[:, ::-1] if _starts_sideways(path) else FLAT, widths)]
+    return [sweep_outline(path, FLAT_BAR_OUTLINE[:, ::-1] if _starts_sideways(path) else FLAT_BAR_OUTLINE, widths)]
 
 
 def _starts_sideways(path: np.ndarray) -> bool:
-    """Whether a sweep along `path` in the plane x = 0 carries its outline's first axis in that plane rather than along x."""
+    """True if a sweep along `path`, in the plane x = 0, puts its outline's first axis in that plane rather than along x."""
     tangent = path[1] - path[0]
     first = np.cross(tangent, np.eye(3)[int(np.argmin(np.abs(tangent)))])
     return bool(abs(first[0]) < 0.5 * np.linalg.norm(first))
@@ -85,7 +84,7 @@ def wheel(draw: Draw, radius: float, thickness: float, height: float) -> list[Me
 
 
 def lobed_knob(draw: Draw, radius: float, height: float) -> list[Mesh]:
-    """A grip with lobes about the y axis, its foot at the origin."""
+    """A grip with lobes about the y axis, with its foot at the origin."""
     lobes, depth = draw.integer(3, 8), draw.between(0.05, 0.25)
     angle = np.linspace(0, 2 * np.pi, 8 * lobes, endpoint=False)
     reach = radius * (1 - depth + depth * np.cos(lobes * angle))
@@ -93,21 +92,15 @@ def lobed_knob(draw: Draw, radius: float, height: float) -> list[Mesh]:
     return [extrude(outline, height, "y", (0, 0.5 * height, 0))]
 
 
-def loop(draw: Draw, radius: float, thickness: float, height: float) -> list[Mesh]:
-    """A bow that stands on the y axis like a key's grip."""
-    path = arc_path((0, height, 0), radius, 0.0, 180.0, "z", 12, aspect=draw.between(0.8, 1.6))
-    return [turn(sweep(path, thickness, 8), Y, draw.pick([0.0, 90.0]))]
-
-
 def turning_handle(draw: Draw, radius: float, height: float) -> list[Mesh]:
-    """Some handle about the y axis, its foot at the origin, reaching to about `radius`; `height` is that of its hub."""
+    """Meshes of a handle about the y axis, with its foot at the origin, a reach of about `radius`, and a hub of `height`."""
     thickness = radius * draw.between(0.09, 0.16)
     kind = draw.pick(["lever", "spokes", "wheel", "lobed", "cap", "tee"], [5, 4, 2, 3, 2, 2])
     if kind == "lobed":
         return lobed_knob(draw, 0.6 * radius, height)
     if kind == "cap":
-        return [turned_cap(draw, 0.55 * radius, height)]
-    hub = turned_cap(draw, draw.between(1.4, 2.5) * thickness, height)
+        return [revolved_cap(draw, 0.55 * radius, height)]
+    hub = revolved_cap(draw, draw.between(1.4, 2.5) * thickness, height)
     if kind == "lever":
         return [hub, *lever(draw, radius, thickness, draw.between(0.5, 0.95) * height)]
     if kind == "spokes":

@@ -1,4 +1,4 @@
-"""Turned vessels of pots and kettles: their bodies, lids, spouts, and bows that swing over them."""
+"""Round vessels of pots and kettles: bodies, lids, spouts, and swinging bows over them."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, hinge
 from kinmo.synth.primitives import X, Y, arc_path, cylinder, ellipsoid, lathe, move, rounded_path, sweep, torus, turn
+from kinmo.synth.synth_object import Link, Node, hinge
 
 
 def vessel(draw: Draw, radius: float, mouth: float, height: float, segments: int) -> list[Mesh]:
-    """A hollow pot from the floor y = 0 to its rim at `height`."""
+    """Meshes of a hollow pot from the floor y = 0 to its rim at `height`, with the radii `radius` and `mouth`."""
     wall = draw.between(0.01, 0.04)
     foot = radius * draw.between(0.75, 1.0)
     belly = draw.between(0.3, 0.7)
@@ -27,7 +27,7 @@ def vessel(draw: Draw, radius: float, mouth: float, height: float, segments: int
 
 
 def vessel_lid(draw: Draw, mouth: float, height: float, segments: int) -> tuple[Node, float]:
-    """The lid, resting on the rim, and the height of its top."""
+    """The lid, lying on the rim, and the height of its top."""
     rise, edge = draw.between(0.02, 0.3) * mouth, mouth * draw.between(0.97, 1.06)
     share = np.linspace(0.0, 1.0, 7)
     skin = np.stack([edge * np.cos(0.5 * np.pi * share), rise * np.sin(0.5 * np.pi * share)], axis=1)
@@ -53,7 +53,7 @@ def vessel_lid(draw: Draw, mouth: float, height: float, segments: int) -> tuple[
     return Node("lid", pieces=pieces), top + 1.5 * size
 
 
-def beak(draw: Draw, mouth: float, height: float) -> Mesh:
+def beak(draw: Draw, height: float) -> Mesh:
     """The spout of a kettle, to the front."""
     path = [
         (0, 0.35 * height, 0.4),
@@ -64,7 +64,7 @@ def beak(draw: Draw, mouth: float, height: float) -> Mesh:
 
 
 def swinging_bow(draw: Draw, base: Link, mouth: float, height: float, crown: float) -> Link:
-    """A kettle's handle over the lid, turning about the line through its ends on the shoulders."""
+    """A kettle's handle over the lid that turns about the line through its ends on the shoulders."""
     reach, low = mouth * draw.between(0.95, 1.1), height * draw.between(0.85, 1.0)
     rise = (crown - low) * draw.between(1.1, 1.6) + 0.1
     if draw.chance(0.5):

@@ -1,7 +1,13 @@
-"""The families: one module each, with `build(draw) -> SynthObject`. A family is named after its module.
+"""Object families: one module each, with a function `build(draw) -> SynthObject`. A family is named after its module.
 
-A family draws everything from `draw`, builds every part in the pose of joint value 0 (mostly closed), and gives joints a `rest`
-where the file shall show them open. Size, place, node ids and the quirks of real files are added afterwards.
+To add a family, add one module to this folder. Nothing needs to be registered: `family_names` lists the modules, and the tests
+of all families find the new one. A test file in tests/synth/families checks what is special about it. Rules for `build`:
+
+- Take every random value from `draw`. A seed then decides the shape.
+- Build each part in the pose of joint value 0, mostly closed. A `rest` value shows a joint open in the file.
+- Use y up, +z to the front, and any length unit. Size, position, node ids and the quirks of real files come afterwards.
+- Give every leaf geometry and exactly one link (`SynthObject.check`).
+- Name `category`, and the root node, in a spelling that `kinmo.core.categories.canonical_category` maps to `category`.
 """
 
 from __future__ import annotations
@@ -13,21 +19,32 @@ from pkgutil import iter_modules
 
 from kinmo.core.errors import InputError, did_you_mean
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import SynthObject
+from kinmo.synth.synth_object import SynthObject
 
-Build = Callable[[Draw], SynthObject]
+FamilyBuilder = Callable[[Draw], SynthObject]
+"""Function that builds one object of a family."""
 
 
 @cache
 def family_names() -> tuple[str, ...]:
-    """All families, in alphabetical order."""
+    """Names of all families, in alphabetical order."""
     return tuple(sorted(module.name for module in iter_modules(__path__)))
 
 
-def family(name: str) -> Build:
-    """The builder of a family; InputError for an unknown name."""
+def family_builder(name: str) -> FamilyBuilder:
+    """The `build` function of a family.
+
+    Args:
+        name: one of `family_names()`.
+
+    Returns:
+        A function that takes a `Draw` and gives an object in the family's own size and frame.
+
+    Raises:
+        InputError: there is no family of that name.
+    """
     if name not in family_names():
         near = did_you_mean(name, family_names())
         raise InputError("family", f"unknown family {name!r}{near}, expected some of {', '.join(family_names())}")
-    build: Build = import_module(f"{__name__}.{name}").build
+    build: FamilyBuilder = import_module(f"{__name__}.{name}").build
     return build

@@ -1,4 +1,4 @@
-"""Bottles and jars: caps that screw off, caps that lift off, flip tops and pumps."""
+"""Bottles and jars with screw caps, lift-off caps, flip tops, pumps or trigger sprayers."""
 
 from __future__ import annotations
 
@@ -7,11 +7,16 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.lid_hinges import lid_hinge
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
 from kinmo.synth.primitives import X, Y, box, cylinder, extrude, lathe, move, rounded_path, sweep, torus, tube, turn
+from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Bottle, jar or jug with one closure.
+
+    Variants: a cap that screws, a cap that lifts off, a flip top hinged at the rear, a pump, and a trigger sprayer. The head of
+    a pump slides down. A trigger turns or slides, and a nozzle turns. Collars of pumps and sprayers may screw.
+    """
     height = draw.between(0.6, 2.0)
     radius = draw.between(0.2, 0.42)
     neck = radius * draw.pick([draw.between(0.25, 0.6), draw.between(0.7, 0.97)], [3, 2])
@@ -23,7 +28,7 @@ def build(draw: Draw) -> SynthObject:
     still.append(unit.add("neck", *_neck(draw, neck, height, neck_height, segments)))
     if unit.name == "jug" or draw.chance(0.1):
         still.append(unit.add("handle", _grip(draw, radius, height)))
-    base = Link("body", still, kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY], [4, 1, 1]))
+    base = Link("body", still, kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY], [4, 1, 1]))
     top = height + neck_height
     kind = draw.pick(["screw", "lift", "flip", "pump", "trigger"], [6, 2, 2, 2, 1])
     if kind == "pump":
@@ -54,6 +59,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _body(draw: Draw, radius: float, neck: float, height: float, segments: int) -> list[Mesh]:
+    """The body, round or oval, sometimes with rings."""
     shoulder = draw.between(0.55, 0.95)
     waist = draw.between(0.8, 1.05)
     curve = np.array(
@@ -61,7 +67,7 @@ def _body(draw: Draw, radius: float, neck: float, height: float, segments: int) 
     )
     profile = np.concatenate([[[0.0, 0.0]], curve * (radius, height), [[neck, height]]])
     if draw.chance(0.2):
-        # A flat flask: an oval instead of a circle.
+        # A flask with an oval section that becomes round at the neck.
         mesh = lathe(profile, segments)
         flat = draw.between(0.5, 0.8)
         share = np.clip((mesh.vertices[:, 1] / height - shoulder) / max(1 - shoulder, 0.01), 0.0, 1.0)
@@ -76,6 +82,7 @@ def _body(draw: Draw, radius: float, neck: float, height: float, segments: int) 
 
 
 def _neck(draw: Draw, neck: float, height: float, length: float, segments: int) -> list[Mesh]:
+    """The neck, sometimes with a ring."""
     pieces = [tube(neck, 0.85 * neck, length, "y", (0, height + 0.5 * length, 0), segments)]
     if draw.chance(0.5):
         pieces.append(torus(1.05 * neck, 0.08 * neck, "y", (0, height + draw.between(0.1, 0.6) * length, 0), segments, 6))
@@ -83,7 +90,7 @@ def _neck(draw: Draw, neck: float, height: float, length: float, segments: int) 
 
 
 def _cap(draw: Draw, radius: float, height: float, segments: int) -> list[Mesh]:
-    """A cap whose foot is at the origin: plain, tapered, ribbed, domed or with a nozzle."""
+    """Meshes of a cap with its foot at the origin: plain, tapered, ribbed, domed or with a nozzle."""
     kind = draw.pick(["plain", "tapered", "ribbed", "domed", "nozzle"], [4, 2, 2, 1, 1])
     if kind == "ribbed":
         angle = np.linspace(0, 2 * np.pi, 48, endpoint=False)
@@ -101,6 +108,7 @@ def _cap(draw: Draw, radius: float, height: float, segments: int) -> list[Mesh]:
 
 
 def _grip(draw: Draw, radius: float, height: float) -> Mesh:
+    """A handle at the side."""
     out = radius * draw.between(0.4, 0.8)
     ends = [(0.9 * radius, 0.25), (radius + out, 0.3), (radius + out, 0.8), (0.8 * radius, 0.85)]
     path = rounded_path(np.array([(x, y * height, 0.0) for x, y in ends]), 0.3 * out)
@@ -108,7 +116,7 @@ def _grip(draw: Draw, radius: float, height: float) -> Mesh:
 
 
 def _pump(draw: Draw, unit: Node, base: Link, neck: float, top: float) -> list[Link]:
-    """A collar that screws and a spout that is pressed down."""
+    """A pump: a collar that may screw, and a head with a spout that slides down."""
     collar_height, travel = neck * draw.between(0.4, 0.9), neck * draw.between(0.5, 1.2)
     collar = cylinder(1.1 * neck, collar_height, "y", (0, top, 0), 20)
     stem_top = top + 0.5 * collar_height + travel
@@ -126,7 +134,7 @@ def _pump(draw: Draw, unit: Node, base: Link, neck: float, top: float) -> list[L
 
 
 def _trigger(draw: Draw, unit: Node, base: Link, neck: float, top: float) -> list[Link]:
-    """A sprayer: a trigger that turns about a level line under the head, or slides in, and maybe a nozzle that turns."""
+    """A sprayer: a trigger that turns about a horizontal line or slides, and sometimes a nozzle that turns."""
     size = max(neck, 0.1) * draw.between(0.8, 1.4)
     collar = cylinder(1.1 * neck, 0.6 * size, "y", (0, top, 0), 20)
     head = box((0.5 * size, 0.5 * size, 2.2 * size), (0, top + 1.5 * size, 0.3 * size))

@@ -1,4 +1,4 @@
-"""Boxes with lids and flaps: chests, cartons, cases; most real ones stand open."""
+"""Boxes with lids and flaps: chests, cartons and cases. Most are shown open, as most real ones are."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from kinmo.core.shape import Mesh
 from kinmo.synth.details.carrying_handles import add_carrying_handle
 from kinmo.synth.details.clasps import add_clasp
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, extrude, inside_out, join, move, turn
-from kinmo.synth.primitives.place import facing, rotation_about, transform
+from kinmo.synth.primitives.transforms import facing, rotation_about, transform
+from kinmo.synth.synth_object import Link, Node, SynthObject, hinge, slider
 
 
 @dataclass(frozen=True)
 class _Size:
-    """Half extents (x, z) of the body; it stands on 0 and ends at `top`."""
+    """Size of the body: half extents along x and z, height `top`, and wall thickness. It stands on y = 0."""
 
     x: float
     z: float
@@ -26,12 +26,13 @@ class _Size:
 
 
 def build(draw: Draw) -> SynthObject:
-    size = _Size(
-        draw.between(0.35, 0.9),
-        draw.between(0.3, 0.6),
-        draw.between(0.2, 0.9),
-        draw.pick([0.0, draw.between(0.01, 0.06)], [1, 5]),
-    )
+    """Box with a lid, flaps or a tray, and sometimes clasps and carrying handles.
+
+    Variants: one lid hinged at the rear, two or four carton flaps, two half lids, a loose lid that lifts off or slides, and a
+    tray. Clasps and handles have joints of their own.
+    """
+    x, z, top = draw.between(0.35, 0.9), draw.between(0.3, 0.6), draw.between(0.2, 0.9)
+    size = _Size(x, z, top, draw.pick([0.0, draw.between(0.01, 0.06)], [1, 5]))
     nested = draw.chance(0.2)
     root = Node(draw.pick(["Box", "box"], [5, 1]) if not nested else "storage_furniture")
     above = root.add("chest") if nested else root
@@ -50,7 +51,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _tub(size: _Size) -> list[Mesh]:
-    """Four walls and a floor, open above; walls without thickness are sheets."""
+    """Four walls and a floor, open above. Walls of thickness 0 are sheets."""
     x, z, top, wall = size.x, size.z, size.top, size.wall
     return [
         box_between((-x, 0, -z), (-x + wall, top, z)),
@@ -62,7 +63,7 @@ def _tub(size: _Size) -> list[Mesh]:
 
 
 def _lid(draw: Draw, above: Node, base: Link, size: _Size, nested: bool) -> list[Link]:
-    """One lid hinged at the rear rim (or a side): flat, a hollow half, or vaulted; with a latch or lock at the front."""
+    """One lid hinged at the rear rim: flat, a hollow half, or vaulted, sometimes with clasps at the front."""
     over = draw.pick([0.0, draw.between(0.0, 0.05)])
     x, z = size.x + over, size.z + over
     kind = draw.pick(["flat", "hollow", "vaulted"], [4, 3, 2])
@@ -85,7 +86,7 @@ def _lid(draw: Draw, above: Node, base: Link, size: _Size, nested: bool) -> list
     motion = hinge(edge, (-1, 0, 0), 0, opens, rest=rest)
     group = above.add("chest_lid") if nested else above
     node = group.add("lid_surface" if nested else draw.pick(["rotation_lid", "lid"], [4, 1]), *pieces)
-    lid = Link("rotation_lid", [node], base, motion, lumped_name="rotation_lid")
+    lid = Link("rotation_lid", [node], base, motion, leaf_name="rotation_lid")
     links = [lid]
     if draw.chance(0.3):
         hinges = [cylinder(0.02, 0.12, "x", edge + [s * 0.6 * x, 0, 0], 10) for s in (-1, 1)]
@@ -112,13 +113,13 @@ def _locks(draw: Draw, above: Node, base: Link, lid: Link, size: _Size, z: float
     links = []
     tall = min(draw.between(0.03, 0.26), 0.6 * size.top)
     places = draw.pick([[0.0], [-0.6, 0.6], [-0.4, 0.4], [-0.7, 0.0, 0.7]], [5, 3, 1, 1])
-    for same, place in zip(draw.alike(len(places)), places, strict=True):
+    for same, place in zip(draw.identical(len(places)), places, strict=True):
         links += add_clasp(same, above, base, lid, facing(Z, Y, (place * size.x, size.top, z)), tall)
     return links
 
 
 def _flaps(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
-    """A carton: two or four flaps on the rim, each more or less open."""
+    """Two or four flaps on the rim of a carton, each open by its own angle."""
     thick = max(0.004, 0.3 * size.wall)
     links = []
     sides = draw.pick([("left", "right"), ("front", "back"), ("left", "right", "front", "back")], [1, 1, 3])
@@ -141,7 +142,7 @@ def _flaps(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
 
 
 def _split_lid(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
-    """Two halves that open to opposite sides, hinged at the outer edges or at a bar in the middle."""
+    """Two half lids that open to opposite sides, hinged at the outer edges or at the middle."""
     thick, links = draw.between(0.02, 0.1), []
     outer = draw.chance(0.6)
     opens = draw.pick([90.0, 110.0, 180.0]) if outer else draw.pick([80.0, 90.0])
@@ -155,7 +156,7 @@ def _split_lid(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
 
 
 def _loose_lid(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
-    """A lid that lifts off, or a board that slides out along x or z in grooves."""
+    """A lid that lifts off, or a board that slides out along x or z."""
     thick = draw.between(0.015, 0.1)
     if draw.chance(0.55):
         over = draw.between(0.0, 0.04)
@@ -175,11 +176,11 @@ def _loose_lid(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
         direction, length = draw.pick([(Z, 2 * size.z), (X, 2 * size.x)], [2, 1])
         reach = length * draw.between(0.6, 1.0)
         motion = slider(direction, 0, reach, rest=reach * draw.pick([0.0, draw.between(0.1, 0.8)]))
-    return [Link("lid", [above.add(draw.pick(["translation_lid", "lid"]), *pieces)], base, motion, lumped_name="lid")]
+    return [Link("lid", [above.add(draw.pick(["translation_lid", "lid"]), *pieces)], base, motion, leaf_name="lid")]
 
 
 def _tray(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
-    """A closed case, open at one side, from which a tray slides like a drawer."""
+    """A case, open at one side, and a tray that slides out of it."""
     wall = max(size.wall, 0.01)
     base.nodes[0].pieces[:] = [
         box_between((-size.x, size.top, -size.z), (size.x, size.top + wall, size.z)),
@@ -196,7 +197,7 @@ def _tray(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
 
 
 def _decorate(draw: Draw, above: Node, base: Link, size: _Size) -> None:
-    """Feet, corner fittings, bands round the body, or something inside."""
+    """Add feet, corner fittings, bands around the body, or an object inside."""
     body = base.nodes[0]
     kind = draw.pick(["none", "feet", "corners", "bands", "contents"], [4, 2, 2, 2, 1])
     corners = [(sx * size.x, sz * size.z) for sx in (-1, 1) for sz in (-1, 1)]
@@ -213,12 +214,12 @@ def _decorate(draw: Draw, above: Node, base: Link, size: _Size) -> None:
 
 
 def _side_handles(draw: Draw, above: Node, base: Link, size: _Size) -> list[Link]:
-    """Handles at the ends or at the front that hang against the wall, or one on top of its normal at the ends."""
+    """Two carrying handles, at the ends or at the front, hanging down or standing out."""
     links = []
     half = draw.between(0.1, 0.3) * size.z
     height, movable, hangs = draw.between(0.55, 0.95) * size.top, draw.chance(0.7), draw.chance(0.8)
     walls = draw.pick(["ends", "front"], [5, 1])
-    for same, side in zip(draw.alike(2), (-1.0, 1.0), strict=True):
+    for same, side in zip(draw.identical(2), (-1.0, 1.0), strict=True):
         wall = (side * X, (side * size.x, height, 0)) if walls == "ends" else (Z, (side * 0.5 * size.x, height, size.z))
         place = facing(wall[0], Y, wall[1])
         links += add_carrying_handle(same, above, base, place, half, hangs=hangs, movable=movable)

@@ -1,4 +1,4 @@
-"""Buckets and pails: a bow turns about the line through its two ends and stands up, leans, or lies against the wall."""
+"""Buckets and pails with a bow that turns about the line through its two ends."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.turning_handles import FLAT
+from kinmo.synth.details.turning_handles import FLAT_BAR_OUTLINE
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
 from kinmo.synth.primitives import (
     arc_path,
     box,
@@ -26,11 +25,21 @@ from kinmo.synth.primitives import (
     torus,
     tube,
 )
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge
 
 
 @dataclass(frozen=True)
 class _Plan:
-    """Half widths of the opening along x and z, at the bottom and at the rim; the bow's line is along x at height `ears`."""
+    """Size of a bucket, standing on y = 0.
+
+    Attributes:
+        bottom: half width along x at the bottom.
+        top: half width along x at the rim.
+        stretch: half width along z over that along x.
+        height: height of the rim.
+        ears: height of the bow's ends, which lie on a line along x.
+        wall: thickness of the wall.
+    """
 
     bottom: float
     top: float
@@ -45,6 +54,10 @@ class _Plan:
 
 
 def build(draw: Draw) -> SynthObject:
+    """Bucket, round or square, with one or two bows and sometimes a lid.
+
+    A bow stands upright at joint value 0 and lies down to one side or both.
+    """
     top = 0.5
     height = draw.between(0.6, 1.5)
     ears = height * draw.pick([draw.between(0.75, 0.95), draw.between(0.95, 1.03)])
@@ -53,7 +66,7 @@ def build(draw: Draw) -> SynthObject:
     root = Node("Bucket")
     shell = _square_shell(plan) if square else _round_shell(draw, plan)
     body = Node("base_body", pieces=shell)
-    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY], [6, 1, 1]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY], [6, 1, 1]))
     rod = draw.between(0.008, 0.03)
     gap = draw.pick([0.0, draw.between(-0.01, 0.01), draw.between(0.01, 0.04)])
     reach = plan.reach(ears) + gap + rod
@@ -66,11 +79,12 @@ def build(draw: Draw) -> SynthObject:
     root.children = nodes[::-1] if draw.chance(0.8) else nodes
     if draw.chance(0.08):
         lid = root.add("lid", cylinder(1.03 * top, 0.06, "y", (0, height + 0.03, 0), 24))
-        links.append(Link("lid", [lid], kind=JointName.JUNK) if draw.chance(0.5) else Link("lid", [lid], base))
+        links.append(Link("lid", [lid], kind=JointType.JUNK) if draw.chance(0.5) else Link("lid", [lid], base))
     return SynthObject("Bucket", root, links)
 
 
 def _round_shell(draw: Draw, plan: _Plan) -> list[Mesh]:
+    """A round body, sometimes with hoops, a rim, contents or a spout."""
     segments = draw.pick([6, 8, 16, 24, 32], [1, 1, 3, 5, 3])
     belly = draw.pick([0.0, draw.between(-0.05, 0.08)])
     share = np.linspace(0.0, 1.0, 7)
@@ -95,6 +109,7 @@ def _round_shell(draw: Draw, plan: _Plan) -> list[Mesh]:
 
 
 def _square_shell(plan: _Plan) -> list[Mesh]:
+    """A square body of five plates."""
     x, z, wall = plan.top, plan.top * plan.stretch, plan.wall
     pieces = [box((2 * x, wall, 2 * z), (0, 0.5 * wall, 0))]
     pieces += [box_between((s * x - wall / 2, 0, -z), (s * x + wall / 2, plan.height, z)) for s in (-1, 1)]
@@ -103,9 +118,9 @@ def _square_shell(plan: _Plan) -> list[Mesh]:
 
 
 def _bow(draw: Draw, plan: _Plan, base: Link, reach: float, rod: float, z: float) -> Link:
-    """A bow over x in the plane z, upright at 0, that clears the rim when it lies down."""
+    """A bow above the x axis in the plane z, upright at joint value 0. It clears the rim when it lies down."""
     rise = reach * draw.pick([draw.between(1.02, 1.35), draw.between(0.5, 1.0)], [4, 1])
-    # Below the rim only a high bow comes round; a flat one stops when it meets the rim.
+    # If its ends are below the rim, only a high bow passes the rim; a flat bow stops there.
     over = max(plan.height - plan.ears, 0.0) + rod
     rise = max(rise, 1.5 * over)
     if rise > reach and z == 0.0:
@@ -114,7 +129,8 @@ def _bow(draw: Draw, plan: _Plan, base: Link, reach: float, rod: float, z: float
         down = math.degrees(math.acos(min(1.0, over / rise)))
     path = _bow_path(draw, reach, rise)
     if draw.chance(0.25):
-        pieces = [sweep_outline(path, FLAT if draw.chance(0.5) else FLAT[:, ::-1], rod * draw.between(3.0, 7.0))]
+        outline = FLAT_BAR_OUTLINE if draw.chance(0.5) else FLAT_BAR_OUTLINE[:, ::-1]
+        pieces = [sweep_outline(path, outline, rod * draw.between(3.0, 7.0))]
     else:
         pieces = [sweep(path, rod, draw.pick([6, 8, 12]))]
     if draw.chance(0.3):
@@ -128,7 +144,7 @@ def _bow(draw: Draw, plan: _Plan, base: Link, reach: float, rod: float, z: float
     rest = draw.pick([0.0, draw.sign() * down, draw.between(-0.9, 0.9) * down], [4, 6, 2])
     span = (-down, down) if draw.chance(0.7) else (min(rest, 0.0), max(rest, 60.0))
     if z:
-        # One of a pair: it lies down to its own side.
+        # Each bow of a pair lies down to its own side.
         rest = math.copysign(draw.pick([0.0, down]), z)
         span = (0.0, down) if z > 0 else (-down, 0.0)
     origin = (draw.pick([0.0, reach, draw.between(-0.5, 0.5)]), plan.ears, z)
@@ -136,6 +152,7 @@ def _bow(draw: Draw, plan: _Plan, base: Link, reach: float, rod: float, z: float
 
 
 def _bow_path(draw: Draw, reach: float, rise: float) -> NDArray[np.float64]:
+    """Path [N, 3] of a bow in the plane z = 0: an arc, a bracket or a bracket with shoulders."""
     kind = draw.pick(["arc", "bracket", "shoulders"], [6, 2, 1])
     if kind == "arc":
         return arc_path((0, 0, 0), reach, 0.0, 180.0, "z", draw.pick([9, 13, 19, 25]), aspect=rise / reach)
@@ -145,7 +162,7 @@ def _bow_path(draw: Draw, reach: float, rise: float) -> NDArray[np.float64]:
 
 
 def _ears(draw: Draw, plan: _Plan, reach: float, rod: float) -> list[Mesh]:
-    """What holds the bow's ends: plates, pins or lugs on the wall."""
+    """Fittings at the bow's ends: plates, pins or lugs on the wall."""
     kind = draw.pick(["plate", "pin", "lug"])
     pieces = []
     for side in (-1.0, 1.0):

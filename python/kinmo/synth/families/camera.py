@@ -1,19 +1,23 @@
-"""Cameras: lenses that turn, slide or screw out, shutter buttons, mode dials, folding screens, flashes and lens caps."""
+"""Cameras with lenses, buttons, dials, folding screens, flashes and lens caps."""
 
 from __future__ import annotations
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import button, dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, screw, slider, spinner
 from kinmo.synth.primitives import X, Y, Z, box, cylinder, rounded_box, tube, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, screw, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Camera whose lens has one to three stages.
+
+    Each stage turns, slides or screws relative to the one behind it. Buttons slide, dials turn, a screen folds out, a flash
+    flips up, and a lens cap slides off.
+    """
     width, height, depth = draw.between(0.9, 1.3), draw.between(0.6, 0.85), draw.between(0.2, 0.5)
-    root = Node("Camera")
     body = Node("base_body", pieces=_housing(draw, width, height, depth))
-    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     links = [base, *_lens(draw, base, width, height, 0.5 * depth)]
     links += _top(draw, base, width, height, depth)
     if draw.chance(0.35):
@@ -24,11 +28,11 @@ def build(draw: Draw) -> SynthObject:
         opening = draw.between(30.0, 80.0)
         rest = -opening if draw.chance(0.4) else 0.0
         links.append(Link("lid", [flash], base, hinge((0, 0.5 * height + 0.1, -0.07), X, -opening, 0.0, rest=rest)))
-    root.children = [node for link in links[1:] for node in link.nodes] + [body]
-    return SynthObject("Camera", root, links)
+    return SynthObject.flat("Camera", links)
 
 
 def _housing(draw: Draw, width: float, height: float, depth: float) -> list[Mesh]:
+    """The body, sometimes with a viewfinder and a grip."""
     pieces = [rounded_box((width, height, depth), draw.between(0.02, 0.15), draw.pick(["y", "z"]))]
     if draw.chance(0.6):
         pieces.append(box((0.3 * width, 0.15, 0.7 * depth), (0, 0.5 * height + 0.05, 0)))
@@ -38,7 +42,7 @@ def _housing(draw: Draw, width: float, height: float, depth: float) -> list[Mesh
 
 
 def _lens(draw: Draw, base: Link, width: float, height: float, front: float) -> list[Link]:
-    """A barrel to the front in one or two stages, each turning, sliding or screwing against the one behind; perhaps a cap."""
+    """One to three lens stages, each turning, sliding or screwing relative to the one behind; sometimes a cap."""
     x, y = draw.pick([0.0, 0.15 * width]), -0.05 * height
     radius = 0.38 * height * draw.between(0.6, 1.0)
     links = []
@@ -63,7 +67,7 @@ def _lens(draw: Draw, base: Link, width: float, height: float, front: float) -> 
 
 
 def _top(draw: Draw, base: Link, width: float, height: float, depth: float) -> list[Link]:
-    """The shutter button and dials on the top, buttons on the back."""
+    """The shutter button and dials on top, and buttons on the back."""
     links = []
     top = 0.5 * height
     x = -0.38 * width
@@ -92,6 +96,6 @@ def _screen(draw: Draw, base: Link, width: float, height: float, depth: float) -
     opening = draw.between(90.0, 170.0)
     rest = draw.between(20.0, opening) if draw.chance(0.4) else 0.0
     if draw.chance(0.6):
-        # From behind, the edge at +x stays: turning about +y swings the other edge backwards.
+        # The edge at +x is fixed; the joint swings the other edge backwards.
         return Link("screen", [node], base, hinge((0.3 * width, 0, line), -Y, 0.0, opening, rest=rest))
     return Link("screen", [node], base, hinge((0, 0.3 * height, line), X, 0.0, opening, rest=rest))

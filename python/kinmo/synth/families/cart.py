@@ -1,4 +1,4 @@
-"""Carts and trolleys: a platform or baskets on wheels and casters, with fixed, folding or pulling handles."""
+"""Carts and trolleys on wheels and casters, with fixed, folding or sliding handles."""
 
 from __future__ import annotations
 
@@ -6,12 +6,16 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, SynthObject, hinge, slider, spinner
-from kinmo.synth.primitives import box, box_between, cylinder, join, sweep, torus, tube, turn
-from kinmo.synth.primitives.turned import rounded_path
+from kinmo.synth.primitives import box, box_between, cylinder, join, rounded_path, sweep, torus, tube, turn
+from kinmo.synth.synth_object import Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Cart with wheels that roll and casters that swivel.
+
+    Variants: a platform, shelves, a basket (sometimes with a tailgate that folds down), and a wheelbarrow. The handle is fixed,
+    folds, slides up, or is a drawbar that tips.
+    """
     width, length = draw.between(0.5, 0.9), draw.between(0.8, 1.5)
     radius = draw.between(0.07, 0.2)
     floor = 2 * radius + draw.between(0.02, 0.1)
@@ -33,7 +37,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _deck(draw: Draw, body: Node, kind: str, width: float, length: float, floor: float) -> None:
-    """What carries the load: a plate, two to three shelves between posts, or a basket of bars."""
+    """Add the load area: a plate, two or three shelves between posts, or a basket."""
     x, z, rod = width / 2, length / 2, 0.018
     body.add("platform", box((width, draw.between(0.02, 0.06), length), (0, floor, 0)))
     if kind == "shelves":
@@ -64,7 +68,7 @@ def _deck(draw: Draw, body: Node, kind: str, width: float, length: float, floor:
 def _wheel(
     draw: Draw, root: Node, carrier: Link, at: tuple[float, float, float], radius: float, thick: float, name: str
 ) -> list[Link]:
-    """A wheel that turns about x: a disc, a tyre with spokes, or a rim with a hub."""
+    """A wheel that rolls about x: a disc, a tyre with spokes, or a rim with a hub."""
     kind = draw.pick(["disc", "spokes", "rim"])
     pieces = [cylinder(radius, thick, "x", at, draw.pick([16, 24, 32]))]
     if kind == "spokes":
@@ -76,7 +80,7 @@ def _wheel(
 
 
 def _wheels(draw: Draw, root: Node, base: Link, width: float, length: float, radius: float, floor: float) -> list[Link]:
-    """Four wheels, two of them or all as casters, or two on one axle with a stand."""
+    """Four wheels. None, two or all of them are on casters."""
     links: list[Link] = []
     thick = draw.between(0.03, 0.07)
     casters = draw.pick([(), (1,), (-1, 1)], [2, 4, 2])
@@ -101,7 +105,7 @@ def _wheels(draw: Draw, root: Node, base: Link, width: float, length: float, rad
 
 
 def _handle(draw: Draw, root: Node, base: Link, width: float, length: float, floor: float) -> list[Link]:
-    """A push bar at the rear: fixed, folding down onto the deck, or sliding up; or a drawbar at the front."""
+    """A handle at the rear that is fixed, folds onto the deck or slides up; or a drawbar at the front."""
     kind = draw.pick(["fixed", "folding", "telescopic", "drawbar"], [4, 3, 1, 2])
     rise, half = draw.between(0.5, 1.0), 0.45 * width
     if kind == "drawbar":
@@ -132,7 +136,7 @@ def _tailgate(draw: Draw, root: Node, base: Link, width: float, length: float, f
 
 
 def _barrow(draw: Draw, body: Node, width: float, length: float, floor: float) -> None:
-    """A tray on two long handles, with two legs at the rear."""
+    """Add a tray on two long handles, with two legs at the rear."""
     tray_low, tray_high = floor + 0.1, floor + draw.between(0.35, 0.5)
     outline = [(-0.3 * width, -0.3 * length), (0.3 * width, 0.3 * length)]
     (x0, z0), (x1, z1) = outline
@@ -143,12 +147,7 @@ def _barrow(draw: Draw, body: Node, width: float, length: float, floor: float) -
     faces = np.array([*sides, [0, 2, 1], [0, 3, 2]], np.uint32)[:, ::-1]
     body.add("container", Mesh(np.concatenate([lower, upper]), faces))
     for side in (-1, 1):
-        path = np.array(
-            [
-                [side * 0.06, 0.9 * floor * 0.5, 0.6 * length],
-                [side * 0.25 * width, tray_low, 0.0],
-                [side * 0.4 * width, tray_low + 0.2, -0.9 * length],
-            ]
-        )
+        low = [side * 0.06, 0.9 * floor * 0.5, 0.6 * length]
+        path = np.array([low, [side * 0.25 * width, tray_low, 0.0], [side * 0.4 * width, tray_low + 0.2, -0.9 * length]])
         body.add("frame", sweep(rounded_path(path, 0.2), 0.02, 8))
         body.add("leg", box((0.03, tray_low, 0.04), (side * 0.25 * width, tray_low / 2, -0.25 * length)))

@@ -1,4 +1,4 @@
-"""Swivel chairs and stools: the seat turns on its column or screws up it, casters turn and roll, levers and backs tip."""
+"""Swivel chairs and stools with casters, levers, backs and other moving parts."""
 
 from __future__ import annotations
 
@@ -7,19 +7,24 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.seat_extras import add_foot_rest, add_moving_arms, add_writing_board
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, screw, slider, spinner
 from kinmo.synth.primitives import X, Y, box, cylinder, dome, move, rounded_box, rounded_path, sweep, torus, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, screw, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Chair or stool whose seat turns on its column, screws up it, or slides up.
+
+    Casters swivel and roll. A back tips, a lever tips, armrests slide or turn up, a footrest folds or slides, and a writing
+    board turns.
+    """
     root = Node("chair")
     stool = draw.chance(0.3)
     seat_y, seat_radius = draw.between(0.8, 1.1), draw.between(0.4, 0.55)
     foot = root.add("chair_base").add("star_leg_base")
-    base = Link("chair_base", [], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    base = Link("chair_base", [], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     links = [base]
     hub = _foot(draw, foot, base, links, seat_y)
-    moving = _seat(draw, root, seat_y, seat_radius, round_one=stool or draw.chance(0.2))
+    moving = _seat(draw, root, seat_y, seat_radius, is_round=stool or draw.chance(0.2))
     if draw.chance(0.5):
         column = cylinder(0.04, seat_y - hub - 0.02, "y", (0, 0.5 * (seat_y + hub), 0), 16)
         moving.append(foot.add("mechanical_control", column))
@@ -38,7 +43,7 @@ def build(draw: Draw) -> SynthObject:
     }[kind]
     carrier = base
     if kind == "swivel" and draw.chance(0.25):
-        # The column rises out of the foot, the seat turns on it.
+        # The column slides up out of the foot, and the seat turns on it.
         tube = foot.add("central_support", cylinder(0.03, seat_y - hub, "y", (0, 0.5 * (seat_y + hub), 0), 16))
         carrier = Link("column", [tube], base, slider(Y, draw.pick([0.0, -0.5 * lift]), lift))
         links.append(carrier)
@@ -65,7 +70,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _foot(draw: Draw, foot: Node, base: Link, links: list[Link], seat_y: float) -> float:
-    """Star legs on casters or glides, a disc, or straight legs; returns the height at which the column starts."""
+    """Add star legs with or without casters, a disc, or straight legs; returns the height at which the column starts."""
     kind = draw.pick(["star", "disc", "legs"], [6, 2, 2])
     if kind == "disc":
         radius = draw.between(0.35, 0.5)
@@ -92,7 +97,7 @@ def _foot(draw: Draw, foot: Node, base: Link, links: list[Link], seat_y: float) 
 def _caster(
     draw: Draw, foot: Node, base: Link, links: list[Link], reach: float, low: float, wheel: float, angle: float
 ) -> None:
-    """A fork that turns about an upright line at the leg's end, with wheels that roll about a level one."""
+    """Add a caster at the end of a leg: a fork that swivels about a vertical line, and wheels that roll."""
     trail, heading = 0.5 * wheel, draw.between(0.0, 360.0)
     node = foot.add("wheel")
     stem = cylinder(0.012, low - wheel, "y", (0, 0.5 * (low + wheel), 0), 8)
@@ -113,10 +118,11 @@ def _caster(
         fork.nodes.append(rolling)
 
 
-def _seat(draw: Draw, root: Node, y: float, radius: float, *, round_one: bool) -> list[Node]:
+def _seat(draw: Draw, root: Node, y: float, radius: float, *, is_round: bool) -> list[Node]:
+    """Add the seat at height `y`; returns its nodes."""
     thick = draw.between(0.05, 0.16)
     seat = root.add("chair_seat")
-    if round_one:
+    if is_round:
         cushion = cylinder(radius * 0.85, thick, "y", (0, y + 0.5 * thick, 0), 28, top_radius=radius * draw.between(0.75, 0.85))
         seat.add("seat_surface", cushion)
     else:
@@ -128,7 +134,7 @@ def _seat(draw: Draw, root: Node, y: float, radius: float, *, round_one: bool) -
 
 
 def _back(draw: Draw, root: Node, links: list[Link], seat: Link, y: float, radius: float) -> None:
-    """A back behind the seat on a bracket, fixed to the seat or tipping against it."""
+    """Add a back on a bracket behind the seat, fixed to the seat or tipping."""
     low, tall, lean = y + draw.between(0.15, 0.35), draw.between(0.5, 1.0), draw.between(3.0, 15.0)
     z = -0.95 * radius
     back = root.add("chair_back")
@@ -136,8 +142,8 @@ def _back(draw: Draw, root: Node, links: list[Link], seat: Link, y: float, radiu
     panel = rounded_box(size, draw.between(0.03, 0.2), "z", (0, low + 0.5 * tall, z))
     back.add("back_surface", turn(panel, X, -lean, (0, low, z)))
     under = y - 0.03
-    way = np.array([(0, under, -0.3 * radius), (0, under, z - 0.06), (0, low + 0.4 * tall, z - 0.08)])
-    back.add("back_support", sweep(rounded_path(way, 0.1), draw.between(0.02, 0.04), 8))
+    path = np.array([(0, under, -0.3 * radius), (0, under, z - 0.06), (0, low + 0.4 * tall, z - 0.08)])
+    back.add("back_support", sweep(rounded_path(path, 0.1), draw.between(0.02, 0.04), 8))
     if draw.chance(0.3):
         at = (0, y - 0.03, draw.between(-0.95, -0.3) * radius)
         rest = draw.pick([0.0, -draw.between(0.0, 15.0)])
@@ -147,6 +153,7 @@ def _back(draw: Draw, root: Node, links: list[Link], seat: Link, y: float, radiu
 
 
 def _arms(draw: Draw, y: float, radius: float) -> list[Mesh]:
+    """Two fixed armrests: rings, or rods with pads."""
     top = y + draw.between(0.3, 0.45)
     x = radius * draw.between(0.98, 1.1)
     if draw.chance(0.4):
@@ -154,7 +161,7 @@ def _arms(draw: Draw, y: float, radius: float) -> list[Mesh]:
         return [move(bow, (s * x, top - 0.15, 0)) for s in (-1, 1)]
     pieces = []
     for side in (-1.0, 1.0):
-        way = [(0.5 * side * x, y, 0), (side * x, y, 0), (side * x, top, 0)]
-        pieces.append(sweep(rounded_path(np.array(way), 0.08), 0.022, 8))
+        path = [(0.5 * side * x, y, 0), (side * x, y, 0), (side * x, top, 0)]
+        pieces.append(sweep(rounded_path(np.array(path), 0.08), 0.022, 8))
         pieces.append(rounded_box((0.09, 0.04, 0.45), 0.04, "y", (side * x, top, draw.between(0.0, 0.08))))
     return pieces

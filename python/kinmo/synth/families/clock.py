@@ -1,4 +1,4 @@
-"""Clocks: hands about one line through the dial's middle, pendulums, doors in tall cases, alarm clocks' knobs and buttons."""
+"""Clocks with hands, pendulums, cases with doors, knobs and buttons."""
 
 from __future__ import annotations
 
@@ -7,11 +7,16 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import button, dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, ellipsoid, extrude, move, scale, torus, tube, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Clock with two or three hands that turn about the centre of the dial.
+
+    Variants: a wall clock, an alarm clock (a button slides, a knob and a handle turn), a pendulum clock, and a tall case clock
+    with a hinged door.
+    """
     root = Node("clock")
     kind = draw.pick(["wall", "alarm", "pendulum", "tall"], [4, 3, 2, 2])
     radius, depth = 0.5, draw.between(0.06, 0.2) if kind == "wall" else draw.between(0.2, 0.5)
@@ -28,7 +33,7 @@ def build(draw: Draw) -> SynthObject:
     else:
         surface.add("surface_base", cylinder(0.97 * radius, 0.02, "z", (0, 0, front - face_depth), 32))
     frame = body.add("frame", *_case(draw, square, radius, depth))
-    base = Link("clock_body", [surface.children[0], frame], kind=draw.pick([JointName.STATIC, JointName.FREE, JointName.HEAVY]))
+    base = Link("clock_body", [surface.children[0], frame], kind=draw.pick([JointType.STATIC, JointType.FREE, JointType.HEAVY]))
     links = [base, *_hands(draw, surface, base, radius, front - face_depth + 0.012)]
     if draw.chance(0.4):
         numbers = [turn(box((0.02, 0.08, 0.01), (0, 0.85 * radius, front - face_depth)), Z, -30.0 * i) for i in range(12)]
@@ -41,15 +46,12 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _case(draw: Draw, square: bool, radius: float, depth: float) -> list[Mesh]:
+    """The case, round or square."""
     wall = draw.between(0.03, 0.1)
     if square:
         half = 0.9 * radius
-        sides = [
-            box_between(
-                (s * (half + wall / 2) - wall / 2, -half, -depth / 2), (s * (half + wall / 2) + wall / 2, half, depth / 2)
-            )
-            for s in (-1, 1)
-        ]
+        middles = [s * (half + wall / 2) for s in (-1, 1)]
+        sides = [box_between((x - wall / 2, -half, -depth / 2), (x + wall / 2, half, depth / 2)) for x in middles]
         ends = [turn(side, Z, 90.0) for side in sides]
         return [*sides, *ends, box((2 * half, 2 * half, 0.02), (0, 0, -depth / 2))]
     ring = tube(radius + wall, radius, depth, "z", (0, 0, 0), 32)
@@ -59,7 +61,7 @@ def _case(draw: Draw, square: bool, radius: float, depth: float) -> list[Mesh]:
 
 
 def _hands(draw: Draw, surface: Node, base: Link, radius: float, z: float) -> list[Link]:
-    """Two or three hands, each in a layer of its own, all about the dial's middle."""
+    """Two or three hands in separate layers, all about the centre of the dial."""
     links = []
     group = surface.add("hand") if draw.chance(0.5) else surface
     for index in range(draw.pick([2, 3], [1, 1])):
@@ -83,7 +85,7 @@ def _hands(draw: Draw, surface: Node, base: Link, radius: float, z: float) -> li
 
 
 def _alarm(draw: Draw, body: Node, base: Link, radius: float, depth: float) -> list[Link]:
-    """Legs, bells or a button on top, a knob at the back, a foot that folds out or a handle."""
+    """Legs, and sometimes a button on top, a knob at the back and a handle of an alarm clock."""
     links = []
     outer = radius + 0.08
     legs = [turn(cylinder(0.04, 0.25, "y", (0, -outer, 0), 10), Z, s * draw.between(25.0, 40.0)) for s in (-1, 1)]
@@ -101,19 +103,13 @@ def _alarm(draw: Draw, body: Node, base: Link, radius: float, depth: float) -> l
         swing = draw.between(40.0, 90.0)
         rest = draw.pick([0.0, draw.between(-swing, swing)])
         origin = (0, 0.85 * outer, 0)
-        links.append(
-            Link(
-                "handle",
-                [body.add("handle", move(bow, (0, 0.85 * outer + 0.1, 0)))],
-                base,
-                hinge(origin, X, -swing, swing, rest=rest),
-            )
-        )
+        node = body.add("handle", move(bow, (0, 0.85 * outer + 0.1, 0)))
+        links.append(Link("handle", [node], base, hinge(origin, X, -swing, swing, rest=rest)))
     return links
 
 
 def _pendulum(draw: Draw, unit: Node, frame: Node, base: Link, depth: float, *, tall: bool) -> list[Link]:
-    """A bob on a rod that swings about a level line to the front, below the dial; in a tall case behind a door."""
+    """A pendulum below the dial that swings about a line along z, in a tall case sometimes behind a door."""
     length = draw.between(1.4, 2.6) if tall else draw.between(0.6, 1.2)
     half, low = draw.between(0.4, 0.55), -0.6 - length
     reach = 0.8 * length
@@ -121,11 +117,9 @@ def _pendulum(draw: Draw, unit: Node, frame: Node, base: Link, depth: float, *, 
     down = -0.6 - reach
     bob = draw.between(0.1, 0.18)
     rod = box_between((-0.015, down, pivot[2] - 0.008), (0.015, pivot[1], pivot[2] + 0.008))
-    disc = (
-        cylinder(bob, 0.03, "z", (0, down, pivot[2]), 24)
-        if draw.chance(0.8)
-        else ellipsoid((bob, bob, 0.04), (0, down, pivot[2]))
-    )
+    disc = cylinder(bob, 0.03, "z", (0, down, pivot[2]), 24)
+    if not draw.chance(0.8):
+        disc = ellipsoid((bob, bob, 0.04), (0, down, pivot[2]))
     swing = draw.between(6.0, 20.0)
     rest = draw.pick([0.0, draw.between(-swing, swing)])
     bar = Link("pendulum", [unit.add("pendulum", rod, disc)], base, hinge(pivot, Z * draw.sign(), -swing, swing, rest=rest))

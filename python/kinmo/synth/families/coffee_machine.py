@@ -1,4 +1,4 @@
-"""Coffee machines and blenders: lids and containers that lift off, levers, dials, buttons, trays and steam wands."""
+"""Coffee machines and blenders with lids, containers, levers, dials, buttons, trays and steam wands."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import button, dial, grid_places
 from kinmo.synth.details.turning_handles import lever
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import (
     X,
     Y,
@@ -26,6 +25,7 @@ from kinmo.synth.primitives import (
     sweep,
     turn,
 )
+from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, slider, spinner
 
 
 @dataclass
@@ -38,22 +38,27 @@ class _Machine:
     links: list[Link] = field(default_factory=list)
 
     def add(self, name: str, node_name: str, pieces: list[Mesh], motion: Motion, parent: Link | None = None) -> Link:
+        """Add a link with one node, on `parent` or the base."""
         link = Link(name, [Node(node_name, pieces=pieces)], parent or self.base, motion)
         self.links.append(link)
         return link
 
 
 def build(draw: Draw) -> SynthObject:
+    """Coffee machine or blender.
+
+    Variants: a blender, a drip machine, an espresso machine and a capsule machine. Containers slide off, and lids lift off or
+    fold up. Levers, steam wands and dials turn. Buttons and trays slide.
+    """
     body = Node("base_body")
-    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY], [4, 1, 1]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY], [4, 1, 1]))
     machine = _Machine(draw, body, base)
     draw.pick([_blender, _drip_machine, _espresso_machine, _capsule_machine], [3, 3, 3, 2])(machine)
-    root = Node("CoffeeMachine", children=[node for link in machine.links for node in link.nodes] + [body])
-    return SynthObject("CoffeeMachine", root, [base, *machine.links])
+    return SynthObject.flat("CoffeeMachine", [base, *machine.links])
 
 
 def _blender(machine: _Machine) -> None:
-    """A motor foot with a jar on top, the jar with a lid on top: each lifts off."""
+    """A motor base with a jar on top and a lid on the jar. Each lifts off."""
     draw = machine.draw
     radius, foot = draw.between(0.22, 0.32), draw.between(0.25, 0.6)
     round_foot = draw.chance(0.5)
@@ -64,7 +69,7 @@ def _blender(machine: _Machine) -> None:
         machine.body.pieces.append(lathe(profile, 24))
         front = 0.95 * radius
     else:
-        # A block whose front leans back.
+        # The front of the block leans back.
         back = np.tan(np.radians(lean)) * foot
         block = box((2 * radius, foot, 2 * radius), (0, 0.5 * foot, 0))
         corners = block.vertices.copy()
@@ -86,18 +91,13 @@ def _blender(machine: _Machine) -> None:
     cap = [cylinder(1.04 * jar, 0.06, "y", (0, top + 0.03, 0)), cylinder(0.3 * jar, 0.12, "y", (0, top + 0.1, 0), 16)]
     machine.add("lid", "lid", cap, slider(Y, 0.0, draw.pick([0.01, 0.05, 0.2])), container)
     tilt = -lean if not round_foot else draw.pick([0.0, -8.0])
-    _panel(
-        machine,
-        1.3 * radius,
-        0.5 * foot,
-        0.4 * foot,
-        front - (0.0 if round_foot else 0.4 * np.tan(np.radians(lean)) * foot),
-        tilt,
-    )
+    if not round_foot:
+        front -= 0.4 * np.tan(np.radians(lean)) * foot
+    _panel(machine, 1.3 * radius, 0.5 * foot, 0.4 * foot, front, tilt)
 
 
 def _drip_machine(machine: _Machine) -> None:
-    """A tower with an overhanging top; the pot below slides out, the lid above folds up at the rear."""
+    """A tower with an overhanging top. The pot below slides out, and the lid above folds up at the rear."""
     draw = machine.draw
     width, depth, height = draw.between(0.4, 0.7), draw.between(0.45, 0.7), draw.between(0.75, 1.1)
     plate, top = draw.between(0.08, 0.15), draw.between(0.2, 0.35)
@@ -151,9 +151,9 @@ def _espresso_machine(machine: _Machine) -> None:
         machine.add(draw.pick(["lever", "handle"]), "lever", [move(p, (x, under - 0.06, z)) for p in arm], turned)
     if draw.chance(0.5):
         x = draw.sign() * 0.42 * width
-        way = [(x, under, z), (x, under - 0.1, z + 0.1), (x, tray + 0.15, z + 0.15)]
-        wand = [ellipsoid((0.03, 0.03, 0.03), way[0], 12, 8), sweep(rounded_path(np.array(way), 0.08), 0.012, 8)]
-        machine.add("lever", "lever", wand, hinge(way[0], Y, -60.0, 60.0))
+        path = [(x, under, z), (x, under - 0.1, z + 0.1), (x, tray + 0.15, z + 0.15)]
+        wand = [ellipsoid((0.03, 0.03, 0.03), path[0], 12, 8), sweep(rounded_path(np.array(path), 0.08), 0.012, 8)]
+        machine.add("lever", "lever", wand, hinge(path[0], Y, -60.0, 60.0))
     if draw.chance(0.5):
         side = draw.sign()
         grip = dial(draw, draw.between(0.05, 0.09), draw.between(0.05, 0.1), (0, 0, 0))
@@ -165,7 +165,7 @@ def _espresso_machine(machine: _Machine) -> None:
 
 
 def _hand_levers(machine: _Machine, width: float, height: float, half: float) -> None:
-    """Levers on the top or the front: a long one that pulls a piston, short ones for steam."""
+    """Add one or two hand levers on the top or the front: long ones for a piston, short ones for steam."""
     draw = machine.draw
     name = draw.pick(["lever", "knob", "handle"], [2, 2, 1])
     for _ in range(draw.integer(1, 2)):
@@ -183,7 +183,7 @@ def _hand_levers(machine: _Machine, width: float, height: float, half: float) ->
 
 
 def _capsule_machine(machine: _Machine) -> None:
-    """A rounded body on a foot; a lever over the top turns about a level line, a cup stand and a tank lift off."""
+    """A rounded body on a foot. A lever over the top turns about a horizontal line; a cup stand and a cap lift off."""
     draw = machine.draw
     radius, neck = draw.between(0.25, 0.4), draw.between(0.4, 0.6)
     machine.body.pieces += [
@@ -208,7 +208,7 @@ def _capsule_machine(machine: _Machine) -> None:
 
 
 def _panel(machine: _Machine, width: float, y: float, height: float, z: float, tilt: float) -> None:
-    """A dial, buttons or both on a front that leans by `tilt` degrees about the panel's middle."""
+    """Add a dial, buttons or both on a front that leans by `tilt` degrees about the panel's middle."""
     draw = machine.draw
     kind = draw.pick(["dial", "buttons", "both", "none"], [4, 4, 2, 1])
     middle = (0.0, y, z)

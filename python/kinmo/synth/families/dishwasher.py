@@ -1,26 +1,30 @@
-"""Dishwashers: a door that folds down about its lower edge, controls above or on it, racks that slide out."""
+"""Dishwashers with a door that folds down, controls and racks."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.appliance import add_dial, add_feet, frame, housing
+from kinmo.synth.details.appliances import add_dial, add_feet, appliance_casing, rectangular_frame
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import box, box_between, cylinder, join, sheet, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
 
 def build(draw: Draw) -> SynthObject:
+    """Dishwasher with a door hinged at its lower edge.
+
+    Racks slide out or are fixed; buttons slide and dials turn. In a rare variant the door is a drawer that slides out.
+    """
     width, height, depth = draw.between(0.8, 1.25), draw.between(1.0, 1.5), draw.between(0.8, 1.15)
     x, y, z = width / 2, height / 2, depth / 2
     wall = draw.between(0.02, 0.06)
     root = Node("dishwasher")
     body = root.add("body")
-    casing = body.add("frame", *housing(draw, np.array([-x, -y, -z]), np.array([x, y, z]), wall))
-    base = Link("frame", [casing], kind=draw.pick([JointName.HEAVY, JointName.FREE], [8, 1]))
+    casing = body.add("frame", *appliance_casing(draw, np.array([-x, -y, -z]), np.array([x, y, z]), wall))
+    base = Link("frame", [casing], kind=draw.pick([JointType.HEAVY, JointType.FREE], [8, 1]))
     links = [base]
     strip = draw.pick([0.0, draw.between(0.08, 0.15) * height], [1, 3])
     kick = draw.pick([0.0, draw.between(0.04, 0.15) * height], [1, 3])
@@ -41,7 +45,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _door(draw: Draw, body: Node, base: Link, extent: tuple[float, float, float], z: float, wall: float) -> Link:
-    """The door between the heights extent[1:], as wide as the body; its axis near the lower edge."""
+    """The door between the heights `extent[1:]`, as wide as the body, hinged near its lower edge."""
     x, low, high = extent
     node = body.add("door")
     thickness = draw.between(0.03, 0.12)
@@ -54,15 +58,8 @@ def _door(draw: Draw, body: Node, base: Link, extent: tuple[float, float, float]
     if draw.chance(0.8):
         top = high - draw.between(0.04, 0.15) * (high - low)
         length = 2 * x * draw.between(0.3, 0.95)
-        grip = pull(
-            draw,
-            length,
-            (0, top, back + thickness),
-            vertical=False,
-            thickness=draw.between(0.02, 0.06),
-            reach=draw.between(0.04, 0.09),
-        )
-        node.add("handle", *grip)
+        thick, reach = draw.between(0.02, 0.06), draw.between(0.04, 0.09)
+        node.add("handle", *pull(draw, length, (0, top, back + thickness), vertical=False, thickness=thick, reach=reach))
     if draw.chance(0.15):
         size = (1.4 * x, 0.6 * (high - low))
         node.add("glass", sheet(size, (0, 0.5 * (low + high), back + thickness + 0.002), "z"))
@@ -72,7 +69,7 @@ def _door(draw: Draw, body: Node, base: Link, extent: tuple[float, float, float]
 
 
 def _make_drawer(draw: Draw, door: Link, extent: tuple[float, float, float], z: float, depth: float) -> None:
-    """Let the door pull out, with the tub behind it, as on a dishwasher that is a drawer."""
+    """Make the door the front of a drawer, with the tub behind it."""
     x, low, high = extent
     if draw.chance(0.8):
         wall, far, rim = 0.02, z - draw.between(0.6, 0.9) * depth, low + draw.between(0.4, 0.9) * (high - low)
@@ -85,7 +82,7 @@ def _make_drawer(draw: Draw, door: Link, extent: tuple[float, float, float], z: 
 
 
 def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: float, z: float) -> list[Link]:
-    """A panel above the door with buttons, a display, or a dial."""
+    """A panel above the door with a display, and buttons, a dial or a keypad."""
     panel = body.add("side_controls")
     front = z + draw.between(0.0, 0.04)
     plate = box_between((-x, y - height / 2, z - 0.02), (x, y + height / 2, front)) if draw.chance(0.7) else None
@@ -102,7 +99,7 @@ def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: fl
             at = (side * (0.85 * x - 2.6 * index * radius), y, front + travel / 2)
             knob = cylinder(radius, travel, "z", at, 16) if draw.chance(0.6) else box((1.6 * radius, radius, travel), at)
             node = panel.add("control_button", knob)
-            links.append(Link("control_button", [node], base, slider((0, 0, -1), 0, travel), lumped_name="button"))
+            links.append(Link("control_button", [node], base, slider((0, 0, -1), 0, travel), leaf_name="button"))
     elif kind == "dial":
         links.append(add_dial(draw, panel, base, (side * 0.7 * x, y, front), 0.35 * height, "control_button"))
     elif kind == "keypad":
@@ -112,7 +109,7 @@ def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: fl
 
 
 def _racks(draw: Draw, body: Node, base: Link, x: float, y: float, depth: float) -> list[Link]:
-    """Wire or plain baskets, which slide out where that is annotated."""
+    """Wire baskets that slide out, or are fixed where nobody annotated that."""
     inside = body.add("body_interior")
     links = []
     sliding = draw.chance(0.5)
@@ -122,14 +119,12 @@ def _racks(draw: Draw, body: Node, base: Link, x: float, y: float, depth: float)
         wires = [
             box_between((low[0], low[1], z), (high[0], low[1] + 0.012, z + 0.012)) for z in np.linspace(low[2], high[2], 7)[:-1]
         ]
-        rim = turn(frame(np.array([low[0], low[2], 0]), np.array([high[0], high[2], 0.012]), 0.012), (1, 0, 0), -90)
+        rim = turn(rectangular_frame(np.array([low[0], low[2], 0]), np.array([high[0], high[2], 0.012]), 0.012), (1, 0, 0), -90)
         rims = [type(rim)(rim.vertices * [1, 1, -1] + [0, level, 0], rim.faces[:, ::-1]) for level in (low[1], high[1])]
         node = inside.add("shelf", join(*wires, *rims))
         if sliding:
             links.append(
-                Link(
-                    "shelf", [node], base, slider((0, 0, 1), 0, draw.between(0.4, 0.8) * depth), lumped_name="translation_tray"
-                )
+                Link("shelf", [node], base, slider((0, 0, 1), 0, draw.between(0.4, 0.8) * depth), leaf_name="translation_tray")
             )
         else:
             base.nodes.append(node)

@@ -1,4 +1,4 @@
-"""Soap and drink dispensers: pump heads that go down, taps, lids, push plates on the wall."""
+"""Soap and drink dispensers with pump heads, taps, lids and push plates."""
 
 from __future__ import annotations
 
@@ -6,33 +6,25 @@ import numpy as np
 
 from kinmo.synth.details.turning_handles import turning_handle
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, screw, slider
-from kinmo.synth.primitives import (
-    X,
-    Y,
-    along,
-    box,
-    box_between,
-    cylinder,
-    lathe,
-    move,
-    rounded_box,
-    rounded_path,
-    sweep,
-    turn,
-)
+from kinmo.synth.primitives import X, Y, along, box, box_between, cylinder, lathe, move, rounded_box, rounded_path, sweep, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, screw, slider
 
 
 def build(draw: Draw) -> SynthObject:
+    """Dispenser.
+
+    Variants: a pump bottle, a wall box, and a drink tank. The head of a pump slides or screws down, and its collar may screw.
+    The plate of a wall box slides or tips, and its cover folds up. The tap of a tank turns, and its lid lifts off or screws.
+    """
     root = Node("dispenser")
     body = root.add("body")
-    base = Link("body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    base = Link("body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     kind = draw.pick([_pump, _wall_box, _tank], [5, 3, 2])
     return SynthObject("Dispenser", root, [base, *kind(draw, root, body, base)])
 
 
 def _pump(draw: Draw, root: Node, body: Node, base: Link) -> list[Link]:
-    """A container with a pump head; the head goes down and often turns, with a collar that screws."""
+    """A container with a pump head that slides or screws down, and a collar that may screw."""
     radius, height = draw.between(0.25, 0.45), draw.between(0.6, 1.3)
     neck = radius * draw.between(0.3, 0.6)
     if draw.chance(0.35):
@@ -73,7 +65,7 @@ def _pump(draw: Draw, root: Node, body: Node, base: Link) -> list[Link]:
 
 
 def _wall_box(draw: Draw, root: Node, body: Node, base: Link) -> list[Link]:
-    """A box on the wall with a plate to push and a cover that folds."""
+    """A box on the wall with a push plate and a cover that folds up."""
     width, height, depth = draw.between(0.4, 0.7), draw.between(0.7, 1.1), draw.between(0.3, 0.5)
     body.pieces.append(rounded_box((width, height, depth), draw.between(0.01, 0.1), "y"))
     body.pieces.append(cylinder(0.05, 0.08, "y", (0, -0.5 * height - 0.04, 0.3 * depth), 14))
@@ -97,7 +89,7 @@ def _wall_box(draw: Draw, root: Node, body: Node, base: Link) -> list[Link]:
 
 
 def _tank(draw: Draw, root: Node, body: Node, base: Link) -> list[Link]:
-    """A drink tank on legs with a tap low at the front and a lid that lifts."""
+    """A drink tank on legs with a tap low at the front and a lid that lifts off or screws."""
     radius, height, legs = draw.between(0.3, 0.45), draw.between(0.6, 0.9), draw.between(0.2, 0.5)
     body.pieces.append(cylinder(radius, height, "y", (0, legs + 0.5 * height, 0), 28))
     places = [(s * 0.6 * radius, t * 0.6 * radius) for s in (-1, 1) for t in (-1, 1)]

@@ -1,4 +1,4 @@
-"""Displays: a screen that tilts on a neck, turns or slides on its stand, with buttons along its edge."""
+"""Displays with a screen that tilts on a stand, and buttons."""
 
 from __future__ import annotations
 
@@ -6,12 +6,15 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, SynthObject, hinge, slider, spinner
-from kinmo.synth.primitives import box, cylinder, lathe, move, rounded_box, sheet, sweep, turn
-from kinmo.synth.primitives.turned import rounded_path
+from kinmo.synth.primitives import box, cylinder, lathe, move, rounded_box, rounded_path, sheet, sweep, turn
+from kinmo.synth.synth_object import Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Display whose screen tilts about a horizontal line.
+
+    The neck is fixed, turns on the foot, or slides up. Buttons on the front or the lower edge slide in.
+    """
     width = draw.between(1.2, 1.8)
     height = width / draw.pick([4 / 3, 1.6, 16 / 9, 2.1])
     thick = draw.between(0.03, 0.2)
@@ -33,14 +36,9 @@ def build(draw: Draw) -> SynthObject:
     if draw.chance(0.4):
         bulge = rounded_box((0.5 * width, 0.5 * height, front), 0.05, "z", center - [0, 0, thick / 2 + front / 2])
         screen.add("back", bulge)
-    tilt = hinge(
-        (0, rise, front * draw.between(0.0, 1.0)),
-        (1, 0, 0),
-        -draw.between(5, 20),
-        draw.between(5, 25),
-        rest=draw.pick([0.0, draw.between(-5, 5)]),
-    )
-    panel = Link("screen", [screen], carrier, tilt, lumped_name="screen")
+    axis, limits = (0, rise, front * draw.between(0.0, 1.0)), (-draw.between(5, 20), draw.between(5, 25))
+    tilt = hinge(axis, (1, 0, 0), *limits, rest=draw.pick([0.0, draw.between(-5, 5)]))
+    panel = Link("screen", [screen], carrier, tilt, leaf_name="screen")
     links.append(panel)
     if draw.chance(0.5):
         links += _buttons(draw, root, panel, center, width, height, thick)
@@ -48,7 +46,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _foot(draw: Draw, reach: float) -> list[Mesh]:
-    """A plate, a disc, an oval or two feet, with its lower side on y = 0."""
+    """The foot on y = 0: a plate, a disc, an oval or two feet."""
     depth = reach * draw.between(0.5, 1.0)
     kind = draw.pick(["plate", "disc", "oval", "feet"])
     if kind == "plate":
@@ -62,7 +60,7 @@ def _foot(draw: Draw, reach: float) -> list[Mesh]:
 
 
 def _neck(draw: Draw, stand: Node, links: list[Link], rise: float) -> Link:
-    """The post: fixed to the foot, turning on it, or sliding up out of it; returns what carries the screen."""
+    """Add the neck, fixed to the foot, turning on it, or sliding up; returns the link that carries the screen."""
     kind = draw.pick(["fixed", "swivel", "lift"], [5, 3, 2])
     foot = links[0]
     if draw.chance(0.3):

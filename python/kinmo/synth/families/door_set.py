@@ -1,25 +1,29 @@
-"""Doors in a frame: one or two leaves that turn, slide or revolve, with handles, knobs and glass."""
+"""Doors in a frame, with one or two leaves, handles, knobs, locks, knockers and letter flaps."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from kinmo.core.shape import Mesh
+from kinmo.synth.details.door_leaves import board, sash
 from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.handles import pull
-from kinmo.synth.details.leafs import board, sash
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import box, box_between, cylinder, join, move, torus, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Door frame with one or two leaves that turn about an outer edge or slide sideways.
+
+    Levers, knobs, locks, knockers and letter flaps turn on their leaf.
+    """
     root = Node(draw.pick(["door_set", "Door"], [4, 1]))
     leaves = draw.pick([1, 2], [3, 2])
     width, height = draw.between(0.7, 1.1) * leaves, draw.between(1.7, 2.3)
     rim, depth = draw.between(0.03, 0.12), draw.between(0.05, 0.2)
     frame_node = root.add("outside_frame", *_frame(draw, width, height, rim, depth))
-    base = Link("outside_frame", [frame_node], kind=draw.pick([JointName.STATIC, JointName.HEAVY], [4, 1]))
+    base = Link("outside_frame", [frame_node], kind=draw.pick([JointType.STATIC, JointType.HEAVY], [4, 1]))
     links = [base]
     thickness = draw.between(0.03, 0.07)
     sliding = draw.chance(0.15)
@@ -44,7 +48,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _frame(draw: Draw, width: float, height: float, rim: float, depth: float) -> list[Mesh]:
-    """Two posts and a lintel round the opening, sometimes a threshold and a casing."""
+    """Two posts and a lintel around the opening, sometimes with a threshold and a casing."""
     x, y = width / 2, height / 2
     posts = [box((rim, height, depth), (s * (x + rim / 2), 0, 0)) for s in (-1, 1)]
     pieces = [*posts, box((width + 2 * rim, rim, depth), (0, y + rim / 2, 0))]
@@ -56,7 +60,7 @@ def _frame(draw: Draw, width: float, height: float, rim: float, depth: float) ->
 
 
 class _Leaf:
-    """One leaf, centred at `at`, and how it moves."""
+    """One leaf under construction, centred at `at`."""
 
     def __init__(
         self, draw: Draw, root: Node, base: Link, at: tuple[float, float, float], width: float, height: float, thickness: float
@@ -68,6 +72,7 @@ class _Leaf:
         self.body = self.node.add("door_body")
 
     def fill(self, *, glazed: bool) -> None:
+        """Add a glazed sash, or a board."""
         if glazed:
             bars, glass = sash(self.draw, self.width, self.height, self.thickness)
             self.body.add("surface_board" if self.draw.chance(0.5) else "vertical_bar", *self._placed(bars))
@@ -79,7 +84,7 @@ class _Leaf:
         return [move(piece, self.at) for piece in pieces]
 
     def hinged(self, out: float) -> Link:
-        """Turns about its outer edge, to the front or to the rear."""
+        """Make the leaf turn about its outer edge (`out` -1 left, 1 right), to the front or to the rear."""
         front = self.draw.sign()
         offset = self.draw.pick([0.0, front * 0.5 * self.thickness, front * 0.7 * self.thickness])
         axis = self.at + [out * (self.width / 2 - self.draw.pick([0.0, self.draw.between(-0.01, 0.02)])), 0, offset]
@@ -90,19 +95,19 @@ class _Leaf:
                 barrel = cylinder(0.012, 0.1, "y", axis + [0, level * self.height, 0], 10)
                 self.body.children[0].pieces.append(barrel)
         return Link(
-            "door", [self.body], self.base, hinge(axis, (0, out * front, 0), *limits, rest=rest), lumped_name="rotation_door"
+            "door", [self.body], self.base, hinge(axis, (0, out * front, 0), *limits, rest=rest), leaf_name="rotation_door"
         )
 
     def sliding(self, out: float, shift: float) -> Link:
-        """Slides sideways, before or behind what stands beside it."""
+        """Make the leaf slide sideways, shifted by `shift` along z past the leaf next to it."""
         travel = self.width * self.draw.between(0.7, 0.95)
         for leaf in self.body.leaves():
             leaf.pieces = [move(piece, (0, 0, shift)) for piece in leaf.pieces]
         rest = travel * self.draw.between(0.1, 0.8) if self.draw.chance(0.3) else 0.0
-        return Link("door", [self.body], self.base, slider((out, 0, 0), 0, travel, rest=rest), lumped_name="translation_door")
+        return Link("door", [self.body], self.base, slider((out, 0, 0), 0, travel, rest=rest), leaf_name="translation_door")
 
     def hardware(self, out: float, leaf: Link) -> list[Link]:
-        """A fixed pull, or a lever or knob that turns, on one or both faces, away from the hinge."""
+        """Add a fixed pull, or a lever or knob that turns, on one or both faces, away from the hinge."""
         kind = self.draw.pick(["lever", "knob", "pull", "none"], [4, 3, 3, 1])
         x, y = -out * self.width * self.draw.between(0.38, 0.46), self.draw.between(-0.1, 0.05) * self.height
         place = self.at + [x, y, 0]
@@ -133,10 +138,10 @@ class _Leaf:
         node = group.add("moving_part", *movable)
         turning = hinge(place, (0, 0, out), 0, self.draw.between(30, 60))
         motion = turning if kind == "lever" else spinner(place, (0, 0, 1))
-        return [Link("handle", [node], leaf, motion, lumped_name="handle"), *self.extras(group, place, leaf)]
+        return [Link("handle", [node], leaf, motion, leaf_name="handle"), *self.extras(group, place, leaf)]
 
     def extras(self, group: Node, place: np.ndarray, leaf: Link) -> list[Link]:
-        """A second lock above or below the handle, a knocker, or a flap for letters in the middle."""
+        """Add a second lock, a knocker, or a letter flap."""
         draw, front = self.draw, self.thickness / 2
         kind = draw.pick(["none", "lock", "knocker", "flap"], [6, 2, 1, 1])
         if kind == "lock":

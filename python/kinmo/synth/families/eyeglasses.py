@@ -1,4 +1,4 @@
-"""Glasses: two temples that fold in against the frame about lines near its outer ends."""
+"""Eyeglasses whose two temples fold in."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
 from kinmo.synth.primitives import (
     Y,
     arc_path,
@@ -21,10 +20,14 @@ from kinmo.synth.primitives import (
     sweep_outline,
     torus,
 )
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge
 
 
 def build(draw: Draw) -> SynthObject:
-    """Built unfolded: lenses to +z, temples to the rear."""
+    """Eyeglasses with one temple at each end of the frame, hinged about a vertical line.
+
+    Built unfolded: lenses to +z, temples to the rear.
+    """
     width, tall = draw.between(0.4, 0.55), draw.between(0.3, 0.5)
     bridge = draw.between(0.1, 0.2)
     rod = draw.between(0.012, 0.03)
@@ -45,17 +48,17 @@ def build(draw: Draw) -> SynthObject:
         body.add("frame", *rims, nose, *lugs)
     else:
         body.pieces = [*rims, nose, *lugs, *lenses]
-    base = Link("body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    base = Link("body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC]))
     links = [base]
     length, back = draw.between(1.0, 1.4), -draw.between(0.0, 0.05)
     both = draw.pick(["open", "folded", "between"], [4, 2, 2])
     for side in (-1.0, 1.0):
-        way = [(0, 0, 0), (0, 0.01, -0.75 * length), (0, -draw.between(0.05, 0.25), -length)]
-        path = rounded_path(np.array(way), 0.15) + np.array([side * end, level, back])
+        corners = [(0, 0, 0), (0, 0.01, -0.75 * length), (0, -draw.between(0.05, 0.25), -length)]
+        path = rounded_path(np.array(corners), 0.15) + np.array([side * end, level, back])
         flat = np.array([[0.3, 1.0], [-0.3, 1.0], [-0.3, -1.0], [0.3, -1.0]])
         arm = sweep(path, rod, 8) if draw.chance(0.4) else sweep_outline(path, flat, 1.6 * rod)
         pieces = [arm, cylinder(0.8 * rod, 0.06, "y", (side * end, level, back), 10)] if draw.chance(0.5) else [arm]
-        # The left temple (+x) folds in towards -x: about +y.
+        # The temple at +x folds in towards -x, about +y.
         rest = {"open": 0.0, "folded": 88.0, "between": draw.between(10.0, 80.0)}[both]
         inwards = hinge((side * (end + draw.between(-0.01, 0.01)), 0, back), side * Y, 0.0, 90.0, rest=rest)
         links.append(Link("leg", [root.add("leg", *pieces)], base, inwards))
@@ -63,7 +66,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _lens(draw: Draw, width: float, tall: float, rod: float) -> tuple[Mesh, Mesh]:
-    """A rim and the pane in it, oval or with rounded corners."""
+    """A rim and its lens, oval or with rounded corners."""
     if draw.chance(0.5):
         rim = scale(torus(0.5 * width, rod, "z", (0, 0, 0), 24, 6), (1.0, tall / width, 1.0))
         return rim, scale(cylinder(0.49 * width, 0.01, "z", (0, 0, 0), 24), (1.0, tall / width, 1.0))

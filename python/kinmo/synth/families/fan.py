@@ -1,4 +1,4 @@
-"""Fans: blades about the motor's line, heads that tip and swing, guards, a pole that may slide, dials and buttons."""
+"""Fans with a rotor, and heads, controls and cords that move."""
 
 from __future__ import annotations
 
@@ -7,11 +7,16 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import button, dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import X, Y, Z, box, cylinder, dome, lathe, move, sweep, torus, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Fan whose blades turn about the motor's axis.
+
+    Variants: a table or floor fan whose head may tip or swing, and a ceiling fan with a pull cord. Dials turn and buttons
+    slide.
+    """
     root = Node("fan")
     kind = draw.pick(["table", "stand", "ceiling"], [4, 3, 3])
     if kind == "ceiling":
@@ -20,7 +25,7 @@ def build(draw: Draw) -> SynthObject:
     unit = root.add("table_fan" if kind == "table" else "floor_fan")
     height = radius + (draw.between(0.2, 0.4) if kind == "table" else draw.between(0.9, 1.5))
     foot = unit.add("base", *_foot(draw, height))
-    base = Link("base", [foot], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    base = Link("base", [foot], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     links = [base]
     center = np.array([0.0, height, 0.12])
     frame = unit.add("fan_frame")
@@ -54,11 +59,11 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _ceiling_fan(draw: Draw, root: Node) -> SynthObject:
-    """Blades about an upright line below a rod from the ceiling, with a lamp or a pull cord below."""
+    """A ceiling fan: blades below a rod, sometimes with a lamp and a pull cord that slides."""
     unit = root.add("ceiling_fan")
     drop = draw.between(0.1, 0.6)
     rod = [cylinder(0.03, drop, "y", (0, 0.5 * drop, 0), 12), cylinder(0.1, 0.08, "y", (0, drop, 0), 20)]
-    base = Link("base", [unit.add("base", *rod)], kind=draw.pick([JointName.STATIC, JointName.FREE]))
+    base = Link("base", [unit.add("base", *rod)], kind=draw.pick([JointType.STATIC, JointType.FREE]))
     hub = cylinder(draw.between(0.1, 0.16), 0.15, "y", (0, -0.07, 0), 24)
     blades = _blades(draw, draw.between(0.7, 1.1), np.array([0, -draw.between(0.02, 0.12), 0]), "y")
     links = [base, Link("rotor", [unit.add("rotor", hub, *blades)], base, spinner((0, 0, 0), Y * draw.sign()))]
@@ -72,7 +77,7 @@ def _ceiling_fan(draw: Draw, root: Node) -> SynthObject:
 
 
 def _blades(draw: Draw, radius: float, center: np.ndarray, axis: str) -> list[Mesh]:
-    """Blades about y or z, pitched and flat, broad or narrow."""
+    """Blades about y or z, pitched, broad or narrow."""
     count = draw.pick([2, 3, 4, 5, 6], [1, 4, 3, 4, 1])
     wide = draw.between(0.15, 0.5) * radius * 3.0 / count
     pitch = draw.between(5.0, 35.0)
@@ -88,13 +93,13 @@ def _blades(draw: Draw, radius: float, center: np.ndarray, axis: str) -> list[Me
 
 
 def _guard(draw: Draw, radius: float, center: np.ndarray) -> list[Mesh]:
-    """A cage of rings and spokes before and behind the blades."""
+    """A cage of rings and spokes in front of and behind the blades."""
     deep = 0.12
     pieces = [torus(radius, 0.015, "z", center, 32, 6)]
     for side in (-1.0, 1.0):
         pieces.append(torus(0.5 * radius, 0.006, "z", center + side * deep * Z, 24, 4))
-        way = np.array([(0.1, 0, side * deep), (0.6 * radius, 0, side * deep), (radius, 0, 0)])
-        spoke = sweep(way, 0.006, 4)
+        path = np.array([(0.1, 0, side * deep), (0.6 * radius, 0, side * deep), (radius, 0, 0)])
+        spoke = sweep(path, 0.006, 4)
         count = draw.pick([6, 8, 12])
         pieces += [move(turn(spoke, Z, 360.0 * i / count), center) for i in range(count)]
     pieces.append(cylinder(0.1, 0.02, "z", center + deep * Z, 16))
@@ -102,6 +107,7 @@ def _guard(draw: Draw, radius: float, center: np.ndarray) -> list[Mesh]:
 
 
 def _foot(draw: Draw, height: float) -> list[Mesh]:
+    """The foot, round or square, with the column."""
     wide = draw.between(0.25, 0.45)
     column = cylinder(0.04, height - 0.1, "y", (0, 0.5 * height - 0.05, -0.08), 14)
     if draw.chance(0.6):
@@ -111,7 +117,7 @@ def _foot(draw: Draw, height: float) -> list[Mesh]:
 
 
 def _controls(draw: Draw, unit: Node, base: Link) -> list[Link]:
-    """Buttons in a row or a dial on the foot's top."""
+    """Buttons in a row, or a dial, on top of the foot."""
     if draw.chance(0.5):
         at = (0, 0.1, 0.12)
         knob = [turn(piece, X, -80.0, at) for piece in dial(draw, 0.05, 0.05, at)]

@@ -1,4 +1,4 @@
-"""Faucets: spouts, some of which swivel, and switches on stems that stand upright, leaning or level."""
+"""Faucets with switches on vertical, horizontal or leaning stems, and spouts that may swivel."""
 
 from __future__ import annotations
 
@@ -8,24 +8,10 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.spouts import add_spout, arm_path, neck_path
-from kinmo.synth.details.turning_handles import lever, turned_cap, turning_handle
+from kinmo.synth.details.turning_handles import lever, revolved_cap, turning_handle
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
-from kinmo.synth.primitives import (
-    X,
-    Y,
-    Z,
-    along,
-    box,
-    cylinder,
-    lathe,
-    move,
-    rounded_box,
-    rounded_path,
-    torus,
-    turn,
-)
-from kinmo.synth.primitives.place import rotation
+from kinmo.synth.primitives import X, Y, Z, along, box, cylinder, lathe, move, rotation, rounded_box, rounded_path, torus, turn
+from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
 
 
 @dataclass
@@ -40,15 +26,21 @@ class _Faucet:
     links: list[Link]
 
     def add_switch(self, pieces: list[Mesh], motion: Motion) -> None:
+        """Add a switch with its link."""
         node = self.unit.add("switch", *pieces)
         self.links.append(Link("switch", [node], self.base, motion))
 
 
 def build(draw: Draw) -> SynthObject:
+    """Faucet with one or two switches.
+
+    Variants: one lever on top, a lever at the side, two handles, a wall tap, and a wall bar with a switch at each end. Switches
+    turn about their stem; some screw. Some spouts swivel, and some faucets have a pull rod that slides.
+    """
     root = Node("faucet")
     unit = root.add("normal_faucet")
     frame, spout = Node("frame"), Node("spout")
-    base = Link("frame", [frame], kind=draw.pick([JointName.STATIC, JointName.FREE, JointName.HEAVY], [4, 1, 1]))
+    base = Link("frame", [frame], kind=draw.pick([JointType.STATIC, JointType.FREE, JointType.HEAVY], [4, 1, 1]))
     faucet = _Faucet(draw, frame, spout, unit, base, [base])
     kind = draw.pick([_single_lever, _side_lever, _two_handles, _wall_tap, _wall_pair], [7, 2, 3, 2, 1])
     kind(faucet)
@@ -61,7 +53,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _single_lever(faucet: _Faucet) -> None:
-    """A post with the spout in front and the switch on top, all of it upright or leaning forwards."""
+    """A post with the spout in front and the switch on top, vertical or leaning forwards."""
     draw = faucet.draw
     radius, height = draw.between(0.08, 0.16), draw.between(0.4, 1.0)
     _post(faucet, radius, height)
@@ -72,7 +64,7 @@ def _single_lever(faucet: _Faucet) -> None:
     cap_height = draw.between(0.1, 0.3)
     length = draw.between(0.35, 0.95)
     arm = lever(draw, length, draw.between(0.018, 0.04), cap_height * draw.between(0.4, 0.95))
-    pieces = [turned_cap(draw, cap, cap_height), *arm]
+    pieces = [revolved_cap(draw, cap, cap_height), *arm]
     if draw.chance(0.12):
         pieces = turning_handle(draw, draw.between(0.15, 0.3), cap_height)
     pieces = [move(piece, (0, top, 0)) for piece in pieces]
@@ -90,14 +82,14 @@ def _single_lever(faucet: _Faucet) -> None:
         ]
         back = -radius - 0.04
         other = faucet.unit.add("other").add("other_leaf")
-        # It is pulled along itself.
+        # The rod slides along its own axis.
         lean = draw.pick([0.0, draw.between(-35.0, 0.0)])
         other.pieces = [turn(move(p, (0, 0, back)), X, lean, (0, height, back)) for p in rod]
         faucet.links.append(Link("slider", [other], faucet.base, slider(rotation(X, lean) @ Y, 0.0, draw.between(0.03, 0.1))))
 
 
 def _side_lever(faucet: _Faucet) -> None:
-    """A tall post with a curved spout that may swivel; the lever sits on a stub at the side."""
+    """A tall post with a curved spout that may swivel, and a lever on a stub at the side."""
     draw = faucet.draw
     radius, height = draw.between(0.05, 0.1), draw.between(0.3, 0.8)
     _post(faucet, radius, height)
@@ -116,7 +108,7 @@ def _side_lever(faucet: _Faucet) -> None:
 
 
 def _two_handles(faucet: _Faucet) -> None:
-    """Two switches beside a spout in the middle, on one plate or each on a foot of its own."""
+    """Two switches beside a spout in the middle, on one plate or each on its own foot."""
     draw = faucet.draw
     apart = draw.between(0.3, 0.7)
     foot, stem = draw.between(0.06, 0.12), draw.between(0.08, 0.35)
@@ -143,24 +135,21 @@ def _two_handles(faucet: _Faucet) -> None:
         if screws:
             motion = screw(at, axis, 0.0, draw.between(0.02, 0.06), turns=draw.pick([180.0, 360.0, None]))
         else:
-            motion = (
-                spinner(at, axis)
-                if draw.chance(0.2)
-                else hinge(at, axis, *draw.pick([(-90, 90), (0, 90), (-45, 45), (0, 180)]))
-            )
+            limits = [(-90, 90), (0, 90), (-45, 45), (0, 180)]
+            motion = spinner(at, axis) if draw.chance(0.2) else hinge(at, axis, *draw.pick(limits))
         faucet.add_switch(pieces, motion)
     _high_spout(faucet, plate, foot * draw.between(0.4, 0.7))
 
 
 def _wall_tap(faucet: _Faucet) -> None:
-    """A level pipe from the wall behind, its spout bent down, the switch on an upright stem."""
+    """A horizontal pipe from the wall behind, with a bent spout and the switch on a vertical stem."""
     draw = faucet.draw
     radius, length = draw.between(0.06, 0.1), draw.between(0.4, 0.9)
     faucet.frame.add("surface_base", cylinder(radius * draw.between(1.5, 2.5), 0.05, "z", (0, 0, 0.025)))
     faucet.frame.add("horizontal_support", cylinder(radius, length, "z", (0, 0, 0.5 * length), 18))
     mouth = length + draw.between(0.1, 0.4)
-    way = [(0, 0, length - 0.05), (0, 0, mouth), (0, -draw.between(0.15, 0.5), mouth + draw.between(0.0, 0.15))]
-    add_spout(draw, faucet.spout, rounded_path(np.array(way), 0.2, 8), 0.85 * radius)
+    path = [(0, 0, length - 0.05), (0, 0, mouth), (0, -draw.between(0.15, 0.5), mouth + draw.between(0.0, 0.15))]
+    add_spout(draw, faucet.spout, rounded_path(np.array(path), 0.2, 8), 0.85 * radius)
     z, stem = length * draw.between(0.5, 0.9), draw.between(0.12, 0.3)
     faucet.frame.add("vertical_support", cylinder(0.7 * radius, stem, "y", (0, 0.5 * stem, z), 16))
     tilt = draw.pick([0.0, draw.between(-35.0, 35.0)], [3, 1])
@@ -175,7 +164,7 @@ def _wall_tap(faucet: _Faucet) -> None:
 
 
 def _wall_pair(faucet: _Faucet) -> None:
-    """A level bar with a switch at either end, turning about the bar, and a spout in the middle."""
+    """A horizontal bar with a switch at each end that turns about the bar, and a spout in the middle."""
     draw = faucet.draw
     radius, half = draw.between(0.07, 0.12), draw.between(0.4, 0.7)
     faucet.frame.add("horizontal_support", cylinder(radius, 2 * half, "x", (0, 0, 0), 20))
@@ -185,11 +174,12 @@ def _wall_pair(faucet: _Faucet) -> None:
     for side in (-1.0, 1.0):
         pieces = [move(turn(along(p, "x"), Y, 0.0 if side > 0 else 180.0), (side * half, 0, 0)) for p in grip]
         faucet.add_switch(pieces, hinge((side * half * draw.pick([0.0, 1.0]), 0, 0), X, *draw.pick([(-90, 90), (0, 120)])))
-    way = [(0, 0, 0.5 * radius), (0, 0, draw.between(0.3, 0.6)), (0, -draw.between(0.1, 0.3), draw.between(0.55, 0.8))]
-    add_spout(draw, faucet.spout, rounded_path(np.array(way), 0.15), 0.5 * radius)
+    path = [(0, 0, 0.5 * radius), (0, 0, draw.between(0.3, 0.6)), (0, -draw.between(0.1, 0.3), draw.between(0.55, 0.8))]
+    add_spout(draw, faucet.spout, rounded_path(np.array(path), 0.15), 0.5 * radius)
 
 
 def _post(faucet: _Faucet, radius: float, height: float) -> None:
+    """Add the post, round, conical, square or vase-shaped, with its flange and rings."""
     draw = faucet.draw
     foot = draw.between(0.02, 0.08)
     if draw.chance(0.6):
@@ -209,7 +199,7 @@ def _post(faucet: _Faucet, radius: float, height: float) -> None:
 
 
 def _high_spout(faucet: _Faucet, foot: float, radius: float) -> None:
-    """A spout that stands on `foot` and may swivel about its upright."""
+    """Add a spout that stands on `foot` and may swivel about a vertical line."""
     draw = faucet.draw
     add_spout(draw, faucet.spout, neck_path(draw, foot), radius)
     if draw.chance(0.55):

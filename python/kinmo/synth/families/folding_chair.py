@@ -1,4 +1,4 @@
-"""Folding chairs: a frame with the back, a seat and legs that turn against it about level lines."""
+"""Folding chairs: a back frame, and a seat and legs that fold against it."""
 
 from __future__ import annotations
 
@@ -6,12 +6,15 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
 from kinmo.synth.primitives import X, box, cylinder, rounded_box, sweep, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge
 
 
 def build(draw: Draw) -> SynthObject:
-    """Built open. The back's frame runs from the front feet up and back, the rear legs cross it at the seat."""
+    """Folding chair whose seat and rear legs turn about horizontal lines at the back frame.
+
+    Built open. The back frame runs from the front feet up and back; the rear legs cross it below the seat.
+    """
     width, seat, height = draw.between(0.7, 0.95), draw.between(0.75, 0.95), draw.between(1.5, 1.9)
     rod = draw.between(0.018, 0.035)
     half = 0.5 * width
@@ -19,7 +22,7 @@ def build(draw: Draw) -> SynthObject:
     slope = (-lean - foot) / height
 
     def line(y: float) -> float:
-        """Where the back's frame is at a height."""
+        """Position of the back frame along z at a height."""
         return foot + slope * y
 
     root = Node("chair")
@@ -28,7 +31,7 @@ def build(draw: Draw) -> SynthObject:
     bars = [cylinder(rod, width, "x", (0, height, line(height)), 10), cylinder(rod, width, "x", (0, 0.15, line(0.15)), 10)]
     back.add("back_frame", *sides, *(bars if draw.chance(0.7) else bars[:1]))
     back.add("back_surface", *_back_surface(draw, width, seat, height, slope, foot))
-    base = Link("back", [back], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    base = Link("back", [back], kind=draw.pick([JointType.FREE, JointType.STATIC]))
 
     depth = draw.between(0.6, 0.85)
     thick = draw.between(0.02, 0.06)
@@ -41,7 +44,7 @@ def build(draw: Draw) -> SynthObject:
             "seat_frame",
             *(cylinder(rod, depth, "z", (s * (half - 2 * rod), seat - thick, rear + 0.5 * depth), 8) for s in (-1, 1)),
         )
-    # Folding turns the seat up against the back, and the legs in under it.
+    # Folding turns the seat up against the back and the legs in below it, by proportional angles.
     fold = draw.between(60.0, 85.0)
     closed = draw.pick([0.0, fold, draw.between(0.0, fold)], [6, 1, 2])
     at_seat = (draw.pick([0.0, half]), seat - draw.pick([0.0, thick]), line(seat))
@@ -64,6 +67,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _rod(ends: list[tuple[float, float, float]], radius: float) -> Mesh:
+    """A rod between points."""
     return sweep(np.array(ends), radius, 8)
 
 

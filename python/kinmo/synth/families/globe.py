@@ -1,4 +1,4 @@
-"""Globes: a ball about a tilted line between the ends of a bow, which may itself turn on its foot or about a level line."""
+"""Globes: a ball on a tilted axis between the ends of a bow."""
 
 from __future__ import annotations
 
@@ -7,11 +7,15 @@ from numpy.typing import NDArray
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, spinner
 from kinmo.synth.primitives import Y, Z, arc_path, box, cylinder, ellipsoid, lathe, sweep, torus, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Globe whose ball turns about a tilted axis.
+
+    The bow is fixed, turns on its foot, or tips about a horizontal line.
+    """
     radius, tilt = 0.5, draw.pick([23.5, draw.between(0.0, 45.0), 0.0], [3, 3, 1])
     tilt *= draw.sign()
     lift = radius + draw.between(0.25, 0.7)
@@ -34,7 +38,7 @@ def build(draw: Draw) -> SynthObject:
     pins = _pins(draw, center, radius, reach + rod, 0.6 * rod)
     ring = frame.add("circle", bow, *(turn(pin, Z, tilt, center) for pin in pins))
     foot = frame.add("base", *_foot(draw, lift - reach))
-    base = Link("base", [foot], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    base = Link("base", [foot], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     kind = draw.pick(["fixed", "swivel", "tipping"], [5, 1, 1])
     holder = base
     links = [base]
@@ -53,7 +57,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _pins(draw: Draw, center: NDArray[np.float64], radius: float, reach: float, thick: float) -> list[Mesh]:
-    """What bears the ball at its poles: a rod through it, or a pin at either end of the bow."""
+    """Bearings of the ball at its poles: a rod through it, or a pin at each end of the bow."""
     if draw.chance(0.5):
         return [cylinder(thick, 2.0 * reach, "y", center, 8)]
     long = reach - 0.98 * radius
@@ -61,6 +65,7 @@ def _pins(draw: Draw, center: NDArray[np.float64], radius: float, reach: float, 
 
 
 def _foot(draw: Draw, height: float) -> list[Mesh]:
+    """The foot, up to `height`: a disc, a turned foot or a cross."""
     wide = draw.between(0.25, 0.5)
     kind = draw.pick(["disc", "turned", "cross"], [2, 3, 1])
     if kind == "cross":

@@ -1,4 +1,4 @@
-"""Kettles and teapots: lids that lift off or fold up, bows that swing, keys on the handle, a foot to lift off from."""
+"""Kettles and teapots with lids, bows, switches and a base to lift off from."""
 
 from __future__ import annotations
 
@@ -8,17 +8,22 @@ from kinmo.core.shape import Mesh
 from kinmo.synth.details.lid_hinges import lid_hinge
 from kinmo.synth.details.vessels import beak, swinging_bow, vessel, vessel_lid
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, slider
-from kinmo.synth.primitives import X, Y, box, cylinder, lathe, move, rounded_path, sweep
+from kinmo.synth.primitives import X, Y, box, cylinder, lathe, rounded_path, sweep
+from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, slider
 
 
 def build(draw: Draw) -> SynthObject:
+    """Kettle whose lid lifts off or folds up.
+
+    The handle is a bow that swings, or is fixed. An electric kettle has a switch that tips or slides, and may lift off its
+    base.
+    """
     radius, height = 0.5, draw.between(0.5, 1.5)
     mouth = radius * draw.between(0.35, 0.95)
     segments = draw.pick([12, 20, 28])
     root = Node(draw.pick(["Kettle", "kettle"], [3, 1]))
-    body = root.add("base_body", *vessel(draw, radius, mouth, height, segments), beak(draw, mouth, height))
-    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC], [4, 1]))
+    body = root.add("base_body", *vessel(draw, radius, mouth, height, segments), beak(draw, height))
+    base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC], [4, 1]))
     links = [base]
     lid, crown = vessel_lid(draw, mouth, height, segments)
     root.children.append(lid)
@@ -43,7 +48,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _lid_motion(draw: Draw, mouth: float, height: float) -> Motion:
-    """The lid lifts off, or folds up about a line at its rim, to the rear or to a side."""
+    """Joint of the lid: it lifts off, or folds up about a line at its rim."""
     if draw.chance(0.55):
         return slider(Y, 0.0, draw.between(0.02, 0.5), rest=draw.pick([0.0, 0.02]))
     opening = draw.between(60.0, 110.0)
@@ -54,12 +59,12 @@ def _lid_motion(draw: Draw, mouth: float, height: float) -> Motion:
 def _side_handle(draw: Draw, radius: float, mouth: float, height: float) -> Mesh:
     """A grip at the rear, opposite the spout."""
     low, high, out = draw.between(0.1, 0.4) * height, draw.between(0.8, 1.0) * height, radius + draw.between(0.2, 0.4)
-    way = [(0, low, -0.8 * radius), (0, low, -out), (0, high, -out), (0, high, -0.9 * mouth)]
-    return sweep(rounded_path(np.array(way), 0.15), draw.between(0.03, 0.06), 10)
+    path = [(0, low, -0.8 * radius), (0, low, -out), (0, high, -out), (0, high, -0.9 * mouth)]
+    return sweep(rounded_path(np.array(path), 0.15), draw.between(0.03, 0.06), 10)
 
 
 def _switch(draw: Draw, root: Node, base: Link, radius: float, height: float) -> Link:
-    """What switches an electric kettle: a rocker or paddle below or on the handle, or a button that goes in."""
+    """The switch of an electric kettle: a paddle below or on the handle that tips, or a button that slides in."""
     size = draw.between(0.06, 0.14)
     at = (0.0, draw.pick([0.08, draw.between(0.7, 0.9)]) * height + size, -radius - draw.between(0.05, 0.25))
     if draw.chance(0.6):
@@ -70,11 +75,11 @@ def _switch(draw: Draw, root: Node, base: Link, radius: float, height: float) ->
 
 
 def _stand(draw: Draw, root: Node, links: list[Link], radius: float) -> None:
-    """The powered foot: the kettle lifts off it and becomes its child."""
+    """Add the powered base. The kettle becomes its child and lifts off it."""
     foot = radius * draw.between(1.0, 1.2)
     profile = np.array([[0, -0.12], [foot, -0.12], [foot, -0.06], [0.8 * foot, 0.0], [0, 0.0]])
-    stand = Link("stand", [root.add("base", move(lathe(profile, 28), (0, 0, 0)))], kind=JointName.FREE)
+    stand = Link("stand", [root.add("base", lathe(profile, 28))], kind=JointType.FREE)
     jug = links[0]
     jug.parent, jug.motion = stand, slider(Y, 0.0, draw.between(0.05, 0.6))
-    jug.name = jug.lumped_name = "container"
+    jug.name = jug.leaf_name = "container"
     links.insert(0, stand)

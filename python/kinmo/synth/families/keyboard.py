@@ -1,25 +1,27 @@
-"""Keyboards: rows of keys that go down, feet that fold out below, sometimes a dial, a lid or a stand."""
+"""Keyboards with keys, folding feet and sometimes a dial."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from kinmo.synth.details.controls import dial
-from kinmo.synth.details.posture import ORIGIN, carry, reorient
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, extrude, rounded_box
-from kinmo.synth.primitives.place import facing, rotation_about
+from kinmo.synth.primitives import ORIGIN, X, Y, Z, box, cylinder, extrude, facing, rotation_about, rounded_box
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Keyboard whose keys slide down.
+
+    Two feet under the rear edge fold out, and a dial turns.
+    """
     columns, rows = draw.pick([(4, 4), (6, 3), (10, 4), (12, 5), (14, 5)], [3, 2, 3, 2, 1])
     pitch = 0.1
     margin = draw.between(0.02, 0.2)
     width, depth, thick = columns * pitch + 2 * margin, rows * pitch + 2 * margin, draw.between(0.04, 0.15)
     root = Node("Keyboard")
     body = root.add("base_body", rounded_box((width, thick, depth), draw.between(0.01, 0.05), "y", (0, 0.5 * thick, 0)))
-    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC], [3, 1]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC], [3, 1]))
     links = [base, *_keys(draw, root, base, columns, rows, pitch, thick)]
     if draw.chance(0.5):
         links += _feet(draw, root, base, width, depth)
@@ -27,14 +29,14 @@ def build(draw: Draw) -> SynthObject:
         at = (0.5 * width - 0.5 * margin, thick, -0.5 * depth + 0.5 * margin)
         knob = root.add("knob", *dial(draw, 0.4 * margin, 0.05, ORIGIN))
         links.append(Link("knob", [knob], base, spinner(ORIGIN, Z)))
-        carry(links[-1:], facing(Y, -Z, at))
+        links[-1].move(facing(Y, -Z, at))
     shape = SynthObject("Keyboard", root, links)
-    reorient(shape, rotation_about(X, draw.pick([0.0, draw.between(2.0, 10.0)]), ORIGIN))
+    shape.move(rotation_about(X, draw.pick([0.0, draw.between(2.0, 10.0)])))
     return shape
 
 
 def _keys(draw: Draw, root: Node, base: Link, columns: int, rows: int, pitch: float, top: float) -> list[Link]:
-    """A field of square keys with some wide ones in the last row; caps are boxes, tapered, or round."""
+    """Square keys with some wide ones in the last row; caps are boxes, or tapered."""
     tall, gap = draw.between(0.02, 0.09), draw.between(0.06, 0.3) * pitch
     travel = draw.between(0.3, 1.0) * tall
     taper = draw.pick([1.0, draw.between(0.7, 0.95)])
@@ -57,13 +59,13 @@ def _keys(draw: Draw, root: Node, base: Link, columns: int, rows: int, pitch: fl
             cap.vertices[:] += (x, low, z)
             node = root.add(name, cap)
             motion = slider(-Y, 0.0, travel) if inwards else slider(Y, -travel, 0.0)
-            links.append(Link("button", [node], base, motion, lumped_name=name))
+            links.append(Link("button", [node], base, motion, leaf_name=name))
             left += share * pitch
     return links
 
 
 def _feet(draw: Draw, root: Node, base: Link, width: float, depth: float) -> list[Link]:
-    """Two feet under the rear edge that fold out about a level line, or sideways."""
+    """Two feet under the rear edge that fold out to the rear or sideways."""
     links = []
     long, thick = draw.between(0.06, 0.14), draw.between(0.01, 0.02)
     rest = draw.pick([0.0, draw.between(30.0, 90.0)])

@@ -1,4 +1,4 @@
-"""Pots, pans and kettles: a lid that lifts off or folds up, and on kettles a bow that turns."""
+"""Pots and pans with a lid, and a swinging bow on some."""
 
 from __future__ import annotations
 
@@ -7,30 +7,24 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.vessels import beak, swinging_bow, vessel, vessel_lid
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
-from kinmo.synth.primitives import (
-    X,
-    Y,
-    box,
-    cylinder,
-    move,
-    rounded_path,
-    sweep,
-    turn,
-)
+from kinmo.synth.primitives import X, Y, box, cylinder, move, rounded_path, sweep, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
 
 def build(draw: Draw) -> SynthObject:
+    """Pot or pan whose lid lifts off, or folds up on a hinge at the rim.
+
+    Handles are two loops or a long grip. A pot with a spout has a bow that swings.
+    """
     radius, height = 0.5, draw.between(0.25, 0.95)
     mouth = radius * draw.pick([1.0, draw.between(0.55, 0.95), draw.between(1.0, 1.1)])
     segments = draw.pick([12, 20, 28, 36])
-    root = Node("KitchenPot")
     body = Node("base_body", pieces=vessel(draw, radius, mouth, height, segments))
-    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY], [4, 1, 1]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY], [4, 1, 1]))
     lid, crown = vessel_lid(draw, mouth, height, segments)
     links = [base]
     if draw.chance(0.15):
-        # A lid on a hinge at the rim.
+        # The lid is hinged at the rim.
         origin = (0, height + 0.01, -mouth * draw.between(0.95, 1.08))
         body.pieces.append(cylinder(0.03, 0.2, "x", origin, 12))
         opening = draw.between(60.0, 110.0)
@@ -42,16 +36,16 @@ def build(draw: Draw) -> SynthObject:
         links.append(Link("lid", [lid], base, slider(Y, 0.0, max(lift, rest), rest=rest)))
     kind = draw.pick(["loops", "long", "bow"], [6, 2, 2])
     if kind == "bow":
-        body.pieces.append(beak(draw, mouth, height))
+        body.pieces.append(beak(draw, height))
         bow = swinging_bow(draw, base, mouth, height, crown)
         links.append(bow)
     else:
         body.pieces += _loops(draw, radius, height) if kind == "loops" else [_long_handle(draw, radius, height)]
-    root.children = [node for link in links[1:] for node in link.nodes] + [body]
-    return SynthObject("KitchenPot", root, links)
+    return SynthObject.flat("KitchenPot", links)
 
 
 def _loops(draw: Draw, radius: float, height: float) -> list[Mesh]:
+    """Two loop handles."""
     wide, reach = draw.between(0.12, 0.25), draw.between(0.1, 0.25)
     y, rod = height * draw.between(0.65, 0.95), draw.between(0.015, 0.035)
     tilt = draw.between(-10.0, 40.0)
@@ -63,6 +57,7 @@ def _loops(draw: Draw, radius: float, height: float) -> list[Mesh]:
 
 
 def _long_handle(draw: Draw, radius: float, height: float) -> Mesh:
+    """One long handle."""
     y, length = height * draw.between(0.7, 0.95), draw.between(0.5, 1.0)
     path = [(0.95 * radius, y, 0), (radius + 0.4 * length, y + draw.between(0.0, 0.15), 0), (radius + length, y + 0.1, 0)]
     rod = sweep(rounded_path(np.array(path), 0.3), draw.between(0.025, 0.05), 10)

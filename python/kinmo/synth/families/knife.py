@@ -1,22 +1,26 @@
-"""Knives: blades that fold out of a handle, that slide out of it, or that sit in a sheath."""
+"""Knives with folding blades, sliding blades or sheaths."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.posture import lay
+from kinmo.synth.details.posture import lay_down
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import Z, box, box_between, cylinder, extrude, mirror, move, rounded_box
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
 
 def build(draw: Draw) -> SynthObject:
-    """Built along z, flat across y, the blade to +z."""
+    """Knife.
+
+    Variants: one to four blades that fold out of the handle, a cutter whose blade slides out, and a fixed blade in a sheath
+    that slides off. Built along z, flat across y, the blade to +z.
+    """
     root = Node("knife")
     unit = root.add("cutting_instrument")
     shape = draw.pick([_folding, _cutter, _sheathed], [4, 3, 2])(draw, root, unit)
-    lay(draw, shape)
+    lay_down(draw, shape)
     return shape
 
 
@@ -29,7 +33,7 @@ def _blade(draw: Draw, length: float, width: float, thickness: float) -> Mesh:
 
 
 def _folding(draw: Draw, root: Node, unit: Node) -> SynthObject:
-    """One or more blades or tools that turn about pins near the handle's ends; closed, they lie in the handle."""
+    """Blades or tools that turn about pins near the handle's ends; when closed they lie in the handle."""
     length, width, thickness = draw.between(0.8, 1.2), draw.between(0.14, 0.3), draw.between(0.08, 0.2)
     cheek = 0.2 * thickness
     handle_side = unit.add("handle_side")
@@ -37,7 +41,7 @@ def _folding(draw: Draw, root: Node, unit: Node) -> SynthObject:
     cheeks = [rounded_box((width, cheek, length), round_ends, "y", (0, s * 0.5 * (thickness - cheek), 0)) for s in (-1, 1)]
     back = box_between((0.3 * width, -0.5 * thickness, -0.45 * length), (0.45 * width, 0.5 * thickness, 0.45 * length))
     handle_side.add("handle", *cheeks, back)
-    base = Link("handle", [handle_side], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    base = Link("handle", [handle_side], kind=draw.pick([JointType.FREE, JointType.STATIC]))
     links = [base]
     count = draw.pick([1, 2, 3, 4], [5, 2, 1, 1])
     room = (thickness - 2 * cheek) / count
@@ -54,7 +58,7 @@ def _folding(draw: Draw, root: Node, unit: Node) -> SynthObject:
             pieces.append(cylinder(0.12 * width, 1.1 * thickness if count == 1 else 0.8 * room, "y", (pin[0], y, pin[2]), 12))
         side = unit.add("blade_side")
         side.add("blade", *pieces)
-        # From straight out (0) to folded in (180), over the side away from the handle's back.
+        # The blade is straight out at 0 degrees and folded in at 180, past the side away from the handle's back.
         turned = draw.pick([0.0, 180.0, draw.between(20.0, 160.0)], [2, 2, 3])
         motion = hinge((pin[0], draw.pick([0.0, y]), pin[2]), (0, -end, 0), 0.0, 180.0, rest=turned)
         links.append(Link("blade", [side], base, motion))
@@ -70,7 +74,7 @@ def _cutter(draw: Draw, root: Node, unit: Node) -> SynthObject:
         handle = [box((width, 0.3 * thickness, length), (0, s * 0.35 * thickness, 0)) for s in (-1, 1)]
         handle.append(box((0.2 * width, thickness, length), (0.4 * width, 0, 0)))
     handle_side.add("handle", *handle)
-    base = Link("handle", [handle_side], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    base = Link("handle", [handle_side], kind=draw.pick([JointType.FREE, JointType.STATIC]))
     side = unit.add("blade_side")
     reach = length * draw.between(0.5, 0.9)
     blade = _blade(draw, reach, 0.7 * width, 0.15 * thickness)
@@ -85,7 +89,7 @@ def _cutter(draw: Draw, root: Node, unit: Node) -> SynthObject:
 
 
 def _sheathed(draw: Draw, root: Node, unit: Node) -> SynthObject:
-    """A fixed blade in a sheath that comes off along it."""
+    """A fixed blade in a sheath that slides off."""
     length, width, thickness = draw.between(0.6, 1.2), draw.between(0.1, 0.2), draw.between(0.05, 0.1)
     grip = draw.between(0.3, 0.6)
     handle_side, blade_side = unit.add("handle_side"), unit.add("blade_side")
@@ -93,7 +97,7 @@ def _sheathed(draw: Draw, root: Node, unit: Node) -> SynthObject:
     if draw.chance(0.5):
         handle_side.add("guard", box((2 * width, 1.3 * thickness, 0.04)))
     blade_side.add("blade", _blade(draw, length, 0.8 * width, 0.2 * thickness))
-    base = Link("handle", [handle_side, blade_side], kind=JointName.FREE)
+    base = Link("handle", [handle_side, blade_side], kind=JointType.FREE)
     wall, low = 0.02, 0.03
     high, x, y = length * draw.between(0.9, 1.05), 0.5 * width, 0.5 * thickness
     sheath = [box_between((s * x - wall, -y, low), (s * x + wall, y, high)) for s in (-1, 1)]

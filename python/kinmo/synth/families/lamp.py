@@ -1,4 +1,4 @@
-"""Lamps: chains of arms that turn against each other, shades that tip, pull cords, dimmers and lids of lanterns."""
+"""Lamps with chains of arms, tipping shades, switches and dimmers."""
 
 from __future__ import annotations
 
@@ -7,18 +7,21 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, ellipsoid, lathe, move, rounded_box, sweep, turn
-from kinmo.synth.primitives.place import rotation
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, ellipsoid, lathe, move, rotation, rounded_box, sweep, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Desk, floor or wall lamp with one to three arms in a chain.
+
+    Each arm turns relative to the one before it. The shade tips or is fixed, a dimmer turns, and a button slides.
+    """
     root = Node("lamp")
     kind = draw.pick(["desk", "floor", "wall"], [5, 2, 2])
     group = root.add({"desk": "table_lamp", "floor": "street_lamp", "wall": "wall_lamp"}[kind])
     unit = group.add("lamp_unit") if draw.chance(0.7) else group
     foot = group.add("lamp_base", *_foot(draw, kind))
-    base = Link("lamp_base", [foot], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    base = Link("lamp_base", [foot], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     links = [base]
     start = np.array([0.0, 0.06, 0.0]) if kind != "floor" else np.array([0.0, draw.between(1.2, 1.8), 0.0])
     if kind == "wall":
@@ -34,12 +37,13 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _foot(draw: Draw, kind: str) -> list[Mesh]:
+    """The foot: a wall plate, a clamp, a disc or a rounded plate."""
     if kind == "wall":
         plate = draw.pick([cylinder(0.15, 0.05, "z", (0, 0, 0.0), 24), box((0.25, 0.35, 0.05))])
         return [plate, cylinder(0.03, 0.08, "z", (0, 0, 0.04), 12)]
     wide = draw.between(0.18, 0.35)
     if kind == "desk" and draw.chance(0.2):
-        # A clamp on a table's edge.
+        # A clamp for a table's edge.
         return [
             box((0.12, 0.05, 0.2), (0, 0.03, 0)),
             box((0.12, 0.25, 0.04), (0, -0.08, -0.1)),
@@ -55,19 +59,19 @@ def _foot(draw: Draw, kind: str) -> list[Mesh]:
 def _chain(
     draw: Draw, unit: Node, links: list[Link], base: Link, start: np.ndarray, *, wall: bool, swings_first: bool
 ) -> tuple[Link, np.ndarray]:
-    """Arms in the plane x = 0, from joint to joint; returns the last arm's link and its end."""
+    """Add arms in the plane x = 0, from joint to joint; returns the last arm's link and its end [3]."""
     holder, at = base, start
     count = draw.pick([1, 2, 3], [2, 5, 1])
     rod = draw.between(0.012, 0.03)
-    # Angles from upright, leaning to the front (+) and back (-) by turns.
+    # Arms lean to the front and to the back in turn.
     side = draw.sign()
     twin = draw.chance(0.25)
     for index in range(count):
         lean = side * draw.between(15.0, 60.0) if index % 2 == 0 else -side * draw.between(30.0, 85.0)
         lean = lean if not wall or index else draw.between(70.0, 100.0)
         length = draw.between(0.4, 0.8)
-        way = rotation(X, lean) @ np.array([0.0, length, 0.0])
-        end = at + way
+        path = rotation(X, lean) @ np.array([0.0, length, 0.0])
+        end = at + path
         offsets = [-1.8 * rod, 1.8 * rod] if twin else [0.0]
         pieces = [sweep(np.stack([at, end]) + dx * X, rod, draw.pick([6, 8, 12])) for dx in offsets]
         level = swings_first and index == 0
@@ -85,7 +89,7 @@ def _chain(
 
 
 def _shade(draw: Draw, unit: Node, links: list[Link], holder: Link, at: np.ndarray) -> None:
-    """The head with its bulb, tipping about a level line where the last arm ends, or fixed to it."""
+    """Add the head with its bulb, tipping about a horizontal line at the end of the last arm, or fixed to it."""
     long, wide = draw.between(0.2, 0.4), draw.between(0.1, 0.22)
     narrow = wide * draw.between(0.25, 0.8)
     kind = draw.pick(["cone", "bowl", "bar"], [4, 2, 2])
@@ -112,7 +116,7 @@ def _shade(draw: Draw, unit: Node, links: list[Link], holder: Link, at: np.ndarr
 
 
 def _switch(draw: Draw, root: Node, base: Link) -> Link:
-    """A button or dial on the foot's top."""
+    """A button or dial on top of the foot."""
     at = (draw.between(-0.1, 0.1), 0.05, 0.13)
     if draw.chance(0.5):
         knob = [turn(piece, X, -90.0, at) for piece in dial(draw, 0.03, 0.03, at)]

@@ -1,4 +1,4 @@
-"""Laptops: a screen side that turns about a line near the rear edge of the base, mostly through one or two shafts."""
+"""Laptops whose screen side turns about a line near the rear edge of the base."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
 from kinmo.synth.primitives import (
     X,
     Y,
@@ -23,14 +22,15 @@ from kinmo.synth.primitives import (
     sweep,
     turn,
 )
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge
 
 KEY_HEIGHT = 0.01
-"""How high the highest keys stand above the base."""
+"""Largest height of keys above the base."""
 
 
 @dataclass(frozen=True)
 class _Plan:
-    """Sizes of one laptop. The hinge line runs along x at (`hinge_y`, `hinge_z`); the base stands on y = 0."""
+    """Sizes of one laptop. The hinge line runs along x at (`hinge_y`, `hinge_z`), and the base stands on y = 0."""
 
     width: float
     depth: float
@@ -44,7 +44,10 @@ class _Plan:
 
 
 def build(draw: Draw) -> SynthObject:
-    """A laptop, built with the screen upright."""
+    """Laptop, built with the screen upright.
+
+    Most have one or two visible shafts on the hinge line. A rare variant has a mouse beside it, marked as junk.
+    """
     plan = _plan(draw)
     root = Node("laptop")
     screen_side, base_side = root.add("screen_side"), root.add("base_side")
@@ -65,24 +68,25 @@ def build(draw: Draw) -> SynthObject:
         logo = root.add("other")
         logo.add("other_leaf", box((size, size, 0.004), (0.0, middle, plan.screen_front - plan.screen_thickness)))
         moving.append(logo)
-    base = Link("base_side", still, kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    base = Link("base_side", still, kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     tilt = draw.pick([draw.between(2.0, 45.0), draw.between(-85.0, 2.0), -90.0, 80.0], [0.84, 0.08, 0.06, 0.02])
     origin = (draw.between(-0.5, 0.5) * plan.width, plan.hinge_y, plan.hinge_z)
     back = max(draw.pick([0.0, 30.0, 45.0, 80.0]), tilt)
     screen = Link(draw.pick(["screen_side", "shaft", "screen"]), moving, base, hinge(origin, X, -back, 90.0, rest=-tilt))
     links = [base, screen]
     if draw.chance(0.08):
-        links.append(Link("other_leaf", [_mouse(draw, plan, root.add("other"))], kind=JointName.JUNK))
+        links.append(Link("other_leaf", [_mouse(draw, plan, root.add("other"))], kind=JointType.JUNK))
     return SynthObject("Laptop", root, links)
 
 
 def _plan(draw: Draw) -> _Plan:
+    """Random sizes with which the closed screen lies above the base."""
     width = draw.between(1.0, 1.7)
     depth = draw.between(0.78, 1.05)
     thickness = draw.between(0.025, 0.11) if draw.chance(0.92) else draw.between(0.11, 0.22)
     screen_thickness = draw.between(0.012, 0.06)
     hinge_z = -0.5 * depth + draw.between(-0.01, 0.07) * depth
-    # The closed screen must find room above the base: the lower the hinge, the further back the screen.
+    # The closed screen needs room above the base: a lower hinge needs a screen further back.
     hinge_y = thickness * draw.between(0.45, 1.35)
     above = hinge_y - thickness - KEY_HEIGHT
     forward = above > 0.0 and draw.chance(0.5)
@@ -97,6 +101,7 @@ def _plan(draw: Draw) -> _Plan:
 
 
 def _fill_screen_side(draw: Draw, plan: _Plan, screen_side: Node) -> None:
+    """Add the screen, its frame and a camera."""
     width = plan.width * draw.between(0.97, 1.0)
     height = plan.screen_top - plan.screen_bottom
     middle = 0.5 * (plan.screen_bottom + plan.screen_top)
@@ -128,6 +133,7 @@ def _fill_screen_side(draw: Draw, plan: _Plan, screen_side: Node) -> None:
 
 
 def _fill_base_side(draw: Draw, plan: _Plan, base_side: Node) -> None:
+    """Add the base, the keyboard and a touchpad."""
     top = plan.thickness
     frame = [rounded_box((plan.width, top, plan.depth), draw.between(0.005, 0.08), "y", (0.0, 0.5 * top, 0.0))]
     if draw.chance(0.25):
@@ -152,6 +158,7 @@ def _fill_base_side(draw: Draw, plan: _Plan, base_side: Node) -> None:
 
 
 def _keyboard(draw: Draw, width: float, depth: float, top: float, middle: float) -> list[Mesh]:
+    """One block, or rows of keys with a wide one in the last row."""
     height = draw.between(0.4, 1.0) * KEY_HEIGHT
     if draw.chance(0.3):
         return [box((width, height, depth), (0.0, top + 0.5 * height, middle))]
@@ -170,29 +177,31 @@ def _keyboard(draw: Draw, width: float, depth: float, top: float, middle: float)
 
 
 def _add_shafts(draw: Draw, plan: _Plan, connector: Node) -> None:
+    """Add one long shaft or two short ones on the hinge line."""
     radius = draw.between(0.25, 0.6) * plan.thickness
     if draw.chance(0.5):
         shafts = [(0.0, plan.width * draw.between(0.3, 0.95))]
     else:
         offset = plan.width * draw.between(0.25, 0.42)
         shafts = [(side * offset, plan.width * draw.between(0.04, 0.14)) for side in (-1.0, 1.0)]
-    round_one = draw.chance(0.75)
+    is_round = draw.chance(0.75)
     for x, length in shafts:
         at = (x, plan.hinge_y, plan.hinge_z)
         reach = (length, 2 * radius, 2.5 * radius)
-        connector.add("shaft", cylinder(radius, length, "x", at, 14) if round_one else box(reach, at))
+        connector.add("shaft", cylinder(radius, length, "x", at, 14) if is_round else box(reach, at))
 
 
 def _feet(plan: _Plan, size: float) -> list[Mesh]:
+    """Four round feet."""
     places = [(x * 0.42 * plan.width, z * 0.4 * plan.depth) for x in (-1, 1) for z in (-1, 1)]
     return [cylinder(size, 0.015, "y", (x, -0.0075, z), 12) for x, z in places]
 
 
 def _mouse(draw: Draw, plan: _Plan, other: Node) -> Node:
-    """A mouse with its cable, lying beside the laptop."""
+    """A mouse with its cable, beside the laptop."""
     x, z = 0.5 * plan.width + draw.between(0.15, 0.3), draw.between(-0.1, 0.3)
     body = turn(ellipsoid((0.07, 0.04, 0.12)), Y, draw.between(-25.0, 25.0))
-    way = rounded_path(
+    path = rounded_path(
         np.array([(x, 0.03, z - 0.1), (x, 0.01, z - 0.3), (x - 0.1, 0.01, z - 0.4), (x - 0.05, 0.01, z - 0.6)]), 0.1
     )
-    return other.add("other_leaf", move(body, (x, 0.03, z)), sweep(rounded_path(way, 0.1), 0.006, 6))
+    return other.add("other_leaf", move(body, (x, 0.03, z)), sweep(rounded_path(path, 0.1), 0.006, 6))

@@ -1,20 +1,23 @@
-"""Lighters: lids on a hinge at one side, spark wheels, push keys."""
+"""Lighters with lids, spark wheels and push keys."""
 
 from __future__ import annotations
 
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import X, Y, Z, box, cylinder, rounded_box, tube
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
-    """Built with the lid closed, hinged at -x."""
+    """Lighter with a hinged lid, a spark wheel that turns, or both.
+
+    A lighter without a lid has a key that slides or tips. Built with the lid closed, hinged at -x or at the rear.
+    """
     width, height, depth = draw.between(0.35, 0.6), draw.between(0.6, 1.1), draw.between(0.15, 0.3)
     lid_height = height * draw.between(0.35, 0.6)
     edge = draw.between(0.005, 0.4) * depth
     root = Node("lighter")
     still = [root.add("body", rounded_box((width, height, depth), edge, "y", (0, 0.5 * height, 0)))]
-    base = Link("body", still, kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    base = Link("body", still, kind=draw.pick([JointType.FREE, JointType.STATIC]))
     links = [base]
     kind = draw.pick(["lid", "wheel", "both"], [3, 2, 4])
     tall = 0.6 * lid_height
@@ -51,7 +54,7 @@ def build(draw: Draw) -> SynthObject:
             sense = float(motion.direction[2])
             motion = hinge(line, motion.direction, *sorted((0.0, sense * opening)), rest=sense * rest)
         else:
-            # Hinged at the rear instead.
+            # The lid is hinged at the rear.
             motion = hinge((0, height, -0.5 * depth), X, -opening, 0.0, rest=-rest)
         links.append(Link("lid", [root.add("lid", *shell)], base, motion))
     return SynthObject("Lighter", root, links)

@@ -1,27 +1,31 @@
-"""Microwaves: a door on the left that turns about its left edge, controls on the right, a turntable inside."""
+"""Microwaves with a door at the left, controls at the right and a turntable."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from kinmo.synth.details.appliance import add_dial, add_feet, frame, housing
+from kinmo.synth.details.appliances import add_dial, add_feet, appliance_casing, rectangular_frame
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import box, box_between, cylinder, rounded_box, sheet, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Microwave whose door turns about its left edge.
+
+    The turntable and dials turn; keys and the door button slide in.
+    """
     width, height, depth = draw.between(1.2, 1.7), draw.between(0.6, 1.1), draw.between(0.7, 1.4)
     x, y, z = width / 2, height / 2, depth / 2
     split = x - draw.between(0.18, 0.32) * width
     wall = draw.between(0.03, 0.1)
     root = Node("microwave")
     body = root.add("body")
-    casing = body.add("frame", *housing(draw, np.array([-x, -y, -z]), np.array([split, y, z]), wall))
+    casing = body.add("frame", *appliance_casing(draw, np.array([-x, -y, -z]), np.array([split, y, z]), wall))
     casing.pieces.append(box_between((split, -y, -z), (x, y, z)))
-    base = Link("frame", [casing], kind=draw.pick([JointName.HEAVY, JointName.FREE], [8, 1]))
+    base = Link("frame", [casing], kind=draw.pick([JointType.HEAVY, JointType.FREE], [8, 1]))
     links = [base, _door(draw, body, base, -x, split, y, z)]
     if draw.chance(0.75):
         links += _controls(draw, body, base, split, x, y, z)
@@ -33,6 +37,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _door(draw: Draw, body: Node, base: Link, left: float, right: float, y: float, z: float) -> Link:
+    """The door with its window and handle, hinged at its left edge."""
     node = body.add("door")
     thickness, rim = draw.between(0.02, 0.13), draw.between(0.08, 0.2)
     shrink = draw.pick([0.0, draw.between(0.0, 0.06)])
@@ -44,7 +49,7 @@ def _door(draw: Draw, body: Node, base: Link, left: float, right: float, y: floa
     middle = (0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), pane_z)
     if draw.chance(0.85):
         solid = draw.chance(0.4)
-        node.add("door_frame", box_between(low, high) if solid else frame(low, high, rim))
+        node.add("door_frame", box_between(low, high) if solid else rectangular_frame(low, high, rim))
     if draw.chance(0.85) or not node.children:
         thin = draw.pick([0.0, 0.004, 0.02])
         node.add("glass", sheet(pane, middle, "z") if thin == 0 else box((*pane, thin), middle))
@@ -62,7 +67,7 @@ def _door(draw: Draw, body: Node, base: Link, left: float, right: float, y: floa
 
 
 def _controls(draw: Draw, body: Node, base: Link, left: float, right: float, y: float, z: float) -> list[Link]:
-    """A display, and a keypad, dials, or both, and a wide button that opens the door."""
+    """A display, a keypad, dials or both, and a wide button that opens the door."""
     panel = body.add("side_controls")
     middle, width = 0.5 * (left + right), right - left
     links: list[Link] = []
@@ -83,14 +88,14 @@ def _controls(draw: Draw, body: Node, base: Link, left: float, right: float, y: 
     if draw.chance(0.35):
         travel = draw.between(0.004, 0.02)
         node = panel.add("door_button", rounded_box((0.7 * width, 0.1 * y, 2 * travel), 0.01, "z", (middle, -0.82 * y, z)))
-        links.append(Link("door_button", [node], base, slider((0, 0, -1), 0, travel), lumped_name="button"))
+        links.append(Link("door_button", [node], base, slider((0, 0, -1), 0, travel), leaf_name="button"))
     if not panel.children:
         base.nodes.append(panel.add("display_panel", sheet((0.8 * width, y), (middle, 0, z), "z")))
     return links
 
 
 def _turntable(draw: Draw, body: Node, base: Link, x: float, floor: float, radius: float) -> list[Link]:
-    """A tray, alone or on a support, sometimes with something on it."""
+    """The turntable, alone or on a support, sometimes with a cup on it."""
     inside = body.add("body_interior")
     thickness = draw.pick([0.0, draw.between(0.015, 0.04)], [1, 5])
     lift = floor + draw.between(0.01, 0.05)
@@ -104,4 +109,4 @@ def _turntable(draw: Draw, body: Node, base: Link, x: float, floor: float, radiu
     if draw.chance(0.3):
         cup = cylinder(0.07, 0.15, "y", (x + 0.1, lift + thickness + 0.075, 0.05), 16, top_radius=0.09)
         nodes.append(inside.add("other").add("other_leaf", cup))
-    return [Link("body_interior", nodes, base, spinner((x, lift, 0), (0, 1, 0)), lumped_name="tray")]
+    return [Link("body_interior", nodes, base, spinner((x, lift, 0), (0, 1, 0)), leaf_name="tray")]

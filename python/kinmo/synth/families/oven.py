@@ -1,25 +1,29 @@
-"""Ovens and ranges: one or two doors that fold down, a row of knobs, trays inside, a cooktop or a drawer below."""
+"""Ovens and ranges with doors, knobs, trays, a drawer and a cooktop."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from kinmo.synth.details.appliance import add_dial, add_feet, frame, housing
+from kinmo.synth.details.appliances import add_dial, add_feet, appliance_casing, rectangular_frame
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import box, box_between, cylinder, sheet, torus
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
 
 def build(draw: Draw) -> SynthObject:
+    """Oven with one or two doors that fold down or, rarely, turn about a side.
+
+    Knobs turn; trays, keys and a drawer slide. A cooktop may have a cover hinged at the rear.
+    """
     width, height, depth = draw.between(0.8, 1.3), draw.between(0.9, 1.6), draw.between(0.7, 1.1)
     x, y, z = width / 2, height / 2, depth / 2
     wall = draw.between(0.03, 0.08)
     root = Node(draw.pick(["oven", "microwave"], [3, 1]))
     body = root.add("body")
-    casing = body.add("frame", *housing(draw, np.array([-x, -y, -z]), np.array([x, y, z]), wall))
-    base = Link("frame", [casing], kind=draw.pick([JointName.HEAVY, JointName.STATIC], [3, 1]))
+    casing = body.add("frame", *appliance_casing(draw, np.array([-x, -y, -z]), np.array([x, y, z]), wall))
+    base = Link("frame", [casing], kind=draw.pick([JointType.HEAVY, JointType.STATIC], [3, 1]))
     links = [base]
     strip = draw.between(0.1, 0.2) * height
     top = y - strip
@@ -45,7 +49,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 class _Look:
-    """What the doors of one oven have in common."""
+    """Common style of the doors of one oven."""
 
     def __init__(self, draw: Draw) -> None:
         self.thickness = draw.between(0.025, 0.09)
@@ -56,11 +60,12 @@ class _Look:
         self.side = draw.pick([0.0, -1.0, 1.0], [14, 1, 1])
 
     def add_door(self, draw: Draw, body: Node, base: Link, x: float, low: float, high: float, z: float) -> Link:
+        """Add a door between two heights."""
         node = body.add("door")
         front = z + self.thickness
         corners = np.array([-x, low, z]), np.array([x, high, front])
         if self.window == "pane":
-            node.add("door_frame", frame(*corners, self.rim))
+            node.add("door_frame", rectangular_frame(*corners, self.rim))
         else:
             node.add("door_frame", box_between(*corners))
         pane = (2 * (x - self.rim), high - low - 2 * self.rim)
@@ -75,14 +80,14 @@ class _Look:
         rest = draw.between(20, 90) if draw.chance(0.12) else 0.0
         deep = z + self.thickness * draw.pick([0.0, 0.2, 0.6])
         if self.side != 0.0:
-            # A door hinged at its side.
+            # The door is hinged at its side.
             return Link("door", [node], base, hinge((self.side * x, 0, deep), (0, self.side, 0), 0, 110, rest=rest))
         axis = (0, low + draw.pick([0.0, draw.between(0.0, 0.04)]), deep)
         return Link("door", [node], base, hinge(axis, (1, 0, 0), 0, 90, rest=rest))
 
 
 def _trays(draw: Draw, body: Node, base: Link, x: float, low: float, high: float, depth: float) -> list[Link]:
-    """Racks that slide out, one or two behind a door."""
+    """One or two racks behind a door that slide out."""
     if draw.chance(0.4):
         return []
     inside = body.add("body_interior")
@@ -93,12 +98,13 @@ def _trays(draw: Draw, body: Node, base: Link, x: float, low: float, high: float
         sides = [box((0.015, 0.04, 0.76 * depth), (s * 0.93 * x, y, 0.025 * depth)) for s in (-1, 1)]
         node = inside.add("tray", *bars, *sides)
         links.append(
-            Link("tray", [node], base, slider((0, 0, 1), 0, draw.between(0.5, 0.75) * depth), lumped_name="translation_tray")
+            Link("tray", [node], base, slider((0, 0, 1), 0, draw.between(0.5, 0.75) * depth), leaf_name="translation_tray")
         )
     return links
 
 
 def _drawer(draw: Draw, body: Node, base: Link, x: float, low: float, high: float, z: float, depth: float) -> Link:
+    """A drawer below the oven."""
     node = body.add("drawer")
     node.add("drawer_front", box_between((-x, low, z), (x, high, z + 0.04)))
     if draw.chance(0.6):
@@ -109,7 +115,7 @@ def _drawer(draw: Draw, body: Node, base: Link, x: float, low: float, high: floa
 
 
 def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: float, z: float) -> list[Link]:
-    """Knobs in a row, buttons, or only a display."""
+    """Knobs in a row, a keypad, or only a display."""
     panel = body.add("side_controls")
     links: list[Link] = []
     if draw.chance(0.6):
@@ -130,7 +136,7 @@ def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: fl
 
 
 def _cooktop(draw: Draw, root: Node, base: Link, x: float, y: float, z: float) -> None:
-    """A plate with four burners, sometimes a splashboard."""
+    """Add a plate with four burners, sometimes with a splashboard."""
     top = root.add("top")
     base.nodes.append(top)
     top.add("surface", box((2 * x, 0.03, 2 * z), (0, y + 0.015, 0)))
@@ -143,7 +149,7 @@ def _cooktop(draw: Draw, root: Node, base: Link, x: float, y: float, z: float) -
 
 
 def _cover(draw: Draw, root: Node, base: Link, x: float, y: float, z: float) -> Link:
-    """A glass or metal lid over the burners, hinged at the rear, mostly standing open."""
+    """A lid over the burners, hinged at the rear, mostly shown open."""
     thick = draw.between(0.01, 0.03)
     node = root.add(draw.pick(["lid", "cover"]), box((2 * x, thick, 2 * z), (0, y + 0.07 + thick / 2, 0)))
     opens = draw.between(85, 100)

@@ -1,24 +1,26 @@
-"""Pens: caps that pull off, push buttons, twisting barrels and clips."""
+"""Pens with caps, push buttons, twisting barrels and clips."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.posture import reorient
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, screw, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, dome, ellipsoid, lathe, move, tube
-from kinmo.synth.primitives.place import rotation_about
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, dome, ellipsoid, lathe, move, rotation_about, tube
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, screw, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
-    """Built upright with the tip down, at y = 0 the barrel's lower end."""
+    """Pen.
+
+    Variants: a cap that slides off or screws, a button that slides in, and an upper barrel that turns or screws. Built upright
+    with the tip down and the barrel's lower end at y = 0.
+    """
     length, radius = draw.between(1.0, 1.6), draw.between(0.05, 0.12)
     sides = draw.pick([6, 12, 20, 28], [1, 1, 3, 3])
     root = Node("pen")
     barrel = root.add("body", *_barrel(draw, length, radius, sides))
-    base = Link("body", [barrel], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    base = Link("body", [barrel], kind=draw.pick([JointType.FREE, JointType.STATIC]))
     links = [base]
     kind = draw.pick(["cap", "button", "twist"], [4, 4, 2])
     if kind == "cap":
@@ -41,11 +43,12 @@ def build(draw: Draw) -> SynthObject:
     posture = draw.pick(["upright", "tip up", "along x", "along z"], [4, 2, 2, 2])
     if posture != "upright":
         axis, angle = {"tip up": (X, 180.0), "along x": (Z, 90.0), "along z": (X, 90.0)}[posture]
-        reorient(shape, rotation_about(axis, angle, (0, 0, 0)))
+        shape.move(rotation_about(axis, angle))
     return shape
 
 
 def _barrel(draw: Draw, length: float, radius: float, sides: int) -> list[Mesh]:
+    """The barrel with its tip, sometimes with a grip."""
     tip = draw.between(0.1, 0.25)
     swell = draw.between(0.85, 1.1)
     point = [[0, -tip], [0.015, -tip], [0.03, -0.6 * tip]]
@@ -58,7 +61,7 @@ def _barrel(draw: Draw, length: float, radius: float, sides: int) -> list[Mesh]:
 
 
 def _cap(draw: Draw, root: Node, base: Link, radius: float, sides: int) -> Link:
-    """A sleeve over the tip; it comes off downwards, on some pens screwing."""
+    """A cap over the tip that slides off downwards, or screws off."""
     reach, wall = draw.between(0.35, 0.6), draw.between(0.01, 0.025)
     low = reach - draw.between(0.05, 0.15)
     sleeve = tube(1.1 * radius + wall, 1.1 * radius, reach, "y", (0, 0.5 * reach - low, 0), sides)
@@ -66,7 +69,7 @@ def _cap(draw: Draw, root: Node, base: Link, radius: float, sides: int) -> Link:
     if end == "flat":
         closed = cylinder(1.1 * radius + wall, 0.02, "y", (0, -low, 0), sides)
     else:
-        closed = move(dome((1.1 * radius + wall, 0.1, 1.1 * radius + wall), segments=sides), (0, 0, 0))
+        closed = dome((1.1 * radius + wall, 0.1, 1.1 * radius + wall), segments=sides)
         closed = move(Mesh(closed.vertices * (1, -1, 1), closed.faces[:, ::-1]), (0, -low, 0))
     pieces = [sleeve, closed]
     if draw.chance(0.6):
@@ -82,6 +85,7 @@ def _cap(draw: Draw, root: Node, base: Link, radius: float, sides: int) -> Link:
 
 
 def _button(draw: Draw, root: Node, base: Link, length: float, radius: float) -> Link:
+    """A button at the upper end that slides in."""
     out, wide = draw.between(0.05, 0.15), radius * draw.between(0.4, 0.8)
     knob = cylinder(wide, out, "y", (0, length + 0.5 * out, 0), 14)
     pieces = [knob, ellipsoid((wide, 0.3 * wide, wide), (0, length + out, 0), 14, 6)] if draw.chance(0.4) else [knob]
@@ -91,5 +95,6 @@ def _button(draw: Draw, root: Node, base: Link, length: float, radius: float) ->
 
 
 def _clip(draw: Draw, length: float, radius: float) -> Mesh:
+    """A clip at the upper end."""
     reach = draw.between(0.25, 0.4) * length
     return box((0.04, reach, 0.02), (0, length - 0.5 * reach, radius + draw.between(0.015, 0.04)))

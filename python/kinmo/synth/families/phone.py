@@ -1,23 +1,24 @@
-"""Phones: fields of buttons, keys at the sides, flaps and halves that slide or fold."""
+"""Phones with keys, side keys, and halves that fold or slide."""
 
 from __future__ import annotations
 
 from kinmo.synth.details.keypads import keypad, side_keys
-from kinmo.synth.details.posture import reorient
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
-from kinmo.synth.primitives import X, Y, box, cylinder, rounded_box
-from kinmo.synth.primitives.place import rotation_about
+from kinmo.synth.primitives import X, Y, box, cylinder, rotation_about, rounded_box
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
 
 def build(draw: Draw) -> SynthObject:
-    """Built standing, keys to +z."""
+    """Phone.
+
+    Variants: a bar phone, a flip phone (one half hinged), a slide phone (a cover slides), and a smartphone with one button.
+    Keys slide in. Built standing, keys to +z.
+    """
     kind = draw.pick(["bar", "flip", "slide", "smart"], [2, 3, 2, 2])
     width, height, depth = draw.between(0.35, 0.6), draw.between(0.9, 1.5), draw.between(0.06, 0.22)
-    root = Node("Phone")
     round_edge = draw.between(0.01, 0.25) * width
     body = Node("base_body", pieces=[rounded_box((width, height, depth), round_edge, "z")])
-    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC]))
     links = [base]
     front = 0.5 * depth
     if kind == "smart":
@@ -39,15 +40,14 @@ def build(draw: Draw) -> SynthObject:
         links.append(Link("slider", [cover], base, slider(Y, 0.0, travel, rest=rest)))
     if draw.chance(0.5):
         links += side_keys(draw, base, width, height)
-    root.children = [node for link in links[1:] for node in link.nodes] + [body]
-    shape = SynthObject("Phone", root, links)
+    shape = SynthObject.flat("Phone", links)
     if draw.chance(0.3):
-        reorient(shape, rotation_about(X, -90.0, (0, 0, 0)))
+        shape.move(rotation_about(X, -90.0))
     return shape
 
 
 def _flap(draw: Draw, base: Link, width: float, height: float, depth: float) -> Link:
-    """The other half of a folding phone, hinged along its upper edge or, rarely, at its side."""
+    """The second half of a flip phone, hinged along its upper edge or, rarely, at its side."""
     thick = depth * draw.between(0.6, 1.0)
     upright = draw.chance(0.15)
     gap = 0.01
@@ -60,7 +60,7 @@ def _flap(draw: Draw, base: Link, width: float, height: float, depth: float) -> 
         motion = hinge((-0.5 * width + inset, 0, line), Y, -opening, 0.0, rest=-rest)
         pin = cylinder(0.3 * depth, 0.5 * height, "y", (-0.5 * width + inset, 0, line), 12)
     else:
-        # The flap's lower edge comes up to the front: about -x through the upper edge.
+        # The flap's lower edge swings up to the front.
         motion = hinge((0, 0.5 * height - inset, line), X, -opening, 0.0, rest=-rest)
         pin = cylinder(0.3 * depth, 0.5 * width, "x", (0, 0.5 * height - inset, line), 12)
     return Link("lid", [Node("lid", pieces=[lid, pin] if draw.chance(0.5) else [lid])], base, motion)

@@ -1,4 +1,4 @@
-"""Printers and copiers: covers that fold up, trays that slide or fold out, paper supports that tip, keys and displays."""
+"""Printers and copiers with covers, trays, paper supports, keys and displays."""
 
 from __future__ import annotations
 
@@ -7,16 +7,14 @@ from itertools import pairwise
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.keypads import add_keypad
-from kinmo.synth.details.posture import carry
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
-from kinmo.synth.primitives import X, Y, Z, box, box_between, rounded_box, turn
-from kinmo.synth.primitives.place import facing, rotation
+from kinmo.synth.primitives import X, Y, Z, box, box_between, facing, rotation, rounded_box, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
 
 @dataclass(frozen=True)
 class _Case:
-    """Half width and depth, and height of the case; it stands on y = 0."""
+    """Half width, half depth and height of the case, which stands on y = 0."""
 
     x: float
     z: float
@@ -24,13 +22,17 @@ class _Case:
 
 
 def build(draw: Draw) -> SynthObject:
+    """Printer with a cover that folds up, trays that slide or fold out, and a paper support that tips or slides.
+
+    Keys slide in, and the control panel may tip.
+    """
     case = _Case(draw.between(0.4, 0.75), draw.between(0.3, 0.6), draw.between(0.25, 0.9))
     root = Node("Printer")
     levels = [0.03]
     for _ in range(draw.integer(0, 3)):
         levels.append(levels[-1] + draw.between(0.15, 0.28) * case.top)
     body = root.add("base_body", *_shell(draw, case, levels[-1] if len(levels) > 1 else 0.0))
-    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.HEAVY, JointName.STATIC], [3, 2, 1]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.HEAVY, JointType.STATIC], [3, 2, 1]))
     links = [base]
     if draw.chance(0.75):
         links += _cover(draw, root, base, case)
@@ -44,7 +46,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _shell(draw: Draw, case: _Case, split: float) -> list[Mesh]:
-    """The case: a block from the height `split` up, below it walls round what slides and folds out at the front."""
+    """The case: a block above the height `split`, and walls around the trays below it."""
     size = (2 * case.x, case.top - split, 2 * case.z)
     middle = (0, 0.5 * (case.top + split), 0)
     rounded = rounded_box(size, draw.between(0.01, 0.15), draw.pick(["y", "x"]), middle)
@@ -59,7 +61,7 @@ def _shell(draw: Draw, case: _Case, split: float) -> list[Mesh]:
 
 
 def _cover(draw: Draw, root: Node, base: Link, case: _Case) -> list[Link]:
-    """The scanner's cover over the whole top or a part of it, hinged at the rear or at a side, sometimes with a feeder."""
+    """A cover over all or part of the top, hinged at the rear or at a side, sometimes with a feeder."""
     thick, reach = draw.between(0.03, 0.15), draw.pick([1.0, draw.between(0.5, 0.95)])
     slab = box_between((-case.x, case.top, -case.z), (case.x, case.top + thick, -case.z + 2 * reach * case.z))
     opens = draw.between(60.0, 100.0)
@@ -76,7 +78,7 @@ def _cover(draw: Draw, root: Node, base: Link, case: _Case) -> list[Link]:
 
 
 def _support(draw: Draw, root: Node, base: Link, case: _Case) -> Link:
-    """A plate at the rear that holds paper: it tips back from upright, or slides up."""
+    """A plate at the rear that holds paper. It tips back from vertical, or slides up."""
     tall, thick, wide = draw.between(0.2, 0.6), draw.between(0.01, 0.04), case.x * draw.between(0.5, 0.95)
     foot = (0.0, case.top - draw.between(0.0, 0.1), -case.z + draw.pick([0.0, 0.04]))
     plate = box((2 * wide, tall, thick), (0, foot[1] + 0.5 * tall, foot[2]))
@@ -91,7 +93,7 @@ def _support(draw: Draw, root: Node, base: Link, case: _Case) -> Link:
 
 
 def _sliding_tray(draw: Draw, root: Node, base: Link, case: _Case, low: float, high: float) -> Link:
-    """A cassette or an output tray that slides out of the front."""
+    """A cassette or an output tray that slides out to the front."""
     wide, deep, proud = case.x * draw.between(0.5, 0.95), case.z * draw.between(0.8, 1.7), draw.between(0.0, 0.25)
     thin = draw.chance(0.4)
     top = low + (0.03 if thin else high - low)
@@ -105,7 +107,7 @@ def _sliding_tray(draw: Draw, root: Node, base: Link, case: _Case, low: float, h
 
 
 def _folding_tray(draw: Draw, root: Node, base: Link, case: _Case, low: float, high: float) -> Link:
-    """A flap in the front that folds down about its lower edge, sometimes as far as to lie level."""
+    """A flap in the front that folds down about its lower edge."""
     wide, thick = case.x * draw.between(0.5, 0.95), draw.between(0.015, 0.05)
     flap = box_between((-wide, low, case.z), (wide, high, case.z + thick))
     opens = draw.pick([60.0, 90.0, 100.0])
@@ -115,14 +117,14 @@ def _folding_tray(draw: Draw, root: Node, base: Link, case: _Case, low: float, h
 
 
 def _panel(draw: Draw, root: Node, base: Link, case: _Case) -> list[Link]:
-    """Keys on the top's front edge or on the upper front, upright, level or leaning; the panel itself may tip."""
+    """A control panel with keys at the upper front edge, at any angle; the panel itself may tip."""
     wide, tall = case.x * draw.between(0.3, 1.2), draw.between(0.1, 0.25)
     panel = root.add("panel", box((wide, tall, 0.03), (0, 0, 0.015)))
     owner = base
     links: list[Link] = []
     if draw.chance(0.25):
         motion = hinge((0, 0.5 * tall, 0), -X, 0.0, draw.between(20.0, 70.0), rest=draw.pick([0.0, 20.0]))
-        owner = Link("screen", [panel], base, motion, lumped_name="screen")
+        owner = Link("screen", [panel], base, motion, leaf_name="screen")
         links.append(owner)
         loose = [owner]
     else:
@@ -135,5 +137,7 @@ def _panel(draw: Draw, root: Node, base: Link, case: _Case) -> list[Link]:
     upright = lean < 60.0
     drop = (0.5 * tall, 0.0) if upright else (-0.005, 0.5 * tall)
     at = (draw.between(-0.3, 0.3) * case.x, case.top - drop[0], case.z - drop[1])
-    carry([*loose, *keys], facing(normal, rotation(X, -lean) @ Y, at))
+    place = facing(normal, rotation(X, -lean) @ Y, at)
+    for link in [*loose, *keys]:
+        link.move(place)
     return links + keys

@@ -1,50 +1,54 @@
-"""Refrigerators: one to four doors, side by side or one above the other, freezer drawers, and shelves inside."""
+"""Refrigerators with one to four doors, freezer drawers, shelves and water dispensers."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from kinmo.synth.details.appliance import add_feet, housing
+from kinmo.synth.details.appliances import add_feet, appliance_casing
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import box, box_between, cylinder, rounded_box, sheet
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
 Cell = tuple[float, float, float, float, str]
-"""left, low, right, high of a door, and what it is: a side on which it is hinged, or "drawer"."""
+"""Left, low, right and high edge of a door, and the side of its hinge, or "drawer"."""
 
 
 def build(draw: Draw) -> SynthObject:
+    """Refrigerator whose doors turn about an outer vertical edge and whose drawers slide forward.
+
+    Variants: one door, two doors one above the other, two side by side, two over drawers, and four doors. Shelves and crispers
+    slide or are fixed. A dispenser on a door has keys that slide in and a paddle that tips or slides.
+    """
     width, height, depth = draw.between(0.6, 1.2), draw.between(1.0, 2.0), draw.between(0.6, 1.0)
     x, y, z = width / 2, height / 2, depth / 2
     wall = draw.between(0.03, 0.08)
     root = Node("refrigerator")
     body = root.add("body")
-    casing = body.add("frame", *housing(draw, np.array([-x, -y, -z]), np.array([x, y, z]), wall))
-    base = Link("frame", [casing], kind=draw.pick([JointName.HEAVY, JointName.STATIC], [8, 1]))
+    casing = body.add("frame", *appliance_casing(draw, np.array([-x, -y, -z]), np.array([x, y, z]), wall))
+    base = Link("frame", [casing], kind=draw.pick([JointType.HEAVY, JointType.STATIC], [8, 1]))
     links = [base]
     low = -y + draw.pick([0.0, draw.between(0.03, 0.12)])
     thickness = draw.between(0.03, 0.12)
     handles = draw.chance(0.85)
     for cell in _cells(draw, x, low, y):
-        links.append(
-            _drawer(draw, body, base, cell, z, thickness, depth)
-            if cell[4] == "drawer"
-            else _door(draw, body, base, cell, z, thickness, handles)
-        )
+        if cell[4] == "drawer":
+            links.append(_drawer(draw, body, base, cell, z, thickness, depth))
+        else:
+            links.append(_door(draw, body, base, cell, z, thickness, handles))
     if draw.chance(0.35):
         links += _interior(draw, body, base, (width - 2 * wall, 0.2 * height, 0.75 * depth), low)
     doors = [link for link in links if link.name == "door"]
     if doors and draw.chance(0.15):
-        links += _water(draw, body, draw.pick(doors), z)
+        links += _dispenser(draw, body, draw.pick(doors), z)
     if draw.chance(0.5):
         base.nodes.append(add_feet(draw, root, x, z, -y))
     return SynthObject("Refrigerator", root, links)
 
 
 def _cells(draw: Draw, x: float, low: float, high: float) -> list[Cell]:
-    """How the front is divided."""
+    """Division of the front into doors and drawers."""
     side = draw.pick(["left", "right"], [1, 2])
     plan = draw.pick(["single", "two", "beside", "french", "four"], [1, 4, 4, 2, 1])
     gap = draw.pick([0.0, draw.between(0.002, 0.012)])
@@ -67,6 +71,7 @@ def _cells(draw: Draw, x: float, low: float, high: float) -> list[Cell]:
 
 
 def _panel(draw: Draw, node: Node, cell: Cell, back: float, thickness: float) -> None:
+    """Add the panel of a door or drawer."""
     left, low, right, high, _ = cell
     size, at = (right - left, high - low, thickness), ((left + right) / 2, (low + high) / 2, back + thickness / 2)
     slab = rounded_box(size, draw.between(0.1, 0.5) * thickness, "y", at, 3) if draw.chance(0.4) else box(size, at)
@@ -79,6 +84,7 @@ def _panel(draw: Draw, node: Node, cell: Cell, back: float, thickness: float) ->
 
 
 def _door(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: float, handles: bool) -> Link:
+    """A hinged door with a handle and door shelves."""
     left, low, right, high, side = cell
     node = body.add("door")
     back = z + draw.pick([0.0, draw.between(0.0, 0.01)])
@@ -90,15 +96,8 @@ def _door(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: f
         x = edge - out * (width - draw.between(0.05, 0.14) * width)
         length = height * draw.between(0.2, 0.8)
         y = (low + high) / 2 + draw.between(-0.4, 0.4) * (height - length)
-        grip = pull(
-            draw,
-            length,
-            (x, y, back + thickness),
-            vertical=True,
-            thickness=draw.between(0.02, 0.05),
-            reach=draw.between(0.04, 0.09),
-        )
-        node.add("handle", *grip)
+        thick, reach = draw.between(0.02, 0.05), draw.between(0.04, 0.09)
+        node.add("handle", *pull(draw, length, (x, y, back + thickness), vertical=True, thickness=thick, reach=reach))
     if draw.chance(0.3):
         for row in range(draw.integer(1, 3)):
             shelf = box((0.75 * width, 0.06, 0.1), ((left + right) / 2, low + (row + 0.7) * height / 4, back - 0.05))
@@ -106,7 +105,7 @@ def _door(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: f
     inward, forward = draw.between(0.0, 0.05) * width, thickness * draw.pick([0.0, 0.3, 0.6, -0.3])
     axis = (edge - out * inward, high, back + forward)
     if draw.chance(0.2):
-        (node if draw.chance(0.4) else _own(body, base)).add(
+        (node if draw.chance(0.4) else _hardware_group(body, base)).add(
             "hinge", cylinder(0.02, 0.03, "y", (axis[0], high + 0.015, axis[2]), 12)
         )
     rest = draw.between(20, 110) if draw.chance(0.15) else 0.0
@@ -114,27 +113,22 @@ def _door(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: f
 
 
 def _drawer(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: float, depth: float) -> Link:
+    """A drawer with a handle."""
     left, low, right, high, _ = cell
     node = body.add("drawer")
     _panel(draw, node, cell, z, thickness)
     if draw.chance(0.7):
         inner = box_between((left + 0.08, low + 0.03, z - 0.8 * depth), (right - 0.08, low + 0.7 * (high - low), z))
         node.add("drawer_box", inner)
-    grip = pull(
-        draw,
-        0.6 * (right - left),
-        ((left + right) / 2, high - 0.15 * (high - low), z + thickness),
-        vertical=False,
-        thickness=0.03,
-    )
-    node.add("handle", *grip)
+    at = ((left + right) / 2, high - 0.15 * (high - low), z + thickness)
+    node.add("handle", *pull(draw, 0.6 * (right - left), at, vertical=False, thickness=0.03))
     travel = draw.between(0.4, 0.75) * depth
     rest = travel * draw.between(0.2, 0.9) if draw.chance(0.12) else 0.0
     return Link("drawer", [node], base, slider((0, 0, 1), 0, travel, rest=rest))
 
 
 def _interior(draw: Draw, body: Node, base: Link, size: tuple[float, float, float], low: float) -> list[Link]:
-    """Shelves, which stand still or slide, and crispers that slide out, one above the other."""
+    """Shelves that are fixed or slide, and crispers that slide out, one above the other."""
     inside, links = body.add("body_interior"), []
     width, pitch, deep = size
     crispers, sliding = draw.chance(0.4), draw.chance(0.3)
@@ -145,17 +139,17 @@ def _interior(draw: Draw, body: Node, base: Link, size: tuple[float, float, floa
             for side in draw.pick([(0.0,), (-1.0, 1.0)]):
                 wide = width if side == 0.0 else 0.49 * width
                 tray = inside.add("tray", box((wide, 0.7 * pitch, 0.95 * deep), (side * 0.25 * width, y - 0.4 * pitch, -0.02)))
-                links.append(Link("tray", [tray], base, out, lumped_name="translation_tray"))
+                links.append(Link("tray", [tray], base, out, leaf_name="translation_tray"))
         shelf = inside.add("shelf", box((width, 0.012, deep), (0, y, -0.02)))
         if sliding:
-            links.append(Link("shelf", [shelf], base, out, lumped_name="translation_tray"))
+            links.append(Link("shelf", [shelf], base, out, leaf_name="translation_tray"))
         else:
             base.nodes.append(shelf)
     return links
 
 
-def _water(draw: Draw, body: Node, door: Link, z: float) -> list[Link]:
-    """A dispenser on a door: a plate with keys and a paddle that is pushed in or back; on some doors all of it is fixed."""
+def _dispenser(draw: Draw, body: Node, door: Link, z: float) -> list[Link]:
+    """A water dispenser on a door: a plate with keys, and a paddle that tips or slides; on some doors the paddle is fixed."""
     corners = np.concatenate([piece.vertices for leaf in door.leaves() for piece in leaf.pieces])
     low, high = corners.min(axis=0), corners.max(axis=0)
     front = draw.pick([float(high[2]), z + 0.5 * (float(high[2]) - z)], [1, 1])
@@ -174,7 +168,7 @@ def _water(draw: Draw, body: Node, door: Link, z: float) -> list[Link]:
     return links
 
 
-def _own(body: Node, base: Link) -> Node:
+def _hardware_group(body: Node, base: Link) -> Node:
     """A group of hardware that belongs to the housing."""
     group = body.add("other")
     base.nodes.append(group)

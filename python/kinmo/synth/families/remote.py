@@ -1,22 +1,23 @@
-"""Remote controls: a slab full of buttons, with a battery lid that slides and, on some, a dial or a rocker."""
+"""Remote controls with many keys, a battery lid, and a dial or rocker on some."""
 
 from __future__ import annotations
 
 from kinmo.synth.details.controls import dial
 from kinmo.synth.details.keypads import keypad, side_keys
-from kinmo.synth.details.posture import face, reorient
+from kinmo.synth.details.posture import turn_about_up
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
-from kinmo.synth.primitives import X, Z, box, cylinder, rounded_box
-from kinmo.synth.primitives.place import rotation_about
+from kinmo.synth.primitives import X, Z, box, cylinder, rotation_about, rounded_box
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
-    """Built standing, keys to +z; it lies on its back more often."""
+    """Remote control whose keys slide in.
+
+    A dial turns, a rocker tips, and the battery lid slides. Built standing, keys to +z; most are shown lying on their back.
+    """
     width, height, depth = draw.between(0.3, 0.55), draw.between(0.9, 1.6), draw.between(0.06, 0.2)
-    root = Node("Remote")
     body = Node("base_body", pieces=[rounded_box((width, height, depth), draw.between(0.01, 0.4) * width, "z")])
-    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC]))
     front = 0.5 * depth
     share = draw.between(0.55, 0.95)
     links = [base, *keypad(draw, base, width, height, front, share)]
@@ -34,9 +35,8 @@ def build(draw: Draw) -> SynthObject:
         long = height * draw.between(0.2, 0.4)
         cover = Node("lid", pieces=[box((0.8 * width, long, 0.02), (0, 0.55 * long - 0.5 * height, -front))])
         links.append(Link("slider", [cover], base, slider((0, -1, 0), 0.0, long)))
-    root.children = [node for link in links[1:] for node in link.nodes] + [body]
-    shape = SynthObject("Remote", root, links)
+    shape = SynthObject.flat("Remote", links)
     if draw.chance(0.6):
-        reorient(shape, rotation_about(X, -90.0, (0, 0, 0)))
-        face(draw, shape, (0.0, 0.0, 90.0, 180.0))
+        shape.move(rotation_about(X, -90.0))
+        turn_about_up(draw, shape, (0.0, 0.0, 90.0, 180.0))
     return shape

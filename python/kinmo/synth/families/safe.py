@@ -1,14 +1,17 @@
-"""Safes: a thick box with a hinged door, and on the door dials, wheels, levers, key cylinders and keypads."""
+"""Safes with a hinged door that has dials, wheels, levers, key cylinders and keypads."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from kinmo.core.shape import Mesh
+from kinmo.synth.details.appliances import frame_bars
 from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
 from kinmo.synth.primitives import box, box_between, cylinder
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge
 
 _HARDWARE = [
     ["wheel"],
@@ -24,7 +27,7 @@ _HARDWARE = [
     ["lever", "cover", "cylinder"],
     ["grip"],
 ]
-"""What may be on a door, most telling first."""
+"""Sets of hardware on a door."""
 _SIZES = {
     "dial": (0.06, 0.2),
     "wheel": (0.16, 0.55),
@@ -33,16 +36,20 @@ _SIZES = {
     "cylinder": (0.05, 0.12),
     "cover": (0.05, 0.12),
 }
-"""Range of each kind's size."""
+"""Range of the size of each kind."""
 
 
 def build(draw: Draw) -> SynthObject:
+    """Safe whose door turns about a vertical edge.
+
+    Locks on the door turn about its normal, and keys of a keypad slide in.
+    """
     width, height, depth = draw.between(0.8, 1.3), draw.between(0.8, 1.7), draw.between(0.7, 1.2)
     wall = draw.between(0.04, 0.14)
     front, thickness = depth / 2, draw.between(0.03, 0.15)
     root = Node("Safe")
     body = root.add("base_body", *_casing(draw, width, height, depth, wall, thickness))
-    base = Link("base_body", [body], kind=draw.pick([JointName.HEAVY, JointName.FREE, JointName.STATIC], [6, 2, 2]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.HEAVY, JointType.FREE, JointType.STATIC], [6, 2, 2]))
 
     side = draw.pick([-1.0, 1.0], [1, 4])
     door_width, door_height = width - 2 * wall, height - 2 * wall
@@ -72,25 +79,21 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _casing(draw: Draw, width: float, height: float, depth: float, wall: float, recess: float) -> list[Mesh]:
-    """Five walls of a box open to the front, one piece each or as a solid block behind the door."""
+    """Five walls of a box open to the front. The back may be a solid block behind the door."""
     x, y, z = width / 2, height / 2, depth / 2
-    sides = [box_between((-x, -y, -z), (-x + wall, y, z)), box_between((x - wall, -y, -z), (x, y, z))]
-    ends = [
-        box_between((-x + wall, -y, -z), (x - wall, -y + wall, z)),
-        box_between((-x + wall, y - wall, -z), (x - wall, y, z)),
-    ]
+    walls = frame_bars(np.array([-x, -y, -z]), np.array([x, y, z]), wall)
     if draw.chance(0.3):
         back = box_between((-x + wall, -y + wall, -z), (x - wall, y - wall, z - recess))
     else:
         back = box_between((-x + wall, -y + wall, -z), (x - wall, y - wall, -z + wall))
-    pieces = [*sides, *ends, back]
+    pieces = [*walls, back]
     if draw.chance(0.4):
         pieces += [box((0.12, 0.06, 0.12), (sx * (x - 0.1), -y - 0.03, sz * (z - 0.1))) for sx in (-1, 1) for sz in (-1, 1)]
     return pieces
 
 
 def _locks(draw: Draw, root: Node, links: list[Link], side: float, width: float, height: float, face: float) -> None:
-    """What is on the door: dials, wheels and levers to turn, key cylinders, a keypad, a fixed grip; in any arrangement."""
+    """Add dials, wheels, levers, key cylinders, a keypad or a fixed grip to the door, in any arrangement."""
     door = links[1]
     kinds = draw.pick(_HARDWARE, [3, 2, 3, 3, 2, 3, 3, 2, 2, 2, 2, 1])
     layout = draw.pick(["column", "row", "loose"], [4, 3, 2])

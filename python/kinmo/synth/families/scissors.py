@@ -1,4 +1,4 @@
-"""Scissors and shears: two blades with handles that turn against each other about a screw."""
+"""Scissors: two blades with handles that turn about a screw."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
 from kinmo.synth.primitives import arc_path, cylinder, extrude, mirror, move, rounded_path, sweep, torus
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge
 
 
 def build(draw: Draw) -> SynthObject:
-    """Built closed, along z with the blades to +z and the screw at the origin, flat across y.
+    """Scissors whose halves both turn against the screw, or one against the other.
 
-    All lie alike: two equal halves can be told apart by where they lie alone.
+    Built closed, along z with the blades to +z and the screw at the origin, flat across y. The posture is always the same,
+    since two equal halves differ only in where they lie.
     """
     thickness = draw.between(0.015, 0.04)
     root = Node("scissors")
@@ -28,9 +29,9 @@ def build(draw: Draw) -> SynthObject:
     pin = root.add("screw", cylinder(size, thickness * draw.between(2.1, 3.5), "y", (0, 0, 0), 16))
     opening = draw.between(30.0, 60.0)
     lean = draw.pick([0.0, draw.between(0.0, opening)], [1, 4])
-    fixed = Link("screw", [pin], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    fixed = Link("screw", [pin], kind=draw.pick([JointType.FREE, JointType.STATIC]))
     if draw.chance(0.5):
-        # Both halves turn against the screw.
+        # Both halves turn about the screw.
         motions = [hinge((0, 0, 0), (0, sense, 0), 0.0, 0.5 * opening, rest=0.5 * lean) for sense in (1, -1)]
         links = [fixed, *(Link("leg", [group], fixed, motion) for group, motion in zip(sets, motions, strict=True))]
     else:
@@ -40,7 +41,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 class _Half:
-    """The outline of one half, shared by both."""
+    """Sizes of one half, shared by both."""
 
     def __init__(self, draw: Draw, thickness: float) -> None:
         self.thickness = thickness
@@ -52,7 +53,7 @@ class _Half:
         self.straight = draw.chance(0.5)
 
     def blade(self, side: float) -> Mesh:
-        """From a little behind the screw to the tip; the cutting edge is at x = 0 when closed."""
+        """Blade from behind the screw to the tip. The cutting edge is at x = 0 when closed."""
         w, n = self.width, self.length
         belly = 0.8 if self.straight else 1.2
         heel, edge = [[-0.12, -0.4], [0.0, -0.6]], [[0.25 * n, -0.2], [n, -0.1], [0.7 * n, belly]]
@@ -75,4 +76,5 @@ class _Half:
 
 
 def _mirrored(mesh: Mesh, side: float) -> Mesh:
+    """The mesh for side 1, or its mirror image for side -1."""
     return mesh if side > 0 else mirror(mesh, 0)

@@ -1,4 +1,4 @@
-"""Staplers: a magazine and a lid over a base, both turning about one pin near the rear end."""
+"""Staplers: a magazine and a lid over a base, both on one pin near the rear."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
-from kinmo.synth.primitives import Y, box, box_between, cylinder, extrude, rounded_box, turn
-from kinmo.synth.primitives.place import rotation_about
+from kinmo.synth.primitives import Y, box, box_between, cylinder, extrude, rotation_about, rounded_box
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge
 
 
 def build(draw: Draw) -> SynthObject:
+    """Stapler whose magazine and lid both turn about one horizontal pin."""
     length, width = 1.5, draw.between(0.18, 0.38)
     thickness, pin_y = draw.between(0.04, 0.12), draw.between(0.12, 0.28)
     pin_z = -0.5 * length * draw.between(0.75, 0.95)
     root = Node("Stapler")
     base_node = Node("base_body", pieces=_base(draw, length, width, thickness, pin_y, pin_z))
-    base = Link("base_body", [base_node], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    base = Link("base_body", [base_node], kind=draw.pick([JointType.FREE, JointType.STATIC]))
 
     front = 0.5 * length * draw.between(0.8, 1.0)
     magazine_height, magazine_width = draw.between(0.08, 0.14), width * draw.between(0.4, 0.75)
@@ -34,7 +34,7 @@ def build(draw: Draw) -> SynthObject:
     sense = draw.sign()
     origin = (draw.pick([0.0, draw.between(-0.1, 0.1)]), pin_y, pin_z)
     axis = (sense, 0.0, 0.0)
-    # Turning about +x lowers what reaches to the front.
+    # A positive turn about +x lowers the front.
     both = [_span(sense, upper, rest) for upper, rest in ((max(150.0, lift), lift), (max(160.0, lift + more), lift + more))]
     links = [base]
     for name, node, (low_limit, high_limit, rest) in (("body", body, both[0]), ("lid", lid, both[1])):
@@ -46,16 +46,17 @@ def build(draw: Draw) -> SynthObject:
     facing = 180.0 if draw.chance(0.3) else 0.0
     shape = SynthObject("Stapler", root, links)
     if facing:
-        _face_backwards(shape)
+        shape.move(rotation_about(Y, 180.0))
     return shape
 
 
 def _span(sense: float, upper: float, rest: float) -> tuple[float, float, float]:
-    """Limits and rest of a part that opens by up to `upper` degrees, about an axis along +x (`sense` 1) or -x."""
+    """Limits and rest value (degrees) of a part that opens by up to `upper`, about +x (`sense` 1) or -x."""
     return (-upper, 0.0, -rest) if sense > 0 else (0.0, upper, rest)
 
 
 def _base(draw: Draw, length: float, width: float, thickness: float, pin_y: float, pin_z: float) -> list[Mesh]:
+    """The base plate with two cheeks, a pin and an anvil."""
     plate = rounded_box((width, thickness, length), 0.4 * width * draw.between(0.2, 1.0), "y", (0, 0.5 * thickness, 0))
     pieces = [plate]
     cheek, tall = draw.between(0.015, 0.04), pin_y + draw.between(0.04, 0.1)
@@ -80,23 +81,11 @@ def _lid(draw: Draw, width: float, low: float, behind: float, front: float) -> l
     share = np.linspace(0.0, 1.0, 9)
     z = back + (nose - back) * share
     swell = draw.between(0.3, 1.0)
-    rise = (
-        height * (0.5 + 0.5 * share)
-        if kind == "wedge"
-        else height * (1 - swell + swell * np.sin(np.pi * (0.15 + 0.75 * share)))
-    )
+    rise = height * (0.5 + 0.5 * share)
+    if kind != "wedge":
+        rise = height * (1 - swell + swell * np.sin(np.pi * (0.15 + 0.75 * share)))
     outline = np.concatenate([np.stack([np.full(9, low), z], 1), np.stack([low + rise, z], 1)[::-1]])
     pieces = [extrude(outline[::-1], width, "x")]
     if draw.chance(0.3):
         pieces.append(rounded_box((0.7 * width, 0.02, 0.3 * (nose - back)), 0.05, "y", (0, low + float(rise[6]), nose - 0.25)))
     return pieces
-
-
-def _face_backwards(shape: SynthObject) -> None:
-    """Turn the whole object half round."""
-    matrix = rotation_about(Y, 180.0, (0, 0, 0))
-    for leaf in shape.root.leaves():
-        leaf.pieces = [turn(piece, Y, 180.0) for piece in leaf.pieces]
-    for link in shape.links:
-        if link.motion is not None:
-            link.motion = link.motion.moved_by(matrix)

@@ -1,11 +1,11 @@
-"""Cabinets, chests of drawers, wardrobes, sideboards: a carcass divided into openings with drawers, doors and shelves."""
+"""Cabinets, chests of drawers, wardrobes and sideboards."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.casework import DoorNames, Fronts, Opening, add_door, add_drawer, add_sliding_doors, legs
+from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer, add_sliding_doors, legs
 from kinmo.synth.details.casework_extras import (
     add_casters,
     add_false_front,
@@ -15,12 +15,14 @@ from kinmo.synth.details.casework_extras import (
     add_pullout,
 )
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject
 from kinmo.synth.primitives import box_between, cylinder
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject
 
 
 @dataclass(frozen=True)
 class _Carcass:
+    """Outer size of a carcass and thickness of its boards; it is centred at the origin."""
+
     width: float
     height: float
     depth: float
@@ -28,10 +30,16 @@ class _Carcass:
 
     @property
     def front(self) -> float:
+        """Position of the front along z."""
         return self.depth / 2
 
 
 def build(draw: Draw) -> SynthObject:
+    """Carcass divided into openings with drawers, doors and shelves.
+
+    Drawers and boards slide forward. Doors and flaps turn about an edge, or slide sideways. Casters swivel and roll, a lid
+    folds up, and locks turn.
+    """
     tall = draw.chance(0.35)
     width = draw.between(0.5, 1.0) if tall else draw.between(0.7, 1.8)
     height = draw.between(1.3, 2.0) if tall else draw.between(0.5, 1.1)
@@ -39,7 +47,7 @@ def build(draw: Draw) -> SynthObject:
     root = Node("storage_furniture")
     cabinet = root.add("cabinet")
     frame = cabinet.add("cabinet_frame")
-    base = Link("cabinet_frame", [frame], kind=draw.pick([JointName.HEAVY, JointName.STATIC, JointName.FREE], [6, 1, 1]))
+    base = Link("cabinet_frame", [frame], kind=draw.pick([JointType.HEAVY, JointType.STATIC, JointType.FREE], [6, 1, 1]))
     _add_frame(draw, frame, size)
     links = [base]
     x, y, z = size.width / 2, size.height / 2, size.depth / 2
@@ -57,7 +65,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _add_frame(draw: Draw, frame: Node, size: _Carcass) -> None:
-    """Side, bottom, top and back panels, and bars round the front where it has a face frame."""
+    """Add side, bottom, top and back panels, and front bars of a face frame."""
     x, y, z, board = size.width / 2, size.height / 2, size.depth / 2, size.board
     for side in (-1, 1):
         inner, outer = sorted((side * (x - board), side * x))
@@ -75,13 +83,14 @@ def _add_frame(draw: Draw, frame: Node, size: _Carcass) -> None:
 
 
 def _top(draw: Draw, size: _Carcass) -> Mesh:
+    """A countertop."""
     over, board = draw.between(0.0, 0.06), size.board * draw.between(0.8, 2.0)
     x, y, z = size.width / 2 + over, size.height / 2, size.depth / 2 + over
     return box_between((-x, y, -z + over), (x, y + board, z))
 
 
 def _add_base(draw: Draw, cabinet: Node, size: _Carcass) -> Node:
-    """Feet, wheels or a plinth below the carcass."""
+    """Add feet, fixed wheels or a plinth below the carcass."""
     base = cabinet.add("cabinet_base")
     kind = draw.pick(["foot_base", "panel_base", "wheel_base"], [5, 4, 1])
     group = base.add("panel_base" if kind == "panel_base" else "foot_base")
@@ -109,7 +118,7 @@ def _add_base(draw: Draw, cabinet: Node, size: _Carcass) -> Node:
 def _fill(draw: Draw, cabinet: Node, frame: Node, base: Link, size: _Carcass) -> list[Link]:
     """Divide the front into columns, and every column into drawers, doors and open shelves."""
     links: list[Link] = []
-    fronts = Fronts.drawn(draw, size.board)
+    fronts = Fronts.random(draw, size.board)
     board, inner = size.board, size.width - 2 * size.board
     columns = draw.pick([1, 2, 3, 4], [4, 4, 2, 1]) if inner > 0.8 else draw.pick([1, 2], [4, 1])
     inner_depth = size.depth - 1.5 * board
@@ -118,13 +127,8 @@ def _fill(draw: Draw, cabinet: Node, frame: Node, base: Link, size: _Carcass) ->
         x = -inner / 2 + width / 2 + column * (width + board)
         if column:
             left = x - width / 2 - board
-            frame.add(
-                "vertical_divider_panel",
-                box_between(
-                    (left, -size.height / 2 + board, -size.depth / 2 + board),
-                    (left + board, size.height / 2 - board, size.front),
-                ),
-            )
+            low = (left, -size.height / 2 + board, -size.depth / 2 + board)
+            frame.add("vertical_divider_panel", box_between(low, (left + board, size.height / 2 - board, size.front)))
         rows = _rows(draw, size.height - 2 * board, board)
         top = size.height / 2 - board
         for share in rows:
@@ -139,7 +143,7 @@ def _fill(draw: Draw, cabinet: Node, frame: Node, base: Link, size: _Carcass) ->
                     base.nodes.append(cabinet.add("shelf", shelf))
     if not links:
         opening = Opening(0, 0, inner, size.height - 2 * board, inner_depth, size.front)
-        links.append(add_door(draw, cabinet, base, opening, fronts, draw.pick(["left", "right"]), DoorNames()))
+        links.append(add_door(draw, cabinet, base, opening, fronts, draw.pick(["left", "right"])))
     return links
 
 
@@ -152,7 +156,7 @@ def _rows(draw: Draw, height: float, board: float) -> list[float]:
 
 
 def _furnish(draw: Draw, cabinet: Node, base: Link, opening: Opening, fronts: Fronts, size: _Carcass) -> list[Link]:
-    """What one opening gets, by its proportions."""
+    """Fill one opening with a drawer, doors, a board or nothing, depending on its proportions."""
     aspect = opening.height / opening.width
     rare = draw.between(0.0, 1.0)
     if rare < 0.03:
@@ -174,27 +178,13 @@ def _furnish(draw: Draw, cabinet: Node, base: Link, opening: Opening, fronts: Fr
     if kind == "door" and aspect < 0.55:
         kind = "flap"
     if kind == "door":
-        return [add_door(draw, cabinet, base, opening, fronts, draw.pick(["left", "right"]), DoorNames())]
+        return [add_door(draw, cabinet, base, opening, fronts, draw.pick(["left", "right"]))]
     if kind == "pair":
         half = opening.width / 2 + 0.5 * max(fronts.gap, 0.0) * draw.pick([0.0, 1.0])
-        pair = []
-        for side, name in ((-1, "left"), (1, "right")):
-            x = opening.x + side * opening.width / 4
-            width = half if fronts.gap >= 0 else opening.width / 2 + fronts.gap
-            pair.append(
-                add_door(
-                    draw,
-                    cabinet,
-                    base,
-                    Opening(x, opening.y, width, opening.height, opening.depth, opening.front),
-                    fronts,
-                    name,
-                    DoorNames(),
-                )
-            )
-        return pair
+        width = half if fronts.gap >= 0 else opening.width / 2 + fronts.gap
+        return add_door_pair(draw, cabinet, base, opening, fronts, width)
     if kind == "flap":
-        return [add_door(draw, cabinet, base, opening, fronts, draw.pick(["top", "bottom"]), DoorNames())]
+        return [add_door(draw, cabinet, base, opening, fronts, draw.pick(["top", "bottom"]))]
     if kind == "slide":
         return add_sliding_doors(draw, cabinet, base, opening, 0.8 * size.board)
     return []

@@ -1,4 +1,4 @@
-"""Suitcases: an attaché case that folds open, a bag with swinging handles, a trolley with telescopic handle and wheels."""
+"""Suitcases with lids, clasps, carrying handles, telescopic handles and wheels."""
 
 from __future__ import annotations
 
@@ -8,12 +8,16 @@ from kinmo.core.shape import Mesh
 from kinmo.synth.details.carrying_handles import add_carrying_handle
 from kinmo.synth.details.clasps import add_clasp
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, SynthObject, hinge, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, arc_path, box, box_between, cylinder, rounded_box, sweep, tube
-from kinmo.synth.primitives.place import facing
+from kinmo.synth.primitives import X, Y, Z, arc_path, box, box_between, cylinder, facing, rounded_box, sweep, tube
+from kinmo.synth.synth_object import Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Suitcase.
+
+    Variants: a case hinged at its lower edge with clasps, a bag whose handles swing, and a trolley with a handle that slides up
+    and wheels that roll or swivel.
+    """
     root = Node(draw.pick(["Suitcase", "luggage"], [3, 1]))
     kind = draw.pick(["case", "bag", "trolley"], [5, 2, 3])
     links = {"case": _case, "bag": _bag, "trolley": _trolley}[kind](draw, root)
@@ -21,7 +25,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _half(draw: Draw, width: float, height: float, back: float, front: float, *, hollow: bool) -> list[Mesh]:
-    """Half a shell between two planes z: a rounded slab, or four walls and a floor towards the outside."""
+    """Half a shell between two planes z: a rounded slab, or four walls and an outer floor."""
     if not hollow:
         return [rounded_box((width, height, front - back), draw.between(0.02, 0.2), "z", (0, 0, 0.5 * (back + front)))]
     wall, x, y = 0.02, width / 2, height / 2
@@ -36,7 +40,7 @@ def _half(draw: Draw, width: float, height: float, back: float, front: float, *,
 
 
 def _case(draw: Draw, root: Node) -> list[Link]:
-    """Two halves hinged at the lower edge; a carrying handle and locks on the upper one."""
+    """Two halves hinged at the lower edge, with a carrying handle and clasps at the upper edge."""
     width, height, depth = draw.between(1.1, 1.7), draw.between(0.8, 1.4), draw.between(0.3, 0.6)
     split = depth * draw.between(-0.1, 0.25)
     rest = draw.between(60, 110) if draw.chance(0.45) else 0.0
@@ -52,15 +56,15 @@ def _case(draw: Draw, root: Node) -> list[Link]:
     links += handle
     sides = draw.pick([(), (-1, 1), (0,)], [2, 7, 1])
     size = draw.between(0.04, 0.26)
-    for same, side in zip(draw.alike(len(sides)), sides, strict=True):
-        # On the upper edge the lid lies to the front of the seam.
+    for same, side in zip(draw.identical(len(sides)), sides, strict=True):
+        # On the upper edge the lid is in front of the seam.
         place = facing(Y, Z, (side * draw.between(0.3, 0.38) * width, height / 2, split))
         links += add_clasp(same, root, base, lid, place, size)
     return links
 
 
 def _bag(draw: Draw, root: Node) -> list[Link]:
-    """A soft body, with one or two high handles that swing about its upper edge."""
+    """A soft body with one or two high handles that swing about its upper edge."""
     width, height, depth = draw.between(1.1, 1.5), draw.between(0.6, 1.0), draw.between(0.3, 0.6)
     axis = draw.pick(["x", "y", "z"])
     pieces = [rounded_box((width, height, depth), draw.between(0.05, 0.25), axis)]
@@ -82,7 +86,7 @@ def _bag(draw: Draw, root: Node) -> list[Link]:
 
 
 def _trolley(draw: Draw, root: Node) -> list[Link]:
-    """An upright case with two to four wheels, a handle that slides up, and a grip on the side or the top."""
+    """An upright case with two to four wheels, a handle that slides up, and grips."""
     width, height, depth = draw.between(0.7, 1.0), draw.between(1.0, 1.4), draw.between(0.35, 0.6)
     x, y, z = width / 2, height / 2, depth / 2
     case = rounded_box((width, height, depth), draw.between(0.02, 0.15), draw.pick(["y", "z"]))
@@ -110,7 +114,7 @@ def _trolley(draw: Draw, root: Node) -> list[Link]:
 
 
 def _telescope(draw: Draw, root: Node, base: Link, width: float, top: float, rear: float) -> list[Link]:
-    """A grip on one or two rods that slides out of the case, sometimes in two stages, inside its rear wall or behind it."""
+    """A grip on one or two rods that slides out of the case, sometimes in two stages."""
     reach, half = draw.between(0.3, 1.0) * top, draw.between(0.2, 0.42) * width
     z, rod = rear + draw.pick([draw.between(0.03, 0.08), -0.02], [3, 1]), draw.between(0.012, 0.022)
     foot, crown = top - reach * draw.between(0.9, 1.1), top + draw.between(0.02, 0.06)
@@ -124,16 +128,16 @@ def _telescope(draw: Draw, root: Node, base: Link, width: float, top: float, rea
     if draw.chance(0.25):
         sleeves = [box((3 * rod, crown - foot, 3 * rod), (s * half, 0.5 * (crown + foot) - rod, z)) for s in offsets]
         out = slider((0, 1, 0), 0, 0.8 * reach, rest=draw.pick([0.0, draw.between(0.2, 0.8) * reach]))
-        carrier = Link("rod", [root.add(draw.pick(["rod", "handle"]), *sleeves)], base, out, lumped_name="translation_handle")
+        carrier = Link("rod", [root.add(draw.pick(["rod", "handle"]), *sleeves)], base, out, leaf_name="translation_handle")
         links.append(carrier)
     node = root.add(draw.pick(["handle", "translation_handle"]), *rods, grip)
     rest = reach * draw.between(0.3, 1.0) if draw.chance(0.5) else 0.0
     motion = slider((0, 1, 0), 0, reach, rest=rest)
-    return [*links, Link("handle", [node], carrier, motion, lumped_name="translation_handle")]
+    return [*links, Link("handle", [node], carrier, motion, leaf_name="translation_handle")]
 
 
 def _wheels(draw: Draw, root: Node, base: Link, x: float, y: float, z: float) -> list[Link]:
-    """Two wheels on a line, or four, that turn about x; the outer ones also as casters about y."""
+    """Two or four wheels that roll about x; four wheels may be casters that swivel about y."""
     links = []
     radius, thick = draw.between(0.04, 0.08), draw.between(0.02, 0.05)
     rows = draw.pick([(-1,), (-1, 1)])

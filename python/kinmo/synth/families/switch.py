@@ -1,4 +1,4 @@
-"""Wall switches: rockers and toggles that turn about a line across their middle, sliders, dials and buttons on a plate."""
+"""Wall switches: rockers, toggles, sliders, dials or buttons on a plate."""
 
 from __future__ import annotations
 
@@ -7,19 +7,23 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import button, dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import X, Y, box, box_between, cylinder, extrude, rounded_box
+from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Plate with one to four equal controls.
+
+    Rockers and toggles tip about a line across their middle, or rarely about an edge. Sliders and buttons slide, and dials
+    turn.
+    """
     cell, height, thickness = draw.between(0.45, 0.9), draw.between(0.9, 1.3), draw.between(0.06, 0.25)
     count = draw.pick([1, 2, 3, 4], [4, 4, 2, 1])
     stacked = count > 1 and draw.chance(0.25)
     cell = max(cell, 0.5) if count > 1 else cell * draw.between(1.0, 1.6)
     width = cell if stacked else cell * count
-    root = Node("Switch")
     body = Node("base_body")
-    base = Link("base_body", [body], kind=draw.pick([JointName.STATIC, JointName.FREE], [3, 1]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.STATIC, JointType.FREE], [3, 1]))
     links = [base]
     share = draw.between(0.5, 0.85)
     kind = draw.pick(["rocker", "toggle", "slider", "dial", "button"], [6, 3, 1, 1, 1])
@@ -38,14 +42,23 @@ def build(draw: Draw) -> SynthObject:
         body.pieces.append(rounded_box((1.05 * width, 1.05 * height, 0.4 * thickness), radius, "z", (0, 0, 0.2 * thickness)))
     if draw.chance(0.4):
         body.pieces += [cylinder(0.025, 0.015, "z", (0, s * 0.43 * height, thickness), 12) for s in (-1, 1)]
-    root.children = [node for link in links[1:] for node in link.nodes] + [body]
-    return SynthObject("Switch", root, links)
+    return SynthObject.flat("Switch", links)
 
 
 def _control(
     draw: Draw, kind: str, room: tuple[float, float], at: tuple[float, float, float]
 ) -> tuple[str, list[Mesh], Motion]:
-    """One control in `room` (width, height) whose middle on the plate is `at`: its link's name, its pieces, its motion."""
+    """One control on the plate.
+
+    Args:
+        draw: source of all random values.
+        kind: "rocker", "toggle", "slider", "dial" or "button".
+        room: width and height of the control.
+        at: centre [3] on the plate.
+
+    Returns:
+        Name of the link, pieces, and joint.
+    """
     x, y, z = at
     width, height = room
     if kind == "rocker":
@@ -65,10 +78,10 @@ def _control(
 
 
 def _rocker(draw: Draw, width: float, height: float, at: tuple[float, float, float]) -> tuple[list[Mesh], Motion]:
-    """A broad cap that tips about its middle (or an edge), flat, wedged or hollow."""
+    """A broad cap that tips about its middle, or rarely about an edge: flat, wedged or hollow."""
     x, y, z = at
     sunk, proud = draw.pick([0.0, draw.between(0.0, 0.05)], [1, 2]), draw.between(0.03, 0.12)
-    # It tips across its longer side.
+    # The cap tips along its longer side.
     upright = height > draw.between(0.8, 1.1) * width
     long = height if upright else width
     kind = draw.pick(["flat", "wedge", "hollow"])
@@ -84,20 +97,20 @@ def _rocker(draw: Draw, width: float, height: float, at: tuple[float, float, flo
             pieces = [extrude(profile[:, ::-1] + np.array([z, x]), height, "y", (0, y, 0))]
     if draw.chance(0.25):
         pieces.append(box((0.15 * width, 0.04 * height, 0.01), (x, y + 0.3 * height, z + proud)))
-    # No further than the low edge needs to meet the plate.
+    # The swing ends where the low edge meets the plate.
     swing = min(draw.between(3.0, 18.0), float(np.degrees(np.arctan2(proud + 0.5 * sunk, 0.5 * long))))
     axis = X if upright else Y
     deep = z + draw.pick([0.0, draw.between(-0.5, 0.3)]) * proud
     rest = draw.pick([0.0, draw.sign() * swing], [1, 2])
     if draw.chance(0.1):
-        # A paddle hung at its upper or left edge.
+        # A paddle is hinged at its upper or left edge.
         edge = (0.0, y + 0.5 * height, deep) if upright else (x - 0.5 * width, 0.0, deep)
         return pieces, hinge(edge, axis, 0.0, swing)
     return pieces, hinge((x if draw.chance(0.6) else 0.0, y, deep), axis, -swing, swing, rest=rest)
 
 
 def _toggle(draw: Draw, size: float, at: tuple[float, float, float]) -> tuple[list[Mesh], Motion]:
-    """A small stick through the plate, standing off to one side."""
+    """A small stick through the plate that tips."""
     x, y, z = at
     length, thick = size * draw.between(0.25, 0.5), size * draw.between(0.06, 0.12)
     if draw.chance(0.5):

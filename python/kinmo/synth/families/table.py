@@ -1,4 +1,4 @@
-"""Tables and desks: a top on legs or panels, with drawers under it, beside the knees, or instead of them, and doors."""
+"""Tables and desks with drawers, doors, pull-out boards and moving tops."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinmo.synth.details.casework import DoorNames, Fronts, Opening, add_door, add_drawer, legs
+from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer, legs
 from kinmo.synth.details.casework_extras import add_casters, add_false_front, add_pullout
 from kinmo.synth.details.table_tops import add_moving_top
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge
 from kinmo.synth.primitives import box, box_between, cylinder, extrude, rounded_box
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge
 
 
 @dataclass(frozen=True)
 class _Size:
-    """Half extents of the drawer base (x, z), its height `y` (the floor is 0), and the thickness of boards."""
+    """Half extents of the base along x and z, its height `y` above the floor y = 0, and the thickness of boards."""
 
     x: float
     y: float
@@ -25,12 +25,17 @@ class _Size:
 
 
 def build(draw: Draw) -> SynthObject:
+    """Table or desk.
+
+    Variants: a row of drawers under the top, a stand of drawers, a desk with pedestals, and a table whose top lifts, folds,
+    turns, tilts, extends or rises. Drop leaves and doors turn, and drawers slide forward.
+    """
     kind = draw.pick(["apron", "stand", "pedestal", "cabinet", "open"], [6, 3, 2, 1, 1.2])
     width = draw.between(1.0, 2.0) if kind == "pedestal" else draw.between(0.6, 1.4)
     size = _Size(width / 2, draw.between(0.6, 1.3), draw.between(0.3, 0.6), draw.between(0.025, 0.065))
     root = Node("table")
     inner = root.add(draw.pick(["regular_table", "desk"]))
-    base = Link("board", [], kind=draw.pick([JointName.HEAVY, JointName.STATIC], [9, 1]), lumped_name="base_body")
+    base = Link("board", [], kind=draw.pick([JointType.HEAVY, JointType.STATIC], [9, 1]), leaf_name="base_body")
     links = [base]
     if kind == "open":
         add_moving_top(draw, inner, base, links, (size.x, size.y, size.z), size.board)
@@ -46,7 +51,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _add_top(draw: Draw, inner: Node, base: Link, links: list[Link], size: _Size) -> None:
-    """The board, sometimes with a frame round it, sometimes with a drop leaf at each end."""
+    """Add the board, sometimes with a frame around it or a drop leaf at each end."""
     over, thickness = draw.between(0.0, 0.12), draw.between(0.6, 2.0) * size.board
     width, depth = 2 * (size.x + over), 2 * (size.z + draw.between(0.0, 0.08))
     top = inner.add("tabletop")
@@ -75,11 +80,11 @@ def _add_top(draw: Draw, inner: Node, base: Link, links: list[Link], size: _Size
                 "board", box((thickness, reach, depth), (x + out * thickness / 2, size.y + thickness - reach / 2, 0))
             )
             axis = (x + out * 0.3 * thickness, size.y + 0.8 * thickness, 0)
-            links.append(Link("board", [leaf], base, hinge(axis, (0, 0, out), 0, 90), lumped_name="rotation_board"))
+            links.append(Link("board", [leaf], base, hinge(axis, (0, 0, out), 0, 90), leaf_name="rotation_board"))
 
 
 def _shell(draw: Draw, node: Node, low: tuple[float, float], high: tuple[float, float], size: _Size) -> None:
-    """Side and back panels round a block of drawers between (x, y) `low` and `high`, sometimes a bottom."""
+    """Add side and back panels around a block of drawers between two corners (x, y), sometimes with a bottom."""
     board, z = size.board, size.z - draw.pick([0.0, 0.02])
     for x in (low[0], high[0] - board):
         node.add("vertical_side_panel", box_between((x, low[1], -z), (x + board, high[1], z)))
@@ -92,8 +97,8 @@ def _shell(draw: Draw, node: Node, low: tuple[float, float], high: tuple[float, 
 def _row(
     draw: Draw, node: Node, links: list[Link], low: tuple[float, float], high: tuple[float, float], size: _Size, columns: int
 ) -> None:
-    """Drawers side by side between (x, y) `low` and `high`, with dividers."""
-    fronts = Fronts.drawn(draw, size.board)
+    """Add drawers side by side between two corners (x, y), with dividers."""
+    fronts = Fronts.random(draw, size.board)
     board = size.board
     width = (high[0] - low[0] - (columns - 1) * board) / columns
     for column in range(columns):
@@ -109,6 +114,7 @@ def _row(
 
 
 def _add_legs(draw: Draw, node: Node, size: _Size, high: float, thickness: float) -> None:
+    """Add four legs, sometimes with stretchers and a shelf between them."""
     for leg in legs(draw, size.x - thickness / 2, size.z - thickness / 2, 0, high, thickness):
         node.add("leg", leg)
     if draw.chance(0.5):
@@ -122,7 +128,7 @@ def _add_legs(draw: Draw, node: Node, size: _Size, high: float, thickness: float
 
 
 def _connectors(draw: Draw, node: Node, size: _Size) -> None:
-    """Battens under the top."""
+    """Add battens under the top."""
     for side in (-1, 1):
         if draw.chance(0.3):
             at = (side * (size.x - size.board / 2), size.y - size.board, 0)
@@ -130,7 +136,7 @@ def _connectors(draw: Draw, node: Node, size: _Size) -> None:
 
 
 def _frame(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
-    """Legs and rails below a top that moves, maybe with a board that pulls out under it, on feet or wheels."""
+    """Legs and rails below a moving top, sometimes with a pull-out board or casters."""
     thickness = draw.between(1.2, 2.6) * size.board + 0.02
     _add_legs(draw, node, size, size.y, thickness)
     rail = draw.between(0.03, 0.15) * size.y
@@ -145,7 +151,7 @@ def _frame(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
 
 
 def _apron(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
-    """Legs all the way up, and one row of drawers between them under the top."""
+    """Legs with one row of drawers between them under the top."""
     height = draw.between(0.1, 0.35) * min(1.0, size.y)
     low = size.y - height
     thickness = draw.between(1.2, 2.6) * size.board + 0.02
@@ -162,7 +168,7 @@ def _apron(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
 
 
 def _stand(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
-    """A body down to feet or floor, with drawers one above the other, a shelf space, or a door below a drawer."""
+    """A body with drawers one above the other, a shelf space, or doors below a drawer."""
     low = draw.pick([0.0, draw.between(0.05, 0.5) * size.y], [1, 2])
     _shell(draw, node, (-size.x, low), (size.x, size.y), size)
     if low > 0:
@@ -175,7 +181,7 @@ def _stand(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
         top = size.y - row * height
         if row and draw.chance(0.25):
             opening = Opening(0, (top + low) / 2, 2 * edge, top - low - board, 2 * (size.z - board), size.z)
-            _doors(draw, node, links, opening, Fronts.drawn(draw, board))
+            _doors(draw, node, links, opening, Fronts.random(draw, board))
             break
         _row(draw, node, links, (-edge, top - height + board), (edge, top), size, draw.pick([1, 2], [5, 1]))
         shelf = box_between((-edge, top - height, -size.z + board), (edge, top - height + 0.7 * board, size.z - 0.01))
@@ -185,7 +191,7 @@ def _stand(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
 
 
 def _pedestal(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
-    """A desk: drawers or a door at one or both ends, knees between, maybe a drawer above them."""
+    """A desk with drawers or a door at one or both ends, and sometimes a drawer between them."""
     low = draw.pick([0.0, draw.between(0.02, 0.15)])
     width = draw.between(0.22, 0.32) * 2 * size.x
     sides: list[float] = draw.pick([[-1.0], [1.0], [-1.0, 1.0]], [2, 2, 3])
@@ -212,8 +218,8 @@ def _pedestal(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
 
 
 def _column(draw: Draw, node: Node, links: list[Link], left: float, right: float, low: float, size: _Size) -> None:
-    """What a pedestal holds: two to five drawers, or a door, maybe under a drawer."""
-    fronts, board = Fronts.drawn(draw, size.board), size.board
+    """Fill a pedestal with two to five drawers, or a door with or without drawers above it."""
+    fronts, board = Fronts.random(draw, size.board), size.board
     depth = 2 * (size.z - board)
     count = draw.integer(2, 5)
     height = (size.y - low - board) / count
@@ -223,25 +229,22 @@ def _column(draw: Draw, node: Node, links: list[Link], left: float, right: float
         top = size.y - row * height
         if door_below and row >= draw.integer(0, 1):
             opening = Opening(x, (top + low + board) / 2, width, top - low - board, depth, size.z)
-            links.append(add_door(draw, node, links[0], opening, fronts, draw.pick(["left", "right"]), DoorNames()))
+            links.append(add_door(draw, node, links[0], opening, fronts, draw.pick(["left", "right"])))
             return
         opening = Opening(x, top - height / 2, width, height - draw.pick([0.0, 0.3 * board]), depth, size.z)
         links.append(add_drawer(draw, node, links[0], opening, fronts))
 
 
 def _doors(draw: Draw, node: Node, links: list[Link], opening: Opening, fronts: Fronts) -> None:
-    """One door, or two that meet in the middle."""
+    """Add one door, or two that meet in the middle."""
     if draw.chance(0.5):
-        links.append(add_door(draw, node, links[0], opening, fronts, draw.pick(["left", "right"]), DoorNames()))
-        return
-    for side, name in ((-1, "left"), (1, "right")):
-        x = opening.x + side * opening.width / 4
-        half = Opening(x, opening.y, opening.width / 2, opening.height, opening.depth, opening.front)
-        links.append(add_door(draw, node, links[0], half, fronts, name, DoorNames()))
+        links.append(add_door(draw, node, links[0], opening, fronts, draw.pick(["left", "right"])))
+    else:
+        links += add_door_pair(draw, node, links[0], opening, fronts)
 
 
 def _free(node: Node, owned: set[Node]) -> list[Node]:
-    """The largest subtrees at or below a node in which nothing has an owner."""
+    """The largest subtrees at or below a node whose nodes have no owner."""
     if not any(inner in owned for inner in node.walk()):
         return [node]
     return [] if node in owned else [free for child in node.children for free in _free(child, owned)]

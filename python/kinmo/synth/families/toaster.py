@@ -1,4 +1,4 @@
-"""Toasters: levers that go down along the ends, dials and buttons on the end faces, sometimes a crumb tray."""
+"""Toasters with levers, dials, buttons, racks and crumb trays."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import button, dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, Point, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import (
     X,
     Y,
@@ -18,18 +17,19 @@ from kinmo.synth.primitives import (
     box_between,
     cylinder,
     extrude,
+    facing,
     move,
     rounded_box,
     rounded_outline,
     transform,
     turn,
 )
-from kinmo.synth.primitives.place import facing
+from kinmo.synth.synth_object import JointType, Link, Node, Point, SynthObject, hinge, slider, spinner
 
 
 @dataclass(frozen=True)
 class _Plan:
-    """The body: x across, z along the slots, standing on y = 0. `front` is where the end face is."""
+    """Size of the body, standing on y = 0: x is across the slots, z along them."""
 
     width: float
     height: float
@@ -39,16 +39,20 @@ class _Plan:
 
     @property
     def front(self) -> float:
+        """Position of the end face along z."""
         return 0.5 * self.length
 
 
 def build(draw: Draw) -> SynthObject:
+    """Toaster whose levers slide down along the ends.
+
+    Dials turn; buttons, browning sliders, racks and the crumb tray slide.
+    """
     slots, rows = draw.pick([(1, 1), (2, 1), (2, 2), (4, 1)], [1, 6, 1, 1])
     length = draw.between(1.2, 1.6) * (1.3 if rows == 2 else 1.0)
     plan = _Plan(draw.between(0.38, 0.56) * slots**0.65, draw.between(0.75, 1.1), length, slots, rows)
-    root = Node("Toaster")
     body = Node("base_body", pieces=_body(draw, plan))
-    base = Link("base_body", [body], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY], [4, 1, 1]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY], [4, 1, 1]))
     links = [base, *_end_controls(draw, plan, base, body)]
     if draw.chance(0.12):
         tray = Node("tray", pieces=[box((0.8 * plan.width, 0.03, 0.9 * plan.length), (0, -0.01, 0.03))])
@@ -58,12 +62,11 @@ def build(draw: Draw) -> SynthObject:
         links.append(Link("tray", [tray], base, out))
     if draw.chance(0.3):
         links += _racks(draw, plan, base)
-    root.children = [node for link in links[1:] for node in link.nodes] + [body]
-    return SynthObject("Toaster", root, links)
+    return SynthObject.flat("Toaster", links)
 
 
 def _body(draw: Draw, plan: _Plan) -> list[Mesh]:
-    """A block with bars between the slots on top, rounded across or along."""
+    """A block with bars between the slots on top."""
     deep = plan.height * draw.between(0.4, 0.9)
     floor = plan.height - deep
     wall = draw.between(0.06, 0.15) * plan.width
@@ -83,7 +86,7 @@ def _body(draw: Draw, plan: _Plan) -> list[Mesh]:
     if plan.rows == 2:
         pieces.append(box((plan.width, deep, end), (0, floor + 0.5 * deep, 0)))
     if draw.chance(0.3):
-        # Sides that bulge over the block.
+        # The sides bulge out.
         bulge = draw.between(0.03, 0.08)
         outline = rounded_outline(0.9 * plan.length, 0.85 * plan.height, 0.2 * plan.height)
         sides = [extrude(outline[:, ::-1], bulge, "x", (s * (plan.width + bulge) / 2, plan.height / 2, 0)) for s in (-1, 1)]
@@ -98,7 +101,7 @@ def _body(draw: Draw, plan: _Plan) -> list[Mesh]:
 
 
 def _racks(draw: Draw, plan: _Plan, base: Link) -> list[Link]:
-    """Wire racks in the slots that lift the bread."""
+    """Wire racks in the slots that slide up."""
     motion = slider(Y, 0.0, plan.height * draw.between(0.1, 0.8))
     pieces = _cage(draw, plan)
     links = []
@@ -111,7 +114,7 @@ def _racks(draw: Draw, plan: _Plan, base: Link) -> list[Link]:
 
 
 def _cage(draw: Draw, plan: _Plan) -> list[Mesh]:
-    """Two grids of upright wires, or bows from one side to the other; their top in the plane of the body's."""
+    """Meshes of a rack: two grids of vertical wires, or bows between the sides. Its top is level with the body's top."""
     half, wire = plan.width * draw.between(0.06, 0.17), draw.between(0.003, 0.008)
     tall, long = plan.height * draw.between(0.5, 0.7), plan.length * draw.between(0.45, 0.6)
     top, low, sides = plan.height - wire, plan.height - tall, (-half, half)
@@ -130,6 +133,7 @@ def _cage(draw: Draw, plan: _Plan) -> list[Mesh]:
 
 
 def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]:
+    """Levers, and a dial, a browning slider and buttons, on the end faces."""
     levers = [(0.0, 1.0)]
     if plan.rows == 2 or (plan.slots == 4 and draw.chance(0.5)) or draw.chance(0.08):
         levers = [(0.0, 1.0), (0.0, -1.0)] if draw.chance(0.5) else [(-0.22, 1.0), (0.22, 1.0)]
@@ -137,7 +141,7 @@ def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]
         levers = [(draw.between(-0.3, 0.3), 1.0)]
     links = [_lever(draw, plan, base, body, x * plan.width, facing, len(levers)) for x, facing in levers]
     taken = levers[0][0] * plan.width
-    # Below the lever, or beside it.
+    # Other controls are below the lever or beside it.
     beside = -np.sign(taken or draw.sign()) * draw.between(0.2, 0.42) * plan.width
     radius = draw.between(0.035, 0.08)
     at = draw.pick([(taken, 0.2), (beside, draw.between(0.15, 0.4))])
@@ -158,6 +162,7 @@ def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]
 
 
 def _lever(draw: Draw, plan: _Plan, base: Link, body: Node, x: float, facing: float, count: int) -> Link:
+    """A lever at an end that slides down."""
     wide = draw.between(0.12, 0.45) * min(plan.width, 0.6) / (1.0 if count == 1 else 1.5)
     tall, reach = draw.between(0.03, 0.12), draw.between(0.05, 0.16)
     top = plan.height * draw.between(0.55, 0.9)
@@ -172,7 +177,7 @@ def _lever(draw: Draw, plan: _Plan, base: Link, body: Node, x: float, facing: fl
         inside = draw.between(0.03, 0.35)
         pieces.append(box((0.3 * wide, 0.5 * tall, inside), (0, 0, 0.03 - 0.5 * inside)))
     if draw.chance(0.2):
-        # The carriage behind the wall.
+        # A carriage behind the wall.
         pieces.append(box((1.3 * wide, draw.between(0.05, 0.4) * plan.height, 0.02), (0, 0, -0.05)))
     if draw.chance(0.6):
         track = [box((0.02, 1.1 * travel, 0.004), (x + s * 0.02, top - 0.5 * travel, facing * plan.front)) for s in (-1, 1)]
@@ -186,7 +191,7 @@ def _lever(draw: Draw, plan: _Plan, base: Link, body: Node, x: float, facing: fl
 
 
 def _level_slider(draw: Draw, plan: _Plan, base: Link, body: Node) -> Link:
-    """A tab for the browning that slides sideways in a slot across either end, or along a side."""
+    """A browning tab that slides in a horizontal slot across an end or along a side."""
     y, tall = draw.between(0.1, 0.5) * plan.height, draw.between(0.02, 0.08)
     wide, proud = draw.between(0.03, 0.2), draw.between(0.02, 0.06)
     across = draw.chance(0.8)
@@ -200,6 +205,7 @@ def _level_slider(draw: Draw, plan: _Plan, base: Link, body: Node) -> Link:
 
 
 def _buttons(draw: Draw, plan: _Plan, base: Link, x: float) -> list[Link]:
+    """A column of buttons that slide in."""
     count = draw.integer(1, 4)
     size = min(draw.between(0.04, 0.08), 0.12 * plan.height)
     pitch = size * draw.between(1.2, 1.6)

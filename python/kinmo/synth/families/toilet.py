@@ -1,4 +1,4 @@
-"""Toilets: a bowl with a seat and a lid that turn up about a line behind them, a tank with a button or lever."""
+"""Toilets with a seat, a lid, a tank and a flush button or lever."""
 
 from __future__ import annotations
 
@@ -7,15 +7,18 @@ from numpy.typing import NDArray
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.door_locks import lock_pieces
-from kinmo.synth.details.posture import ORIGIN, carry
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, extrude, lathe, move, rounded_box, scale, sheet, turn
-from kinmo.synth.primitives.place import facing
-from kinmo.synth.primitives.turned import grid_faces
+from kinmo.synth.primitives.swept_surfaces import grid_faces
+from kinmo.synth.primitives.transforms import ORIGIN, facing
+from kinmo.synth.synth_object import Link, Node, SynthObject, hinge, slider
 
 
 def build(draw: Draw) -> SynthObject:
+    """Toilet whose seat and lid turn up about a horizontal line behind them.
+
+    Flush buttons slide in, a flush lever turns, and a tank cover lifts off.
+    """
     root = Node(draw.pick(["Toilet", "toilet"], [3, 1]))
     width, length = draw.between(0.6, 0.85), draw.between(0.75, 1.1)
     rim = draw.between(0.6, 0.8)
@@ -52,7 +55,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _oval(width: float, length: float, segments: int = 32) -> NDArray[np.float64]:
-    """The outline of a seat as (z, x): round at the front, blunter at the rear, from -length/2 to length/2."""
+    """Outline [segments, 2] of a seat as (z, x): round at the front, blunter at the rear."""
     angles = np.linspace(0, 2 * np.pi, segments, endpoint=False)
     z = 0.5 * length * np.sign(np.cos(angles)) * np.abs(np.cos(angles)) ** np.where(np.cos(angles) < 0, 0.6, 1.0)
     return np.stack([z, 0.5 * width * np.sin(angles)], axis=1)
@@ -70,19 +73,9 @@ def _ring(width: float, length: float, share: float, thick: float, low: float) -
 def _bowl(draw: Draw, width: float, length: float, rim: float) -> list[Mesh]:
     """The bowl on its foot, open above, and a block towards the wall."""
     foot = draw.between(0.45, 0.7)
-    profile = np.array(
-        [
-            [0, 0],
-            [foot, 0],
-            [0.8 * foot, 0.3 * rim],
-            [0.9, 0.75 * rim],
-            [1.0, rim],
-            [0.75, rim],
-            [0.55, 0.55 * rim],
-            [0, 0.45 * rim],
-        ]
-    )
-    unit = lathe(profile, 28)
+    outer = [[0, 0], [foot, 0], [0.8 * foot, 0.3 * rim], [0.9, 0.75 * rim], [1.0, rim]]
+    inner = [[0.75, rim], [0.55, 0.55 * rim], [0, 0.45 * rim]]
+    unit = lathe(np.array(outer + inner), 28)
     bowl = scale(unit, (0.48 * width, 1.0, 0.5 * length))
     pieces = [bowl]
     if draw.chance(0.8):
@@ -91,7 +84,7 @@ def _bowl(draw: Draw, width: float, length: float, rim: float) -> list[Mesh]:
 
 
 def _tank(draw: Draw, root: Node, base: Link, links: list[Link], width: float, rear: float, rim: float) -> float:
-    """The tank behind the bowl with its cover and what flushes it; returns its height, or 0 without a tank."""
+    """Add the tank behind the bowl with its cover and a flush button or lever; returns its height, or 0 without a tank."""
     if draw.chance(0.15):
         return 0.0
     deep, tall = draw.between(0.25, 0.4), draw.between(0.45, 0.7)
@@ -105,7 +98,7 @@ def _tank(draw: Draw, root: Node, base: Link, links: list[Link], width: float, r
     cover = rounded_box((1.05 * wide, 0.05, 1.08 * deep), 0.05, "y", (0, top + 0.025, middle))
     if draw.chance(0.25):
         node = root.add("lid", cover)
-        links.append(Link("lid", [node], base, slider((0, 1, 0), 0, draw.between(0.1, 0.4)), lumped_name="lid"))
+        links.append(Link("lid", [node], base, slider((0, 1, 0), 0, draw.between(0.1, 0.4)), leaf_name="lid"))
     else:
         base.nodes[0].pieces.append(cover)
     kind = draw.pick(["top", "side", "lever", "none"], [4, 2, 5, 1])
@@ -128,7 +121,7 @@ def _tank(draw: Draw, root: Node, base: Link, links: list[Link], width: float, r
 
 
 def _flush_lever(draw: Draw, root: Node, base: Link, size: tuple[float, float], y: float, middle: float) -> Link:
-    """A lever on the front or on a side of a tank of `size` (width, depth), which turns about the wall's normal."""
+    """A lever on the front or a side of a tank of `size` (width, depth), turning about the wall's normal."""
     wide, deep = size
     side = draw.sign()
     if draw.chance(0.6):
@@ -142,10 +135,10 @@ def _flush_lever(draw: Draw, root: Node, base: Link, size: tuple[float, float], 
     if draw.chance(0.7):
         node.pieces = lock_pieces(draw, "lever", length)
     else:
-        # A plain rod or plate that starts at its pin.
+        # A plain bar that starts at its pin.
         rod = box(
             (length, length * draw.between(0.1, 0.25), length * draw.between(0.08, 0.2)), (0.5 * length, 0, 0.06 * length)
         )
         node.pieces = [turn(rod, Z, draw.pick([0.0, 180.0, draw.between(-30.0, 30.0)]))]
-    carry([link], place)
+    link.move(place)
     return link

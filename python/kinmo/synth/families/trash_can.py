@@ -1,4 +1,4 @@
-"""Trash cans: wheeled bins, pedal bins, bins with a swinging flap; round and square."""
+"""Trash cans: wheeled, pedal, swing-top, drum, front-flap and split-lid bins."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.lid_hinges import lid_hinge
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import (
     X,
     box,
@@ -23,9 +22,14 @@ from kinmo.synth.primitives import (
     tube,
     turn,
 )
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
+    """Trash can, round or square.
+
+    Lids and flaps turn about horizontal lines, pedals tip or slide, wheels roll, a drum tips over, and an inner bin slides out.
+    """
     root = Node(draw.pick(["Trashcan", "trash_can"], [3, 1]))
     kinds = {"wheeled": _wheeled, "pedal": _pedal, "swing": _swing, "open": _drum, "front": _front_flap, "split": _split_lid}
     links = draw.pick(list(kinds.values()), [3, 3, 3, 1, 1.5, 1])(draw, root)
@@ -33,7 +37,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _tapered(width: float, depth: float, height: float, taper: float, radius: float) -> Mesh:
-    """An open vessel that widens upwards, its rim at y = height."""
+    """An open bin that widens upwards, with its rim at y = height."""
     top = rounded_outline(depth, width, radius)
     shell = extrude(top, height, "y", (0, height / 2, 0), capped=False)
     shrink = np.where(shell.vertices[:, 1:2] < 0.5 * height, taper, 1.0) * np.array([1.0, 0.0, 1.0]) + np.array([0.0, 1.0, 0.0])
@@ -48,7 +52,7 @@ def _wheeled(draw: Draw, root: Node) -> list[Link]:
     floor = box((taper * width, 0.02, taper * depth), (0, 0.02, 0))
     node = root.add("base_body", body, floor)
     node.pieces.append(box((1.04 * width, 0.06, 1.04 * depth), (0, height - 0.05, 0)))
-    base = Link("base_body", [node], kind=draw.pick([JointName.FREE, JointName.STATIC], [5, 1]))
+    base = Link("base_body", [node], kind=draw.pick([JointType.FREE, JointType.STATIC], [5, 1]))
     thick, over = draw.between(0.03, 0.1), draw.between(0.0, 0.05)
     rear = -depth / 2 - draw.between(0.0, 0.06)
     lid = root.add("lid", box_between((-width / 2 - over, height, rear), (width / 2 + over, height + thick, depth / 2 + over)))
@@ -66,20 +70,18 @@ def _wheeled(draw: Draw, root: Node) -> list[Link]:
         at = np.array(
             [side * (0.5 * taper * width + thick * draw.pick([-0.5, 0.5])), radius - 0.03, -0.5 * taper * depth + 0.4 * radius]
         )
-        pieces = (
-            [cylinder(radius, thick, "x", at, 24)]
-            if draw.chance(0.5)
-            else [tube(radius, 0.7 * radius, thick, "x", at), cylinder(0.7 * radius, 0.7 * thick, "x", at)]
-        )
+        pieces = [cylinder(radius, thick, "x", at, 24)]
+        if not draw.chance(0.5):
+            pieces = [tube(radius, 0.7 * radius, thick, "x", at), cylinder(0.7 * radius, 0.7 * thick, "x", at)]
         links.append(Link("wheel", [root.add("wheel", *pieces)], base, spinner(at, (1, 0, 0))))
     return links
 
 
 def _pedal(draw: Draw, root: Node) -> list[Link]:
-    """A round or square can whose lid opens by a pedal at the foot."""
-    round_can = draw.chance(0.5)
+    """A round or square can with a hinged lid and a pedal at the foot."""
+    is_round = draw.chance(0.5)
     width, height = draw.between(0.5, 1.0), draw.between(0.9, 1.5)
-    if round_can:
+    if is_round:
         shell, depth = lathe(np.array([[0, 0], [width / 2, 0], [width / 2, height]]), 32), width
     else:
         depth = draw.between(0.5, 0.95)
@@ -88,12 +90,10 @@ def _pedal(draw: Draw, root: Node) -> list[Link]:
     base = Link("base_body", [node])
     thick = draw.between(0.03, 0.12)
     rear = -depth / 2
-    if round_can:
-        lid_mesh = (
-            dome((0.52 * width, thick, 0.52 * width), (0, height, 0), segments=32)
-            if draw.chance(0.6)
-            else cylinder(0.52 * width, thick, "y", (0, height + thick / 2, 0), 32)
-        )
+    if is_round:
+        lid_mesh = dome((0.52 * width, thick, 0.52 * width), (0, height, 0), segments=32)
+        if not draw.chance(0.6):
+            lid_mesh = cylinder(0.52 * width, thick, "y", (0, height + thick / 2, 0), 32)
     else:
         lid_mesh = rounded_box((1.03 * width, thick, 1.03 * depth), 0.08, "y", (0, height + thick / 2, 0))
     lid = root.add("lid", lid_mesh)
@@ -113,7 +113,7 @@ def _pedal(draw: Draw, root: Node) -> list[Link]:
 
 
 def _swing(draw: Draw, root: Node) -> list[Link]:
-    """A can under a hood, in which a flap swings both ways about a line through its middle."""
+    """A can under a hood with a flap that swings about a line across it."""
     width, depth, height = draw.between(0.5, 0.9), draw.between(0.4, 0.8), draw.between(0.9, 1.4)
     node = root.add("base_body", _tapered(width, depth, height, draw.between(0.7, 1.0), draw.between(0.01, 0.15)))
     base = Link("base_body", [node])
@@ -138,7 +138,7 @@ def _swing(draw: Draw, root: Node) -> list[Link]:
 
 
 def _front_flap(draw: Draw, root: Node) -> list[Link]:
-    """A closed cabinet with a flap to push at the top of its front, maybe a door or a drawer below it."""
+    """A closed cabinet with a flap at the top of its front, and sometimes a door or drawer below it."""
     width, depth, height = draw.between(0.5, 0.9), draw.between(0.4, 0.8), draw.between(0.9, 1.5)
     x, z, wall = width / 2, depth / 2, 0.03
     walls = [box((wall, height, depth), (s * (x - wall / 2), height / 2, 0)) for s in (-1, 1)]
@@ -168,7 +168,7 @@ def _front_flap(draw: Draw, root: Node) -> list[Link]:
 
 
 def _split_lid(draw: Draw, root: Node) -> list[Link]:
-    """A can whose lid opens as two halves, about its sides or about a bar across its middle; maybe with a pedal."""
+    """A can with two half lids, hinged at its sides or at a bar across its middle, and sometimes a pedal."""
     width, depth, height = draw.between(0.5, 1.1), draw.between(0.5, 0.8), draw.between(0.7, 1.4)
     node = root.add("base_body", _tapered(width, depth, height, draw.between(0.75, 1.0), draw.between(0.01, 0.15)))
     base = Link("base_body", [node])
@@ -191,7 +191,7 @@ def _split_lid(draw: Draw, root: Node) -> list[Link]:
 
 
 def _drum(draw: Draw, root: Node) -> list[Link]:
-    """An open bin between two posts, which tips over about a line across it."""
+    """An open bin between two posts that tips over about a line across it."""
     radius, height = draw.between(0.3, 0.45), draw.between(0.7, 1.1)
     lift = draw.between(0.15, 0.35)
     vessel = lathe(np.array([[0.0, lift], [0.85 * radius, lift], [radius, lift + height], [0.96 * radius, lift + height]]), 28)
@@ -199,13 +199,8 @@ def _drum(draw: Draw, root: Node) -> list[Link]:
     axle_height = lift + draw.between(0.55, 0.75) * height
     posts = [box((0.05, axle_height + 0.05, 0.06), (s * (radius + 0.08), (axle_height + 0.05) / 2, 0)) for s in (-1, 1)]
     path = np.array([[-radius - 0.08, 0.02, 0.0], [radius + 0.08, 0.02, 0.0]])
-    stand = root.add(
-        draw.pick(["frame", "base_body"]),
-        *posts,
-        sweep(path, 0.03, 8),
-        box((0.1, 0.03, 0.7), (radius + 0.08, 0.015, 0)),
-        box((0.1, 0.03, 0.7), (-radius - 0.08, 0.015, 0)),
-    )
-    base = Link("frame", [stand], kind=JointName.STATIC)
+    feet = [box((0.1, 0.03, 0.7), (s * (radius + 0.08), 0.015, 0)) for s in (1, -1)]
+    stand = root.add(draw.pick(["frame", "base_body"]), *posts, sweep(path, 0.03, 8), *feet)
+    base = Link("frame", [stand], kind=JointType.STATIC)
     motion = hinge((0, axle_height, 0), (1, 0, 0), *draw.pick([(-120.0, 120.0), (0.0, 110.0)]))
-    return [base, Link("drum", [bin_node], base, motion, lumped_name="rotation_container")]
+    return [base, Link("drum", [bin_node], base, motion, leaf_name="rotation_container")]

@@ -1,24 +1,28 @@
-"""USB sticks: covers that turn about a pin, caps that pull off, plugs that slide out."""
+"""USB sticks with swivelling covers, caps or sliding plugs."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.posture import lay
+from kinmo.synth.details.posture import lay_down
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import Y, Z, box, box_between, cylinder, rounded_box, torus
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
-    """Built along z with the plug to +z, flat across y."""
+    """USB stick.
+
+    Variants: a cover that turns about a pin, a cap that slides off, and a plug that slides out. Built along z with the plug to
+    +z, flat across y.
+    """
     width, length, thickness = draw.between(0.28, 0.5), draw.between(0.6, 1.1), draw.between(0.1, 0.22)
     plug_length, plug = draw.between(0.2, 0.4), (0.65 * width, 0.5 * thickness)
     root = Node("usb")
     body = root.add("body", rounded_box((width, thickness, length), draw.between(0.01, 0.5) * width, "y"))
     plug_node = root.add("interface", *_plug(draw, plug, plug_length, 0.5 * length))
-    base = Link("body", [body, plug_node], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    base = Link("body", [body, plug_node], kind=draw.pick([JointType.FREE, JointType.STATIC]))
     if draw.chance(0.3):
         body.pieces.append(torus(0.06, 0.015, "y", (0, 0, -0.5 * length - 0.04), 16, 6))
     links = [base]
@@ -41,11 +45,12 @@ def build(draw: Draw) -> SynthObject:
         motion = slider(Z, -out, 0.0, rest=draw.pick([0.0, -out, -draw.between(0.0, out)]))
         links.append(Link("interface", [plug_node, tab], base, motion))
     shape = SynthObject("USB", root, links)
-    lay(draw, shape)
+    lay_down(draw, shape)
     return shape
 
 
 def _plug(draw: Draw, size: tuple[float, float], length: float, start: float) -> list[Mesh]:
+    """The plug: a shell with a tongue, or a block."""
     shell = _sleeve((0.5 * size[0], 0.5 * size[1]), 0.015, start - 0.3 * length, start + length)
     tongue = box((0.85 * size[0], 0.3 * size[1], 0.9 * length), (0, 0.15 * size[1], start + 0.45 * length))
     return [*shell, tongue] if draw.chance(0.7) else [box((*size, 1.3 * length), (0, 0, start + 0.35 * length))]
@@ -59,7 +64,7 @@ def _sleeve(half: tuple[float, float], wall: float, low: float, high: float) -> 
 
 
 def _swivel(draw: Draw, root: Node, base: Link, size: tuple[float, float, float], plug_length: float) -> Link:
-    """A cover bent around both faces, on a pin near the far end; built over the plug, it turns to bare it."""
+    """A cover bent around both faces, on a pin near the far end. Built over the plug, it turns to uncover it."""
     width, thickness, length = size
     wall, gap = draw.between(0.01, 0.03), 0.004
     pin = np.array([draw.pick([0.0, draw.between(-0.1, 0.1)]) * width, 0.0, -0.5 * length * draw.between(0.1, 0.85)])

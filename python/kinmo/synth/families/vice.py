@@ -1,22 +1,25 @@
-"""Vices: a jaw slides towards a fixed one, driven by a spindle that turns or screws, with a bar through its head."""
+"""Vices with a sliding jaw, a spindle and a bar through its head."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, screw, slider, spinner
 from kinmo.synth.primitives import Z, box, cylinder, move, sweep, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, screw, slider, spinner
 
 
 def build(draw: Draw) -> SynthObject:
-    """A block with a fixed jaw; the other jaw slides, driven by a spindle along z with a bar through its head."""
+    """Vice whose jaw slides towards the fixed jaw.
+
+    The spindle turns on the sliding jaw, or screws through the base. The bar slides through the spindle's head.
+    """
     width, depth = draw.between(0.4, 0.7), draw.between(0.7, 1.1)
     root = Node("Vice")
     fixed = [box((width, 0.2, depth), (0, 0.1, 0)), box((width, 0.35, 0.2), (0, 0.37, -0.5 * depth + 0.1))]
     if draw.chance(0.5):
         fixed.append(cylinder(0.4 * width, 0.15, "y", (0, -0.07, -0.2 * depth), 24))
-    base = Link("base_body", [root.add("base_body", *fixed)], kind=draw.pick([JointName.FREE, JointName.STATIC]))
+    base = Link("base_body", [root.add("base_body", *fixed)], kind=draw.pick([JointType.FREE, JointType.STATIC]))
     z = draw.between(-0.1, 0.35) * depth
     jaw_node = root.add("slider", box((width, 0.35, 0.18), (0, 0.38, z)), box((0.4 * width, 0.1, 0.5 * depth), (0, 0.25, z)))
     jaw = Link("slider", [jaw_node], base, slider(Z, -0.5 * depth + 0.3 - z, 0.5 * depth - z))
@@ -27,8 +30,8 @@ def build(draw: Draw) -> SynthObject:
     spindle = Link("screw", [root.add("screw", *rod)], holder, motion)
     half = draw.between(0.15, 0.25)
     turned = draw.pick([0.0, 90.0, draw.between(0.0, 180.0)])
-    way = np.array([(-half, 0, 0), (half, 0, 0)])
-    bar = turn(sweep(way, 0.018, 8), Z, turned)
+    path = np.array([(-half, 0, 0), (half, 0, 0)])
+    bar = turn(sweep(path, 0.018, 8), Z, turned)
     pieces = [move(bar, (0, y, out))]
     direction = np.array([np.cos(np.radians(turned)), np.sin(np.radians(turned)), 0.0])
     lever = Link("lever", [root.add("lever", *pieces)], spindle, slider(direction, -0.8 * half, 0.8 * half))

@@ -1,15 +1,13 @@
-"""Washing machines: a round door in the front that turns about its side, or a lid on top; knobs, buttons, a drawer."""
+"""Washing machines with a round front door or a lid on top, knobs, buttons and a drawer."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.synth.details.appliance import add_dial, add_feet
+from kinmo.synth.details.appliances import add_dial, add_feet
 from kinmo.synth.details.keypads import add_keypad
-from kinmo.synth.details.posture import ORIGIN, carry
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import (
     X,
     along,
@@ -20,16 +18,22 @@ from kinmo.synth.primitives import (
     join,
     lathe,
     move,
+    rotation_about,
     rounded_box,
     sheet,
     torus,
     tube,
     turn,
 )
-from kinmo.synth.primitives.place import rotation_about
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
 
 def build(draw: Draw) -> SynthObject:
+    """Washing machine.
+
+    Variants: a front loader whose door turns about its side, and a top loader whose lid turns about its rear edge or side.
+    Knobs turn; buttons and the detergent drawer slide.
+    """
     width, height, depth = draw.between(0.9, 1.2), draw.between(1.0, 1.6), draw.between(0.8, 1.25)
     x, y, z = width / 2, height / 2, depth / 2
     root = Node(draw.pick(["WashingMachine", "washing_machine"], [3, 1]))
@@ -37,7 +41,7 @@ def build(draw: Draw) -> SynthObject:
         rounded_box((width, height, depth), draw.between(0.01, 0.1), "y") if draw.chance(0.4) else box((width, height, depth))
     )
     body = root.add("base_body", shell)
-    base = Link("base_body", [body], kind=draw.pick([JointName.HEAVY, JointName.STATIC, JointName.FREE], [5, 1, 1]))
+    base = Link("base_body", [body], kind=draw.pick([JointType.HEAVY, JointType.STATIC, JointType.FREE], [5, 1, 1]))
     links = [base]
     if draw.chance(0.7):
         links.append(_porthole(draw, root, body, base, x, y, z))
@@ -50,7 +54,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _porthole(draw: Draw, root: Node, body: Node, base: Link, x: float, y: float, z: float) -> Link:
-    """A round door: a ring with a bulging glass, hinged beside its rim."""
+    """A round door with a bulging glass, hinged beside its rim."""
     radius = draw.between(0.5, 0.75) * x
     up = draw.between(-0.2, 0.05) * y
     thickness = draw.between(0.03, 0.1)
@@ -68,15 +72,7 @@ def _porthole(draw: Draw, root: Node, body: Node, base: Link, x: float, y: float
         flipped = turn(glass, (0, 1, 0), 180) if bulge < 0 else glass
         node.pieces.append(move(flipped, center + [0, 0, thickness / 2]))
     else:
-        profile = np.array(
-            [
-                [radius, 0],
-                [radius, 0.6 * thickness],
-                [0.8 * radius, thickness],
-                [0.4 * radius, 1.2 * thickness],
-                [0, 1.2 * thickness],
-            ]
-        )
+        profile = np.array([[1, 0], [1, 0.6], [0.8, 1], [0.4, 1.2], [0, 1.2]]) * (radius, thickness)
         node.pieces.append(move(along(lathe(profile, segments), "z"), center))
     side = draw.pick([-1.0, 1.0], [2, 1])
     if draw.chance(0.6):
@@ -92,7 +88,7 @@ def _porthole(draw: Draw, root: Node, body: Node, base: Link, x: float, y: float
 
 
 def _front_controls(draw: Draw, root: Node, base: Link, x: float, y: float, z: float) -> list[Link]:
-    """A knob, a row of buttons, and a drawer for the powder, in the upper strip of the front."""
+    """A knob, a row of buttons, and a detergent drawer, in the upper strip of the front."""
     links: list[Link] = []
     level = draw.between(0.75, 0.85) * y
     if draw.chance(0.8):
@@ -112,13 +108,13 @@ def _front_controls(draw: Draw, root: Node, base: Link, x: float, y: float, z: f
         inner = box_between((left + 0.02, level - 0.4 * height, z - deep), (left + width - 0.02, level + 0.2 * height, z))
         node = root.add("drawer", *([front, inner] if draw.chance(0.6) else [front]))
         links.append(
-            Link("drawer", [node], base, slider((0, 0, 1), 0, draw.between(0.6, 0.95) * deep), lumped_name="translation_drawer")
+            Link("drawer", [node], base, slider((0, 0, 1), 0, draw.between(0.6, 0.95) * deep), leaf_name="translation_drawer")
         )
     return links
 
 
 def _top_loader(draw: Draw, root: Node, body: Node, base: Link, x: float, y: float, z: float) -> list[Link]:
-    """A lid on top, hinged at the rear or a side, before a raised and tilted control panel."""
+    """A lid on top, hinged at the rear or a side, in front of a raised and tilted control panel."""
     rear = -z + draw.between(0.25, 0.4) * z
     tilt = draw.between(0, 35)
     panel_height = draw.between(0.2, 0.35)
@@ -145,8 +141,8 @@ def _top_loader(draw: Draw, root: Node, body: Node, base: Link, x: float, y: flo
         motion = hinge(edge, (-1, 0, 0), 0, draw.pick([90.0, 100.0]), rest=rest)
     else:
         motion = hinge(center + [-(span if round_lid else half), 0, 0], (0, 0, 1), 0, 95.0, rest=rest)
-    links = [Link("door", [lid], base, motion, lumped_name="door")]
-    links += _console(draw, root, base, x, panel_height, rotation_about(X, -tilt, ORIGIN), at)
+    links = [Link("door", [lid], base, motion, leaf_name="door")]
+    links += _console(draw, root, base, x, panel_height, rotation_about(X, -tilt), at)
     if draw.chance(0.2):
         links += add_keypad(draw, root, base, (0.4 * x, 0.5 * y, z), (0.3 * x, 0.2 * y), "button", lookalikes=False)
     return links
@@ -155,7 +151,7 @@ def _top_loader(draw: Draw, root: Node, body: Node, base: Link, x: float, y: flo
 def _console(
     draw: Draw, root: Node, base: Link, x: float, height: float, tilt: NDArray[np.float64], at: NDArray[np.float64]
 ) -> list[Link]:
-    """Knobs and keys on the panel of a top loader: built on an upright front at the origin, then tilted and moved to `at`."""
+    """Knobs and keys on the panel of a top loader. Built on a vertical front at the origin, then tilted and moved to `at`."""
     links: list[Link] = []
     name = draw.pick(["button", "knob", "switch"], [3, 1, 1])
     front = 0.06
@@ -171,5 +167,6 @@ def _console(
         links += add_keypad(draw, root, base, center, (0.3 * x, 0.6 * height), "button", lookalikes=False)
     tilt = tilt.copy()
     tilt[:3, 3] = at
-    carry(links, tilt)
+    for link in links:
+        link.move(tilt)
     return links

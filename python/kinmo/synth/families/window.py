@@ -1,27 +1,32 @@
-"""Windows: sashes that slide sideways or up, casements, awnings, and panes that turn about their middle."""
+"""Windows with sashes that slide or turn."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.appliance import frame
+from kinmo.synth.details.appliances import rectangular_frame
+from kinmo.synth.details.door_leaves import sash
 from kinmo.synth.details.door_locks import add_door_lock
-from kinmo.synth.details.leafs import sash
 from kinmo.synth.draw import Draw
-from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, slider
 from kinmo.synth.primitives import box, cylinder, join, move
+from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, slider
 
 
 def build(draw: Draw) -> SynthObject:
+    """Window.
+
+    Variants: sashes that slide sideways or up, casements hinged at a side, awnings hinged at the upper or lower edge, and
+    sashes that turn about their middle. Locks turn.
+    """
     width, height = draw.between(0.9, 1.6), draw.between(0.9, 1.6)
     rim, depth = draw.between(0.04, 0.1), draw.between(0.06, 0.16)
     root = Node(draw.pick(["Window", "window"], [4, 1]))
     half = np.array([width / 2, height / 2, depth / 2])
-    body = root.add("base_body", frame(-half, half, rim))
+    body = root.add("base_body", rectangular_frame(-half, half, rim))
     if draw.chance(0.3):
         body.pieces.append(box((1.1 * width, 0.04, 2 * depth), (0, -height / 2 - 0.02, depth / 2)))
-    base = Link("base_body", [body], kind=JointName.STATIC)
+    base = Link("base_body", [body], kind=JointType.STATIC)
     opening = (width - 2 * rim, height - 2 * rim)
     kind = draw.pick(["slide", "hung", "casement", "awning", "pivot"], [4, 3, 4, 3, 1])
     if kind in ("slide", "hung"):
@@ -32,7 +37,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _add_sash(draw: Draw, root: Node, name: str, size: tuple[float, float], at: np.ndarray, thickness: float) -> Node:
-    """A sash as one leaf, or as a frame, a pane and maybe a handle."""
+    """Add a sash as one leaf, or as a frame and a pane."""
     bars, glass = sash(draw, *size, thickness)
     bars, glass = [move(piece, at) for piece in bars], [move(piece, at) for piece in glass]
     if draw.chance(0.6):
@@ -44,7 +49,7 @@ def _add_sash(draw: Draw, root: Node, name: str, size: tuple[float, float], at: 
 
 
 def _sliding(draw: Draw, root: Node, base: Link, size: tuple[float, float], depth: float, *, upright: bool) -> list[Link]:
-    """Two or three sashes on tracks, at least one of which slides over another."""
+    """Two or three sashes on tracks; at least one slides past another."""
     along = 1 if upright else 0
     count = 2 if upright else draw.pick([2, 3], [4, 1])
     overlap = draw.between(0.0, 0.04)
@@ -67,7 +72,7 @@ def _sliding(draw: Draw, root: Node, base: Link, size: tuple[float, float], dept
         travel = length * draw.between(0.75, 0.98)
         rest = travel * draw.between(0.1, 0.8) if draw.chance(0.25) else 0.0
         motion = slider(direction, draw.pick([0.0, -0.01]), travel, rest=rest)
-        links.append(Link("translation_window", [node], base, motion, lumped_name="translation"))
+        links.append(Link("translation_window", [node], base, motion, leaf_name="translation"))
     return links
 
 
@@ -92,7 +97,7 @@ def _turning(draw: Draw, root: Node, base: Link, size: tuple[float, float], dept
             node = _add_sash(draw, root, "rotation", (width - 2 * gap, height - 2 * gap), at, thickness)
             out = (1.0 if column else -1.0) if pair else draw.sign()
             motion, handle_side = _axis(draw, kind, at, width, height, thickness, out)
-            leaf = Link("rotation_window", [node], base, motion, lumped_name="rotation")
+            leaf = Link("rotation_window", [node], base, motion, leaf_name="rotation")
             links.append(leaf)
             if draw.chance(0.15):
                 front = at + handle_side * [0.46 * width, 0.46 * height, 0] + [0, 0, 0.5 * thickness]
@@ -105,7 +110,7 @@ def _turning(draw: Draw, root: Node, base: Link, size: tuple[float, float], dept
 def _axis(
     draw: Draw, kind: str, at: np.ndarray, width: float, height: float, thickness: float, out: float
 ) -> tuple[Motion, np.ndarray]:
-    """The hinge of a sash, and the direction in which its handle lies from the middle."""
+    """The hinge of a sash, and the direction [3] from its middle to its handle."""
     rest = draw.between(10, 80) if draw.chance(0.5) else 0.0
     lift = np.array([0, 0, thickness * draw.pick([0.0, 0.5, -0.3])])
     if kind == "casement":
@@ -122,7 +127,7 @@ def _axis(
 
 
 def _latch(draw: Draw, node: Node, at: np.ndarray, side: np.ndarray, size: tuple[float, float], thickness: float) -> None:
-    """A small handle opposite the hinge."""
+    """Add a small handle opposite the hinge."""
     if draw.chance(0.5):
         return
     place = at + side * [0.46 * size[0], 0.46 * size[1], 0] + [0, 0, thickness / 2]

@@ -1,17 +1,18 @@
-"""Single mechanisms, whatever they belong to: a flap, a drawer, a caster, an arm of several links.
+"""Single mechanisms, independent of any object: a flap, a drawer, a caster, an arm of several links.
 
-Each builder takes a `Draw` and gives a `Mechanism` that stands on the plane z = 0 in a cell of about [-0.5, 0.5]^2, its outside
-towards +z.
+Each builder takes a `Draw` and gives a `Mechanism` in a cell of about [-0.5, 0.5]^2 on the plane z = 0, its outside towards +z.
+`mount` puts a mechanism on an object. The modules `hollow`, `housing`, `pedestal`, `slab` and `slender` build whole objects
+that carry mechanisms.
 """
 
 from kinmo.synth.mechanisms.linked import LINKED
-from kinmo.synth.mechanisms.model import Builder, Mechanism, Moving
-from kinmo.synth.mechanisms.sliding import FITTED_SLIDING, SLIDING
-from kinmo.synth.mechanisms.turning import FITTED_TURNING, TURNING
+from kinmo.synth.mechanisms.mechanism_model import Mechanism, MechanismBuilder, MovingPart
+from kinmo.synth.mechanisms.sliding import SLIDING, STRETCHABLE_SLIDING
+from kinmo.synth.mechanisms.turning import STRETCHABLE_TURNING, TURNING
 
-MECHANISMS: tuple[Builder, ...] = (*TURNING, *SLIDING, *LINKED)
-"""All of them, the commoner ones more than once."""
-FITTED: tuple[Builder, ...] = (*FITTED_TURNING, *FITTED_SLIDING)
-"""Those that may be stretched to fill a side of what they are part of."""
+MECHANISMS: tuple[MechanismBuilder, ...] = (*TURNING, *SLIDING, *LINKED)
+"""All mechanisms. Frequent ones are listed more than once."""
+STRETCHABLE: tuple[MechanismBuilder, ...] = (*STRETCHABLE_TURNING, *STRETCHABLE_SLIDING)
+"""Mechanisms that may be stretched to fill one side of an object."""
 
-__all__ = ["FITTED", "MECHANISMS", "Builder", "Mechanism", "Moving"]
+__all__ = ["MECHANISMS", "STRETCHABLE", "Mechanism", "MechanismBuilder", "MovingPart"]

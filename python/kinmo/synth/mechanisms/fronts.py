@@ -1,7 +1,7 @@
-"""What closes an opening in the front of a housing: doors, flaps, drawers, shelves and panes, made to measure.
+"""Closures of an opening in a housing's front: doors, flaps, drawers, shelves and panes, made to measure.
 
-Each takes a `Draw` and the opening's width, height and depth, and gives a `Mechanism` in the opening's frame: its middle in the
-plane of the front at the origin, the outside towards +z.
+Each builder takes a `Draw` and the opening's width, height and depth. It gives a `Mechanism` in the opening's frame: the origin
+is the centre of the opening in the plane of the front, and the outside is towards +z.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ from numpy.typing import NDArray
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms.model import Mechanism, Moving
-from kinmo.synth.model import Motion, hinge, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, move, rounded_box, transform
-from kinmo.synth.primitives.place import facing, rotation_about
+from kinmo.synth.mechanisms.mechanism_model import Mechanism, MovingPart
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, facing, move, rotation_about, rounded_box, transform
+from kinmo.synth.synth_object import Motion, hinge, slider, spinner
 
-Front: TypeAlias = Callable[[Draw, float, float, float], Mechanism]
+FrontBuilder: TypeAlias = Callable[[Draw, float, float, float], Mechanism]
+"""Function that builds a closure for an opening of a given width, height and depth."""
 
 
 def door(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
-    """A leaf with its hinge along its left or right side; two where the opening is wide."""
+    """Door with its hinge along the left or right edge; two leaves if the opening is wide."""
     if wide > high and draw.chance(0.5):
-        draws = draw.alike(2)
+        draws = draw.identical(2)
         leaves = [_leaf(own, 0.5 * wide, high, side) for own, side in zip(draws, (-1.0, 1.0), strict=True)]
         places = [facing(Z, Y, X * side * 0.25 * wide) for side in (-1.0, 1.0)]
         return Mechanism([_carried(leaf, place) for leaf, place in zip(leaves, places, strict=True)])
@@ -34,13 +34,13 @@ def door(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
 
 
 def flap(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
-    """A leaf with its hinge along its lower or upper side."""
+    """Flap with its hinge along the lower or upper edge."""
     leaf = _leaf(draw, high, wide, draw.pick([-1.0, -1.0, 1.0]))
-    return Mechanism([_carried(leaf, rotation_about(Z, 90.0, (0.0, 0.0, 0.0)))])
+    return Mechanism([_carried(leaf, rotation_about(Z, 90.0))])
 
 
-def _leaf(draw: Draw, wide: float, high: float, side: float) -> Moving:
-    """A leaf whose hinge is upright and on `side`."""
+def _leaf(draw: Draw, wide: float, high: float, side: float) -> MovingPart:
+    """A leaf with a vertical hinge at `side` (-1 left, 1 right)."""
     thick = draw.between(0.03, 0.2) * min(wide, high)
     inset = draw.pick([0.0, draw.between(0.3, 1.0) * thick])
     middle = 0.5 * thick - inset
@@ -70,11 +70,11 @@ def _leaf(draw: Draw, wide: float, high: float, side: float) -> Moving:
     opening = draw.between(60.0, 170.0)
     rest = draw.pick([0.0, draw.between(0.1, 1.0) * opening], [3, 1])
     motion = hinge((edge, 0, depth), Y * side, 0.0, opening, rest=rest)
-    return Moving(draw.pick(["door", "door", "lid", "cover", "leaf", "panel", "frame"]), pieces, motion)
+    return MovingPart(draw.pick(["door", "door", "lid", "cover", "leaf", "panel", "frame"]), pieces, motion)
 
 
 def drawer_front(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
-    """A front with a tray or a block behind it."""
+    """Drawer: a front with a tray or a block behind it, sliding outwards."""
     thick, length = draw.between(0.02, 0.06) * wide, draw.between(0.5, 0.95) * deep
     inner = (0.92 * wide, draw.between(0.5, 0.9) * high, length)
     pieces = [box((0.98 * wide, 0.96 * high, thick), (0, 0, draw.pick([0.5, -0.5]) * thick))]
@@ -88,11 +88,11 @@ def drawer_front(draw: Draw, wide: float, high: float, deep: float) -> Mechanism
     if draw.chance(0.75):
         size = 0.5 * min(wide, 2 * high)
         pieces += pull(draw, size, (0, draw.between(-0.1, 0.3) * high, 0.5 * thick), vertical=draw.chance(0.1))
-    return Mechanism([Moving(draw.pick(["drawer", "tray", "box", "front"]), pieces, _out(draw, length))])
+    return Mechanism([MovingPart(draw.pick(["drawer", "tray", "box", "front"]), pieces, _out(draw, length))])
 
 
 def shelf(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
-    """A plate or a grid behind the front that comes out."""
+    """Plate or grid behind the front that slides outwards."""
     length = draw.between(0.6, 0.95) * deep
     thick, level = draw.between(0.02, 0.06) * high, draw.between(-0.3, 0.3) * high
     middle = (0, level, -0.5 * deep)
@@ -105,11 +105,11 @@ def shelf(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
         pieces += [box((0.94 * wide, thick, 0.03 * length), (0, level, -0.5 * deep + s * 0.48 * length)) for s in (-1, 1)]
     if draw.chance(0.3):
         pieces.append(box((0.94 * wide, 0.12 * high, thick), (0, level, -0.5 * (deep - length))))
-    return Mechanism([Moving(draw.pick(["shelf", "tray", "rack", "plate"]), pieces, _out(draw, length))])
+    return Mechanism([MovingPart(draw.pick(["shelf", "tray", "rack", "plate"]), pieces, _out(draw, length))])
 
 
 def turntable(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
-    """A disc behind the front that turns on a floor."""
+    """Disc behind the front that turns on a floor."""
     radius, thick = draw.between(0.3, 0.47) * min(wide, deep), draw.between(0.02, 0.06) * high
     level, middle = -0.5 * high + draw.pick([0.05, draw.between(0.05, 0.5)]) * high, -0.5 * deep
     pieces = [cylinder(radius, thick, "y", (0, level, middle), draw.pick([16, 24, 32]))]
@@ -117,36 +117,37 @@ def turntable(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
         pieces.append(cylinder(draw.between(0.1, 0.3) * radius, 1.5 * thick, "y", (0, level - thick, middle), 12))
     floor = [box((0.98 * wide, 0.02, 0.9 * deep), (0, level - 1.5 * thick - 0.01, middle))]
     motion = spinner((0, level, middle), Y)
-    return Mechanism([Moving(draw.pick(["tray", "plate", "table", "disc"]), pieces, motion)], draw.pick([floor, []]))
+    return Mechanism([MovingPart(draw.pick(["tray", "plate", "table", "disc"]), pieces, motion)], draw.pick([floor, []]))
 
 
 def sliding_pane(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
-    """A pane before or behind another, that slides aside or up."""
+    """Pane in front of or behind another pane, sliding sideways or up."""
     upright = draw.chance(0.3)
     thick, share = 0.03 * min(wide, high), draw.between(0.45, 0.6)
     size = (0.98 * wide, share * high, thick) if upright else (share * wide, 0.98 * high, thick)
-    way, room = (Y, high) if upright else (X, wide)
+    path, room = (Y, high) if upright else (X, wide)
     start = 0.5 * (room - share * room) * draw.sign()
-    pieces = [box(size, way * start)]
-    fixed = [box(size, -way * start - Z * 1.5 * thick)] if draw.chance(0.7) else []
+    pieces = [box(size, path * start)]
+    fixed = [box(size, -path * start - Z * 1.5 * thick)] if draw.chance(0.7) else []
     if draw.chance(0.5):
-        pieces += [move(piece, way * start) for piece in pull(draw, 0.2 * min(wide, high), (0, 0, 0.5 * thick), vertical=True)]
+        pieces += [move(piece, path * start) for piece in pull(draw, 0.2 * min(wide, high), (0, 0, 0.5 * thick), vertical=True)]
     travel = draw.between(0.5, 1.0) * (room - share * room)
-    motion = slider(-way * np.sign(start), 0.0, travel)
-    return Mechanism([Moving(draw.pick(["pane", "window", "door", "shutter"]), pieces, motion)], fixed)
+    motion = slider(-path * np.sign(start), 0.0, travel)
+    return Mechanism([MovingPart(draw.pick(["pane", "window", "door", "shutter"]), pieces, motion)], fixed)
 
 
 def _out(draw: Draw, length: float) -> Motion:
+    """Slider to the front for a part of a given length."""
     travel = draw.between(0.4, 0.95) * length
     return slider(Z, 0.0, travel, rest=draw.pick([0.0, draw.between(0.0, 0.9) * travel], [3, 1]))
 
 
-def _carried(part: Moving, matrix: NDArray[np.float64]) -> Moving:
+def _carried(part: MovingPart, matrix: NDArray[np.float64]) -> MovingPart:
     """The part and its joint under a rigid transform [4, 4]."""
-    return Moving(part.name, [transform(piece, matrix) for piece in part.pieces], part.motion.moved_by(matrix))
+    return MovingPart(part.name, [transform(piece, matrix) for piece in part.pieces], part.motion.moved_by(matrix))
 
 
-FRONTS: tuple[Front, ...] = (door, door, door, door, flap, flap, drawer_front, drawer_front, drawer_front, shelf, sliding_pane)
-"""All of them, the commoner ones more than once."""
-INSIDE: tuple[Front, ...] = (turntable, shelf)
-"""What may be behind a door."""
+FRONTS = (door, door, door, door, flap, flap, drawer_front, drawer_front, drawer_front, shelf, sliding_pane)
+"""All closures. Frequent ones are listed more than once."""
+INTERIORS = (turntable, shelf)
+"""Moving parts that may be behind a door."""

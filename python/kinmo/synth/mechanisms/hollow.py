@@ -1,4 +1,4 @@
-"""Hollow bodies that stand: turned or square, open at the top, with what closes them, carries them and pours from them."""
+"""Hollow bodies, round or square and open at the top, with lids, caps, plungers, handles and spouts."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms.model import Mechanism, Moving
+from kinmo.synth.mechanisms.mechanism_model import Mechanism, MovingPart
 from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.sliding import keys, pusher, slot
 from kinmo.synth.mechanisms.turning import bail, knob, lever
-from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
 from kinmo.synth.primitives import (
     X,
     Y,
@@ -22,21 +21,29 @@ from kinmo.synth.primitives import (
     cylinder,
     ellipsoid,
     extrude,
+    facing,
     lathe,
     move,
+    rounded_outline,
     rounded_path,
     scale,
     sweep,
     tube,
     turn,
 )
-from kinmo.synth.primitives.place import facing
-from kinmo.synth.primitives.solids import rounded_outline
+from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
 
 
 @dataclass(frozen=True)
 class _Mouth:
-    """The opening of a body: its height above the floor, half its width across x and across z, and whether it is round."""
+    """Opening of a hollow body.
+
+    Attributes:
+        height: height above the floor.
+        wide: half width along x.
+        deep: half width along z.
+        is_round: True for an elliptic opening.
+    """
 
     height: float
     wide: float
@@ -44,7 +51,7 @@ class _Mouth:
     is_round: bool
 
     def plate(self, draw: Draw, over: float, thick: float) -> Mesh:
-        """A plate over the mouth, `over` times as large; a round one may be arched."""
+        """Plate over the opening, `over` times as large. A round one may be domed."""
         low = self.height
         if not self.is_round:
             outline = rounded_outline(2 * over * self.wide, 2 * over * self.deep, 0.1 * self.wide)
@@ -56,7 +63,7 @@ class _Mouth:
         return move(scale(plate, (1.0, 1.0, self.deep / self.wide)), (0, low, 0))
 
     def ring(self, draw: Draw, over: float, thick: float) -> list[Mesh]:
-        """The same with a hole."""
+        """The same plate with a hole."""
         share = draw.between(0.5, 0.85)
         wide, deep, middle = over * self.wide, over * self.deep, self.height + 0.5 * thick
         if self.is_round:
@@ -67,9 +74,17 @@ class _Mouth:
 
 
 def hollow(draw: Draw, crowded: bool) -> SynthObject:
-    """A hollow body; a `crowded` one mostly has small mechanisms at its side too."""
+    """Hollow body with a lid, cap or plunger and, sometimes, a bail and a side mechanism.
+
+    Args:
+        draw: source of all random values.
+        crowded: mount a small mechanism at the side more often.
+
+    Returns:
+        The object, standing on y = 0.
+    """
     root = Node("mechanism")
-    base = Link("body", [], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    base = Link("body", [], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     links = [base]
     pieces, mouth, side = _body(draw)
     weights = [3, 5, 2, 1] if mouth.is_round else [2, 6, 0, 1]
@@ -97,7 +112,7 @@ def hollow(draw: Draw, crowded: bool) -> SynthObject:
 
 
 def _body(draw: Draw) -> tuple[list[Mesh], _Mouth, float]:
-    """The body on the floor y = 0, its mouth, and half its width in the middle."""
+    """The body on the floor y = 0, its opening, and half its width at mid height."""
     high, half = draw.between(0.25, 1.4), draw.between(0.2, 0.5)
     wall = draw.between(0.04, 0.15) * half
     if draw.chance(0.3):
@@ -118,7 +133,7 @@ def _body(draw: Draw) -> tuple[list[Mesh], _Mouth, float]:
 
 
 def _resting(draw: Draw, mouth: _Mouth) -> Mechanism:
-    """A lid that lies on the rim or reaches into it, and is lifted off."""
+    """Lid that lies on the rim or reaches into it, and lifts off."""
     pieces, thick = [mouth.plate(draw, draw.between(0.9, 1.1), draw.between(0.02, 0.12))], 0.1 * mouth.wide
     if draw.chance(0.9 if mouth.is_round else 0.7):
         pieces += _grip(draw, mouth)
@@ -126,11 +141,11 @@ def _resting(draw: Draw, mouth: _Mouth) -> Mechanism:
         inside = (1.6 * mouth.wide, thick, 1.6 * mouth.deep)
         pieces.append(box(inside, (0, mouth.height - 0.5 * thick, 0)))
     lift = draw.between(0.02, 0.5)
-    return Mechanism([Moving(draw.pick(["lid", "lid", "cover", "cap"]), pieces, slider(Y, 0.0, lift))])
+    return Mechanism([MovingPart(draw.pick(["lid", "lid", "cover", "cap"]), pieces, slider(Y, 0.0, lift))])
 
 
 def _hinged(draw: Draw, mouth: _Mouth) -> Mechanism:
-    """A lid with a knuckle at one side of the rim, at times on a ring that is hinged too, or before something higher."""
+    """Lid hinged at the rear of the rim, sometimes with a hinged ring below it or a tank behind it."""
     over, fixed = draw.between(0.92, 1.08), []
     ring = draw.between(0.02, 0.08) if draw.chance(0.3) else 0.0
     raised = replace(mouth, height=mouth.height + ring)
@@ -149,16 +164,16 @@ def _hinged(draw: Draw, mouth: _Mouth) -> Mechanism:
         pieces += _grip(draw, raised) if draw.chance(0.15) else [tab]
     opening = draw.between(60.0, 130.0)
     rest = draw.pick([0.0, -draw.between(0.1, 1.0) * opening], [3, 1])
-    lid = Moving(draw.pick(["lid", "lid", "cover"]), pieces, hinge(origin, X, -opening, 0.0, rest=rest))
+    lid = MovingPart(draw.pick(["lid", "lid", "cover"]), pieces, hinge(origin, X, -opening, 0.0, rest=rest))
     if not ring:
         return Mechanism([lid], fixed)
     motion = hinge(origin, X, -opening, 0.0, rest=draw.pick([0.0, 0.95 * rest]))
-    seat = Moving(draw.pick(["seat", "ring", "frame"]), mouth.ring(draw, over, ring), motion)
+    seat = MovingPart(draw.pick(["seat", "ring", "frame"]), mouth.ring(draw, over, ring), motion)
     return Mechanism(draw.pick([[seat, lid], [seat]], [4, 1]), fixed)
 
 
 def _turned(draw: Draw, mouth: _Mouth) -> Mechanism:
-    """A round cap on the mouth, with ribs or a grip: it screws, turns, or is pulled off."""
+    """Round cap on the opening, with ribs or a grip. It screws, turns, or slides off."""
     radius, high = mouth.wide * draw.between(0.95, 1.15), draw.between(0.15, 0.9) * mouth.wide
     level = mouth.height + draw.between(-0.3, 0.4) * high
     pieces = [cylinder(radius, high, "y", (0, level, 0), 24, top_radius=draw.between(0.6, 1.0) * radius)]
@@ -172,11 +187,11 @@ def _turned(draw: Draw, mouth: _Mouth) -> Mechanism:
         spinner((0, 0, 0), Y),
         slider(Y, 0.0, high),
     ]
-    return Mechanism([Moving(draw.pick(["cap", "lid", "closure"]), pieces, draw.pick(motions, [3, 2, 2]))])
+    return Mechanism([MovingPart(draw.pick(["cap", "lid", "closure"]), pieces, draw.pick(motions, [3, 2, 2]))])
 
 
 def _plunger(draw: Draw, mouth: _Mouth) -> Mechanism:
-    """A rod through the closed mouth, with a knob on top, that is pressed."""
+    """Rod through the closed opening with a knob on top, pressed down."""
     thick, rod, out = 0.1 * mouth.wide, draw.between(0.05, 0.2) * mouth.wide, draw.between(0.1, 0.6) * mouth.height
     cover = mouth.plate(draw, 1.0, thick)
     low = draw.between(0.3, 0.8) * mouth.height
@@ -187,11 +202,11 @@ def _plunger(draw: Draw, mouth: _Mouth) -> Mechanism:
         reach = draw.between(0.4, 1.0) * mouth.wide
         pieces.append(box((2 * rod, 1.5 * rod, reach), (0, top, 0.5 * reach)))
     motion = slider(Y, -0.8 * out, 0.0)
-    return Mechanism([Moving(draw.pick(["press", "head", "button", "rod"]), pieces, motion)], [cover])
+    return Mechanism([MovingPart(draw.pick(["press", "head", "button", "rod"]), pieces, motion)], [cover])
 
 
 def _grip(draw: Draw, mouth: _Mouth) -> list[Mesh]:
-    """A knob, a ball or a bow on the middle of a lid."""
+    """Knob, ball or bow on the middle of a lid."""
     size = draw.between(0.1, 0.5) * mouth.wide
     if draw.chance(0.25):
         return [ellipsoid((size, size, size), (0, mouth.height + 0.1 * mouth.wide + 0.7 * size, 0), 16, 8)]
@@ -200,18 +215,18 @@ def _grip(draw: Draw, mouth: _Mouth) -> list[Mesh]:
 
 
 def _held(draw: Draw, mouth: _Mouth, side: float) -> list[Mesh]:
-    """A loop at one side or at both, or a straight handle."""
+    """A loop at one or both sides, or a straight handle."""
     low, high = (mouth.height * share for share in (draw.between(0.1, 0.4), draw.between(0.6, 0.95)))
     out, rod = side + draw.between(0.15, 0.4), draw.between(0.015, 0.05)
     if draw.chance(0.3):
         return [sweep(np.array([(0.9 * side, high, 0), (2 * out + 0.3, high + draw.between(0.0, 0.1), 0)]), 1.5 * rod, 10)]
-    way = rounded_path(np.array([(0.9 * side, low, 0), (out, low, 0), (out, high, 0), (0.9 * side, high, 0)]), 0.1)
-    loop = sweep(way, rod, 8)
+    path = rounded_path(np.array([(0.9 * side, low, 0), (out, low, 0), (out, high, 0), (0.9 * side, high, 0)]), 0.1)
+    loop = sweep(path, rod, 8)
     return [loop, turn(loop, Y, 180.0)] if draw.chance(0.4) else [loop]
 
 
 def _spout(draw: Draw, mouth: _Mouth, side: float) -> Mesh:
-    """To the front, going up."""
+    """Spout to the front, rising."""
     low, rise = draw.between(0.2, 0.6) * mouth.height, draw.between(0.2, 0.6) * mouth.height
-    way = np.array([(0, low, 0.9 * side), (0, low + 0.4 * rise, 1.3 * side), (0, low + rise, 1.5 * side)])
-    return sweep(rounded_path(way, 0.1 * side), draw.between(0.08, 0.2) * side, 12)
+    path = np.array([(0, low, 0.9 * side), (0, low + 0.4 * rise, 1.3 * side), (0, low + rise, 1.5 * side)])
+    return sweep(rounded_path(path, 0.1 * side), draw.between(0.08, 0.2) * side, 12)

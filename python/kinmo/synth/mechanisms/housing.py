@@ -1,37 +1,37 @@
-"""Housings: upright boxes whose front is parted into openings, each closed by a door, a flap, a drawer or a pane."""
+"""Housings: upright boxes whose front is divided into openings, each with a door, flap, drawer, shelf or pane."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms.fronts import FRONTS, INSIDE, door, flap
+from kinmo.synth.mechanisms.fronts import FRONTS, INTERIORS, door, flap
 from kinmo.synth.mechanisms.linked import caster
 from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.sliding import keys, pusher, slot
 from kinmo.synth.mechanisms.turning import knob
-from kinmo.synth.model import JointName, Link, Node, SynthObject, spinner
-from kinmo.synth.primitives import X, Y, Z, box, cylinder
-from kinmo.synth.primitives.place import facing
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, facing
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, spinner
 
-LEAST = 0.25
-"""Of an opening's sides, before it is parted no more."""
-LIKE_THE_OTHERS = 0.7
-"""Chance that what is hinged hangs as the other doors of the housing do: at a side, or below."""
-BEHIND = 0.5
-"""Chance that there is something behind a door that moves too."""
+MIN_OPENING_SIDE = 0.25
+"""Smallest side of an opening that is divided further."""
+SAME_HINGE_CHANCE = 0.7
+"""Chance that a hinged closure has its hinge like the others of the housing: at a side, or below."""
+INTERIOR_CHANCE = 0.5
+"""Chance of another moving part behind a door or flap."""
 
 
 @dataclass(frozen=True)
 class _Opening:
-    """A rectangle of the front: its middle (x, y), width and height."""
+    """A rectangle of the front: its centre (x, y), width and height."""
 
     x: float
     y: float
     wide: float
     high: float
 
-    def parted(self, draw: Draw) -> tuple[_Opening, _Opening]:
+    def divided(self, draw: Draw) -> tuple[_Opening, _Opening]:
+        """The opening cut in two, across its longer side more often."""
         share = draw.pick([0.5, draw.between(0.25, 0.75)])
         if draw.chance(0.5 if self.wide < 1.3 * self.high else 0.8) == (self.wide > self.high):
             left, right = share * self.wide, (1 - share) * self.wide
@@ -44,33 +44,41 @@ class _Opening:
 
 
 def housing(draw: Draw, crowded: bool) -> SynthObject:
-    """A housing; a `crowded` one often rolls."""
+    """Housing with one closure per opening and, sometimes, controls and feet.
+
+    Args:
+        draw: source of all random values.
+        crowded: put the housing on casters or wheels more often.
+
+    Returns:
+        The object, centred at the origin.
+    """
     root = Node("mechanism")
     wide, high, deep = draw.between(0.4, 1.2), draw.between(0.3, 1.8), draw.between(0.3, 0.9)
     wall = draw.between(0.01, 0.05)
-    base = Link("body", [], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    base = Link("body", [], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     hollow = _walls(draw, root, base, wide, high, deep, wall)
     links = [base]
     openings = [_Opening(0.0, 0.0, wide - 2 * wall, high - 2 * wall)]
     for _ in range(draw.pick([0, 1, 2, 3, 4], [4, 4, 2, 2, 1])):
         openings.sort(key=lambda opening: opening.wide * opening.high)
-        if min(openings[-1].wide, openings[-1].high) > LEAST:
-            openings += openings.pop().parted(draw)
+        if min(openings[-1].wide, openings[-1].high) > MIN_OPENING_SIDE:
+            openings += openings.pop().divided(draw)
     alike = draw.chance(0.4)
     chosen = [draw.pick(FRONTS)] * len(openings) if alike else [draw.pick(FRONTS) for _ in openings]
     hung = draw.pick([door, flap], [3, 1])
-    chosen = [hung if front in (door, flap) and draw.chance(LIKE_THE_OTHERS) else front for front in chosen]
-    draws = draw.alike(len(openings)) if alike else [draw] * len(openings)
+    chosen = [hung if front in (door, flap) and draw.chance(SAME_HINGE_CHANCE) else front for front in chosen]
+    draws = draw.identical(len(openings)) if alike else [draw] * len(openings)
     for opening, own, front in zip(openings, draws, chosen, strict=True):
         place = facing(Z, Y, (opening.x, opening.y, 0.5 * deep))
         if draw.chance(0.2):
             links += _controls(draw, root, base, opening, 0.5 * deep)
         else:
             if front is flap and opening.high > 1.2 * opening.wide and draw.chance(0.8):
-                front = door  # what is tall hangs at a side
+                front = door  # a tall closure has its hinge at a side
             kinds = [front]
-            if hollow and front in (door, flap) and draw.chance(BEHIND):
-                kinds.append(draw.pick(INSIDE))
+            if hollow and front in (door, flap) and draw.chance(INTERIOR_CHANCE):
+                kinds.append(draw.pick(INTERIORS))
             for kind in kinds:
                 links += mount(draw, kind(own, opening.wide, opening.high, deep - wall), 1.0, place, root, base)
     links += _feet(draw, root, base, wide, high, deep, 4.0 if crowded else 1.0)
@@ -78,7 +86,7 @@ def housing(draw: Draw, crowded: bool) -> SynthObject:
 
 
 def _walls(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float, wall: float) -> bool:
-    """A hollow body in one piece or several, or a block with a little room before it; whether it is hollow."""
+    """Add the body: walls in one piece or several, or a nearly solid block. True if it is hollow."""
     if draw.chance(0.25):
         base.nodes.append(root.add("body", box((wide, high, 0.96 * deep), (0, 0, -0.02 * deep))))
         return False
@@ -94,7 +102,7 @@ def _walls(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: f
 
 
 def _controls(draw: Draw, root: Node, base: Link, opening: _Opening, front: float) -> list[Link]:
-    """A panel with keys, a button, a knob or what slides up and down, in place of something that opens."""
+    """Panel with keys, a button, a knob or a slide, instead of a closure."""
     panel = box((opening.wide, opening.high, 0.04), (opening.x, opening.y, front - 0.02))
     base.nodes.append(root.add("panel", panel))
     mechanism = draw.pick([keys, knob, pusher, slot])(draw)
@@ -103,13 +111,13 @@ def _controls(draw: Draw, root: Node, base: Link, opening: _Opening, front: floa
 
 
 def _feet(draw: Draw, root: Node, base: Link, wide: float, high: float, deep: float, rolling: float) -> list[Link]:
-    """None, legs, casters or wheels at the corners; `rolling` is the weight of casters, against 12 for none and 6 for legs."""
+    """Nothing, legs, casters or wheels at the corners. Casters have the weight `rolling`, against 12 for nothing."""
     kind = draw.pick(["none", "legs", "casters", "wheels"], [12, 6, rolling, 0.5 * rolling])
     links: list[Link] = []
     if kind == "none":
         return links
     size = draw.between(0.1, 0.3) * min(wide, deep)
-    for x, z, own in zip((-1, 1, -1, 1), (-1, -1, 1, 1), draw.alike(4), strict=True):
+    for x, z, own in zip((-1, 1, -1, 1), (-1, -1, 1, 1), draw.identical(4), strict=True):
         at = (x * (0.5 * wide - 0.5 * size), -0.5 * high, z * (0.5 * deep - 0.5 * size))
         if kind == "legs":
             length = 2.0 * size

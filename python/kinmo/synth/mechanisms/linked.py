@@ -1,4 +1,4 @@
-"""Mechanisms of several parts: casters, arms of several links, crossed bars, jaws, and stands that turn and tip."""
+"""Mechanisms of several links: casters, arms, crossed bars, jaws, and stands that turn and tip."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms.model import Builder, Mechanism, Moving
-from kinmo.synth.model import hinge, slider, spinner
+from kinmo.synth.mechanisms.mechanism_model import Mechanism, MovingPart
 from kinmo.synth.primitives import X, Y, Z, arc_path, box, cylinder, dome, ellipsoid, move, sweep, turn
+from kinmo.synth.synth_object import hinge, slider, spinner
 
 
 def caster(draw: Draw) -> Mechanism:
-    """A fork or a hood that swivels about the normal of the mount, with one wheel or two in it that roll or do not."""
+    """Fork or hood that swivels about the mount's normal, with one or two wheels that roll or not."""
     radius, stem = draw.between(0.12, 0.35), draw.between(0.02, 0.3)
     trail, tread = draw.between(0.0, 0.6) * radius, draw.between(0.06, 0.2)
     height = stem + 1.1 * radius
@@ -30,49 +30,49 @@ def caster(draw: Draw) -> Mechanism:
     rolls = draw.chance(0.7)
     held = [turn(piece, Z, turned) for piece in (fork if rolls else fork + wheel)]
     name = draw.pick(["caster", "fork", "stem"])
-    swivelling = Moving(name, held, spinner((0, 0, 0), Z))
+    swivelling = MovingPart(name, held, spinner((0, 0, 0), Z))
     if not rolls:
         return Mechanism([swivelling])
     axle = np.array([np.cos(np.radians(turned)), np.sin(np.radians(turned)), 0.0])
     center = (-trail * axle[1], trail * axle[0], height)
-    rolling = Moving("wheel", [turn(piece, Z, turned) for piece in wheel], spinner(center, axle), swivelling)
+    rolling = MovingPart("wheel", [turn(piece, Z, turned) for piece in wheel], spinner(center, axle), swivelling)
     return Mechanism([swivelling, rolling])
 
 
 def arm(draw: Draw) -> Mechanism:
-    """Bars joined end to end by pins, with a head at the end. The pins mostly lie as those of levers do."""
+    """Bars joined end to end by pins, with a head at the end. Most pins are horizontal, like those of levers."""
     thick = draw.between(0.02, 0.1)
     across, along = draw.pick([(X, "x"), (Y, "y")], [2, 1])
     ahead = np.cross(across, Z)
     at, tilt = np.array([0.0, 0.0, draw.between(0.03, 0.3)]), draw.between(-50.0, 50.0)
     cheek = (2.5 * np.abs(ahead) + 0.5 * np.abs(across)) * thick + Z * (at[2] + 0.05)
     fixed = [box(cheek, -across * thick + Z * (0.5 * at[2] + 0.025))]
-    moving: list[Moving] = []
+    moving: list[MovingPart] = []
     level = draw.chance(0.12)
     for index in range(draw.integer(1, 3)):
         length = draw.between(0.3, 0.7)
-        way = np.sin(np.radians(tilt)) * ahead + np.cos(np.radians(tilt)) * Z
+        path = np.sin(np.radians(tilt)) * ahead + np.cos(np.radians(tilt)) * Z
         aside = across * thick * (index % 2)
-        end = at + length * way
+        end = at + length * path
         sides = (-0.7, 0.7) if draw.chance(0.25) else (0.0,)
         bars = [sweep(np.array([at, end]) + aside + across * s * thick, 0.4 * thick, draw.pick([4, 8])) for s in sides]
-        upright = level and index == 0  # the first turns about the normal of the mount
+        upright = level and index == 0  # the first arm turns about the normal of the mount
         pin = cylinder(draw.between(0.5, 1.3) * thick, draw.between(1.6, 3.0) * thick, "z" if upright else along, at, 12)
         swing = draw.between(20.0, 90.0)
         on = moving[-1] if moving else None
         pieces = [*bars, pin] if draw.chance(0.7) else bars
         motion = hinge(at, (Z if upright else across) * draw.sign(), -swing, swing)
-        moving.append(Moving(draw.pick(["arm", "lever", "rod", "leg"]), pieces, motion, on))
+        moving.append(MovingPart(draw.pick(["arm", "lever", "rod", "leg"]), pieces, motion, on))
         at, tilt = end, tilt + draw.sign() * draw.between(20.0, 110.0)
     if draw.chance(0.6):
-        axis = way if draw.chance(0.25) else across
+        axis = path if draw.chance(0.25) else across
         head = [move(turn(piece, across, tilt), at) for piece in _head(draw)]
-        moving.append(Moving(draw.pick(["head", "shade", "holder"]), head, hinge(at, axis, -60.0, 60.0), moving[-1]))
+        moving.append(MovingPart(draw.pick(["head", "shade", "holder"]), head, hinge(at, axis, -60.0, 60.0), moving[-1]))
     return Mechanism(moving, fixed)
 
 
 def crossed(draw: Draw) -> Mechanism:
-    """Two bars, plates or frames that cross and turn about a pin where they do."""
+    """Two bars, plates or frames that cross and turn about a pin at the crossing."""
     thick, long, wide = draw.between(0.02, 0.08), draw.between(0.6, 1.1), draw.between(0.04, 0.15)
     angle, share = draw.between(15.0, 60.0), draw.between(0.35, 0.65)
     height = share * long * np.cos(np.radians(angle))
@@ -82,11 +82,11 @@ def crossed(draw: Draw) -> Mechanism:
         bars.append(move(turn(bar, Y, side * angle), (0, 0, height)))
     pin = cylinder(0.35 * wide, 3 * thick, "y", (0, 0, height), 12)
     motion = hinge((0, 0, height), Y * draw.sign(), -draw.between(5.0, 60.0), draw.between(5.0, 1.8 * angle))
-    return Mechanism([Moving(draw.pick(["leg", "bar", "blade", "frame"]), [bars[0]], motion)], [bars[1], pin])
+    return Mechanism([MovingPart(draw.pick(["leg", "bar", "blade", "frame"]), [bars[0]], motion)], [bars[1], pin])
 
 
 def halves(draw: Draw) -> Mechanism:
-    """Two halves, one on the other and hinged to it along one side: a book, tongs, a clamshell."""
+    """Two halves, one on the other, hinged along one edge: a book, tongs, a clamshell."""
     wide, long = draw.between(0.15, 0.9), draw.between(0.4, 1.0)
     thick, second = draw.between(0.03, 0.25), draw.between(0.6, 1.2)
     gap = draw.pick([0.0, draw.between(0.0, 0.08)])
@@ -101,12 +101,12 @@ def halves(draw: Draw) -> Mechanism:
     opening = draw.between(10.0, 150.0)
     rest = draw.pick([0.0, draw.between(0.1, 1.0) * opening])
     return Mechanism(
-        [Moving(draw.pick(["body", "lid", "frame", "leg"]), [upper], hinge(place, X, 0.0, opening, rest=rest))], fixed
+        [MovingPart(draw.pick(["body", "lid", "frame", "leg"]), [upper], hinge(place, X, 0.0, opening, rest=rest))], fixed
     )
 
 
 def ridden(draw: Draw) -> Mechanism:
-    """A large body that turns, tips or comes off the small foot that it stands on."""
+    """Large body on a small foot. It turns, tips, or lifts off."""
     foot, rise = draw.between(0.1, 0.4), draw.between(0.04, 0.3)
     fixed = [cylinder(foot, 0.04, "z", (0, 0, 0.02), 24), cylinder(0.3 * foot, rise, "z", (0, 0, 0.5 * rise), 16)]
     size = np.array([draw.between(0.4, 1.0), draw.between(0.1, 0.8), draw.between(0.2, 1.0)])
@@ -118,11 +118,11 @@ def ridden(draw: Draw) -> Mechanism:
         "tip": hinge((0, 0, rise), X, -draw.between(5.0, 30.0), draw.between(5.0, 30.0)),
         "lift": slider(Z, 0.0, draw.between(0.1, 0.5)),
     }[draw.pick(["turn", "tip", "lift"])]
-    return Mechanism([Moving(draw.pick(["body", "head", "container", "screen"]), [body], motion)], fixed)
+    return Mechanism([MovingPart(draw.pick(["body", "head", "container", "screen"]), [body], motion)], fixed)
 
 
 def jaws(draw: Draw) -> Mechanism:
-    """Two fingers that open about one pin, or about a pin each."""
+    """Two fingers that open about one common pin, or one pin each."""
     thick, long = draw.between(0.03, 0.08), draw.between(0.4, 0.9)
     apart = draw.pick([0.0, draw.between(0.05, 0.2)])
     height = draw.between(0.05, 0.2)
@@ -132,32 +132,32 @@ def jaws(draw: Draw) -> Mechanism:
         finger = turn(finger, Y, side * draw.between(3.0, 25.0))
         place = (0.5 * side * apart, 0, height)
         motion = hinge(place, Y * side, -draw.between(3.0, 10.0), draw.between(10.0, 60.0))
-        moving.append(Moving(draw.pick(["jaw", "leg", "finger"]), [move(finger, place)], motion))
+        moving.append(MovingPart(draw.pick(["jaw", "leg", "finger"]), [move(finger, place)], motion))
     pins = [cylinder(0.4 * thick, 3 * thick, "y", (0.5 * s * apart, 0, height), 12) for s in (-1, 1)]
     fixed = [box((apart + 0.12, 0.4 * thick, height + 0.05), (0, -1.3 * thick, 0.5 * height)), *(pins if apart else pins[:1])]
     return Mechanism(moving, fixed)
 
 
 def gimbal(draw: Draw) -> Mechanism:
-    """A fork that turns on the mount, with a head that tips in it."""
+    """Fork that turns on the mount, with a head that tips in it."""
     half, high = draw.between(0.15, 0.4), draw.between(0.25, 0.7)
     foot = cylinder(draw.between(0.1, 0.3), 0.06, "z", (0, 0, 0.03), 20)
     cheeks = [box((0.04, 0.12, high), (s * half, 0, 0.06 + 0.5 * high)) for s in (-1, 1)]
     fork = [foot, box((2 * half, 0.12, 0.04), (0, 0, 0.08)), *cheeks]
-    turning = Moving(draw.pick(["fork", "frame", "stand"]), fork, spinner((0, 0, 0), Z))
+    turning = MovingPart(draw.pick(["fork", "frame", "stand"]), fork, spinner((0, 0, 0), Z))
     center = (0.0, 0.0, high)
     size = (1.7 * half, draw.between(0.15, 0.5), draw.between(0.15, 0.8) * high)
     head = box(size, center) if draw.chance(0.6) else cylinder(0.4 * high, size[1], "y", center, 20)
     axle = cylinder(0.03, 2 * half, "x", center, 10)
     swing = draw.between(20.0, 80.0)
-    tipping = Moving(draw.pick(["head", "screen", "motor"]), [head, axle], hinge(center, X, -swing, swing), turning)
+    tipping = MovingPart(draw.pick(["head", "screen", "motor"]), [head, axle], hinge(center, X, -swing, swing), turning)
     if draw.chance(0.6):
         return Mechanism([turning, tipping])
-    return Mechanism([Moving(tipping.name, tipping.pieces, tipping.motion)], fork)
+    return Mechanism([MovingPart(tipping.name, tipping.pieces, tipping.motion)], fork)
 
 
 def motor(draw: Draw) -> Mechanism:
-    """A head on a neck that tips, swings or stays, with a rotor in front of it, at times in a ring."""
+    """Head on a neck that tips, swings or is fixed, with a rotor in front of it, sometimes in a ring."""
     high, long = draw.between(0.15, 0.6), draw.between(0.12, 0.35)
     thick, reach = draw.between(0.06, 0.14), draw.between(0.25, 0.5)
     neck = cylinder(draw.between(0.02, 0.05), high, "z", (0, 0, 0.5 * high), 12)
@@ -177,14 +177,15 @@ def motor(draw: Draw) -> Mechanism:
         blades = [cylinder(reach, 0.03, "y", front, 28)]
     spin = spinner(front, Y * draw.sign())
     if kind == "stays":
-        return Mechanism([Moving(name, [hub, *blades], spin)], [neck, *housing])
+        return Mechanism([MovingPart(name, [hub, *blades], spin)], [neck, *housing])
     place = center - Z * draw.between(0.0, 0.5) * thick
     swing = draw.between(20.0, 80.0)
-    head = Moving(draw.pick(["motor", "head"]), housing, hinge(place, X if kind == "tips" else Z, -swing, swing))
-    return Mechanism([head, Moving(name, [hub, *blades], spin, head)], [neck])
+    head = MovingPart(draw.pick(["motor", "head"]), housing, hinge(place, X if kind == "tips" else Z, -swing, swing))
+    return Mechanism([head, MovingPart(name, [hub, *blades], spin, head)], [neck])
 
 
 def _head(draw: Draw) -> list[Mesh]:
+    """Head of an arm: a shade, a plate, a ball or a block."""
     kind = draw.pick(["shade", "plate", "ball", "block"])
     if kind == "shade":
         return [cylinder(0.06, draw.between(0.15, 0.3), "z", (0, 0, 0.1), 20, top_radius=draw.between(0.1, 0.22))]
@@ -195,4 +196,5 @@ def _head(draw: Draw) -> list[Mesh]:
     return [box((draw.between(0.1, 0.3), 0.12, draw.between(0.15, 0.4)), (0, 0, 0.1))]
 
 
-LINKED: tuple[Builder, ...] = (caster, arm, arm, crossed, halves, halves, ridden, jaws, gimbal, motor)
+LINKED = (caster, arm, arm, crossed, halves, halves, ridden, jaws, gimbal, motor)
+"""All mechanisms of several links. Frequent ones are listed more than once."""

@@ -1,4 +1,4 @@
-"""Putting a mechanism on what it belongs to."""
+"""Placement of a mechanism on an object."""
 
 from __future__ import annotations
 
@@ -9,29 +9,42 @@ from numpy.typing import NDArray
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms.model import Mechanism, Moving
-from kinmo.synth.model import Link, Motion, Node, Point
+from kinmo.synth.mechanisms.mechanism_model import Mechanism, MovingPart
 from kinmo.synth.primitives import Y, scale, transform
+from kinmo.synth.synth_object import Link, Motion, Node, Point
 
-LEAVES = 0.5
-"""Chance that the pieces of a moving part are leaves of their own, as the frame and the handle of a door are."""
-PIECES = ("frame", "panel", "handle", "bar", "piece")
-DOORS, LIDS = ("door", "leaf"), ("lid", "cover", "flap")
-"""What panels are called whose hinge is upright, and those whose hinge is level."""
-CALLED_SO = 0.8
-"""Chance that such a panel has one of those names."""
-TOLD = 0.25
-"""Chance that the name of a node says how it moves, as `rotation_lid` and `translation_window` of PartNet-Mobility do."""
-ADDED, WORDS = 0.25, ("frame", "surface", "front", "board", "body", "panel")
-"""Chance that the name ends in a word that says nothing of it."""
-LYING_WHEELS = ("disc", "dial", "drum")
-"""What is not called a wheel, since its line is upright."""
+SEPARATE_LEAVES_CHANCE = 0.5
+"""Chance that each piece of a moving part is a leaf, like the frame and the handle of a door."""
+PIECE_NAMES = ("frame", "panel", "handle", "bar", "piece")
+"""Names of such leaves."""
+DOOR_NAMES, LID_NAMES = ("door", "leaf"), ("lid", "cover", "flap")
+"""Names of panels with a vertical hinge, and of panels with a horizontal one."""
+PANEL_NAME_CHANCE = 0.8
+"""Chance that a hinged panel gets the name that fits its hinge."""
+MOTION_PREFIX_CHANCE = 0.25
+"""Chance that a node name states the motion, like `rotation_lid` and `translation_window` in PartNet-Mobility."""
+SUFFIX_CHANCE, SUFFIXES = 0.25, ("frame", "surface", "front", "board", "body", "panel")
+"""Chance that a node name ends in a word unrelated to the motion, and those words."""
+DISC_NAMES = ("disc", "dial", "drum")
+"""Names of wheels with a vertical axis."""
 
 
 def mount(
     draw: Draw, mechanism: Mechanism, factors: float | Point, matrix: NDArray[np.float64], group: Node, base: Link
 ) -> list[Link]:
-    """Scale a mechanism, place it by `matrix` [4, 4] on `base`, add its nodes below `group`, and return its links."""
+    """Scale a mechanism and add it to an object.
+
+    Args:
+        draw: random values of the names.
+        mechanism: the mechanism, in its unit cell.
+        factors: one scale factor, or one per axis [3].
+        matrix: rigid transform [4, 4] from the scaled cell to the object.
+        group: node that the mechanism's nodes are added below.
+        base: link that carries the mechanism.
+
+    Returns:
+        One link per moving part, parents first.
+    """
 
     def placed(pieces: Sequence[Mesh]) -> list[Mesh]:
         return [transform(scale(piece, factors), matrix) for piece in pieces]
@@ -39,34 +52,34 @@ def mount(
     group = group.add("unit") if len(mechanism.moving) + bool(mechanism.fixed) > 1 else group
     if mechanism.fixed:
         base.nodes.append(group.add("mount", *placed(mechanism.fixed)))
-    made: dict[Moving, Link] = {}
+    made: dict[MovingPart, Link] = {}
     for part in mechanism.moving:
         pieces, motion = placed(part.pieces), part.motion.scaled(factors).moved_by(matrix)
-        name = _called(draw, part.name, motion)
-        node_name = _detailed(draw, name, motion)
-        if len(pieces) > 1 and draw.chance(LEAVES):
+        name = _panel_name(draw, part.name, motion)
+        node_name = _node_name(draw, name, motion)
+        if len(pieces) > 1 and draw.chance(SEPARATE_LEAVES_CHANCE):
             node = group.add(node_name)
             for piece in pieces:
-                node.add(draw.pick(PIECES), piece)
+                node.add(draw.pick(PIECE_NAMES), piece)
         else:
             node = group.add(node_name, *pieces)
-        holder = base if part.on is None else made[part.on]
+        holder = base if part.parent is None else made[part.parent]
         made[part] = Link(name, [node], holder, motion)
     return list(made.values())
 
 
-def _called(draw: Draw, name: str, motion: Motion) -> str:
-    """The name, or for a panel and a wheel mostly one that tells how its line lies."""
+def _panel_name(draw: Draw, name: str, motion: Motion) -> str:
+    """Name of a part. Panels and wheels mostly get a name that fits the direction of their axis."""
     upright = abs(float(motion.direction @ Y)) > 0.7
     if name == "wheel" and upright:
-        return draw.pick(LYING_WHEELS)
-    if name not in DOORS + LIDS or not motion.is_hinge or not draw.chance(CALLED_SO):
+        return draw.pick(DISC_NAMES)
+    if name not in DOOR_NAMES + LID_NAMES or not motion.is_hinge or not draw.chance(PANEL_NAME_CHANCE):
         return name
-    return draw.pick(DOORS if upright else LIDS)
+    return draw.pick(DOOR_NAMES if upright else LID_NAMES)
 
 
-def _detailed(draw: Draw, name: str, motion: Motion) -> str:
-    """The name with more words, as nodes of a hierarchy have them."""
-    if draw.chance(TOLD) and not motion.rotates:
+def _node_name(draw: Draw, name: str, motion: Motion) -> str:
+    """The name with additional words, like node names of real hierarchies."""
+    if draw.chance(MOTION_PREFIX_CHANCE) and not motion.rotates:
         name = f"{'rotation' if motion.is_hinge else 'translation'}_{name}"
-    return f"{name}_{draw.pick(WORDS)}" if draw.chance(ADDED) else name
+    return f"{name}_{draw.pick(SUFFIXES)}" if draw.chance(SUFFIX_CHANCE) else name

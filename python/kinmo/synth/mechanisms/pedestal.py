@@ -1,4 +1,4 @@
-"""Pedestals: a foot with a column on it, and on that something that turns, tips, rises or has joints of its own."""
+"""Pedestals: a foot with a column, which carries a body or mechanism that turns, tips, rises or has joints of its own."""
 
 from __future__ import annotations
 
@@ -9,18 +9,25 @@ from kinmo.synth.mechanisms.linked import arm, caster, crossed, gimbal, halves, 
 from kinmo.synth.mechanisms.mount import mount
 from kinmo.synth.mechanisms.sliding import keys, pusher
 from kinmo.synth.mechanisms.turning import bail, flap, globe, knob, lever, rocker, rotor, tap, wing
-from kinmo.synth.model import JointName, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, rounded_box, sweep, turn
-from kinmo.synth.primitives.place import facing
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, facing, rounded_box, sweep, turn
+from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
 
-SCREENS = 0.25
-"""Share of thin upright plates among what a column bears."""
+SCREEN_SHARE = 0.25
+"""Share of thin upright plates among the bodies on a column."""
 
 
 def pedestal(draw: Draw, crowded: bool) -> SynthObject:
-    """A pedestal; a `crowded` one mostly rolls."""
+    """Pedestal with a body or mechanism on its column.
+
+    Args:
+        draw: source of all random values.
+        crowded: put the foot on casters more often.
+
+    Returns:
+        The object, standing on the floor.
+    """
     root = Node("mechanism")
-    base = Link("foot", [], kind=draw.pick([JointName.FREE, JointName.STATIC, JointName.HEAVY]))
+    base = Link("foot", [], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     links = [base]
     foot = root.add("foot") if draw.chance(0.6) else root
     rise = draw.pick([draw.between(0.05, 0.3), draw.between(0.3, 1.2)])
@@ -48,11 +55,11 @@ def pedestal(draw: Draw, crowded: bool) -> SynthObject:
 
 
 def _ridden(draw: Draw, root: Node, carrier: Link, top: float) -> list[Link]:
-    """A body on the column, at times with mechanisms at its sides."""
+    """Body on the column, sometimes with a back and with mechanisms at its sides."""
     wide, deep = draw.between(0.3, 1.1), draw.between(0.2, 1.0)
     high = draw.pick([draw.between(0.04, 0.15), draw.between(0.2, 0.8)])
     middle = (0.0, top + 0.5 * high, draw.pick([0.0, draw.between(-0.15, 0.15)]))
-    if draw.chance(SCREENS):
+    if draw.chance(SCREEN_SHARE):
         return _screen(draw, root, carrier, top, wide)
     if draw.chance(0.3):
         body = cylinder(0.5 * wide, high, "y", (0, middle[1], 0), 24, top_radius=draw.between(0.35, 0.55) * wide)
@@ -65,7 +72,7 @@ def _ridden(draw: Draw, root: Node, carrier: Link, top: float) -> list[Link]:
     if backed == "stays":
         pieces.append(box(back, behind))
     name = draw.pick(["seat", "top", "head", "screen", "plate", "body"])
-    head = Link(name, [root.add(name, *pieces)], carrier, _of_head(draw, top))
+    head = Link(name, [root.add(name, *pieces)], carrier, _head_motion(draw, top))
     links = [head]
     if backed == "reclines":
         tips = hinge((0, top + high, -0.5 * deep), X, -draw.between(10.0, 60.0), draw.between(5.0, 80.0))
@@ -81,7 +88,7 @@ def _ridden(draw: Draw, root: Node, carrier: Link, top: float) -> list[Link]:
 
 
 def _screen(draw: Draw, root: Node, carrier: Link, top: float, wide: float) -> list[Link]:
-    """A thin upright plate before the column's end, that tips about a line along it, turns, rises, or turns in its plane."""
+    """Thin upright plate in front of the column's end. It tips, turns, rises, or turns in its own plane."""
     high, thick = draw.between(0.4, 1.0) * wide, draw.between(0.02, 0.08)
     level, ahead = top + draw.between(-0.1, 0.5) * high, draw.between(0.02, 0.1)
     neck = cylinder(0.4 * thick, 0.3 * wide, "x", (0, level if level < top else top, 0.4 * ahead), 12)
@@ -100,7 +107,8 @@ def _screen(draw: Draw, root: Node, carrier: Link, top: float, wide: float) -> l
     return [Link(name, [root.add(name, *draw.pick([[plate], [plate, neck]]))], carrier, motion)]
 
 
-def _of_head(draw: Draw, top: float) -> Motion:
+def _head_motion(draw: Draw, top: float) -> Motion:
+    """Joint of the body on a column that ends at height `top`."""
     origin = (0.0, top, 0.0)
     kind = draw.pick(["turn", "limited", "screw", "lift", "tip"], [5, 1, 2, 1, 2])
     if kind == "turn":
@@ -115,7 +123,7 @@ def _of_head(draw: Draw, top: float) -> Motion:
 
 
 def _foot(draw: Draw, foot: Node, base: Link, links: list[Link], crowded: bool) -> float:
-    """A disc, a slab, or legs that go out from the middle, at times on casters; returns its height."""
+    """Add a disc, a slab, or legs with or without casters; returns the height of the foot."""
     kind = draw.pick(["disc", "slab", "legs"], [3, 2, 3])
     if kind != "legs":
         thick, size = draw.between(0.02, 0.1), draw.between(0.25, 0.7)
@@ -130,7 +138,7 @@ def _foot(draw: Draw, foot: Node, base: Link, links: list[Link], crowded: bool) 
     low, high = draw.between(0.03, 0.2), draw.between(0.0, 0.2)
     rolls, size = draw.chance(0.65 if crowded else 0.25), draw.between(0.12, 0.35)
     leg = sweep(np.array([(0, low + high, 0), (0, low, reach)]), draw.between(0.012, 0.04), 8)
-    for index, own in enumerate(draw.alike(count)):
+    for index, own in enumerate(draw.identical(count)):
         angle = 360.0 * index / count
         base.nodes.append(foot.add("leg", turn(leg, Y, angle)))
         if rolls:

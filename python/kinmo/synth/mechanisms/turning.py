@@ -1,4 +1,4 @@
-"""Mechanisms whose part turns: flaps, dials, rollers, rotors, swivels, taps, levers, rockers, treadles, latches and bails."""
+"""Mechanisms that turn: flaps, dials, rollers, rotors, swivels, taps, levers, rockers, treadles, latches and bails."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import dial
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms.model import Builder, Mechanism, Moving
-from kinmo.synth.model import Motion, hinge, spinner
+from kinmo.synth.mechanisms.mechanism_model import Mechanism, MovingPart
 from kinmo.synth.primitives import X, Y, Z, arc_path, box, cylinder, ellipsoid, move, rounded_box, rounded_path, sweep, turn
+from kinmo.synth.synth_object import Motion, hinge, spinner
 
 
 def flap(draw: Draw) -> Mechanism:
-    """A panel with its hinge along one side, often with knuckles there and a handle at the other."""
+    """Panel with its hinge along one edge, often with visible knuckles there and a handle at the opposite edge."""
     wide, high = draw.between(0.4, 0.95), draw.between(0.3, 0.95)
     thick = draw.pick([draw.between(0.02, 0.12), draw.between(0.12, 0.4)], [4, 1])
     lift = draw.pick([0.0, draw.between(0.02, 0.5)])
@@ -34,11 +34,11 @@ def flap(draw: Draw) -> Mechanism:
     opening = draw.pick([draw.between(60.0, 130.0), draw.between(4.0, 30.0)], [5, 1])
     motion = hinge(at, -Y, 0.0, opening) if draw.chance(0.5) else hinge(at, Y, -opening, 0.0)
     name = draw.pick(["lid", "door", "cover", "flap", "panel", "screen"])
-    return Mechanism([Moving(name, pieces, _resting(draw, motion))], fixed)
+    return Mechanism([MovingPart(name, pieces, _sometimes_open(draw, motion))], fixed)
 
 
 def wing(draw: Draw) -> Mechanism:
-    """A plate that stands out from the mount on its hinge, by itself or on two ears: a table's leaf, a footrest, a visor."""
+    """Plate that stands out from the mount on a hinge, bare or on two ears: a table leaf, a footrest, a visor."""
     wide, out, thick = draw.between(0.3, 1.0), draw.between(0.2, 0.9), draw.between(0.02, 0.12)
     held = draw.pick(["bare", "axle", "ears"], [4, 3, 3])
     height = draw.pick([0.0, draw.between(0.02, 0.2)]) if held == "ears" else 0.0
@@ -51,17 +51,17 @@ def wing(draw: Draw) -> Mechanism:
         fixed = [box((0.04, 1.5 * thick, height + 0.06), (s * (0.5 * wide + 0.02), 0, 0.5 * height + 0.03)) for s in (-1, 1)]
     swing = draw.between(40.0, 100.0)
     motion = hinge((0, 0, height), X * draw.sign(), 0.0, swing, rest=draw.pick([0.0, draw.between(0.0, 1.0) * swing]))
-    return Mechanism([Moving(draw.pick(["board", "lid", "tray", "panel", "cover"]), pieces, motion)], fixed)
+    return Mechanism([MovingPart(draw.pick(["board", "lid", "tray", "panel", "cover"]), pieces, motion)], fixed)
 
 
 def knob(draw: Draw) -> Mechanism:
-    """A dial about the normal of the mount."""
+    """Dial that turns about the mount's normal."""
     pieces = dial(draw, draw.between(0.12, 0.42), draw.between(0.08, 0.5), (0, 0, 0))
-    return Mechanism([Moving(draw.pick(["knob", "dial", "button"]), pieces, _about(draw, Z))])
+    return Mechanism([MovingPart(draw.pick(["knob", "dial", "button"]), pieces, _hinge_about(draw, Z))])
 
 
 def roller(draw: Draw) -> Mechanism:
-    """A wheel, drum or reel between two cheeks, about a line along the mount."""
+    """Wheel, drum or reel between two cheeks that turns about a line along the mount."""
     wide, radius = draw.between(0.08, 0.7), draw.between(0.12, 0.35)
     height = draw.between(0.6, 1.3) * radius + 0.1
     cheek = draw.between(0.02, 0.06)
@@ -74,11 +74,11 @@ def roller(draw: Draw) -> Mechanism:
     if draw.chance(0.2):
         pieces = [ellipsoid((0.5 * wide, radius, radius), (0, 0, height), 24, 12)]
     name = draw.pick(["wheel", "roller", "drum", "sphere"])
-    return Mechanism([Moving(name, [*pieces, axle], spinner((0, 0, height), X))], fixed)
+    return Mechanism([MovingPart(name, [*pieces, axle], spinner((0, 0, height), X))], fixed)
 
 
 def rotor(draw: Draw) -> Mechanism:
-    """Blades, a disc, a crank or a hand on an axle that stands on the mount."""
+    """Blades, a disc, a crank or a hand that turns on an axle standing on the mount."""
     length, radius = draw.between(0.05, 0.5), draw.between(0.25, 0.48)
     hub = cylinder(draw.between(0.05, 0.12), draw.between(0.05, 0.15), "z", (0, 0, length), 16)
     kind = draw.pick(["blades", "disc", "crank", "hand"], [4, 2, 2, 2])
@@ -95,36 +95,38 @@ def rotor(draw: Draw) -> Mechanism:
         count = draw.integer(2, 6)
         pieces += [move(turn(blade, Z, 360.0 * i / count), (0, 0, length)) for i in range(count)]
     axle = cylinder(0.04, length, "z", (0, 0, 0.5 * length), 12)
-    return Mechanism([Moving(draw.pick(["rotor", "wheel", "hand", "blade", "lever"]), pieces, _about(draw, Z))], [axle])
+    return Mechanism(
+        [MovingPart(draw.pick(["rotor", "wheel", "hand", "blade", "lever"]), pieces, _hinge_about(draw, Z))], [axle]
+    )
 
 
 def swivel(draw: Draw) -> Mechanism:
-    """Something on a post that turns about the post."""
+    """Plate, seat, screen, spout or head that turns about its post."""
     length, radius = draw.between(0.05, 0.6), draw.between(0.03, 0.14)
     post = cylinder(radius, length, "z", (0, 0, 0.5 * length), 16)
-    pieces = [move(piece, (0, 0, length)) for piece in topped(draw)]
+    pieces = [move(piece, (0, 0, length)) for piece in post_top(draw)]
     name = draw.pick(["seat", "head", "spout", "screen", "top", "table"])
-    return Mechanism([Moving(name, pieces, _about(draw, Z))], [post])
+    return Mechanism([MovingPart(name, pieces, _hinge_about(draw, Z))], [post])
 
 
 def tap(draw: Draw) -> Mechanism:
-    """A cap on a post with a grip that reaches out or up: it turns about the post, or tips across the grip."""
+    """Cap on a post with a grip that reaches out or up. It turns about the post, or tips."""
     length, radius = draw.between(0.05, 0.5), draw.between(0.06, 0.2)
     post = cylinder(radius, length, "z", (0, 0, 0.5 * length), 18)
     size, high = draw.between(0.9, 1.3) * radius, draw.between(0.5, 1.6) * radius
     top = cylinder(size, high, "z", (0, 0, length + 0.5 * high), 18, top_radius=draw.between(0.6, 1.0) * size)
     out, rise = draw.between(0.25, 0.7), draw.between(-0.2, 0.7)
-    way = np.array([(0, 0, length + 0.6 * high), (0, -out, length + 0.6 * high + rise * out)])
-    grips = [sweep(way, draw.between(0.1, 0.4) * radius, draw.pick([4, 8]))]
+    path = np.array([(0, 0, length + 0.6 * high), (0, -out, length + 0.6 * high + rise * out)])
+    grips = [sweep(path, draw.between(0.1, 0.4) * radius, draw.pick([4, 8]))]
     if draw.chance(0.2):
         grips = [turn(grips[0], Z, 360.0 * index / 4) for index in range(4)]
     tipped = hinge((0, 0, length + 0.5 * high), X * draw.sign(), -draw.between(5.0, 40.0), draw.between(5.0, 40.0))
-    motion = _about(draw, Z) if len(grips) > 1 or draw.chance(0.7) else tipped
-    return Mechanism([Moving(draw.pick(["switch", "handle", "lever", "knob"]), [top, *grips], motion)], [post])
+    motion = _hinge_about(draw, Z) if len(grips) > 1 or draw.chance(0.7) else tipped
+    return Mechanism([MovingPart(draw.pick(["switch", "handle", "lever", "knob"]), [top, *grips], motion)], [post])
 
 
 def lever(draw: Draw) -> Mechanism:
-    """A stick that tips about a line along the mount, between cheeks, on a ball or out of a slot."""
+    """Stick that tips about a line along the mount, between cheeks, on a ball or in a slot."""
     height, length, thick = draw.between(0.0, 0.2), draw.between(0.3, 1.0), draw.between(0.03, 0.1)
     stick = box((thick, thick, length), (0, 0, height + 0.5 * length))
     if draw.chance(0.5):
@@ -141,12 +143,12 @@ def lever(draw: Draw) -> Mechanism:
     if draw.chance(0.5):
         pieces.append(ellipsoid((thick, thick, 1.2 * thick), (0, 0, height + length), 14, 8))
     swing = draw.between(15.0, 60.0)
-    motion = _resting(draw, hinge((0, 0, height), X * draw.sign(), -swing, swing))
-    return Mechanism([Moving(draw.pick(["lever", "handle", "stick", "switch"]), pieces, motion)], fixed)
+    motion = _sometimes_open(draw, hinge((0, 0, height), X * draw.sign(), -swing, swing))
+    return Mechanism([MovingPart(draw.pick(["lever", "handle", "stick", "switch"]), pieces, motion)], fixed)
 
 
 def rocker(draw: Draw) -> Mechanism:
-    """A plate that tips about its middle, in a frame or on a ridge."""
+    """Plate that tips about its middle, in a frame or on a ridge."""
     wide, high, thick = draw.between(0.25, 0.8), draw.between(0.25, 0.9), draw.between(0.05, 0.2)
     plate = turn(box((wide, high, thick), (0, 0, 0.6 * thick)), X, draw.sign() * draw.between(0.0, 12.0))
     fixed = []
@@ -155,11 +157,11 @@ def rocker(draw: Draw) -> Mechanism:
         fixed += [box((wide + 0.04, 0.06, 0.8 * thick), (0, s * (0.5 * high + 0.05), 0.4 * thick)) for s in (-1, 1)]
     swing = draw.between(5.0, 20.0)
     motion = hinge((0, 0, draw.pick([0.0, 0.5]) * thick), X, -swing, swing)
-    return Mechanism([Moving(draw.pick(["switch", "button", "lever", "pedal"]), [plate], motion)], fixed)
+    return Mechanism([MovingPart(draw.pick(["switch", "button", "lever", "pedal"]), [plate], motion)], fixed)
 
 
 def treadle(draw: Draw) -> Mechanism:
-    """Pads or keys side by side that go down at one end and tip about the other, where what bears them rises behind them."""
+    """Pads or keys side by side that tip about their rear edge, where their support rises."""
     count, high, gap = draw.pick([1, 2, 3], [3, 4, 1]), draw.between(0.3, 0.9), draw.between(0.01, 0.06)
     wide, thick = 0.9 / count, draw.between(0.03, 0.12)
     level = draw.pick([0.0, draw.between(0.02, 0.2)])
@@ -172,42 +174,42 @@ def treadle(draw: Draw) -> Mechanism:
         middle = ((index - 0.5 * (count - 1)) * wide, 0.0, level + 0.5 * thick)
         pad = rounded_box(size, 0.15 * min(size[:2]), "z", middle) if rounded else box(size, middle)
         at = (middle[0], 0.5 * high, level + draw.pick([0.0, 0.5]) * thick)
-        moving.append(Moving(name, [pad], hinge(at, X, -0.1 * swing, swing)))
+        moving.append(MovingPart(name, [pad], hinge(at, X, -0.1 * swing, swing)))
     return Mechanism(moving, fixed)
 
 
 def latch(draw: Draw) -> Mechanism:
-    """A bar that lies on the mount and turns on it about a pin near one of its ends."""
+    """Bar that lies on the mount and turns on it about a pin near one end."""
     long, wide, thick = draw.between(0.4, 0.9), draw.between(0.06, 0.2), draw.between(0.02, 0.08)
     shift = draw.between(0.25, 0.42) * long
     bar = box((long, wide, thick), (shift, 0, 0.5 * thick))
     pin = cylinder(draw.between(0.2, 0.45) * wide, 2 * thick, "z", (0, 0, thick), 12)
     parts = [bar, pin] if draw.chance(0.5) else [bar]
     motion = hinge((0, 0, 0), Z * draw.sign(), -draw.between(10.0, 90.0), draw.between(10.0, 90.0))
-    return Mechanism([Moving(draw.pick(["latch", "hook", "hand", "arm"]), parts, motion)], [] if len(parts) > 1 else [pin])
+    return Mechanism([MovingPart(draw.pick(["latch", "hook", "hand", "arm"]), parts, motion)], [] if len(parts) > 1 else [pin])
 
 
 def bail(draw: Draw) -> Mechanism:
-    """A bow or a frame that hangs by its two ends and tips about the line through them: a bail, a stand, folding legs."""
+    """Bow or frame that tips about the line through its two ends: a bail, a stand, folding legs."""
     half, long, thick = draw.between(0.2, 0.46), draw.between(0.25, 1.0), draw.between(0.015, 0.05)
     height = draw.between(0.0, 0.3)
     if draw.chance(0.4):
-        way = arc_path((0, 0, height), long, -90, 90, "y", 16, aspect=half / long)
+        path = arc_path((0, 0, height), long, -90, 90, "y", 16, aspect=half / long)
     else:
         narrow = draw.between(0.7, 1.0) * half
         corners = [(-half, 0, height), (-narrow, 0, height + long), (narrow, 0, height + long), (half, 0, height)]
-        way = rounded_path(np.array(corners), draw.between(0.02, 0.2))
-    pieces: list[Mesh] = [sweep(way, thick, 8)]
+        path = rounded_path(np.array(corners), draw.between(0.02, 0.2))
+    pieces: list[Mesh] = [sweep(path, thick, 8)]
     if draw.chance(0.3):
         pieces.append(cylinder(1.6 * thick, half, "x", (0, 0, height + long), 12))
     ears = [box((0.05, 0.12, height + 0.06), (s * (half + thick + 0.02), 0, 0.5 * height + 0.03)) for s in (-1, 1)]
     swing = draw.between(40.0, 88.0)
     motion = hinge((0, 0, height), X * draw.sign(), -swing, swing, rest=draw.pick([0.0, draw.between(-1.0, 1.0) * swing]))
-    return Mechanism([Moving(draw.pick(["handle", "leg", "stand", "foot"]), pieces, motion)], ears)
+    return Mechanism([MovingPart(draw.pick(["handle", "leg", "stand", "foot"]), pieces, motion)], ears)
 
 
-def topped(draw: Draw) -> list[Mesh]:
-    """What sits on a post at the origin: a plate, a seat with a back, a screen, a spout or a head."""
+def post_top(draw: Draw) -> list[Mesh]:
+    """Meshes on a post that ends at the origin: a plate, a seat with a back, a screen, a spout or a head."""
     kind = draw.pick(["plate", "seat", "screen", "spout", "head"])
     wide, deep = draw.between(0.4, 0.95), draw.between(0.4, 0.95)
     if kind == "plate":
@@ -219,14 +221,14 @@ def topped(draw: Draw) -> list[Mesh]:
         return [box((wide, 0.05, 0.7 * deep), (0, draw.between(-0.1, 0.1), 0.35 * deep))]
     if kind == "spout":
         rise, reach = draw.between(0.1, 0.5), draw.between(0.3, 0.8)
-        way = rounded_path(np.array([(0, 0, 0), (0, 0, rise), (0, reach, rise), (0, reach, 0.6 * rise)]), 0.3 * rise)
-        return [sweep(way, draw.between(0.02, 0.06), 10)]
+        path = rounded_path(np.array([(0, 0, 0), (0, 0, rise), (0, reach, rise), (0, reach, 0.6 * rise)]), 0.3 * rise)
+        return [sweep(path, draw.between(0.02, 0.06), 10)]
     cone = cylinder(0.08, draw.between(0.2, 0.5), "y", (0, 0.1, 0.12), 20, top_radius=draw.between(0.1, 0.3))
     return [cone, cylinder(0.06, 0.14, "z", (0, 0, 0.07), 12)]
 
 
 def _wheel(draw: Draw, radius: float, wide: float) -> list[Mesh]:
-    """A wheel about x at the origin: solid or with spokes."""
+    """A wheel about x at the origin, solid or with spokes."""
     if draw.chance(0.6):
         return [cylinder(radius, wide, "x", (0, 0, 0), draw.pick([16, 24, 32]))]
     count = draw.integer(3, 6)
@@ -234,50 +236,36 @@ def _wheel(draw: Draw, radius: float, wide: float) -> list[Mesh]:
     return [cylinder(0.25 * radius, wide, "x", (0, 0, 0), 14), *(turn(spoke, X, 360.0 * i / count) for i in range(count))]
 
 
-def _about(draw: Draw, axis: np.ndarray) -> Motion:
-    """A turn about a line through the origin, free or limited."""
+def _hinge_about(draw: Draw, axis: np.ndarray) -> Motion:
+    """Hinge through the origin along `axis`, free or limited."""
     if draw.chance(0.5):
         return spinner((0, 0, 0), axis * draw.sign())
     return hinge((0, 0, 0), axis * draw.sign(), -draw.between(20.0, 170.0), draw.between(20.0, 170.0))
 
 
-def _resting(draw: Draw, motion: Motion) -> Motion:
-    """The same joint, at times standing open."""
+def _sometimes_open(draw: Draw, motion: Motion) -> Motion:
+    """The same hinge, sometimes shown open."""
     rest = motion.a + draw.between(0.0, 1.0) * (motion.b - motion.a) if draw.chance(0.35) else 0.0
     return hinge(motion.origin, motion.direction, motion.a, motion.b, rest=rest)
 
 
 def globe(draw: Draw) -> Mechanism:
-    """A ball or a disc that turns in a bow from one of its poles to the other."""
+    """Ball or disc that turns in a bow, about the line through its two poles."""
     radius, height = draw.between(0.2, 0.42), draw.between(0.05, 0.2)
     center = (0, 0, height + radius + 0.05)
     ball = ellipsoid((radius, radius, radius), center, 24, 12) if draw.chance(0.7) else cylinder(radius, 0.06, "y", center, 28)
-    way = arc_path(center, radius + 0.04, 90, 270, "y", 20)
-    bow = sweep(way, draw.between(0.012, 0.03), 8)
+    path = arc_path(center, radius + 0.04, 90, 270, "y", 20)
+    bow = sweep(path, draw.between(0.012, 0.03), 8)
     post = cylinder(0.04, center[2] - radius, "z", (0, 0, 0.5 * (center[2] - radius)), 12)
     pins = [cylinder(0.012, 0.1, "x", (s * (radius + 0.01), 0, center[2]), 10) for s in (-1, 1)]
     tilt = draw.pick([0.0, 90.0]) + draw.between(-40.0, 40.0)
     bow, *pins = (turn(piece, Y, tilt, center) for piece in (bow, *pins))
     axis = np.array([np.cos(np.radians(tilt)), 0.0, -np.sin(np.radians(tilt))])
     name = draw.pick(["sphere", "ball", "disc", "wheel"])
-    return Mechanism([Moving(name, [turn(ball, Y, tilt, center)], spinner(center, axis * draw.sign()))], [bow, post, *pins])
+    return Mechanism([MovingPart(name, [turn(ball, Y, tilt, center)], spinner(center, axis * draw.sign()))], [bow, post, *pins])
 
 
-FITTED_TURNING: tuple[Builder, ...] = (flap, flap, rocker)
-TURNING: tuple[Builder, ...] = (
-    flap,
-    flap,
-    flap,
-    wing,
-    knob,
-    roller,
-    rotor,
-    swivel,
-    tap,
-    lever,
-    rocker,
-    treadle,
-    latch,
-    bail,
-    globe,
-)
+STRETCHABLE_TURNING = (flap, flap, rocker)
+"""Mechanisms that may be stretched to fill a side."""
+TURNING = (flap, flap, flap, wing, knob, roller, rotor, swivel, tap, lever, rocker, treadle, latch, bail, globe)
+"""All turning mechanisms. Frequent ones are listed more than once."""

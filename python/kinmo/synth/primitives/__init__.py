@@ -1,8 +1,7 @@
-"""Building blocks of procedural parts: functions that return a `Mesh`, from twelve triangles to some thousands."""
+"""Building blocks of parts: functions that return a `Mesh` with 12 to a few thousand triangles."""
 
 from kinmo.core.shape import join
-from kinmo.synth.primitives.place import X, Y, Z, along, inside_out, mirror, move, scale, transform, turn
-from kinmo.synth.primitives.solids import (
+from kinmo.synth.primitives.basic_solids import (
     box,
     box_between,
     cylinder,
@@ -14,34 +13,27 @@ from kinmo.synth.primitives.solids import (
     sheet,
     tube,
 )
-from kinmo.synth.primitives.turned import arc_path, lathe, rounded_path, sweep, sweep_outline, torus
+from kinmo.synth.primitives.swept_surfaces import arc_path, grid_faces, lathe, rounded_path, sweep, sweep_outline, torus
+from kinmo.synth.primitives.transforms import (
+    ORIGIN,
+    Point,
+    X,
+    Y,
+    Z,
+    along,
+    facing,
+    inside_out,
+    mirror,
+    move,
+    rotation,
+    rotation_about,
+    scale,
+    transform,
+    turn,
+)
 
 __all__ = [
-    "X",
-    "Y",
-    "Z",
-    "along",
-    "arc_path",
-    "box",
-    "box_between",
-    "cylinder",
-    "dome",
-    "ellipsoid",
-    "extrude",
-    "inside_out",
-    "join",
-    "lathe",
-    "mirror",
-    "move",
-    "rounded_box",
-    "rounded_outline",
-    "rounded_path",
-    "scale",
-    "sheet",
-    "sweep",
-    "sweep_outline",
-    "torus",
-    "transform",
-    "tube",
-    "turn",
-]
+    "ORIGIN", "Point", "X", "Y", "Z", "along", "arc_path", "box", "box_between", "cylinder", "dome", "ellipsoid", "extrude",
+    "facing", "grid_faces", "inside_out", "join", "lathe", "mirror", "move", "rotation", "rotation_about", "rounded_box",
+    "rounded_outline", "rounded_path", "scale", "sheet", "sweep", "sweep_outline", "torus", "transform", "tube", "turn",
+]  # fmt: skip

@@ -32,7 +32,7 @@ impl<T: Element> Array<'_, T> {
     pub fn view(&self) -> ArrayViewD<'_, T> {
         let values = self.values.as_array();
         match &self.shape {
-            Some(shape) => values.into_shape_with_order(&shape[..]).expect("as many values"),
+            Some(shape) => values.into_shape_with_order(&shape[..]).expect("the shape has as many values"),
             None => values,
         }
     }

@@ -34,7 +34,7 @@ const SHALLOW: f64 = 0.9;
 /// Start of a ray above its own surface, in units of the tolerance.
 const LIFT: f64 = 1e-3;
 
-/// At most `count` probes of a body, evenly spread over the surface inside `region`.
+/// Probes of a body, at most `count`, evenly spread over the surface inside `region`.
 ///
 /// Every mesh gets probes in proportion to the square root of its area. Each probe is shifted inwards by `tolerance`,
 /// or to the middle of a wall thinner than twice that. Points inside `other` are discarded, because there the bodies

@@ -7,9 +7,9 @@
 //!
 //! `area * (1 - d / (D / 2))^20 * (1 - alpha / (pi / 3))`
 //!
-//! - `D` is the diagonal of the box of all samples.
-//! - `d` is the distance from the triangle's centroid to the two samples.
-//! - `alpha` is the angle at the centroid between the ridge's normal and the direction to a sample.
+//! * `D` is the diagonal of the box of all samples.
+//! * `d` is the distance from the triangle's centroid to the two samples.
+//! * `alpha` is the angle at the centroid between the ridge's normal and the direction to a sample.
 //!
 //! The score of a sample is the sum over its triangles. The region consists of the samples with a score. Its centroid
 //! is the mean of the moving part's samples, weighted by score.

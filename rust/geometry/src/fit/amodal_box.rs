@@ -8,7 +8,7 @@ use crate::points::kd_tree::KdTree;
 
 /// Smallest number of points with which a part's box is adjusted.
 const MIN_POINTS: usize = 10;
-/// Angular reach of a scan point, in typical distances between neighbouring points.
+/// Reach of a scan point, in typical distances between neighbouring points.
 const REACH: f64 = 3.0;
 /// Number of test points along each side of a face.
 const TEST_POINTS: usize = 5;
@@ -69,10 +69,10 @@ fn spacing(points: &[Point3<f64>]) -> f64 {
 
 /// Adjusts the sides of a predicted box to the scan in `view`, given the points `own` of the part. Axes are kept.
 ///
-/// - A side moves out to the outermost point, so that no point is outside.
-/// - A side farther out than all points moves in to the outermost point, if most of the surface in between should be
+/// * A side moves out to the outermost point, so that no point is outside.
+/// * A side farther out than all points moves in to the outermost point, if most of the surface in between should be
 ///   visible and is not.
-/// - A side that is occluded, seen at a grazing angle, or too close to tell stays as predicted.
+/// * A side that is occluded, seen at a grazing angle, or too close to tell stays as predicted.
 ///
 /// A part with fewer than 10 points keeps its predicted box.
 pub fn adjust_amodal_box(view: &ScanView, own: &[Point3<f64>], predicted: &OrientedBox) -> OrientedBox {

@@ -16,9 +16,9 @@ const SAME_AXIS: f64 = 0.005;
 /// The box has the least volume among the candidates with the most symmetric middle planes (at most three). Candidates
 /// are the box of minimum volume and the best boxes along the normals of the hull's facets.
 ///
-/// A plane is symmetric if the 90th percentile of the squared distances of mirrored samples to the surface, over the
-/// squared diagonal, is below the tolerance. The tolerance thus applies to a square, unlike that of
-/// [`crate::fit::symmetry_detection::find_symmetries`].
+/// A plane is symmetric if its error is below the tolerance. The error is the 90th percentile of the squared distances
+/// of mirrored samples to the surface, over the squared diagonal. The tolerance thus applies to a square, unlike that
+/// of [`crate::fit::symmetry_detection::find_symmetries`].
 pub fn symmetric_box(surface: &PartSurface<'_>, options: &TestOptions) -> (OrientedBox, u8) {
     let fitter = BoxFitter::new(surface.mesh().vertices());
     let test = SymmetryTest::new(surface, &TestOptions { tolerance: options.tolerance.sqrt(), ..*options });

@@ -57,9 +57,9 @@ const SAME_POINT: f64 = 0.2;
 
 /// Mirror planes and rotation axes of a part, mirror planes first.
 ///
-/// Candidate axes are the axis of revolution of the surface, the axes of the symmetric box and of the box of minimum
-/// volume, and the principal axes. Each is tried at its own position, through the centroid of the surface, and through
-/// the center of the symmetric box.
+/// Candidates are the axis of revolution of the surface, the axes of the symmetric box and of the smallest box, and the
+/// principal axes. Each is tried at its own position, through the centroid of the surface, and through the center of
+/// the symmetric box.
 ///
 /// Reported symmetries have an error below the tolerance. Each axis has its finest order only. Of nearly parallel
 /// symmetries only the best is reported.

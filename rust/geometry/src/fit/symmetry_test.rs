@@ -69,8 +69,6 @@ impl<'a> SymmetryTest<'a> {
     }
 
     /// Largest error of rotations by several angles about an axis; `None` if one of them does not map the part to itself.
-    ///
-    /// A surface of revolution passes for all of [`REVOLUTION_ANGLES`].
     pub fn revolution_error(&self, point: Point3<f64>, axis: Vector3<f64>) -> Option<f64> {
         REVOLUTION_ANGLES
             .iter()

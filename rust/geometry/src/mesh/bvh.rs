@@ -11,7 +11,7 @@ use crate::mesh::triangle::{Triangle, point_triangle};
 
 const LEAF_TRIANGLES: usize = 4;
 /// Largest ratio of all triangles to those on the smaller side of a split.
-const SMALLEST_SIDE: usize = 16;
+const MAX_IMBALANCE: usize = 16;
 
 /// A node of the tree.
 ///
@@ -170,7 +170,7 @@ fn partition(items: &mut [Item]) -> usize {
             items.swap(first, end);
         }
     }
-    if first.min(items.len() - first) * SMALLEST_SIDE >= items.len() {
+    if first.min(items.len() - first) * MAX_IMBALANCE >= items.len() {
         return first;
     }
     let middle = items.len() / 2;

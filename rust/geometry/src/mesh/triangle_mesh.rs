@@ -18,10 +18,10 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Validates a mesh. Vertices that no face uses are dropped, so that boxes and hulls fit the surface alone.
+    /// Validates a mesh. Unused vertices are dropped, so that boxes and hulls fit the surface alone.
     ///
     /// # Errors
-    /// If there is no vertex or no face, a coordinate is not finite or too large, or a face index is out of range.
+    /// If the mesh is empty, a coordinate is not finite or too large, or a face index is out of range.
     pub fn new(vertices: Vec<Point3<f64>>, faces: Vec<[u32; 3]>) -> Result<Self> {
         if vertices.is_empty() {
             return Err(GeometryError::new("vertices", "empty, expected at least one vertex"));
@@ -89,7 +89,7 @@ impl Mesh {
 
     /// Mesh of some of the faces. Panics if there are none.
     pub fn submesh(&self, faces: &[[u32; 3]]) -> Mesh {
-        assert!(!faces.is_empty(), "a part of no faces");
+        assert!(!faces.is_empty(), "a submesh needs at least one face");
         let (vertices, faces) = without_unused_vertices(&self.vertices, faces.to_vec());
         Self::bounded(vertices, faces)
     }
@@ -102,7 +102,7 @@ impl Mesh {
             vertices.extend_from_slice(&mesh.vertices);
             faces.extend(mesh.faces.iter().map(|face| face.map(|i| i + offset)));
         }
-        assert!(!faces.is_empty(), "union of no meshes");
+        assert!(!faces.is_empty(), "a union needs at least one mesh");
         Self::bounded(vertices, faces)
     }
 }

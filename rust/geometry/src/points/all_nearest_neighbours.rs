@@ -117,8 +117,9 @@ impl<'a> Candidates<'a> {
 
 /// Two bounds on the squared distance of the nearest points.
 ///
-/// Either both are equal and exactly `count` values do not exceed them, or the second is the next larger value and more
-/// than `count` values do not exceed it. At least `count` values (or all) do not exceed `bound`.
+/// Either both are equal, and exactly `count` values (or all) do not exceed them. Or fewer than `count` values do not
+/// exceed the first, more than `count` do not exceed the second, and no value lies between. At least `count` values (or
+/// all) do not exceed `bound`.
 fn bounds_of_nearest(squared: &[f32x8], count: usize, bound: f32) -> (f32, f32) {
     let count_of = |bound: f32| {
         let bound = f32x8::splat(bound);

@@ -4,7 +4,7 @@ use crate::points::point_columns::{BLOCK, PointColumns, least_of};
 
 /// Writes the indices of the `count` nearest neighbours of every point to `found`, row by row, nearest first.
 ///
-/// A point is its own first neighbour. Among equally far points the lower index comes first. A cloud of fewer than
+/// The point itself counts as a neighbour. Among equally far points the lower index comes first. A cloud of fewer than
 /// `count` points gives rows of its own size.
 ///
 /// The search compares every pair. For some hundreds of points that is faster than a search tree.

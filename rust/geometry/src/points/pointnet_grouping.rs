@@ -1,7 +1,8 @@
 //! Sampling and grouping of points for PointNet++ (Qi et al., PointNet++, 2017, section 3).
 //!
-//! There are three steps: farthest point sampling chooses the centers of groups, a ball query finds their members, and
-//! a nearest-neighbour search finds the centers nearest to every point.
+//! * Farthest point sampling chooses the centers of groups.
+//! * A ball query finds the members of each group.
+//! * A nearest-neighbour search finds the centers nearest to every point.
 
 use crate::points::point_columns::{BLOCK, PointColumns, least_of};
 

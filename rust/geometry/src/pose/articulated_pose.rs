@@ -9,7 +9,7 @@ use crate::pose::coupled_rotations::{Coupling, couple_rotations};
 use crate::pose::similarity::{Moments, PointPair, Similarity, is_inlier};
 use crate::pose::similarity_ransac::{RansacOptions, three_distinct};
 
-/// Largest number of rounds of selecting inliers.
+/// Largest number of rounds of inlier selection.
 const MAX_ROUNDS: usize = 20;
 
 /// A joint that constrains the poses of two parts, in the object's rest frame.

@@ -45,9 +45,9 @@ impl Coupling {
 /// Rotations that minimise a sum of squares, starting from `rotations`.
 ///
 /// The sum has two kinds of terms:
-/// - For every point of every part, `|target - rotation * source|^2`. The entry of `covariances` is the sum of `target
+/// * For every point of every part, `|target - rotation * source|^2`. The entry of `covariances` is the sum of `target
 ///   * source^T` about the two means.
-/// - For every coupling, `weight` times the squared difference between the joint's direction as the two parts rotate
+/// * For every coupling, `weight` times the squared difference between the joint's direction as the two parts rotate
 ///   it. For a prismatic joint, the squared differences of all three axes are summed and halved.
 ///
 /// Method: Newton iteration on the rotation group, with damping where the sum does not decrease.

@@ -29,12 +29,13 @@ const FITS: usize = 2;
 /// Refined poses of all parts, starting from `poses`. Scales are kept, and so are poses of parts without pairs.
 ///
 /// The cost of a pose is the sum of its residuals, each capped at `threshold`. The rules, from the root parts outwards:
-/// - A root part (not the second part of any joint) that is axis-aligned gets the aligned rotation of least cost.
-/// - The second part of a prismatic joint gets the rotation of the first.
-/// - The second part of a revolute joint with a range gets the best angle within it. An angle outside the range, an
-///   angle about the opposite direction, or the rotation of `poses` wins only if its cost is clearly lower. An
-///   axis-aligned part is then aligned about the joint's direction, within the range.
-/// - The second part of a revolute joint without a range follows the rotation of the first.
+/// * A root part (not the second part of any joint) that is axis-aligned gets the aligned rotation of least cost. If
+///   that costs too much, its rotation is only corrected slightly.
+/// * The second part of a prismatic joint gets the rotation of the first.
+/// * The second part of a revolute or screw joint with a range gets the best angle within it. Three alternatives win
+///   only if their cost is clearly lower: an angle outside the range, an angle about the opposite direction, and the
+///   rotation of `poses`. An axis-aligned part is then aligned about the joint's direction, within the range.
+/// * The second part of a revolute or screw joint without a range follows the rotation of the first.
 ///
 /// `ranges` has one entry per joint, in radians (`None`: unknown). `axis_aligned` has one flag per part.
 pub fn refine_poses(
@@ -50,8 +51,8 @@ pub fn refine_poses(
     for part in (0..poses.len()).filter(|part| constraints.iter().all(|constraint| constraint.parts[1] != *part)) {
         let rotation = alignment.rotated(part, poses[part].rotation);
         let rotated = rotated_if_it_fits(parts[part], &poses[part], rotation, threshold);
-        let place = |rotation| fit_translation(parts[part], rotation, rotated.scale, threshold);
-        let aligned = alignment.aligned_rotations(part).into_iter().map(place).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let posed = |rotation| fit_translation(parts[part], rotation, rotated.scale, threshold);
+        let aligned = alignment.aligned_rotations(part).into_iter().map(posed).min_by(|a, b| a.cost.total_cmp(&b.cost));
         let fits = |aligned: &ScoredPose| aligned.cost <= MAX_ROOT_RISE * cost(parts[part], &rotated, threshold);
         refined[part] = aligned.filter(fits).map_or(rotated, |aligned| aligned.pose);
     }
@@ -68,9 +69,9 @@ pub fn refine_poses(
         if pairs.is_empty() {
             continue;
         }
-        let place = |rotation| fit_translation(pairs, rotation, pose.scale, threshold);
+        let posed = |rotation| fit_translation(pairs, rotation, pose.scale, threshold);
         refined[second] = match (constraint.kind, range) {
-            (JointKind::Prismatic, _) => place(refined[first].rotation).pose,
+            (JointKind::Prismatic, _) => posed(refined[first].rotation).pose,
             (_, None) => {
                 let along = refined[first].rotation * poses[first].rotation.inverse();
                 rotated_if_it_fits(pairs, &pose, along * pose.rotation, threshold)
@@ -81,9 +82,9 @@ pub fn refine_poses(
                     direction: constraint.direction,
                     range: within_reach(*range),
                 };
-                let found = hinge.best(&pose.rotation, place);
+                let found = hinge.best(&pose.rotation, posed);
                 let rotated = alignment.rotated_about(second, found.pose.rotation, &constraint.direction);
-                let aligned = place(rotated);
+                let aligned = posed(rotated);
                 let fits = aligned.cost <= MAX_RISE * found.cost
                     && hinge.allows(&rotated) == hinge.allows(&found.pose.rotation);
                 if fits { aligned.pose } else { found.pose }
@@ -106,7 +107,7 @@ fn within_reach(range: [f64; 2]) -> [f64; 2] {
     range.map(|angle| angle - turns * TAU)
 }
 
-/// A revolute joint: rotation of the first part, direction in its frame, and range in radians.
+/// A revolute or screw joint: rotation of the first part, direction in its frame, and range in radians.
 struct Hinge {
     rotation: Rotation3<f64>,
     direction: Unit<Vector3<f64>>,
@@ -118,20 +119,20 @@ impl Hinge {
     ///
     /// A pose within the range wins unless another has a clearly lower cost. The others are the angle of `now`, angles
     /// about the opposite direction, and `now` itself.
-    fn best(&self, now: &Rotation3<f64>, place: impl Fn(Rotation3<f64>) -> ScoredPose) -> ScoredPose {
+    fn best(&self, now: &Rotation3<f64>, posed: impl Fn(Rotation3<f64>) -> ScoredPose) -> ScoredPose {
         let [low, high] = [self.range[0] - MARGIN, self.range[1] + MARGIN];
-        let free = place(*now);
+        let free = posed(*now);
         let now = self.angle(now);
         let steps = ((high - low) / ANGLE_STEP).ceil();
         let angles: Vec<f64> = (0..=steps as usize).map(|step| low + (high - low) * step as f64 / steps).collect();
         let least = |angles: &mut dyn Iterator<Item = f64>| {
-            let scored = angles.map(|angle| place(self.rotation * Rotation3::from_axis_angle(&self.direction, angle)));
+            let scored = angles.map(|angle| posed(self.rotation * Rotation3::from_axis_angle(&self.direction, angle)));
             scored.min_by(|a, b| a.cost.total_cmp(&b.cost))
         };
         let allowed = [now - TAU, now, now + TAU].map(|now| now.clamp(low, high));
         let inside = least(&mut angles.iter().copied().chain(allowed));
         let outside = least(&mut angles.iter().map(|angle| -angle).chain([now]));
-        let (inside, outside) = (inside.expect("three angles at least"), outside.expect("one angle at least"));
+        let (inside, outside) = (inside.expect("at least three angles"), outside.expect("at least one angle"));
         let rotated = if outside.cost * MAX_RISE < inside.cost { outside } else { inside };
         if free.cost * MAX_RISE < rotated.cost { free } else { rotated }
     }

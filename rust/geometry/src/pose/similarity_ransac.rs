@@ -9,7 +9,7 @@ use crate::pose::mixture_fit::fit_mixture;
 use crate::pose::similarity::{PointPair, Similarity, is_inlier};
 
 /// Points per block of residuals.
-const LANES: usize = 16;
+const BLOCK: usize = 16;
 /// Blocks between comparisons of a hypothesis with the best one so far.
 const BLOCKS_PER_CHECK: usize = 4;
 /// Largest number of refits to inliers.
@@ -80,11 +80,11 @@ pub(crate) fn three_distinct(count: usize, rng: &mut ChaCha8Rng) -> [usize; 3] {
     drawn
 }
 
-type Lane = [f32; LANES];
+type Block = [f32; BLOCK];
 
 /// Pairs in single precision, in random order and coordinate by coordinate, relative to the mean of either side.
 struct Residuals {
-    blocks: Vec<[Lane; 6]>,
+    blocks: Vec<[Block; 6]>,
     middles: [Vector3<f64>; 2],
     max_square: f32,
     filler_cost: f32,
@@ -107,11 +107,11 @@ impl Residuals {
         // start.
         let filler = [0.0, 0.0, 0.0, 1e18, 1e18, 1e18];
         let block = |rows: &[[f32; 6]]| {
-            std::array::from_fn(|axis| std::array::from_fn(|lane| rows.get(lane).unwrap_or(&filler)[axis]))
+            std::array::from_fn(|axis| std::array::from_fn(|entry| rows.get(entry).unwrap_or(&filler)[axis]))
         };
-        let blocks: Vec<_> = rows.chunks(LANES).map(block).collect();
+        let blocks: Vec<_> = rows.chunks(BLOCK).map(block).collect();
         let max_square = (threshold * threshold) as f32;
-        let filler_cost = (blocks.len() * LANES - rows.len()) as f32 * max_square;
+        let filler_cost = (blocks.len() * BLOCK - rows.len()) as f32 * max_square;
         Self { blocks, middles: [source, target], max_square, filler_cost }
     }
 
@@ -123,14 +123,14 @@ impl Residuals {
         let (m, t) = (matrix.map(|value| value as f32), shift.map(|value| value as f32));
         let mut cost = -self.filler_cost;
         for blocks in self.blocks.chunks(BLOCKS_PER_CHECK) {
-            let mut sums: Lane = [0.0; LANES];
+            let mut sums: Block = [0.0; BLOCK];
             for [ax, ay, az, bx, by, bz] in blocks {
-                for lane in 0..LANES {
-                    let x = m.m11 * ax[lane] + m.m12 * ay[lane] + m.m13 * az[lane] + t.x - bx[lane];
-                    let y = m.m21 * ax[lane] + m.m22 * ay[lane] + m.m23 * az[lane] + t.y - by[lane];
-                    let z = m.m31 * ax[lane] + m.m32 * ay[lane] + m.m33 * az[lane] + t.z - bz[lane];
+                for entry in 0..BLOCK {
+                    let x = m.m11 * ax[entry] + m.m12 * ay[entry] + m.m13 * az[entry] + t.x - bx[entry];
+                    let y = m.m21 * ax[entry] + m.m22 * ay[entry] + m.m23 * az[entry] + t.y - by[entry];
+                    let z = m.m31 * ax[entry] + m.m32 * ay[entry] + m.m33 * az[entry] + t.z - bz[entry];
                     let square = x * x + y * y + z * z;
-                    sums[lane] += if square < self.max_square { square } else { self.max_square };
+                    sums[entry] += if square < self.max_square { square } else { self.max_square };
                 }
             }
             cost += sums.iter().sum::<f32>();

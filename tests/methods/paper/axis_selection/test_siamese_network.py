@@ -1,3 +1,5 @@
+"""The Siamese network of the axis selection, and its weights (paper, section 3.3)."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -14,14 +16,14 @@ from kinmo.methods.paper.axis_selection.siamese_network import AxisSelectionNetw
 PAPER, SMALL = (load_config(name).axis for name in ("paper", "small"))
 
 
-def test_the_paper_network_has_the_releases_parameters() -> None:
-    """The release's sizes, layer by layer: layers before a norm are without bias, norms have two parameters a channel."""
+def test_the_configuration_paper_has_the_releases_parameters() -> None:
+    """Count the release's parameters per layer: layers before a norm have no bias, norms have two parameters per channel."""
     encoder = 8 * 64 + 128 * 64 + 128 * 128 + 256 * 128 + 2 * (64 + 64 + 128 + 128)
     head = 512 * 256 + 256 * 128 + 2 * (256 + 128) + 128 + 1
     assert sum(p.numel() for p in AxisSelectionNetwork(PAPER).parameters()) == encoder + head
 
 
-def test_both_clouds_go_through_the_same_encoder() -> None:
+def test_both_clouds_pass_the_same_encoder() -> None:
     torch.manual_seed(0)
     network = AxisSelectionNetwork(SMALL).eval()
     clouds = torch.randn(3, 2, 64, 4)
@@ -39,7 +41,7 @@ def test_the_order_of_points_does_not_matter() -> None:
     torch.testing.assert_close(network(one, other), network(one[:, order], other), atol=1e-5, rtol=1e-5)
 
 
-def test_weights_of_the_other_network_are_refused(tmp_path: Path) -> None:
+def test_weights_of_another_network_are_refused(tmp_path: Path) -> None:
     save_weights(tmp_path / "weights.safetensors", torch.nn.Linear(1, 1), "motion_gnn", {})
     with pytest.raises(InputError, match="kind: expected 'axis_selection', got 'motion_gnn'"):
         AxisSelector.load(tmp_path / "weights.safetensors", "cpu")

@@ -1,4 +1,4 @@
-"""Asking trained ranking networks."""
+"""Prediction by trained ranking networks."""
 
 from __future__ import annotations
 
@@ -13,39 +13,67 @@ from kinmo.config import RankingConfig
 from kinmo.core.errors import InputError
 from kinmo.core.typed_tables import from_table
 from kinmo.learning.weights import load_weights, pick_device
-from kinmo.methods.kinmo.ranking.ranking_batches import View, collate
-from kinmo.methods.kinmo.ranking.ranking_network import KIND, averaged, rankers
+from kinmo.methods.kinmo.ranking.ranking_batches import collate_views
+from kinmo.methods.kinmo.ranking.ranking_network import KIND, mean_log_probabilities, ranking_networks
+from kinmo.methods.kinmo.ranking.shape_views import ShapeView
 
 F64 = NDArray[np.float64]
 
 
-class JointRanking:
-    """Trained networks. `hide_names` keeps the names of parts and categories from them, `hide_categories` the latter alone."""
+class JointRanker:
+    """Trained ranking networks, whose mean probabilities count.
+
+    Args:
+        networks: the networks.
+        device: where they run.
+        hide_names: hide the names of parts and categories from them.
+        hide_categories: hide the names of categories from them.
+
+    Example:
+        >>> ranker = JointRanker.load(Path("models/ranking/weights.safetensors"))
+        >>> features = CandidateFeatures.of(shape.candidate_features)
+        >>> probabilities, rest = ranker.probabilities(node_view(shape, features))
+    """
 
     def __init__(self, networks: nn.ModuleList, device: str, hide_names: bool = False, hide_categories: bool = False) -> None:
         self.networks, self.device = networks.to(device).eval(), device
         self.hide_names, self.hide_categories = hide_names, hide_categories
 
     @classmethod
-    def load(cls, weights: Path, device: str = "auto", hide_names: bool = False) -> JointRanking:
-        """Read `weights.safetensors` of `train_joint_ranking`. Raises InputError if they are another network's or cut."""
+    def load(cls, weights: Path, device: str = "auto", hide_names: bool = False) -> JointRanker:
+        """Read weights that `train_joint_ranking` wrote.
+
+        Args:
+            weights: the file `weights.safetensors`, beside its JSON header.
+            device: auto, cpu, cuda, cuda:1, mps.
+            hide_names: hide the names of parts and categories from the networks.
+
+        Raises:
+            InputError: the weights are those of another network, or cut off.
+        """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
         header = weights.with_suffix(".json")
         config = from_table(RankingConfig, loaded.config, header, "config.")
-        hypothesis_features, unit_features = (loaded.facts.get(name) for name in ("hypothesis_features", "unit_features"))
-        if not (isinstance(hypothesis_features, int) and isinstance(unit_features, int)):
-            raise InputError(header, "expected the numbers of features", "facts")
-        networks = rankers(config, hypothesis_features, unit_features)
+        candidate_features, group_features = (loaded.facts.get(name) for name in ("hypothesis_features", "unit_features"))
+        if not (isinstance(candidate_features, int) and isinstance(group_features, int)):
+            raise InputError(header, "expected the numbers of features (hypothesis_features, unit_features)", "facts")
+        networks = ranking_networks(config, candidate_features, group_features)
         loaded.fill(networks)
         return cls(networks, device, hide_names, not config.sees_categories)
 
     @torch.inference_mode()
-    def probabilities(self, view: View) -> tuple[list[F64], F64]:
-        """For every unit of `view` the probabilities [h] of its hypotheses, and for all of them that of rest [U]."""
-        batch = collate([view], hide_names=self.hide_names, hide_category=float(self.hide_categories))
-        batch = batch.to(torch.device(self.device))
-        hypotheses, rest = averaged(self.networks, batch)
-        flat = hypotheses.cpu().double().exp().numpy()
-        counts = [view.evidence.rows(unit).stop - view.evidence.rows(unit).start for unit in view.units]
+    def probabilities(self, view: ShapeView) -> tuple[list[F64], F64]:
+        """Probabilities of all candidate joints of a view.
+
+        Args:
+            view: U groups of one shape.
+
+        Returns:
+            For every group the probabilities [C] of its candidates, and the probabilities of rest [U].
+        """
+        batch = collate_views([view], hide_names=self.hide_names, hide_category=float(self.hide_categories))
+        candidates, rest = mean_log_probabilities(self.networks, batch.to(torch.device(self.device)))
+        flat = candidates.cpu().double().exp().numpy()
+        counts = view.features.counts(view.groups)
         return np.split(flat, np.cumsum(counts)[:-1]), rest.cpu().double().exp().numpy()

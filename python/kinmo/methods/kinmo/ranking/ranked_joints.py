@@ -1,4 +1,4 @@
-"""From probabilities of hypotheses to ranked answers."""
+"""Ranked joints of one part, from the probabilities of its candidate joints."""
 
 from __future__ import annotations
 
@@ -6,75 +6,95 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.box import Box
-from kinmo.core.edge_labels import motion_type
-from kinmo.core.joint import KINDS, Joint, JointKind, MotionType
+from kinmo.core.joint import KINDS, Joint, JointKind
+from kinmo.core.motion_types import MotionType, motion_type
 from kinmo.core.prediction import JointEstimate
-from kinmo.features.candidate_features import PRISMATIC, Evidence
+from kinmo.features.candidate_features import CandidateFeatures
 
 F64 = NDArray[np.float64]
 
-AGREE_DIRECTION = np.cos(np.radians(5.0))
-AGREE_LINE = 0.05
-"""Answers within 5 degrees and 0.05 diagonals of each other count as the same (the strict measure of a joint)."""
-MOVES = 0.5
-ALTERNATIVES = 5
+SAME_DIRECTION = np.cos(np.radians(5.0))
+"""Least cosine between the axes of equal joints (5 degrees, the strict measure of a correct joint)."""
+SAME_LINE = 0.05
+"""Largest distance between the axes of equal joints, in diagonals (the strict measure of a correct joint)."""
+MIN_REST_PROBABILITY = 0.5
+"""Probability of rest from which a part rests."""
+MAX_JOINTS = 5
+"""Largest number of ranked joints per part."""
 DIGITS = 9
-"""Of a sum of probabilities: the order of its terms must not decide."""
+"""Digits that sums of probabilities are rounded to, so that the order of summation does not matter."""
 
 
 def parallel(directions: F64) -> NDArray[np.bool_]:
-    """Which hypotheses [h, h] have the same direction by the strict measure."""
-    same: NDArray[np.bool_] = np.abs(directions @ directions.T) >= AGREE_DIRECTION
+    """Pairs [C, C] of candidates with the same direction [C, 3] by the strict measure."""
+    same: NDArray[np.bool_] = np.abs(directions @ directions.T) >= SAME_DIRECTION
     return same
 
 
 def agreement(kinds: NDArray[np.int64], directions: F64, pivots: F64) -> NDArray[np.bool_]:
-    """Which hypotheses [h, h] are the same answer by the strict measure. Pivots are the points nearest the part's centre."""
+    """Pairs of candidates that are the same joint by the strict measure.
+
+    Args:
+        kinds: [C] codes of the kinds.
+        directions: [C, 3] unit vectors.
+        pivots: [C, 3] points of the axes nearest to the part's centre.
+
+    Returns:
+        [C, C] bool.
+    """
     kind = kinds[:, None] == kinds[None]
     offset = pivots[:, None] - pivots[None]
     offset -= np.einsum("abi,ai->ab", offset, directions)[..., None] * directions[:, None]
-    close = (np.linalg.norm(offset, axis=-1) <= AGREE_LINE) | (kinds == PRISMATIC)[:, None]
+    close = (np.linalg.norm(offset, axis=-1) <= SAME_LINE) | (kinds == JointKind.PRISMATIC.code)[:, None]
     agree: NDArray[np.bool_] = kind & parallel(directions) & close
     return agree
 
 
 def same_joint(first: Joint, second: Joint) -> bool:
-    """Whether two joints are the same answer by the strict measure, at the second one's pivot."""
-    if first.kind is not second.kind or abs(float(first.direction @ second.direction)) < AGREE_DIRECTION:
+    """True if two joints are the same by the strict measure, at the pivot of the second."""
+    if first.kind is not second.kind or abs(float(first.direction @ second.direction)) < SAME_DIRECTION:
         return False
     offset = second.pivot - first.pivot
     offset = offset - (offset @ first.direction) * first.direction
-    return first.kind is JointKind.PRISMATIC or float(np.linalg.norm(offset)) <= AGREE_LINE
+    return first.kind is JointKind.PRISMATIC or float(np.linalg.norm(offset)) <= SAME_LINE
 
 
-def rank_answers(
-    evidence: Evidence, unit: int, probabilities: F64, rest: float, box: Box, up: F64
+def rank_joints(
+    features: CandidateFeatures, group: int, probabilities: F64, rest: float, box: Box, up: F64
 ) -> tuple[JointEstimate, ...]:
-    """Ranked answers for one unit, in the normalised frame; the first one is what kinmo says.
+    """Ranked joints of one group, in the normalised frame.
 
-    `probabilities` [h] of the unit's hypotheses and `rest`, that of not moving, sum to one. The score of a hypothesis is the
-    probability of all that agree with it, so it is the chance that the answer is right by the strict measure. A part that
-    rather rests gets that as its first answer, its best joint as the second.
+    The score of a joint is the total probability of all candidates that agree with it: the probability that it is correct by
+    the strict measure. Joints are ordered by the sum of their score, the probability of their kind, and the probability of
+    their direction. Several uncertain hinges at upright edges can so outweigh one more probable horizontal hinge.
 
-    Answers are ordered by their score, the probability of their kind and that of their direction, whatever the kind, together:
-    several doubtful hinges at upright edges speak against a single surer one that lies across.
+    Args:
+        features: candidate joints of the shape.
+        group: index of the group.
+        probabilities: [C] probabilities of the group's candidates.
+        rest: probability that the group rests; all probabilities sum to one.
+        box: symmetry-aligned box of the group, which motion types depend on.
+        up: [3] unit vector, which motion types depend on.
+
+    Returns:
+        Joints, best first, and one estimate without a joint: the first of all if the group rests, the last otherwise.
     """
-    rows = evidence.rows(unit)
-    kinds, directions, pivots = evidence.kinds[rows], evidence.directions[rows], evidence.pivots[rows]
+    rows = features.rows(group)
+    kinds, directions, pivots = features.kinds[rows], features.directions[rows], features.pivots[rows]
     agree = agreement(kinds, directions, pivots)
     support = agree @ probabilities
-    kind_mass = np.array([probabilities[kinds == kind].sum() for kind in range(len(KINDS))])
-    favour = np.round(support + kind_mass[kinds] + parallel(directions) @ probabilities, DIGITS)
-    order = np.lexsort((-probabilities, -favour))
-    answers: list[JointEstimate] = []
+    kind_probability = np.array([probabilities[kinds == kind].sum() for kind in range(len(KINDS))])
+    order_by = np.round(support + kind_probability[kinds] + parallel(directions) @ probabilities, DIGITS)
+    joints: list[JointEstimate] = []
     covered = np.zeros(len(kinds), bool)
-    for index in order:
-        if covered[index] or len(answers) == ALTERNATIVES:
+    for index in np.lexsort((-probabilities, -order_by)):
+        if covered[index] or len(joints) == MAX_JOINTS:
             continue
-        strongest = int(np.flatnonzero(agree[index] & ~covered)[np.argmax(probabilities[agree[index] & ~covered])])
+        alike = np.flatnonzero(agree[index] & ~covered)
+        best = int(alike[np.argmax(probabilities[alike])])
         covered |= agree[index]
-        joint = Joint(KINDS[int(kinds[strongest])], directions[strongest], pivots[strongest])
-        terms = {"moves": 1.0 - rest, "kind": float(kind_mass[int(kinds[strongest])]), "axis": float(probabilities[strongest])}
-        answers.append(JointEstimate(joint, motion_type(joint, box, up), float(support[index]), terms, "ranking"))
-    still = JointEstimate(None, MotionType.FIXED, rest, {"moves": 1.0 - rest}, "ranking")
-    return (still, *answers) if rest >= MOVES else (*answers, still)
+        joint = Joint(KINDS[int(kinds[best])], directions[best], pivots[best])
+        terms = {"moves": 1.0 - rest, "kind": float(kind_probability[kinds[best]]), "axis": float(probabilities[best])}
+        joints.append(JointEstimate(joint, motion_type(joint, box, up), float(support[index]), terms, "ranking"))
+    at_rest = JointEstimate(None, MotionType.FIXED, rest, {"moves": 1.0 - rest}, "ranking")
+    return (at_rest, *joints) if rest >= MIN_REST_PROBABILITY else (*joints, at_rest)

@@ -1,8 +1,8 @@
-"""The ranking network: which of a part's hypotheses is its joint, or does it not move at all?
+"""Ranking network: probabilities of the candidate joints of each part, and of the part being at rest.
 
-One softmax a unit over {rest, hypothesis 1, ... hypothesis h} decides kind and axis together. Hypotheses are encoded one by one
-together with their unit, pooled, and the units of a shape attend to each other, so that a knob sees the door that it sits on
-and one drawer the next. Names enter as hashed words; an unknown one says nothing, unless it shares a bucket with a known one.
+One softmax per group over {rest, candidate 1, ..., candidate C} chooses kind and axis together. Candidates are encoded one by
+one with their group and pooled. The groups of a shape attend to each other, so that a knob sees its door and a drawer the next
+drawer. Names enter as hashed words; words that training never saw have no effect, unless they share a bucket with a known one.
 """
 
 from __future__ import annotations
@@ -14,45 +14,76 @@ import torch
 from torch import Tensor, nn
 
 from kinmo.config import RankingConfig
+from kinmo.methods.kinmo.ranking.name_words import WORD_BUCKETS
 
 KIND = "joint_ranking"
-"""The name of its weights (`learning.weights`)."""
-WORD_BUCKETS = 1024
+"""Kind of the networks in files of weights (`kinmo.learning.weights`)."""
+CANDIDATE_NOISE, GROUP_NOISE = 0.05, 0.1
+"""Standard deviations of the noise on standardised features in training."""
+MAX_FEATURE = 5.0
+"""Largest magnitude of a standardised feature."""
 
 
 @dataclass(frozen=True)
 class RankingBatch:
-    """Views of several shapes, flat: S views, U units, H hypotheses.
+    """Views of several shapes as flat tensors: C candidates of U groups.
 
-    `hypotheses` [H, F], `units` [U, G] float32 (raw features); `unit_of` [H], `view_of` [U], `slot_of` [U] (the unit's place in
-    its view) int64; `words` [W] hashed words with `word_unit` [W], the unit they belong to.
+    Attributes:
+        candidates: [C, F] float32, raw features of the candidates.
+        groups: [U, G] float32, raw features of the groups.
+        group_of: [C] int64, group of each candidate.
+        view_of: [U] int64, view of each group.
+        slot_of: [U] int64, position of each group in its view.
+        words: [W] int64, hashed words.
+        word_group: [W] int64, group of each word.
+        targets: [C] float32, target probabilities of the candidates.
+        rest_targets: [U] float32, target probabilities of rest.
     """
 
-    hypotheses: Tensor
-    units: Tensor
-    unit_of: Tensor
+    candidates: Tensor
+    groups: Tensor
+    group_of: Tensor
     view_of: Tensor
     slot_of: Tensor
     words: Tensor
-    word_unit: Tensor
+    word_group: Tensor
     targets: Tensor
     rest_targets: Tensor
-    weights: Tensor
 
     def to(self, device: torch.device) -> RankingBatch:
+        """The batch on a device."""
         return RankingBatch(*(getattr(self, name).to(device) for name in self.__dataclass_fields__))
 
 
-def segment_log_softmax(scores: Tensor, rest: Tensor, unit_of: Tensor) -> tuple[Tensor, Tensor]:
-    """Log-probabilities of hypotheses [H] and of rest [U] under one softmax a unit."""
-    peak = rest.scatter_reduce(0, unit_of, scores, "amax").detach()
-    total = (rest - peak).exp().index_add(0, unit_of, (scores - peak[unit_of]).exp())
+def group_log_softmax(scores: Tensor, rest: Tensor, group_of: Tensor) -> tuple[Tensor, Tensor]:
+    """Log-softmax of each group over its candidates and rest.
+
+    Args:
+        scores: [C] scores of the candidates.
+        rest: [U] scores of rest.
+        group_of: [C] group of each candidate.
+
+    Returns:
+        Log-probabilities of the candidates [C] and of rest [U].
+    """
+    peak = rest.scatter_reduce(0, group_of, scores, "amax").detach()
+    total = (rest - peak).exp().index_add(0, group_of, (scores - peak[group_of]).exp())
     normalizer = peak + total.log()
-    return scores - normalizer[unit_of], rest - normalizer
+    return scores - normalizer[group_of], rest - normalizer
 
 
-class JointRanker(nn.Module):
-    """Scores hypotheses. `forward` returns log-probabilities of the hypotheses [H] and of not moving [U]."""
+class RankingNetwork(nn.Module):
+    """Network that scores candidate joints.
+
+    The names of its attributes are the names of the tensors in files of weights: `unit` is a group, `hypothesis` a candidate.
+
+    Args:
+        candidate_features: number of features per candidate.
+        group_features: number of features per group.
+        width: width of the layers.
+        words: width of the embedding of words.
+        dropout: probability that a value is dropped in training.
+    """
 
     hypothesis_mean: Tensor
     hypothesis_scale: Tensor
@@ -60,18 +91,18 @@ class JointRanker(nn.Module):
     unit_scale: Tensor
 
     def __init__(
-        self, hypothesis_features: int, unit_features: int, width: int = 128, words: int = 32, dropout: float = 0.1
+        self, candidate_features: int, group_features: int, width: int = 128, words: int = 32, dropout: float = 0.1
     ) -> None:
         super().__init__()
-        self.register_buffer("hypothesis_mean", torch.zeros(hypothesis_features))
-        self.register_buffer("hypothesis_scale", torch.ones(hypothesis_features))
-        self.register_buffer("unit_mean", torch.zeros(unit_features))
-        self.register_buffer("unit_scale", torch.ones(unit_features))
+        self.register_buffer("hypothesis_mean", torch.zeros(candidate_features))
+        self.register_buffer("hypothesis_scale", torch.ones(candidate_features))
+        self.register_buffer("unit_mean", torch.zeros(group_features))
+        self.register_buffer("unit_scale", torch.ones(group_features))
         self.words = nn.Embedding(WORD_BUCKETS, words)
         self.unit = nn.Sequential(
-            nn.Linear(unit_features + words, width), nn.GELU(), nn.Dropout(dropout), nn.Linear(width, width)
+            nn.Linear(group_features + words, width), nn.GELU(), nn.Dropout(dropout), nn.Linear(width, width)
         )
-        self.hypothesis = nn.Linear(hypothesis_features, width)
+        self.hypothesis = nn.Linear(candidate_features, width)
         self.joint = nn.Sequential(nn.LayerNorm(width), nn.GELU(), nn.Linear(width, width), nn.GELU(), nn.Linear(width, width))
         self.pooled = nn.Linear(3 * width, width)
         self.context = nn.TransformerEncoderLayer(
@@ -80,35 +111,37 @@ class JointRanker(nn.Module):
         self.score = nn.Sequential(nn.Linear(2 * width, width), nn.GELU(), nn.Linear(width, 1))
         self.rest = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, width), nn.GELU(), nn.Linear(width, 1))
 
-    def standardize(self, hypotheses: Tensor, units: Tensor) -> None:
-        """Takes mean and spread of the training set's raw features."""
-        for name, values in (("hypothesis", hypotheses), ("unit", units)):
+    def standardize(self, candidates: Tensor, groups: Tensor) -> None:
+        """Set mean and scale of the features from raw features [C, F] and [U, G] of training shapes."""
+        for name, values in (("hypothesis", candidates), ("unit", groups)):
             getattr(self, f"{name}_mean").copy_(values.mean(dim=0))
             getattr(self, f"{name}_scale").copy_(values.std(dim=0).clamp_min(1e-3))
 
-    def silence(self, known: Tensor) -> None:
-        """Words that are not among the `known` ones say nothing, instead of something at random."""
+    def silence_unknown_words(self, known: Tensor) -> None:
+        """Set the embeddings of all buckets to zero, except those of the `known` words."""
         unknown = torch.ones(WORD_BUCKETS, dtype=torch.bool).index_fill(0, known, False)
         with torch.no_grad():
             self.words.weight[unknown] = 0.0
 
     def forward(self, batch: RankingBatch) -> tuple[Tensor, Tensor]:
-        hypotheses = ((batch.hypotheses - self.hypothesis_mean) / self.hypothesis_scale).clamp(-5, 5)
-        units = ((batch.units - self.unit_mean) / self.unit_scale).clamp(-5, 5)
+        """Log-probabilities of the candidates [C] and of rest [U]."""
+        candidates = ((batch.candidates - self.hypothesis_mean) / self.hypothesis_scale).clamp(-MAX_FEATURE, MAX_FEATURE)
+        groups = ((batch.groups - self.unit_mean) / self.unit_scale).clamp(-MAX_FEATURE, MAX_FEATURE)
         if self.training:
-            hypotheses = hypotheses + 0.05 * torch.randn_like(hypotheses)
-            units = units + 0.1 * torch.randn_like(units)
-        count = units.new_ones(len(units), 1).index_add(0, batch.word_unit, units.new_ones(len(batch.words), 1))
-        named = units.new_zeros(len(units), self.words.embedding_dim).index_add(0, batch.word_unit, self.words(batch.words))
-        unit = self.unit(torch.cat([units, named / count], dim=1))
-        joint = self.hypothesis(hypotheses) + unit[batch.unit_of]
+            candidates = candidates + CANDIDATE_NOISE * torch.randn_like(candidates)
+            groups = groups + GROUP_NOISE * torch.randn_like(groups)
+        count = groups.new_ones(len(groups), 1).index_add(0, batch.word_group, groups.new_ones(len(batch.words), 1))
+        named = groups.new_zeros(len(groups), self.words.embedding_dim)
+        named = named.index_add(0, batch.word_group, self.words(batch.words))
+        group = self.unit(torch.cat([groups, named / count], dim=1))
+        joint = self.hypothesis(candidates) + group[batch.group_of]
         joint = joint + self.joint(joint)
 
-        index = batch.unit_of[:, None].expand_as(joint)
-        peak = torch.full_like(unit, -1e4).scatter_reduce(0, index, joint, "amax")
-        size = units.new_zeros(len(units), 1).index_add(0, batch.unit_of, units.new_ones(len(joint), 1))
-        mean = torch.zeros_like(unit).index_add(0, batch.unit_of, joint) / size.clamp_min(1.0)
-        token = self.pooled(torch.cat([unit, peak, mean], dim=1))
+        index = batch.group_of[:, None].expand_as(joint)
+        peak = torch.full_like(group, -1e4).scatter_reduce(0, index, joint, "amax")
+        size = groups.new_zeros(len(groups), 1).index_add(0, batch.group_of, groups.new_ones(len(joint), 1))
+        mean = torch.zeros_like(group).index_add(0, batch.group_of, joint) / size.clamp_min(1.0)
+        token = self.pooled(torch.cat([group, peak, mean], dim=1))
 
         views, slots = int(batch.view_of.max()) + 1, int(batch.slot_of.max()) + 1
         padded = token.new_zeros(views, slots, token.shape[1]).index_put((batch.view_of, batch.slot_of), token)
@@ -116,34 +149,34 @@ class JointRanker(nn.Module):
         empty = empty.index_put((batch.view_of, batch.slot_of), torch.zeros_like(batch.view_of, dtype=torch.bool))
         token = self.context(padded, src_key_padding_mask=empty)[batch.view_of, batch.slot_of]
 
-        scores = self.score(torch.cat([joint, token[batch.unit_of]], dim=1))[:, 0]
-        whole = batch.units.dtype  # probabilities are as precise as what comes in, even where layers are less so
-        return segment_log_softmax(scores.to(whole), self.rest(token)[:, 0].to(whole), batch.unit_of)
+        scores = self.score(torch.cat([joint, token[batch.group_of]], dim=1))[:, 0]
+        whole = batch.groups.dtype  # probabilities are as precise as the input, even where layers are less precise
+        return group_log_softmax(scores.to(whole), self.rest(token)[:, 0].to(whole), batch.group_of)
 
 
-def rankers(config: RankingConfig, hypothesis_features: int, unit_features: int) -> nn.ModuleList:
-    """`config.members` networks of the same build."""
+def ranking_networks(config: RankingConfig, candidate_features: int, group_features: int) -> nn.ModuleList:
+    """`config.members` networks of the same sizes."""
     return nn.ModuleList(
-        JointRanker(hypothesis_features, unit_features, config.width, config.word_features, config.dropout)
+        RankingNetwork(candidate_features, group_features, config.width, config.word_features, config.dropout)
         for _ in range(config.members)
     )
 
 
-def averaged(networks: nn.ModuleList, batch: RankingBatch) -> tuple[Tensor, Tensor]:
-    """Logarithms of the members' mean probabilities of hypotheses [H] and of rest [U]."""
-    said = [network(batch) for network in networks]
-    shift = math.log(len(said))
-    hypotheses, rest = (torch.logsumexp(torch.stack(values), dim=0) - shift for values in zip(*said, strict=True))
-    return hypotheses, rest
+def mean_log_probabilities(networks: nn.ModuleList, batch: RankingBatch) -> tuple[Tensor, Tensor]:
+    """Logarithms of the networks' mean probabilities of the candidates [C] and of rest [U]."""
+    outputs = [network(batch) for network in networks]
+    shift = math.log(len(outputs))
+    candidates, rest = (torch.logsumexp(torch.stack(values), dim=0) - shift for values in zip(*outputs, strict=True))
+    return candidates, rest
 
 
-def right_probability(log_hypotheses: Tensor, log_rest: Tensor, batch: RankingBatch) -> Tensor:
-    """Probability [U] of all that the target of each unit holds to be right."""
-    right = log_hypotheses.exp() * (batch.targets > 0)
-    return (log_rest.exp() * batch.rest_targets).index_add(0, batch.unit_of, right)
+def correct_probability(log_candidates: Tensor, log_rest: Tensor, batch: RankingBatch) -> Tensor:
+    """Total probability [U] of the candidates with a positive target, or of rest for groups at rest."""
+    correct = log_candidates.exp() * (batch.targets > 0)
+    return (log_rest.exp() * batch.rest_targets).index_add(0, batch.group_of, correct)
 
 
-def ranking_loss(log_hypotheses: Tensor, log_rest: Tensor, batch: RankingBatch) -> Tensor:
-    """Cross-entropy against soft targets, weighted by unit."""
-    each = -(batch.rest_targets * log_rest).index_add(0, batch.unit_of, batch.targets * log_hypotheses)
-    return (batch.weights * each).sum() / batch.weights.sum().clamp_min(1e-6)
+def ranking_loss(log_candidates: Tensor, log_rest: Tensor, batch: RankingBatch) -> Tensor:
+    """Mean cross-entropy of the groups against their soft targets."""
+    each = -(batch.rest_targets * log_rest).index_add(0, batch.group_of, batch.targets * log_candidates)
+    return each.mean()

@@ -1,4 +1,4 @@
-"""Training the ranking networks."""
+"""Training of the ranking networks."""
 
 from __future__ import annotations
 
@@ -11,30 +11,33 @@ from typing import Any
 import numpy as np
 import torch
 from torch import nn
+from torch.optim.lr_scheduler import OneCycleLR
 
 from kinmo.config import RankingConfig
 from kinmo.core.errors import InputError
 from kinmo.core.typed_tables import to_table
-from kinmo.features.candidate_features import Evidence
 from kinmo.features.prepared_shape import PreparedShape
-from kinmo.learning.training_loop import FitResult, Learner, Progress, adam_options, fit
+from kinmo.learning.learner import Learner, adam_options
+from kinmo.learning.training_loop import FitResult, Progress, fit
 from kinmo.learning.weights import Weights, load_weights, save_weights
-from kinmo.methods.kinmo.ranking.ranking_batches import View, collate
+from kinmo.methods.kinmo.ranking.ranking_batches import collate_views
 from kinmo.methods.kinmo.ranking.ranking_network import (
     KIND,
-    JointRanker,
     RankingBatch,
-    averaged,
-    rankers,
+    RankingNetwork,
+    correct_probability,
+    mean_log_probabilities,
     ranking_loss,
-    right_probability,
+    ranking_networks,
 )
-from kinmo.methods.kinmo.ranking.shape_views import body_view, node_view
+from kinmo.methods.kinmo.ranking.shape_views import ShapeView, training_views
 
 WARM_UP = 0.1
 """Share of the steps in which the learning rate rises."""
-STANDARDIZED_VIEWS = 512
+STANDARDIZATION_VIEWS = 512
+"""Largest number of views that mean and scale of the features are computed from."""
 VALIDATION_VIEWS = 64
+"""Views per batch in validation."""
 
 
 def train_joint_ranking(
@@ -49,13 +52,26 @@ def train_joint_ranking(
     on_progress: Callable[[Progress], None] | None = None,
     initial: Path | None = None,
 ) -> FitResult:
-    """Train on annotated shapes; leaves `weights.safetensors` and `.json` of the best epoch on `validation` in `run_dir`.
+    """Train ranking networks on annotated shapes; interrupted training resumes (`training_loop.fit`).
 
-    `initial` are weights of an earlier training with the same sizes: then it starts from those and goes by `config.continued`.
-    Resumes what was cut off (`training.fit`). Raises InputError if either set has no joint to learn from, or `initial` does not
-    fit.
+    Args:
+        training: shapes to train on.
+        validation: shapes that choose the best epoch.
+        config: sizes and schedule.
+        run_dir: folder for `weights.safetensors` and `weights.json` of the best epoch.
+        seed: seed of the initial weights and of the batches.
+        device: auto, cpu, cuda, cuda:1, mps.
+        fingerprint: key of the data; training with another key does not resume.
+        on_progress: called after every epoch.
+        initial: weights of an earlier training with the same sizes to start from, with the schedule `config.continued`.
+
+    Returns:
+        History and best error of the training.
+
+    Raises:
+        InputError: `training` or `validation` has no joint to learn from, or `initial` does not fit.
     """
-    views = [shape_views(shapes) for shapes in (training, validation)]
+    views = [training_views(shapes) for shapes in (training, validation)]
     for name, found in zip(("training", "validation"), views, strict=True):
         if not any(target is not None for view in found for target in view.targets):
             raise InputError(f"{name} shapes", "expected at least one annotated joint")
@@ -91,30 +107,24 @@ def _blend(networks: nn.ModuleList, start: Weights, share: float) -> None:
             values.lerp_(start.tensors[name].to(values), share)
 
 
-def shape_views(shapes: Sequence[PreparedShape]) -> list[View]:
-    """Both views of every annotated shape that has evidence."""
-    views = []
-    for shape in shapes:
-        if shape.evidence and shape.mobility is not None:
-            evidence = Evidence.of(shape.evidence)
-            views.append(body_view(shape, evidence))
-            if len(shape.parents) > 1:
-                views.append(node_view(shape, evidence))
-    return views
-
-
 class RankingData:
-    """Batches of views in an order that every epoch draws anew, names dropped at random."""
+    """Batches of views, in a new order in every epoch and with names hidden at random.
 
-    def __init__(self, training: Sequence[View], validation: Sequence[View], config: RankingConfig) -> None:
+    Args:
+        training: views to train on.
+        validation: views to validate on.
+        config: settings of the networks.
+    """
+
+    def __init__(self, training: Sequence[ShapeView], validation: Sequence[ShapeView], config: RankingConfig) -> None:
         self.training, self.validation, self.config = training, validation, config
-        spread = np.linspace(0, len(training) - 1, min(STANDARDIZED_VIEWS, len(training))).astype(int)
-        self.sample = collate([training[i] for i in spread])
-        self.widths = self.sample.hypotheses.shape[1], self.sample.units.shape[1]
+        spread = np.linspace(0, len(training) - 1, min(STANDARDIZATION_VIEWS, len(training))).astype(int)
+        self.sample = collate_views([training[i] for i in spread])
+        self.widths = self.sample.candidates.shape[1], self.sample.groups.shape[1]
 
     @property
     def words(self) -> torch.Tensor:
-        """Hashed words of the names to learn from, each once."""
+        """Hashed words of all names in the training views, each once."""
         known = {word for view in self.training for words in view.words for word in words}
         if self.config.sees_categories:
             known |= {word for view in self.training for word in view.category}
@@ -122,63 +132,63 @@ class RankingData:
 
     @property
     def steps(self) -> int:
-        """Batches of an epoch."""
+        """Number of batches per epoch."""
         return math.ceil(len(self.training) / self.config.batch_views)
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[RankingBatch]:
+        """Batches of one epoch."""
         order = rng.permutation(len(self.training))
         for some in np.array_split(order, self.steps):
-            views = [self.training[i] for i in some]
-            yield collate(
-                views,
+            yield collate_views(
+                [self.training[i] for i in some],
                 rng=rng,
                 hide_view=self.config.hide_names,
-                hide_unit=self.config.hide_unit_names,
+                hide_group=self.config.hide_unit_names,
                 hide_category=self.config.hide_categories,
             )
 
     def validation_batches(self) -> Iterator[RankingBatch]:
+        """Batches of the validation views, the same in every epoch."""
+        hidden = float(not self.config.sees_categories)
         for start in range(0, len(self.validation), VALIDATION_VIEWS):
-            hidden = float(not self.config.sees_categories)
-            yield collate(self.validation[start : start + VALIDATION_VIEWS], hide_category=hidden)
+            yield collate_views(self.validation[start : start + VALIDATION_VIEWS], hide_category=hidden)
 
 
 class RankingLearner(Learner):
-    """Cross-entropy of every member; the best epoch gives right answers the most probability on validation.
+    """Cross-entropy of every network; the best epoch has the highest mean probability of correct joints on validation.
 
-    That is bounded: a single answer that is wrong and sure, which few shapes to choose by are bound to have, does not decide.
+    The mean probability is bounded. With few validation shapes, one confident error would otherwise decide.
     """
+
+    schedule_every_step = True
 
     def __init__(self, config: RankingConfig, data: RankingData) -> None:
         super().__init__(config.training)
-        self.networks = rankers(config, *data.widths)
+        self.networks = ranking_networks(config, *data.widths)
         for network in self.networks:
-            assert isinstance(network, JointRanker)
-            network.standardize(data.sample.hypotheses, data.sample.units)
-            network.silence(data.words)
+            assert isinstance(network, RankingNetwork)
+            network.standardize(data.sample.candidates, data.sample.groups)
+            network.silence_unknown_words(data.words)
         self.steps = data.steps * config.training.epochs
 
-    def training_step(self, batch: RankingBatch, index: int) -> torch.Tensor:
-        losses = [_loss(network(batch), batch) for network in self.networks]
-        self.log(
-            "training/loss", torch.stack(losses).mean().detach(), on_step=False, on_epoch=True, batch_size=len(batch.units)
-        )
-        return torch.stack(losses).sum()
+    def training_step(self, batch: RankingBatch) -> torch.Tensor:
+        """Sum of the networks' losses on a batch."""
+        outputs = [network(batch) for network in self.networks]
+        losses = torch.stack([ranking_loss(candidates, rest, batch) for candidates, rest in outputs])
+        self.log("training", len(batch.groups), loss=losses.mean())
+        return losses.sum()
 
-    def validation_step(self, batch: RankingBatch, index: int) -> None:
-        hypotheses, rest = averaged(self.networks, batch)
-        size = len(batch.units)
-        self.log("validation/loss", ranking_loss(hypotheses, rest, batch), batch_size=size)
-        self.log("validation/error", 1.0 - right_probability(hypotheses, rest, batch).mean(), batch_size=size)
+    def validation_step(self, batch: RankingBatch) -> None:
+        """Log loss and error of a batch."""
+        candidates, rest = mean_log_probabilities(self.networks, batch)
+        loss, error = ranking_loss(candidates, rest, batch), 1.0 - correct_probability(candidates, rest, batch).mean()
+        self.log("validation", len(batch.groups), loss=loss, error=error)
 
-    def configure_optimizers(self) -> Any:
-        config = self.training_config
-        optimizer = torch.optim.AdamW(self.parameters(), **adam_options(config))
-        schedule = torch.optim.lr_scheduler.OneCycleLR(
-            optimizer, config.learning_rate, total_steps=self.steps + 1, pct_start=WARM_UP
-        )
-        return [optimizer], [{"scheduler": schedule, "interval": "step"}]
+    def make_optimizer(self) -> torch.optim.Optimizer:
+        """AdamW for all networks."""
+        return torch.optim.AdamW(self.parameters(), **adam_options(self.training_config))
 
-
-def _loss(said: tuple[torch.Tensor, torch.Tensor], batch: RankingBatch) -> torch.Tensor:
-    return ranking_loss(said[0], said[1], batch)
+    def make_schedule(self, optimizer: torch.optim.Optimizer) -> OneCycleLR:
+        """One cycle of the learning rate over the whole training."""
+        rate = self.training_config.learning_rate
+        return OneCycleLR(optimizer, rate, total_steps=self.steps + 1, pct_start=WARM_UP)

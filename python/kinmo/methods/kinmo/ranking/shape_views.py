@@ -1,78 +1,98 @@
-"""The two views of a shape: its rigid bodies and the nodes of its hierarchy."""
+"""Two views of a shape for the ranking networks: its rigid bodies, and the nodes of its hierarchy."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.edge_labels import carriers_of
 from kinmo.core.joint import Joint
-from kinmo.features.candidate_features import Evidence
-from kinmo.features.prepared_shape import PreparedShape, units_of
-from kinmo.methods.kinmo.ranking.ranking_batches import View, hash_words, hypothesis_costs, soft_target
+from kinmo.features.candidate_features import CandidateFeatures
+from kinmo.features.prepared_shape import PreparedShape, leaf_groups
+from kinmo.methods.kinmo.ranking.name_words import category_words, group_words
+from kinmo.methods.kinmo.ranking.ranking_targets import candidate_costs, soft_target
 
 
-def maximal_nodes(prepared: PreparedShape, leaves: Sequence[int]) -> list[int]:
-    """The highest nodes whose leaves all are among `leaves` (positions in `prepared.leaves`)."""
-    wanted = set(leaves)
-    inside = [set(below) <= wanted for below in prepared.leaves_below]
-    return [n for n, parent in enumerate(prepared.parents) if inside[n] and (parent < 0 or not inside[parent])]
+@dataclass(frozen=True, eq=False)
+class ShapeView:
+    """Groups of one shape that the networks rank together.
+
+    Attributes:
+        features: candidate joints of the shape.
+        groups: indices of the view's groups in `features`.
+        is_bodies: True if the groups are bodies, False if they are nodes.
+        words: hashed words of each group's names.
+        targets: target probabilities [C] of each group's candidates; None for groups at rest, and without an annotation.
+        category: hashed words of the shape's category, which belong to every group.
+    """
+
+    features: CandidateFeatures
+    groups: tuple[int, ...]
+    is_bodies: bool
+    words: tuple[tuple[int, ...], ...]
+    targets: tuple[NDArray[np.float64] | None, ...]
+    category: tuple[int, ...] = ()
 
 
-def words_of(prepared: PreparedShape, leaves: Sequence[int]) -> tuple[int, ...]:
-    """Hashed words that name a unit: its highest nodes, its leaves, and what they are in."""
-    top = maximal_nodes(prepared, leaves)
-    words = [w for n in top for w in hash_words("part", prepared.part_names[n])]
-    words += [w for leaf in leaves for w in hash_words("leaf", prepared.part_names[prepared.leaves[leaf]])]
-    above = {prepared.parents[n] for n in top if prepared.parents[n] > 0}
-    words += [w for n in sorted(above) for w in hash_words("inside", prepared.part_names[n])]
-    return tuple(words)
+def body_view(shape: PreparedShape, features: CandidateFeatures) -> ShapeView:
+    """View of the annotation's bodies, in their order (setting *parts given*).
+
+    Raises:
+        ValueError: the shape is not annotated.
+    """
+    if shape.mobility is None:
+        raise ValueError(f"shape {shape.id} is not annotated")
+    joints = [body.joint for body in shape.mobility.bodies]
+    return _view(shape, features, shape.body_leaves, joints, is_bodies=True)
 
 
-def category_words(prepared: PreparedShape) -> tuple[int, ...]:
-    """Hashed words of the shape's category."""
-    return tuple(hash_words("category", prepared.category))
+def node_view(shape: PreparedShape, features: CandidateFeatures) -> ShapeView:
+    """View of the nodes below the root, in preorder (setting *hierarchy given*).
 
-
-def body_view(prepared: PreparedShape, evidence: Evidence) -> View:
-    """*Parts given*: one unit a body of the annotation, in its order. Raises ValueError for a shape without one."""
-    if prepared.mobility is None:
-        raise ValueError(f"shape {prepared.id} is not annotated")
-    joints = [body.joint for body in prepared.mobility.bodies]
-    return _view(prepared, evidence, prepared.body_leaves, joints, is_bodies=True)
-
-
-def node_view(prepared: PreparedShape, evidence: Evidence) -> View:
-    """*Hierarchy given*: one unit a node below the root, in preorder."""
-    joints: list[Joint | None] = [None] * (len(prepared.parents) - 1)
-    if prepared.mobility is not None:
-        leaf_sets = [tuple(prepared.leaves[p] for p in below) for below in prepared.leaves_below]
-        carried = carriers_of(leaf_sets, prepared.mobility)
-        for node in range(1, len(prepared.parents)):
+    A node moves if its carrier has a joint and its parent node does not move with that carrier. All other nodes rest.
+    """
+    joints: list[Joint | None] = [None] * (len(shape.parents) - 1)
+    if shape.mobility is not None:
+        leaf_sets = [tuple(shape.leaves[p] for p in below) for below in shape.leaves_below]
+        carried = carriers_of(leaf_sets, shape.mobility)
+        for node in range(1, len(shape.parents)):
             carrier = carried[node]
-            if carrier is not None and carried[prepared.parents[node]] != carrier:
-                joints[node - 1] = prepared.mobility.bodies[carrier].joint
-    return _view(prepared, evidence, prepared.leaves_below[1:], joints, is_bodies=False)
+            if carrier is not None and carried[shape.parents[node]] != carrier:
+                joints[node - 1] = shape.mobility.bodies[carrier].joint
+    return _view(shape, features, shape.leaves_below[1:], joints, is_bodies=False)
+
+
+def training_views(shapes: Sequence[PreparedShape]) -> list[ShapeView]:
+    """Both views of every annotated shape that has candidate features."""
+    views = []
+    for shape in shapes:
+        if shape.candidate_features and shape.mobility is not None:
+            features = CandidateFeatures.of(shape.candidate_features)
+            views.append(body_view(shape, features))
+            if len(shape.parents) > 1:
+                views.append(node_view(shape, features))
+    return views
 
 
 def _view(
-    prepared: PreparedShape,
-    evidence: Evidence,
+    shape: PreparedShape,
+    features: CandidateFeatures,
     leaves: Sequence[tuple[int, ...]],
     joints: Sequence[Joint | None],
     *,
     is_bodies: bool,
-) -> View:
-    index = {each: unit for unit, each in enumerate(units_of(prepared.leaves_below, prepared.body_leaves))}
-    units = tuple(index[each] for each in leaves)
-    targets = tuple(_target(evidence, unit, joint) for unit, joint in zip(units, joints, strict=True))
-    words = tuple(words_of(prepared, each) for each in leaves)
-    return View(prepared.id, evidence, units, is_bodies, words, targets, category_words(prepared))
+) -> ShapeView:
+    group_of = {each: group for group, each in enumerate(leaf_groups(shape.leaves_below, shape.body_leaves))}
+    groups = tuple(group_of[each] for each in leaves)
+    targets = tuple(_target(features, group, joint) for group, joint in zip(groups, joints, strict=True))
+    words = tuple(group_words(shape, each) for each in leaves)
+    return ShapeView(features, groups, is_bodies, words, targets, category_words(shape))
 
 
-def _target(evidence: Evidence, unit: int, joint: Joint | None) -> NDArray[np.float64] | None:
+def _target(features: CandidateFeatures, group: int, joint: Joint | None) -> NDArray[np.float64] | None:
     if joint is None:
         return None
-    return soft_target(hypothesis_costs(evidence, evidence.rows(unit), joint, evidence.centers[unit]))
+    return soft_target(candidate_costs(features, features.rows(group), joint, features.centers[group]))

@@ -1,1 +1,1 @@
-"""The axis-selection network: how plausible a candidate axis looks when the part is moved along it (paper, section 3.3)."""
+"""Axis selection network: feasibility score s^f of candidate axes, by a Siamese network (paper, section 3.3)."""

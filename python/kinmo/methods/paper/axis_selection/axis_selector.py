@@ -1,4 +1,4 @@
-"""Asking a trained axis-selection network."""
+"""Prediction of feasibility scores by a trained axis selection network (paper, section 3.3)."""
 
 from __future__ import annotations
 
@@ -12,17 +12,29 @@ from numpy.typing import NDArray
 
 from kinmo.config import AxisConfig
 from kinmo.core.typed_tables import from_table
-from kinmo.features.candidate_joints import Candidates
+from kinmo.features.candidate_joints import CandidateJoints
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.weights import load_weights, pick_device
-from kinmo.methods.paper.axis_selection.motion_clouds import displacements, marked_cloud, of_one_kind
 from kinmo.methods.paper.axis_selection.siamese_network import KIND, AxisSelectionNetwork
+from kinmo.methods.paper.axis_selection.transformed_clouds import displacements, labelled_cloud, rows_by_kind
 
-CLOUDS_AT_ONCE = 64
+CLOUDS_PER_BATCH = 64
+"""Number of clouds that the encoder gets at a time."""
 
 
 class AxisSelector:
-    """A trained network with its configuration."""
+    """A trained axis selection network with its configuration.
+
+    Args:
+        network: the network.
+        config: its configuration.
+        device: where it runs.
+        sha256: hash of its weights.
+
+    Example:
+        >>> selector = AxisSelector.load(Path("models/axis/weights.safetensors"))
+        >>> selector.feasibility(shape, moving=[3, 4], candidates=candidates)
+    """
 
     def __init__(self, network: AxisSelectionNetwork, config: AxisConfig, device: str, sha256: str = "") -> None:
         self.network, self.config, self.device, self.sha256 = network.to(device).eval(), config, device, sha256
@@ -30,7 +42,15 @@ class AxisSelector:
 
     @classmethod
     def load(cls, weights: Path, device: str = "auto") -> AxisSelector:
-        """Read `weights.safetensors` of `train_axis_selection`. Raises InputError if they are not its, or not whole."""
+        """Read weights that `train_axis_selection` wrote.
+
+        Args:
+            weights: the file `weights.safetensors`, beside its JSON header.
+            device: auto, cpu, cuda, cuda:1, mps.
+
+        Raises:
+            InputError: the weights are those of another network, or cut off.
+        """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
         config = from_table(AxisConfig, loaded.config, weights.with_suffix(".json"), "config.")
@@ -38,38 +58,45 @@ class AxisSelector:
         loaded.fill(network)
         return cls(network, config, device, loaded.sha256)
 
-    def score_candidates(self, shape: PreparedShape, moving: list[int], candidates: Candidates) -> NDArray[np.float64]:
-        """s^f [C]: the mean feasibility in [0, 1] over the displacements, for the leaves at places `moving` (paper, section
-        3.3).
+    def feasibility(self, shape: PreparedShape, moving: list[int], candidates: CandidateJoints) -> NDArray[np.float64]:
+        """Feasibility scores s^f: mean predicted feasibility over the test displacements (paper, section 3.3).
 
-        What parts that are neither movable nor reference are is not said; as in the release they are marked as the reference.
-        The same shape and leaves give the same scores, and are looked at once for as long as the shape is in memory.
+        The paper does not say how parts are labelled that are neither movable nor reference. As in the release they get the
+        label of the reference. Scores are kept as long as the shape is in memory.
+
+        Args:
+            shape: the prepared shape.
+            moving: positions of the leaves that move.
+            candidates: C candidate joints of the part.
+
+        Returns:
+            [C] in [0, 1]; the same for the same shape and leaves.
         """
         known = self._known.setdefault(shape, {})
         lines = candidates.kinds, candidates.directions, candidates.pivots
-        asked = (tuple(sorted(moving)), *(values.tobytes() for values in lines))
-        if asked not in known:
-            known[asked] = self._scores(shape, moving, candidates)
-        scores: NDArray[np.float64] = known[asked].copy()
+        key = (tuple(sorted(moving)), *(values.tobytes() for values in lines))
+        if key not in known:
+            known[key] = self._scores(shape, moving, candidates)
+        scores: NDArray[np.float64] = known[key].copy()
         return scores
 
     @torch.inference_mode()
-    def _scores(self, shape: PreparedShape, moving: list[int], candidates: Candidates) -> NDArray[np.float64]:
+    def _scores(self, shape: PreparedShape, moving: list[int], candidates: CandidateJoints) -> NDArray[np.float64]:
         scores = np.zeros(len(candidates))
         if not len(candidates):
             return scores
         rng = np.random.default_rng(zlib.crc32(f"{shape.geometry_hash} {sorted(moving)}".encode()))
         points, focus = self.config.encoder.points, self.config.focus
-        cloud = marked_cloud(shape.leaf_points, shape.leaf_areas, moving, points, rng, focus=focus)
-        original = self._features(cloud.shown()[None])
-        for group in of_one_kind(candidates):
-            angles, shifts = displacements(candidates.kinds[group])
-            moved = cloud.moved(candidates.kinds[group], candidates.directions[group], candidates.pivots[group], angles, shifts)
-            features = self._features(cloud.shown(moved.reshape(-1, *moved.shape[2:])))
+        cloud = labelled_cloud(shape.leaf_points, shape.leaf_areas, moving, points, rng, focus=focus)
+        original = self._features(cloud.network_input()[None])
+        for rows in rows_by_kind(candidates):
+            kinds, angles_and_shifts = candidates.kinds[rows], displacements(candidates.kinds[rows])
+            moved = cloud.transformed(kinds, candidates.directions[rows], candidates.pivots[rows], *angles_and_shifts)
+            features = self._features(cloud.network_input(moved.reshape(-1, *moved.shape[2:])))
             logits = self.network.compare(original.expand(len(features), -1), features)
-            scores[group] = torch.sigmoid(logits).cpu().double().view(len(group), -1).mean(1).numpy()
+            scores[rows] = torch.sigmoid(logits).cpu().double().view(len(rows), -1).mean(1).numpy()
         return scores
 
     def _features(self, clouds: NDArray[np.float32]) -> torch.Tensor:
-        chunks = torch.split(torch.from_numpy(clouds), CLOUDS_AT_ONCE)
+        chunks = torch.split(torch.from_numpy(clouds), CLOUDS_PER_BATCH)
         return torch.cat([self.network.encoder(chunk.to(self.device)) for chunk in chunks])

@@ -1,4 +1,4 @@
-"""Wrong axes to learn from: those of the part's box that do not do what the true joint does (paper, section 3.3)."""
+"""Negative axes for training: lines of the part's box that move it differently from the true joint (paper, section 3.3)."""
 
 from __future__ import annotations
 
@@ -12,23 +12,35 @@ from kinmo import _core
 from kinmo.config import AxisConfig
 from kinmo.core.box import Box
 from kinmo.core.joint import Joint, JointKind
-from kinmo.features.candidate_joints import Candidates, no_candidates
+from kinmo.features.candidate_joints import CandidateJoints
 from kinmo.features.candidate_lines import box_lines
-from kinmo.methods.paper.axis_selection.motion_clouds import SCREW_SLIDES, SCREW_TURN, SLIDES
+from kinmo.methods.paper.axis_selection.transformed_clouds import SCREW_SLIDES, SCREW_TURN, SLIDES
 
 F64 = NDArray[np.float64]
 
-PROBES = 96
-PROBED_TURNS = np.radians([-60.0, 30.0, 60.0])
-PROBED_SLIDES = SLIDES[[1, 7]]
+PROBE_POINTS = 96
+"""Points of a part that are moved; the others are the surface they are compared with."""
+PROBE_TURNS = np.radians([-60.0, 30.0, 60.0])
+"""Angles that hinges are compared at, in radians."""
+PROBE_SLIDES = SLIDES[[1, 7]]
+"""Distances that sliders are compared at, in diagonals."""
+FULL_TOLERANCE_SIZE = 6.0
+"""Parts with a half diagonal below 1 / 6 diagonals have a tolerance in proportion to their size."""
 
 
-def negative_candidates(joint: Joint, box: Box, part: NDArray[np.float32], config: AxisConfig) -> Candidates:
-    """The axes of `box` along which the part, points [m, 3], would not move as `joint` says.
+def negative_axes(joint: Joint, box: Box, part: NDArray[np.float32], config: AxisConfig) -> CandidateJoints:
+    """Axes of a part's box that are infeasible for its true joint.
 
-    A hinge has the 12 edges (and with `lines` the 3 centre lines), a slider and a screw the 3 axes through the centre. Left out
-    are those within `near_angle` and `near_distance` of the truth, and those that move the points to where the truth does
-    (`same_motion` diagonals, less for small parts): the same hinge side, or any axis of the same symmetry.
+    A hinge has the 12 edges (and with `config.negatives` = `lines` the 3 centre lines), a slider or screw the 3 centre lines.
+    Axes within `near_angle` and `near_distance` of the true axis are left out. Axes that move the points to where the true
+    joint moves them, to within `same_motion` diagonals (less for small parts), are left out too: other edges of the hinge
+    side, and axes of the same symmetry.
+
+    Args:
+        joint: the true joint.
+        box: box of the part.
+        part: [m, 3] points of the part.
+        config: settings of the network.
     """
     directions, pivots, is_edge = box_lines(box)
     wanted = ~is_edge
@@ -37,32 +49,40 @@ def negative_candidates(joint: Joint, box: Box, part: NDArray[np.float32], confi
     directions, pivots = directions[wanted], pivots[wanted]
     parallel = np.abs(directions @ joint.direction) > math.cos(math.radians(config.near_angle))
     offset = pivots - joint.pivot
-    across = np.linalg.norm(offset - (offset @ joint.direction)[:, None] * joint.direction, axis=1)
-    keep = ~(parallel & ((across < config.near_distance) | (joint.kind is JointKind.PRISMATIC)))
-    if not keep.any():
-        return no_candidates()
-    directions, pivots = directions[keep], pivots[keep]
-    differs = motion_difference(joint, directions, pivots, part)
-    tolerance = config.same_motion * min(1.0, 6.0 * float(np.linalg.norm(box.half_extents)))
-    directions, pivots = directions[differs > tolerance], pivots[differs > tolerance]
+    distance = np.linalg.norm(offset - (offset @ joint.direction)[:, None] * joint.direction, axis=1)
+    differs = ~(parallel & ((distance < config.near_distance) | (joint.kind is JointKind.PRISMATIC)))
+    if not differs.any():
+        return CandidateJoints.empty()
+    directions, pivots = directions[differs], pivots[differs]
+    difference = motion_difference(joint, directions, pivots, part)
+    tolerance = config.same_motion * min(1.0, FULL_TOLERANCE_SIZE * float(np.linalg.norm(box.half_extents)))
+    directions, pivots = directions[difference > tolerance], pivots[difference > tolerance]
     count = len(directions)
-    return Candidates(np.full(count, joint.kind.code, np.uint8), directions, pivots, ("box",) * count)
+    return CandidateJoints(np.full(count, joint.kind.code, np.uint8), directions, pivots, ("box",) * count)
 
 
 def motion_difference(joint: Joint, directions: F64, pivots: F64, part: NDArray[np.float32]) -> F64:
-    """How far from each other [C] the true joint and each axis take the part, as sets of points, in either sense of the axis.
+    """Mean distance between a part moved by its true joint and moved along each axis, for the better sense of the axis.
 
-    The mean distance from moved points to the nearest of the others, less what it is at rest: points are samples, and lie apart
-    even where the surfaces coincide.
+    The mean distance of samples at rest is subtracted: they lie apart even where surfaces coincide.
+
+    Args:
+        joint: the true joint.
+        directions: [C, 3] unit vectors of the axes.
+        pivots: [C, 3] points of the axes.
+        part: [m, 3] points of the part.
+
+    Returns:
+        [C] distances in diagonals, at least 0.
     """
-    probes, rest = part[:PROBES], part[PROBES:]
+    probes, rest = part[:PROBE_POINTS], part[PROBE_POINTS:]
     if len(rest) == 0:
         probes = rest = part
     surface = cKDTree(rest)
     if joint.kind is JointKind.PRISMATIC:
-        angles, shifts = np.zeros(len(PROBED_SLIDES)), PROBED_SLIDES
+        angles, shifts = np.zeros(len(PROBE_SLIDES)), PROBE_SLIDES
     elif joint.kind is JointKind.REVOLUTE:
-        angles, shifts = PROBED_TURNS, np.zeros(len(PROBED_TURNS))
+        angles, shifts = PROBE_TURNS, np.zeros(len(PROBE_TURNS))
     else:
         angles, shifts = np.full(1, SCREW_TURN), SCREW_SLIDES[-1:]
     code = np.array([joint.kind.code], np.uint8)
@@ -71,7 +91,7 @@ def motion_difference(joint: Joint, directions: F64, pivots: F64, part: NDArray[
     sense = np.repeat([1.0, -1.0], len(directions))[:, None]
     gaps = []
     for cloud, angle, shift in zip(moved, angles, shifts, strict=True):
-        # moving the true cloud back along each axis, and not the part along it, leaves the part's search tree as it is
+        # Moving the true cloud back along each axis needs one search tree, moving the part forward would need one per axis.
         back = _core.move_points(cloud, codes, axes, places, -angle * sense, -shift * sense)
         gaps.append(surface.query(back.reshape(-1, 3))[0].reshape(len(codes), -1).mean(axis=1))
     differences = np.mean(gaps, axis=0) - surface.query(probes)[0].mean()

@@ -1,4 +1,4 @@
-"""The Siamese network that judges a motion by the cloud before and after it (paper, section 3.3)."""
+"""Siamese network that predicts the feasibility of a motion from the clouds before and after it (paper, section 3.3)."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ import torch
 from torch import Tensor, nn
 
 from kinmo.config import AxisConfig
-from kinmo.learning.layers import channel_norm, point_encoder
+from kinmo.learning.network_layers import channel_norm, point_encoder
 
 KIND = "axis_selection"
-"""The name of its weights (`learning.weights`)."""
+"""Kind of the network in files of weights (`kinmo.learning.weights`)."""
 CHANNELS = 4
-"""x, y, z, and 1 on the moving part, 0 elsewhere."""
+"""Input channels: x, y, z, and a label that is 1 on the moving part and 0 elsewhere."""
 
 
 class AxisSelectionNetwork(nn.Module):
-    """One encoder for both clouds, then fully connected layers on the two features."""
+    """One point encoder for both clouds, and fully connected layers on the two features."""
 
     def __init__(self, config: AxisConfig) -> None:
         super().__init__()
@@ -34,6 +34,14 @@ class AxisSelectionNetwork(nn.Module):
         return self.head(torch.cat([original, moved], 1)).squeeze(1)  # type: ignore[no-any-return]
 
     def forward(self, original: Tensor, *moved: Tensor) -> Tensor:
-        """Logits [k * B] for each of k clouds [B, n, 4] that `original` [B, n, 4] was moved to."""
+        """Logits of feasibility.
+
+        Args:
+            original: [B, n, 4] clouds before the motion.
+            moved: k tensors [B, n, 4] of clouds after a motion.
+
+        Returns:
+            [k * B] logits.
+        """
         first, *others = self.encoder(torch.cat([original, *moved])).chunk(1 + len(moved))
         return self.compare(first.repeat(len(moved), 1), torch.cat(others))

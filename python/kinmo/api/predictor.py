@@ -1,0 +1,52 @@
+"""Prediction of the joints of shapes with trained networks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from kinmo.api.prediction import Prediction
+from kinmo.core.prediction import PredictionProvenance
+from kinmo.core.shape import Shape
+from kinmo.dataset.workspace import Workspace
+from kinmo.learning.model_folder import ModelFolder
+from kinmo.methods import DEFAULT_METHOD, load_method
+from kinmo.pipeline.predict_shapes import predict_shape
+
+
+class Predictor:
+    """Predicts the joints of shapes.
+
+    Args:
+        workspace: folder of a workspace with trained networks (`kinmo.train`).
+        method: `kinmo`, or the paper's method, `paper`.
+        device: where networks run: auto, cpu, cuda, cuda:1, mps.
+        seed: seed of the sampled points.
+
+    Raises:
+        InputError: the networks of the method are missing or cannot be read.
+
+    Example:
+        >>> predictor = kinmo.Predictor("workspace")
+        >>> prediction = predictor.predict(kinmo.load("cabinet.glb"))
+    """
+
+    def __init__(
+        self, workspace: Path | str = "workspace", *, method: str = DEFAULT_METHOD, device: str = "auto", seed: int = 0
+    ) -> None:
+        self.method = load_method(method, ModelFolder(Workspace(workspace).models), device)
+        self.seed = seed
+
+    def predict(self, shape: Shape) -> Prediction:
+        """Predict bodies and joints of one shape from its geometry, hierarchy and part names.
+
+        Args:
+            shape: the shape, from `kinmo.load`.
+
+        Returns:
+            The prediction, in the shape's own frame and units.
+
+        Raises:
+            ValueError: the shape's meshes cannot be used.
+        """
+        estimate = predict_shape(shape, self.method, seed=self.seed)
+        return Prediction(shape, estimate, PredictionProvenance(self.method.weights, self.method.config))

@@ -1,0 +1,193 @@
+"""Stages of a workspace as functions: prepare, train, evaluate. The command line runs the same stages."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+from kinmo.core.errors import InputError
+from kinmo.dataset.stage import Observer, Outcome, SilentObserver, Stage
+from kinmo.dataset.workspace import Workspace
+from kinmo.methods import DEFAULT_METHOD, METHOD_MODELS
+from kinmo.pipeline.evaluation.evaluate_shapes import EvaluateShapes
+from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.scans.train_scans import TrainScans
+from kinmo.pipeline.scans.training_settings import Setting
+from kinmo.pipeline.train_all import TrainAll
+from kinmo.pipeline.train_motion import TrainMotion
+
+Networks = Literal["all", "motion", "gnn", "axis", "contact-edges", "ancsh"]
+"""Groups of networks: all, those for shapes or some of them, and those for scans."""
+
+
+def prepare(
+    folder: Path | str,
+    workspace: Path | str = "workspace",
+    *,
+    oracle: Sequence[Path | str] = (),
+    seed: int = 0,
+    workers: int = 0,
+    cluster: str | None = None,
+    observer: Observer | None = None,
+) -> Outcome:
+    """Find, check and convert every shape below a folder.
+
+    Unchanged shapes are not prepared again.
+
+    Args:
+        folder: folder with shapes in any input format.
+        workspace: folder of the workspace.
+        oracle: folders whose labels are oracle labels: nothing is trained on them.
+        seed: seed of the sampled points.
+        workers: number of processes; 0 for one per CPU core.
+        cluster: address of a Ray cluster that runs the jobs; None for this machine.
+        observer: receiver of progress and messages.
+
+    Returns:
+        The outcome; `data` lists included, repaired and skipped shapes.
+
+    Raises:
+        InputError: there is no shape.
+
+    Example:
+        >>> outcome = kinmo.prepare("partnet/")
+        >>> len(outcome.data["included"])
+    """
+    stage = prepare_stage(folder, workspace, oracle=oracle, seed=seed, workers=workers, cluster=cluster)
+    return _run(stage, observer)
+
+
+def prepare_stage(
+    folder: Path | str,
+    workspace: Path | str,
+    *,
+    oracle: Sequence[Path | str] = (),
+    seed: int = 0,
+    workers: int = 0,
+    cluster: str | None = None,
+) -> Stage:
+    """The stage that `prepare` runs."""
+    return Prepare(Path(folder), Workspace(workspace), worker_count(workers), seed, tuple(map(Path, oracle)), cluster)
+
+
+def train(
+    networks: Networks = "all",
+    workspace: Path | str = "workspace",
+    *,
+    config: str = "small",
+    category: str | None = None,
+    method: str = DEFAULT_METHOD,
+    setting: Setting = "semi-weakly",
+    start: Path | str | None = None,
+    seed: int = 0,
+    device: str = "auto",
+    workers: int = 0,
+    observer: Observer | None = None,
+) -> Outcome:
+    """Train networks. Finished networks stay, and an interrupted training continues.
+
+    Args:
+        networks: `all` trains the motion networks, pseudo-labels unlabelled shapes, scans both, and trains networks for scans.
+            `motion` trains all networks for shapes, `gnn` and `axis` some of them, `ancsh` the networks for scans.
+        workspace: folder of the workspace.
+        config: `small` for a CPU, `paper` for a GPU, or the path of a TOML file.
+        category: train for this category alone; with `all`, the motion networks still see all categories.
+        method: method that gives the pseudo labels.
+        setting: labels for `ancsh` besides those of the labelled shapes.
+        start: folder of a workspace whose ranking networks the training continues from.
+        seed: seed of everything random.
+        device: where networks are trained: auto, cpu, cuda, cuda:1, mps.
+        workers: number of processes; 0 for one per CPU core.
+        observer: receiver of progress and messages.
+
+    Returns:
+        The outcome; `data` has epochs and validation error of every network.
+
+    Raises:
+        InputError: there is nothing to train on, or the configuration is wrong.
+
+    Example:
+        >>> kinmo.train("motion", "workspace")
+    """
+    stage = train_stage(
+        networks,
+        workspace,
+        config=config,
+        category=category,
+        method=method,
+        setting=setting,
+        start=start,
+        seed=seed,
+        device=device,
+        workers=workers,
+    )
+    return _run(stage, observer)
+
+
+def train_stage(
+    networks: Networks,
+    workspace: Path | str,
+    *,
+    config: str = "small",
+    category: str | None = None,
+    method: str = DEFAULT_METHOD,
+    setting: Setting = "semi-weakly",
+    start: Path | str | None = None,
+    seed: int = 0,
+    device: str = "auto",
+    workers: int = 0,
+) -> Stage:
+    """The stage that `train` runs. Raises InputError if networks for scans are to start from trained weights."""
+    place, count = Workspace(workspace), worker_count(workers)
+    origin = None if start is None else Workspace(start)
+    if networks == "all":
+        return TrainAll(place, config, category, method, seed, device, count, origin)
+    if networks == "ancsh":
+        if origin is not None:
+            raise InputError("--from", "ancsh cannot start from trained weights; use it with all, motion or axis")
+        return TrainScans(place, config, category, setting, method, seed, device, count)
+    return TrainMotion(networks, place, config, category, seed, device, count, origin)
+
+
+def evaluate(
+    workspace: Path | str = "workspace",
+    *,
+    category: str | None = None,
+    methods: Sequence[str] = tuple(METHOD_MODELS),
+    device: str = "auto",
+    workers: int = 0,
+    observer: Observer | None = None,
+) -> Outcome:
+    """Score the trained methods on the test shapes of a workspace (paper, Table 1).
+
+    Args:
+        workspace: folder of the workspace.
+        category: only shapes of this category, in any spelling.
+        methods: methods to score.
+        device: where networks run.
+        workers: number of processes; 0 for one per CPU core.
+        observer: receiver of progress and messages.
+
+    Returns:
+        The outcome; `data` has the tables by setting (`parts_given`, `hierarchy_given`) and name.
+
+    Raises:
+        InputError: nothing is trained, or there is no test shape.
+
+    Example:
+        >>> outcome = kinmo.evaluate("workspace")
+        >>> outcome.data["parts_given"]["summary"]["rows"]
+    """
+    place = Workspace(workspace)
+    return _run(EvaluateShapes(place, tuple(methods), category, device=device, workers=worker_count(workers)), observer)
+
+
+def worker_count(workers: int) -> int:
+    """Number of processes; 0 stands for the number of CPU cores that this process may use."""
+    return workers or len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(os.cpu_count() or 1))
+
+
+def _run(stage: Stage, observer: Observer | None) -> Outcome:
+    return stage.run(observer or SilentObserver())

@@ -1,0 +1,96 @@
+"""Ablations of the paper's method: other score weights, candidates, edges, and hidden names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from kinmo.core.joint import JointKind
+from kinmo.core.prediction import JointEstimate, ShapeEstimate
+from kinmo.experiments.label_truth import WEIGHTS, weighted_score
+from kinmo.learning.model_folder import ModelFolder
+from kinmo.methods.kinmo.kinmo_method import KinmoMethod
+from kinmo.methods.paper.paper_method import PaperMethod
+from kinmo.pipeline.evaluation.method_rows import Row, gnn_alone
+
+SWEEP_WEIGHTS = (0.5, 0.3, 0.2, 0.5)
+"""Weights of feasibility, direction, position, and of the free travel as a fourth term."""
+CONTACT_EDGES = "OBB_fine, contact edges"
+
+
+@dataclass(frozen=True)
+class Reweighted:
+    """Change of a prediction: its estimates ranked anew with other `weights` of their terms."""
+
+    weights: Mapping[str, float]
+
+    def __call__(self, prediction: ShapeEstimate) -> ShapeEstimate:
+        estimates = tuple(
+            tuple(sorted(map(self._rescored, found), key=lambda estimate: -estimate.score)) for found in prediction.estimates
+        )
+        bodies = tuple(replace(b, joint=e[0].joint) for b, e in zip(prediction.mobility.bodies, estimates, strict=True))
+        return replace(prediction, mobility=replace(prediction.mobility, bodies=bodies), estimates=estimates)
+
+    def _rescored(self, estimate: JointEstimate) -> JointEstimate:
+        slides = estimate.joint is not None and estimate.joint.kind is JointKind.PRISMATIC
+        terms = {name: value for name, value in estimate.terms.items() if not (slides and name == "position")}
+        score = weighted_score(terms, self.weights)
+        return estimate if score is None else replace(estimate, score=score)
+
+
+@dataclass(frozen=True)
+class AblationRows:
+    """Adds rows to those of the trained methods (see `evaluate_shapes.MoreRows`).
+
+    Attributes:
+        ablations: rows of OBB_fine with other weights, candidates, terms and edges.
+        hidden_names: rows with all part names hidden.
+    """
+
+    ablations: bool = False
+    hidden_names: bool = False
+
+    def __call__(self, models: ModelFolder, rows: Sequence[Row], device: str) -> list[Row]:
+        methods = {row.name: row.method for row in rows}
+        found: list[Row] = []
+        kinmo, fine = methods.get("kinmo"), methods.get("OBB_fine")
+        if self.hidden_names and isinstance(kinmo, KinmoMethod):
+            found.append(Row("kinmo, names hidden", replace(kinmo, hide_names=True)))
+        if isinstance(fine, PaperMethod):
+            if self.ablations:
+                found += [*weight_rows(fine), *candidate_rows(fine), *contact_edge_rows(fine)]
+            if self.hidden_names:
+                hidden = replace(fine, hide_names=True)
+                found += [Row("GNN_fine, names hidden", hidden, gnn_alone), Row("OBB_fine, names hidden", hidden)]
+        return found
+
+
+def weight_rows(fine: PaperMethod) -> list[Row]:
+    """OBB_fine with other weights of the same terms."""
+    others = {name: weights for name, weights in WEIGHTS.items() if name in ("feasibility alone", "consistency alone")}
+    others["equal weights"] = {"feasibility": 1.0, "direction": 1.0, "position": 1.0}
+    return [Row(f"OBB_fine, {name}", fine, Reweighted(weights)) for name, weights in others.items()]
+
+
+def candidate_rows(fine: PaperMethod) -> list[Row]:
+    """OBB_fine with candidates beyond the paper's, and with the sweep as a term of the score."""
+
+    def changed(**values: object) -> PaperMethod:
+        return replace(fine, refinement=replace(fine.refinement, **values))  # type: ignore[arg-type]
+
+    return [
+        Row("OBB_fine, both boxes", changed(extra=("boxes",))),
+        Row("OBB_fine, contact lines", changed(extra=("contact",))),
+        Row("OBB_fine, symmetry axes", changed(extra=("symmetry",))),
+        Row("OBB_fine, all candidates", changed(extra=("boxes", "contact", "symmetry"))),
+        Row("OBB_fine, sweep term", changed(weights=SWEEP_WEIGHTS)),
+        Row("OBB_fine, contact pivots of all hinges", changed(contact_pivots="revolute")),
+    ]
+
+
+def contact_edge_rows(fine: PaperMethod) -> list[Row]:
+    """Fine rows of a GNN with edges between touching parts only; none if it is not trained."""
+    contact = replace(fine, contact_edges=True)
+    if not contact.weights:
+        return []
+    return [Row("GNN_fine, contact edges", contact, gnn_alone), Row(CONTACT_EDGES, contact)]

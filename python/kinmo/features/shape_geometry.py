@@ -1,0 +1,163 @@
+"""Geometry of all leaves of one shape: meshes, surface samples, contact, and the object's own axes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from kinmo import _core
+from kinmo.features.prepared_shape import PreparedShape
+from kinmo.features.round_pieces import RoundPieces
+
+F64 = NDArray[np.float64]
+
+TOUCHING = 0.008
+"""Distance, in diagonals, below which two leaves touch."""
+MAX_RIDER_AREA = 0.5
+"""Riders are smaller than this share of the surface of the group they sit on."""
+FRAME_NORMALS = 128
+"""Normals per leaf that the object's own axes are estimated from."""
+FLAT_FACES = np.radians(6.0)
+"""Largest angle between the normal of a flat face and the estimated horizontal axes, in radians."""
+
+
+def object_frame(normals: F64, weights: F64, up: F64) -> F64:
+    """The object's own axes: two horizontal ones and `up`.
+
+    The horizontal axes are the directions that most surface faces, counted modulo quarter turns. They turn with the object.
+
+    Args:
+        normals: [N, 3] unit normals of the surface.
+        weights: [N] surface areas of the normals.
+        up: [3] unit vector.
+
+    Returns:
+        [3, 3] unit rows, `up` last.
+    """
+    east = np.cross(up, [0.0, 0.0, 1.0] if abs(up[2]) < 0.9 else [1.0, 0.0, 0.0])
+    east /= np.linalg.norm(east)
+    north = np.cross(up, east)
+    x, y = normals @ east, normals @ north
+    flatness = x * x + y * y
+    angle = np.arctan2(y, x)
+    mass = weights * flatness * flatness
+    turn = np.angle(np.sum(mass * np.exp(4j * angle))) / 4.0
+    # Round surfaces pull the mean. The median of the normals near it is the direction of the flat faces.
+    offset = np.angle(np.exp(4j * (angle - turn))) / 4.0
+    near = np.abs(offset) < FLAT_FACES
+    if np.any(near & (mass > 0)):
+        order = np.argsort(offset[near])
+        cumulative = np.cumsum(mass[near][order])
+        turn += offset[near][order][np.searchsorted(cumulative, 0.5 * cumulative[-1])]
+    first = np.cos(turn) * east + np.sin(turn) * north
+    return np.stack([first, np.cross(up, first), up])
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeGeometry:
+    """The L leaves of one shape in the normalised frame.
+
+    Attributes:
+        meshes: meshes of the leaves.
+        points: [L, n, 3] surface samples in random order.
+        normals: [L, n, 3] unit normals at the samples.
+        areas: [L] surface areas.
+        frame: [3, 3] the object's own axes (rows, `up` last).
+        extents: [2, 3] lowest and highest coordinates along `frame`.
+        touching: [L, L] bool, pairs of leaves closer than `TOUCHING`.
+    """
+
+    meshes: _core.Meshes
+    points: F64
+    normals: F64
+    areas: F64
+    frame: F64
+    extents: F64
+    touching: NDArray[np.bool_]
+
+    @classmethod
+    def of(
+        cls, meshes: _core.Meshes, points: NDArray[np.float32], normals: NDArray[np.float32], areas: F64, up: F64
+    ) -> ShapeGeometry:
+        """Geometry of leaves with surface samples `points` and `normals` [L, n, 3] in random order.
+
+        Args:
+            meshes: meshes of the leaves in the normalised frame.
+            points: [L, n, 3] surface samples.
+            normals: [L, n, 3] unit normals at the samples.
+            areas: [L] surface areas.
+            up: [3] unit vector.
+        """
+        few = normals[:, :FRAME_NORMALS].astype(float)
+        weights = np.repeat(areas / few.shape[1], few.shape[1])
+        frame = object_frame(few.reshape(-1, 3), weights, up)
+        placed = points.reshape(-1, 3).astype(float) @ frame.T
+        pairs = _core.part_distances(meshes, max_distance=TOUCHING)[0]
+        touching = np.zeros((len(areas), len(areas)), bool)
+        touching[pairs[:, 0], pairs[:, 1]] = touching[pairs[:, 1], pairs[:, 0]] = True
+        extents = np.stack([placed.min(axis=0), placed.max(axis=0)])
+        return cls(meshes, points.astype(float), normals.astype(float), areas, frame, extents, touching)
+
+    @classmethod
+    def of_prepared(cls, shape: PreparedShape, meshes: _core.Meshes) -> ShapeGeometry:
+        """Geometry of a prepared shape, from its samples and the meshes of its leaves (`prepared_shape.leaf_meshes`)."""
+        return cls.of(meshes, shape.leaf_points, shape.leaf_normals, shape.leaf_areas, shape.up)
+
+    @property
+    def up(self) -> F64:
+        """Upward unit vector [3]."""
+        up: F64 = self.frame[2]
+        return up
+
+    @cached_property
+    def middle(self) -> F64:
+        """Middle [3] of the object's box along its own axes."""
+        middle: F64 = self.extents.mean(axis=0) @ self.frame
+        return middle
+
+    @cached_property
+    def centroids(self) -> F64:
+        """Centroids [L, 3] of the leaves' surfaces."""
+        centroids: F64 = self.points.mean(axis=1)
+        return centroids
+
+    @cached_property
+    def round_pieces(self) -> RoundPieces:
+        """Round pieces of all leaves."""
+        return RoundPieces.of(self.meshes)
+
+    def surface(self, leaves: Sequence[int], count: int) -> tuple[F64, F64]:
+        """About `count` samples of some leaves in proportion to area: points [n, 3] and unit normals [n, 3]."""
+        area = self.areas[list(leaves)]
+        share = area / area.sum() if area.sum() > 0 else np.full(len(area), 1.0 / len(area))
+        counts = np.minimum(np.ceil(share * count).astype(int), self.points.shape[1])
+        points = np.concatenate([self.points[leaf, :n] for leaf, n in zip(leaves, counts, strict=True)])
+        normals = np.concatenate([self.normals[leaf, :n] for leaf, n in zip(leaves, counts, strict=True)])
+        return points, normals
+
+    def surroundings(self, group: Sequence[int]) -> tuple[list[int], list[int]]:
+        """Leaves that stay when a group of leaves moves, and its riders.
+
+        Riders are small leaves that touch the group and nothing else that stays, such as a knob on a door.
+
+        Args:
+            group: positions of the leaves that move.
+
+        Returns:
+            Positions of the leaves that stay, and of the riders.
+        """
+        others = np.setdiff1d(np.arange(len(self.areas)), np.asarray(group))
+        if len(others) == 0:
+            return [], []
+        _, component = connected_components(self.touching[others][:, others], directed=False)
+        mass = np.bincount(component, self.areas[others])
+        rides = np.zeros(len(mass), bool)
+        rides[component[self.touching[others][:, np.asarray(group)].any(axis=1)]] = True
+        rides[np.argmax(mass)] = False
+        rides &= mass < MAX_RIDER_AREA * self.areas[list(group)].sum()
+        return others[~rides[component]].tolist(), others[rides[component]].tolist()

@@ -1,0 +1,110 @@
+"""joints.json, read back into a prediction (docs/joints-json.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.mobility import Body, Mobility, has_cycle
+from kinmo.core.motion_types import CoarseType, MotionType
+from kinmo.core.prediction import JointEstimate, PredictionProvenance, ShapeEstimate
+from kinmo.core.shape import Shape
+from kinmo.io.readers.json_field import JsonField
+from kinmo.io.readers.untrusted_files import read_json
+from kinmo.io.writers.joints_json_writer import SCHEMA_VERSION
+
+_UNIT_TOLERANCE = 1e-6
+
+
+def read_joints_json(path: Path, shape: Shape) -> tuple[ShapeEstimate, PredictionProvenance]:
+    """Read the prediction for a shape from joints.json.
+
+    Args:
+        path: the file.
+        shape: the shape that the prediction was made for.
+
+    Returns:
+        The prediction, and the models and settings that made it.
+
+    Raises:
+        InputError: the file belongs to another shape or schema version, or is wrong. The message names the field.
+    """
+    document = JsonField(path, read_json(path, path.parent))
+    version = document["schema_version"]
+    if version.integer() != SCHEMA_VERSION:
+        raise version.fail(f"expected {SCHEMA_VERSION}")
+    if document["shape"]["id"].text() != shape.id:
+        raise document["shape"]["id"].fail(f"expected {shape.id}")
+    leaf_of = {shape.parts[leaf].id: leaf for leaf in shape.leaves}
+    entries = document["bodies"].items()
+    bodies = tuple(_body(entry, leaf_of, len(entries)) for entry in entries)
+    owned = sorted(leaf for body in bodies for leaf in body.leaves)
+    if owned != sorted(shape.leaves):
+        raise document["bodies"].fail("expected every leaf of the shape in one body")
+    if has_cycle([body.parent for body in bodies]):
+        raise document["bodies"].fail("expected a tree of bodies, found a cycle")
+    junk_leaves = (body.leaves for body, entry in zip(bodies, entries, strict=True) if entry["is_junk"].flag())
+    config = document["config"].value
+    if not isinstance(config, dict):
+        raise document["config"].fail("expected an object")
+    prediction = ShapeEstimate(
+        shape.id,
+        document["shape"]["category"].text(),
+        Mobility(bodies, frozenset(leaf for leaves in junk_leaves for leaf in leaves)),
+        tuple(tuple(_estimate(item) for item in entry["estimates"].items()) for entry in entries),
+        tuple(_estimate(entry["network"]) for entry in entries),
+        document["method"].text(),
+    )
+    weights = document["weights"]
+    return prediction, PredictionProvenance(None if weights.is_absent else weights.text(), config)
+
+
+def _body(entry: JsonField, leaf_of: Mapping[int, int], count: int) -> Body:
+    leaves = []
+    for part in entry["parts"].items():
+        identity = part["id"].integer()
+        if identity not in leaf_of:
+            raise part["id"].fail(f"the shape has no leaf {identity}")
+        leaves.append(leaf_of[identity])
+    parent = None if entry["parent"].is_absent else entry["parent"].integer()
+    if parent is not None and not 0 <= parent < count:
+        raise entry["parent"].fail("expected the index of a body")
+    joint = None if entry["joint"].is_absent else _joint(entry["joint"])
+    return Body(entry["id"].integer(), entry["name"].text(), tuple(leaves), parent, joint)
+
+
+def _estimate(entry: JsonField) -> JointEstimate:
+    joint = None if entry["joint"].is_absent else _joint(entry["joint"])
+    terms = entry["terms"].value
+    if not isinstance(terms, dict):
+        raise entry["terms"].fail("expected an object")
+    scores = {term: entry["terms"][term].number() for term in terms}
+    return JointEstimate(joint, _type(entry), entry["score"].number(), scores, entry["source"].text())
+
+
+def _type(entry: JsonField) -> MotionType | CoarseType:
+    count, name = entry["classes"].integer(), entry["type"].text()
+    types: dict[int, type[MotionType] | type[CoarseType]] = {len(MotionType): MotionType, len(CoarseType): CoarseType}
+    if count not in types:
+        raise entry["classes"].fail("expected 5 or 10")
+    if name not in types[count].__members__:
+        raise entry["type"].fail(f"expected one of {', '.join(types[count].__members__)}")
+    return types[count][name]
+
+
+def _joint(entry: JsonField) -> Joint:
+    kind = entry["kind"].text()
+    if kind not in {known.value for known in JointKind}:
+        raise entry["kind"].fail("expected R, P or PR")
+    lower, upper = (None if entry[end].is_absent else entry[end].number() for end in ("lower", "upper"))
+    if (lower is None) != (upper is None):
+        raise entry["upper" if upper is None else "lower"].fail("expected both ends of a range, or none")
+    if lower is not None and upper is not None and lower > upper:
+        raise entry["upper"].fail("expected no less than lower")
+    direction = entry["direction"].vector()
+    if not abs(float(np.linalg.norm(direction)) - 1.0) < _UNIT_TOLERANCE:
+        raise entry["direction"].fail("expected a unit vector")
+    return Joint(JointKind(kind), direction, entry["pivot"].vector(), lower, upper, entry["rest"].number(0.0))

@@ -1,0 +1,42 @@
+"""The interface of a reader: an input format that `discover` recognises and reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+from pathlib import Path
+
+from kinmo.core.shape import Shape
+
+SourceFiles = tuple[Path, Sequence[Path]]
+"""A base folder, and the files and folders of OBJ files that a shape is read from. Those that do not exist are ignored."""
+
+
+def _no_id(path: Path) -> str | None:
+    return None
+
+
+def _no_folder(folder: Path, names: AbstractSet[str]) -> bool:
+    return False
+
+
+@dataclass(frozen=True)
+class Reader:
+    """An input format. Each reader module defines one as `READER`.
+
+    Attributes:
+        layout: name of the format, as in `Shape.layout`.
+        read: reads the shape at a path. Raises InputError, naming file and field, for files that cannot be used.
+        source_files: lists the files that the shape at a path is read from.
+        id_of_file: gives the id of the shape in a file, or None if the file is not of this format.
+        is_shape_folder: tells if a folder is one shape of this format, from its path and the names of its entries.
+        ending: ending of the file name for formats that users recognise by it, for messages.
+    """
+
+    layout: str
+    read: Callable[[Path], Shape]
+    source_files: Callable[[Path], SourceFiles]
+    id_of_file: Callable[[Path], str | None] = _no_id
+    is_shape_folder: Callable[[Path, AbstractSet[str]], bool] = _no_folder
+    ending: str = ""

@@ -1,0 +1,49 @@
+"""Hashed words of the names of parts and categories, as the ranking networks read them."""
+
+from __future__ import annotations
+
+import re
+import zlib
+from collections.abc import Sequence
+
+from kinmo.features.prepared_shape import PreparedShape
+
+WORD_BUCKETS = 1024
+"""Number of buckets that words are hashed to."""
+
+
+def hash_words(role: str, text: str) -> list[int]:
+    """Buckets of the words of a name.
+
+    Args:
+        role: role of the name, such as "part"; the same word gets another bucket in another role.
+        text: the name.
+    """
+    return [zlib.crc32(f"{role}:{word}".encode()) % WORD_BUCKETS for word in re.findall(r"[a-z]+", text.lower())]
+
+
+def maximal_nodes(shape: PreparedShape, leaves: Sequence[int]) -> list[int]:
+    """The highest nodes of the hierarchy whose leaves all are among `leaves` (positions in `shape.leaves`)."""
+    wanted = set(leaves)
+    inside = [set(below) <= wanted for below in shape.leaves_below]
+    return [n for n, parent in enumerate(shape.parents) if inside[n] and (parent < 0 or not inside[parent])]
+
+
+def group_words(shape: PreparedShape, leaves: Sequence[int]) -> tuple[int, ...]:
+    """Hashed words of a group: the names of its highest nodes, of its leaves, and of the nodes above it.
+
+    Args:
+        shape: the prepared shape.
+        leaves: positions of the group's leaves.
+    """
+    top = maximal_nodes(shape, leaves)
+    words = [w for n in top for w in hash_words("part", shape.part_names[n])]
+    words += [w for leaf in leaves for w in hash_words("leaf", shape.part_names[shape.leaves[leaf]])]
+    above = {shape.parents[n] for n in top if shape.parents[n] > 0}
+    words += [w for n in sorted(above) for w in hash_words("inside", shape.part_names[n])]
+    return tuple(words)
+
+
+def category_words(shape: PreparedShape) -> tuple[int, ...]:
+    """Hashed words of the shape's category."""
+    return tuple(hash_words("category", shape.category))

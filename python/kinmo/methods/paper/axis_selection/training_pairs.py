@@ -1,0 +1,179 @@
+"""Training pairs of the axis selection network: motions along true joints and along wrong axes (paper, section 3.3)."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from kinmo.config import AxisConfig
+from kinmo.core.joint import Joint, JointKind
+from kinmo.features.candidate_joints import CandidateJoints
+from kinmo.features.prepared_shape import PreparedShape
+from kinmo.methods.paper.axis_selection.negative_axes import negative_axes
+from kinmo.methods.paper.axis_selection.transformed_clouds import (
+    SCREW_SLIDES,
+    SCREW_TURN,
+    SLIDES,
+    TURNS,
+    LabelledCloud,
+    labelled_cloud,
+)
+from kinmo.methods.paper.leaf_roles import leaf_roles
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+
+DEFAULT_RANGE = {
+    JointKind.REVOLUTE: (-math.pi / 2, math.pi / 2),
+    JointKind.PRISMATIC: (-0.25, 0.25),
+    JointKind.SCREW: (-0.012, 0.013),
+}
+"""Range of joints without limits, in radians or diagonals."""
+
+TEST_DISPLACEMENTS = {JointKind.REVOLUTE: TURNS, JointKind.PRISMATIC: SLIDES, JointKind.SCREW: SCREW_SLIDES}
+"""Displacements of the training pairs: those that candidates are tested with, whatever the range of a joint."""
+
+VALIDATION_ROUNDS = 2
+"""Number of pairs per validation joint."""
+NEGATIVE_POINTS = 600
+"""Points of a part that its negative axes are chosen with."""
+
+
+@dataclass(frozen=True, eq=False)
+class PairBatch:
+    """Inputs of the network for B joints, each [B, n, 4].
+
+    Attributes:
+        original: clouds before the motion.
+        feasible: clouds after a motion along the true joint.
+        infeasible: clouds after a motion along a wrong axis.
+    """
+
+    original: Tensor
+    feasible: Tensor
+    infeasible: Tensor
+
+    def to(self, device: torch.device | str, non_blocking: bool = False) -> PairBatch:
+        """The batch on a device."""
+        return PairBatch(*(t.to(device, non_blocking=non_blocking) for t in (self.original, self.feasible, self.infeasible)))
+
+
+@dataclass(frozen=True, eq=False)
+class JointSample:
+    """One annotated joint.
+
+    Attributes:
+        shape: the shape.
+        moving: positions of the leaves that move with the joint.
+        name: name of the body.
+        joint: the true joint.
+        negatives: wrong axes.
+    """
+
+    shape: PreparedShape
+    moving: list[int]
+    name: str
+    joint: Joint
+    negatives: CandidateJoints
+
+
+def joint_samples(shapes: Sequence[PreparedShape], config: AxisConfig) -> list[JointSample]:
+    """All joints of annotated shapes that have an obstacle and at least one wrong axis."""
+    samples = []
+    rng = np.random.default_rng(0)
+    for shape in shapes:
+        if shape.mobility is None or shape.body_boxes is None:
+            continue
+        roles = leaf_roles(shape, shape.mobility.bodies)
+        for index, body in shape.mobility.movable():
+            moving = roles[index].moving
+            assert body.joint is not None
+            part = labelled_cloud(
+                shape.leaf_points[moving], shape.leaf_areas[moving], list(range(len(moving))), NEGATIVE_POINTS, rng
+            )
+            negatives = negative_axes(body.joint, shape.body_boxes[index], part.points, config)
+            if len(negatives) and len(moving) < len(shape.leaves):
+                samples.append(JointSample(shape, moving, body.name, body.joint, negatives))
+    return samples
+
+
+class PairData:
+    """Batches of one positive and one negative pair per joint; joints with frequent names are drawn less often.
+
+    Args:
+        training: joints to train on.
+        validation: joints to validate on.
+        config: settings of the network; `name_balance` is the power of the names' frequencies.
+    """
+
+    def __init__(self, training: Sequence[JointSample], validation: Sequence[JointSample], config: AxisConfig) -> None:
+        self.training, self.config = training, config
+        counts = Counter(sample.name for sample in training)
+        weights = np.array([float(counts[sample.name]) ** -config.name_balance for sample in training])
+        self.weights = weights / weights.sum()
+        self._validation = list(self._batches([*validation] * VALIDATION_ROUNDS, np.random.default_rng(0)))
+
+    def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[PairBatch]:
+        """Batches of one epoch, drawn anew."""
+        batches = self.config.batches_per_epoch or math.ceil(len(self.training) / self.config.batch_joints)
+        drawn = rng.choice(len(self.training), batches * self.config.batch_joints, p=self.weights)
+        return self._batches([self.training[i] for i in drawn], rng)
+
+    def validation_batches(self) -> Sequence[PairBatch]:
+        """Batches of the validation joints, the same in every epoch."""
+        return self._validation
+
+    def _batches(self, samples: Sequence[JointSample], rng: np.random.Generator) -> Iterator[PairBatch]:
+        size = self.config.batch_joints
+        for start in range(0, len(samples), size):
+            clouds = [self._clouds(sample, rng) for sample in samples[start : start + size]]
+            yield PairBatch(*(torch.from_numpy(np.stack(same)) for same in zip(*clouds, strict=True)))
+
+    def _clouds(self, sample: JointSample, rng: np.random.Generator) -> tuple[F32, F32, F32]:
+        """Original, feasible and infeasible cloud of one joint."""
+        shape, joint = sample.shape, sample.joint
+        points, focus = self.config.encoder.points, self.config.focus
+        cloud = labelled_cloud(shape.leaf_points, shape.leaf_areas, sample.moving, points, rng, focus=focus)
+        if joint.kind is not JointKind.SCREW and rng.random() < self.config.articulated:
+            start = _moved(cloud, joint.kind, joint.direction, joint.pivot, float(rng.uniform(*_range(joint))))
+            cloud = replace(cloud, points=start)
+        value = float(rng.choice(TEST_DISPLACEMENTS[joint.kind]))
+        wrong, negatives = int(rng.integers(len(sample.negatives))), sample.negatives
+        feasible = _moved(cloud, joint.kind, joint.direction, joint.pivot, value)
+        infeasible = _moved(cloud, joint.kind, negatives.directions[wrong], negatives.pivots[wrong], value)
+        turn = random_axis_permutation(rng) if self.config.turned else np.eye(4, dtype=np.float32)
+        return cloud.network_input() @ turn, cloud.network_input(feasible) @ turn, cloud.network_input(infeasible) @ turn
+
+
+def random_axis_permutation(rng: np.random.Generator) -> F32:
+    """One of the 48 matrices [4, 4] that permute and mirror the coordinate axes; the label's channel stays."""
+    turn = np.zeros((4, 4), np.float32)
+    turn[range(3), rng.permutation(3)] = rng.choice([-1.0, 1.0], 3)
+    turn[3, 3] = 1.0
+    return turn
+
+
+def _moved(cloud: LabelledCloud, kind: JointKind, direction: F64, pivot: F64, value: float) -> F32:
+    """Points of a cloud after one displacement."""
+    angle, shift = {
+        JointKind.REVOLUTE: (value, 0.0),
+        JointKind.PRISMATIC: (0.0, value),
+        JointKind.SCREW: (SCREW_TURN, value),
+    }[kind]
+    code = np.array([kind.code], np.uint8)
+    moved: F32 = cloud.transformed(code, direction[None], pivot[None], np.array([[angle]]), np.array([[shift]]))[0, 0]
+    return moved
+
+
+def _range(joint: Joint) -> tuple[float, float]:
+    """Limits of a joint, or the default range of its kind."""
+    if joint.lower is None or joint.upper is None:
+        return DEFAULT_RANGE[joint.kind]
+    return joint.lower, joint.upper

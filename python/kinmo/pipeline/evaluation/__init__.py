@@ -1,0 +1,1 @@
+"""Evaluation of trained methods on the test shapes of a workspace (paper, Table 1)."""

@@ -1,0 +1,237 @@
+"""The stage `eval` for shapes: Table 1 on the test shapes of a workspace, in both settings."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from kinmo.core.errors import InputError
+from kinmo.dataset.cache import Cache, cache_key
+from kinmo.dataset.jobs import Failure
+from kinmo.dataset.journal import seconds_per_unit, timed
+from kinmo.dataset.shape_dataset import ShapeDataset, fingerprint, open_dataset
+from kinmo.dataset.splits import Split
+from kinmo.dataset.stage import Observer, Outcome, Plan
+from kinmo.dataset.store import IndexEntry, read_prepared
+from kinmo.dataset.workspace import Workspace
+from kinmo.evaluation.joint_records import ShapeScore
+from kinmo.evaluation.shape_tables import Rows, Scores, category_tables, overviews, summary_table
+from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_table
+from kinmo.features.prepared_shape import leaf_meshes
+from kinmo.io.atomic_files import remove_leftovers, write_folder_atomically, write_text_atomically
+from kinmo.io.discover import ShapeSource
+from kinmo.learning.model_folder import ModelFolder
+from kinmo.methods import METHOD_MODELS
+from kinmo.pipeline.evaluation.evaluation_folder import (
+    EXAMPLES,
+    PRINTED_TABLES,
+    SETTINGS,
+    SHAPE_SCORES,
+    SUMMARIES,
+    EvaluationFolder,
+    test_shapes,
+)
+from kinmo.pipeline.evaluation.example_predictions import write_examples
+from kinmo.pipeline.evaluation.method_rows import Row, method_rows
+from kinmo.pipeline.evaluation.shape_evaluation import Baselines, ShapeScores, evaluate_shape
+from kinmo.pipeline.network_jobs import network_runner
+
+SECONDS_PER_SHAPE = 2.0
+"""First estimate, for one CPU core."""
+
+MoreRows = Callable[[ModelFolder, Sequence[Row], str], list[Row]]
+"""Function of the networks, the rows so far and the device that returns further rows."""
+MoreTables = Callable[[Rows, Caption], Mapping[str, Table]]
+"""Function of all scores of a setting and a caption that returns further tables by name."""
+
+
+@dataclass(frozen=True)
+class EvaluateShapes:
+    """Score the trained methods on the test shapes of a workspace, and write Table 1.
+
+    Attributes:
+        workspace: the workspace.
+        methods: `kinmo`, `paper` or both.
+        category: only shapes of this category; None for all.
+        baselines: rows that need no trained method.
+        more_rows: adds rows, such as ablations.
+        more_tables: adds tables.
+        device: where networks run.
+        workers: number of processes.
+        details: print all figures.
+    """
+
+    workspace: Workspace
+    methods: tuple[str, ...] = tuple(METHOD_MODELS)
+    category: str | None = None
+    baselines: Baselines | None = None
+    more_rows: MoreRows | None = None
+    more_tables: MoreTables | None = None
+    device: str = "auto"
+    workers: int = 1
+    details: bool = False
+
+    def plan(self) -> Plan:
+        """Nothing, if the tables are up to date."""
+        dataset, rows = open_dataset(self.workspace, self.category), self._rows()
+        folder = EvaluationFolder(self.workspace, dataset.category)
+        if self.workspace.is_current(folder.stage, self._inputs(dataset, rows)):
+            return Plan((), 0.0)
+        count = len(test_shapes(dataset))
+        step = f"score {len(rows)} rows on {count} test shapes, parts given and hierarchy given"
+        each = seconds_per_unit(self.workspace, folder.stage, SECONDS_PER_SHAPE / self.workers)
+        return Plan((step,), count * each)
+
+    def run(self, observer: Observer) -> Outcome:
+        """Score what is not up to date, and write the tables."""
+        dataset, rows = open_dataset(self.workspace, self.category), self._rows()
+        folder = EvaluationFolder(self.workspace, dataset.category)
+        with self.workspace.locked():
+            inputs = self._inputs(dataset, rows)
+            if self.workspace.is_current(folder.stage, inputs):
+                observer.note("already evaluated")
+            else:
+                self.workspace.forget(folder.stage)
+                remove_leftovers(self.workspace.evaluation)
+                with timed(self.workspace, folder.stage) as watch:
+                    scored = self._scores(dataset, rows, observer)
+                    with write_folder_atomically(folder.path) as draft:
+                        self._write(draft, scored, dataset.category, rows)
+                    watch.amount, watch.what = len(scored), f"{len(rows)} rows on {len(scored)} test shapes"
+                self.workspace.record(folder.stage, inputs, sorted(p for p in folder.path.rglob("*") if p.is_file()))
+        return _outcome(folder.path, self.details)
+
+    @property
+    def _models(self) -> ModelFolder:
+        return ModelFolder(self.workspace.models)
+
+    def _rows(self) -> list[Row]:
+        rows = method_rows(self._models, self.methods, self.device)
+        return rows + (self.more_rows(self._models, rows, self.device) if self.more_rows else [])
+
+    def _inputs(self, dataset: ShapeDataset, rows: Sequence[Row]) -> dict[str, Any]:
+        """Everything that the tables depend on."""
+        return {
+            "test": fingerprint(test_shapes(dataset)),
+            "training": fingerprint(open_dataset(self.workspace).labelled[Split.TRAIN]),
+            "rows": _settings(rows),
+            "baselines": dict(self.baselines.settings) if self.baselines else None,
+        }
+
+    def _scores(self, dataset: ShapeDataset, rows: Sequence[Row], observer: Observer) -> list[ShapeScores]:
+        """Scores of all test shapes; those that are up to date are read."""
+        entries = test_shapes(dataset)
+        baselines = self.baselines.prepare(self.workspace, entries, observer) if self.baselines else {}
+        settings = [_settings(rows), dict(self.baselines.settings) if self.baselines else None]
+        cache = Cache(self.workspace.evaluation / SHAPE_SCORES)
+        found: dict[str, ShapeScores] = {}
+        jobs = []
+        for entry in entries:
+            data = baselines.get(entry.file)
+            key = cache_key(shape=entry.key, settings=settings, baselines=data)
+            job = ScoreJob(entry, data, cache.folder / f"{Path(entry.file).stem}-{entry.layout}.json", key)
+            if cache.is_current(job.path.stem, key):
+                found[entry.file] = ShapeScores.from_data(json.loads(job.path.read_text(encoding="utf-8")))
+            else:
+                jobs.append(job)
+        scorer = ShapeScorer(dataset.store.folder, tuple(rows), self.baselines)
+        for job, scored in network_runner(self.workers, self.device).run(scorer, jobs):
+            if isinstance(scored, Failure):
+                raise InputError(job.entry.source, f"cannot be evaluated: {scored.reason}")
+            write_text_atomically(job.path, json.dumps(scored, ensure_ascii=False) + "\n")
+            cache.store(job.path.stem, job.key, [job.path])
+            found[job.entry.file] = ShapeScores.from_data(scored)
+            for failure in found[job.entry.file].failures:
+                observer.note(f"failed: {failure}")
+            observer.progress("evaluating shapes", len(found), len(entries), job.entry.id)
+        return [found[entry.file] for entry in entries]
+
+    def _write(self, folder: Path, scored: Sequence[ShapeScores], category: str | None, rows: Sequence[Row]) -> None:
+        failures = sum(len(scores.failures) for scores in scored)
+        note = f"{failures} predictions failed and count as missed." if failures else ""
+        models = tuple(sorted({model for method in self.methods for model in METHOD_MODELS[method]}))
+        data = f"{category or 'all categories'} of workspace {self.workspace.path.absolute().name}"
+        for setting in SETTINGS:
+            title = f"Table 1, {setting.replace('_', ' ')}"
+            caption = Caption(title, data, 0, 0, "test split by hashed id", self._models.seeds(models), note)
+            scores = _by_row(scored, setting)
+            headline = {name: own for name, own in scores.items() if "," not in name}  # ablations have a comma
+            short = Caption(title, caption.data, 0, 0, caption.split, caption.seeds, note)
+            tables = (
+                {"summary": summary_table(scores, short)}
+                | overviews(scores, caption)
+                | category_tables(headline, caption, whole=category is None)
+            )
+            tables |= self.more_tables(scores, caption) if self.more_tables else {}
+            for name, table in tables.items():
+                write_table(table, folder / setting, name)
+            figures = {name: own.summary.to_json() for name, own in scores.items()}
+            text = json.dumps(figures, indent=1, ensure_ascii=False) + "\n"
+            write_text_atomically(folder / SUMMARIES / f"{setting}.json", text)
+        write_examples(folder / EXAMPLES, (example for scores in scored for example in scores.examples))
+
+
+@dataclass(frozen=True)
+class ScoreJob:
+    """One test shape to score, with the baselines' data for it; `key` is the cache key of the file `path`."""
+
+    entry: IndexEntry
+    baselines: Any
+    path: Path
+    key: str
+
+
+@dataclass(frozen=True)
+class ShapeScorer:
+    """Scores shapes by some rows, in any process; `store` is the folder of the prepared shapes."""
+
+    store: Path
+    rows: tuple[Row, ...]
+    baselines: Baselines | None
+
+    def __call__(self, job: ScoreJob) -> dict[str, Any]:
+        """Scores of a shape as plain data."""
+        entry = job.entry
+        truth = read_prepared(self.store / entry.file)
+        shape = ShapeSource.of(entry).read()
+        meshes = leaf_meshes(shape, truth)
+        first = self.baselines.score(truth, meshes, job.baselines) if self.baselines else ({}, {})
+        return evaluate_shape(truth, meshes, entry.layout, self.rows, first).to_data()
+
+
+def _settings(rows: Sequence[Row]) -> dict[str, Any]:
+    """Everything that the rows' predictions depend on."""
+    return {row.name: [row.method.weights, dict(row.method.config)] for row in rows}
+
+
+def _by_row(scored: Sequence[ShapeScores], setting: str) -> Rows:
+    """Scores of all shapes in one setting, by row."""
+    scores: dict[str, list[ShapeScore]] = {}
+    for own in scored:
+        for name, score in getattr(own, setting).items():
+            scores.setdefault(name, []).append(score)
+    return {name: Scores(shapes) for name, shapes in scores.items()}
+
+
+def _outcome(folder: Path, details: bool) -> Outcome:
+    tables = {
+        setting: {path.stem: read_table(path) for path in sorted((folder / setting).glob("*.json"))} for setting in SETTINGS
+    }
+    if details:
+        text = "\n".join(as_text(own[name]) for own in tables.values() for name in PRINTED_TABLES)
+    else:
+        text = "\n".join(as_text(own["summary"]) for own in tables.values())
+        text += "\nEvery figure of every row: --details, and the tables (JSON, CSV, Markdown, LaTeX) in the folder below."
+    data = {setting: {name: _plain(table) for name, table in own.items()} for setting, own in tables.items()}
+    return Outcome(folder, data, text)
+
+
+def _plain(table: Table) -> dict[str, Any]:
+    return {
+        "caption": str(table.caption),
+        "columns": [column.title for column in table.columns],
+        "rows": [list(row) for row in table.rows],
+    }

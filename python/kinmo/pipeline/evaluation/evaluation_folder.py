@@ -1,0 +1,77 @@
+"""Folder of an evaluation: its files, and whether they are up to date. Nothing here needs torch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import quote
+
+from kinmo.core.errors import InputError
+from kinmo.dataset.shape_dataset import ShapeDataset
+from kinmo.dataset.splits import Split
+from kinmo.dataset.store import IndexEntry
+from kinmo.dataset.workspace import Workspace
+
+SETTINGS = ("parts_given", "hierarchy_given")
+"""The two settings; each has a folder of tables."""
+PRINTED_TABLES = ("overview_micro", "angle", "distance")
+"""Tables that are printed with --details; all tables are written."""
+EXAMPLES = "examples.jsonl"
+"""File of predictions for true joints, for the report's pictures."""
+SUMMARIES = "summaries"
+"""Folder with all figures of all rows, a file for each setting."""
+SHAPE_SCORES = "shape_scores"
+"""Folder of the scores of each test shape, below the workspace's evaluations."""
+ALL = "all"
+"""Folder of the evaluation of all categories; that of one category has the category's name."""
+
+
+@dataclass(frozen=True)
+class EvaluationFolder:
+    """Folder and record of the evaluation of one category, spelled as in the index, or of all (None)."""
+
+    workspace: Workspace
+    category: str | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the folder."""
+        return quote(self.category.lower(), safe=" ") if self.category else ALL
+
+    @property
+    def path(self) -> Path:
+        """The folder of the tables."""
+        return self.workspace.evaluation / self.name
+
+    @property
+    def stage(self) -> str:
+        """Name of the evaluation's record."""
+        return f"evaluate-{self.name}"
+
+    @property
+    def exists(self) -> bool:
+        """True if there are tables, up to date or not."""
+        return any((self.path / setting).is_dir() for setting in SETTINGS)
+
+
+def evaluation_folders(workspace: Workspace, categories: tuple[str, ...]) -> list[EvaluationFolder]:
+    """Evaluations with tables: that of all categories, and those of single ones."""
+    folders = [EvaluationFolder(workspace, category) for category in (None, *categories)]
+    return [folder for folder in folders if folder.exists]
+
+
+def test_shapes(dataset: ShapeDataset) -> tuple[IndexEntry, ...]:
+    """Test shapes with at least one joint.
+
+    Raises:
+        InputError: there are none.
+    """
+    entries = tuple(entry for entry in dataset.labelled[Split.TEST] if entry.joint_count)
+    if not entries:
+        of = f" of {dataset.category}" if dataset.category else ""
+        tests, known = len(dataset.labelled[Split.TEST]), sum(map(len, dataset.labelled.values()))
+        problem = (
+            f"expected a labelled test shape{of} with a joint; {tests} of {known} shapes are in the test split: prepare more"
+        )
+        raise InputError(dataset.store.folder, problem)
+    return entries

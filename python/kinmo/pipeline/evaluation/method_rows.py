@@ -1,0 +1,66 @@
+"""Rows of Table 1 that trained methods predict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from kinmo.core.prediction import ShapeEstimate
+from kinmo.learning.model_folder import ModelFolder
+from kinmo.learning.motion_gnn.gnn_network import TypeSet
+from kinmo.methods.kinmo.kinmo_method import KinmoMethod
+from kinmo.methods.method import Method
+from kinmo.methods.paper.paper_method import PaperMethod
+
+TYPE_SETS: tuple[TypeSet, ...] = ("coarse", "fine")
+
+
+def unchanged(prediction: ShapeEstimate) -> ShapeEstimate:
+    """The prediction itself."""
+    return prediction
+
+
+def gnn_alone(prediction: ShapeEstimate) -> ShapeEstimate:
+    """The motion GNN's own prediction, before refinement."""
+    bodies = tuple(
+        replace(body, joint=estimate.joint)
+        for body, estimate in zip(prediction.mobility.bodies, prediction.gnn_estimates, strict=True)
+    )
+    estimates = tuple((estimate,) for estimate in prediction.gnn_estimates)
+    return replace(prediction, mobility=replace(prediction.mobility, bodies=bodies), estimates=estimates)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a table: its name, the method that predicts, and the change that turns its prediction into the row's.
+
+    Rows with the same method share its predictions.
+    """
+
+    name: str
+    method: Method
+    change: Callable[[ShapeEstimate], ShapeEstimate] = unchanged
+
+
+def method_rows(models: ModelFolder, methods: Sequence[str], device: str) -> list[Row]:
+    """Rows of the methods, in the order of printing.
+
+    Args:
+        models: the folder with the trained networks.
+        methods: `kinmo`, `paper` or both.
+        device: where networks run.
+
+    Raises:
+        InputError: a network of one of the methods is missing or cannot be read.
+    """
+    rows: list[Row] = []
+    if "kinmo" in methods:
+        rows.append(Row("kinmo", KinmoMethod(models, device)))
+    if "paper" in methods:
+        refinement = models.config().refinement
+        for types in TYPE_SETS:
+            paper = PaperMethod(models, refinement, types, device)
+            rows += [Row(f"GNN_{types}", paper, gnn_alone), Row(f"OBB_{types}", paper)]
+    for row in rows:
+        row.method.check()
+    return rows

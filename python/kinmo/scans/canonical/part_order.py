@@ -1,0 +1,67 @@
+"""Canonical order of parts: the same for all objects of a category, whatever the file and its labels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.core.mobility import Body
+
+HEIGHT_WEIGHT = 1.2
+"""Weight of the vertical spread against the horizontal one: rows are side by side only if they spread clearly sideways."""
+SIGNS = (1.0, -1.0, -1.0)
+"""Sort direction along x (to the back), y (to the right) and z (up): front, left and top come first."""
+ROW_GAP = 0.03
+"""Largest gap between neighbours of one row across a direction, diagonals; for example, two doors above a third."""
+
+
+def canonical_order(bodies: Sequence[Body], centers: NDArray[np.float64]) -> list[int]:
+    """Canonical order of an object's bodies, parents first.
+
+    Siblings are grouped by joint kind and by the subtree below them. `spatial_order` orders each group.
+
+    Args:
+        bodies: N bodies; body 0 is the base.
+        centers: Box centers [N, 3] in diagonals, in a frame with z up and the front at -x.
+
+    Returns:
+        Indices of all bodies.
+    """
+    below: list[list[int]] = [[i for i, body in enumerate(bodies) if body.parent == index] for index in range(len(bodies))]
+
+    def form(index: int) -> tuple[object, ...]:
+        joint = bodies[index].joint
+        return ("" if joint is None else joint.kind.value, tuple(sorted(map(form, below[index]), key=repr)))
+
+    order = [0]
+    for index in order:
+        groups: dict[str, list[int]] = {}
+        for child in below[index]:
+            groups.setdefault(repr(form(child)), []).append(child)
+        for _, group in sorted(groups.items()):
+            order += [group[row] for row in spatial_order(centers[group])]
+    return order
+
+
+def spatial_order(centers: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Order of positions from the top, from the left or from the front, along the direction of largest spread.
+
+    Positions in one row across that direction (`ROW_GAP`) are ordered within the row.
+
+    Args:
+        centers: Positions [N, 3] in diagonals, in a frame with z up and the front at -x.
+
+    Returns:
+        Indices [N].
+    """
+    x, y, z = np.ptp(centers, axis=0)
+    sideways = (1, 0) if y >= x else (0, 1)
+    axes = (2, *sideways) if HEIGHT_WEIGHT * z >= max(x, y) else (sideways[0], 2, sideways[1])
+    orders = [np.argsort(centers[:, axis] * SIGNS[axis], kind="stable") for axis in axes]
+    for axis, order in zip(axes, orders, strict=True):
+        rows = np.split(order, np.flatnonzero(np.abs(np.diff(centers[order, axis])) > ROW_GAP) + 1)
+        if len(rows) > 1:
+            return np.concatenate([row[spatial_order(centers[row])] for row in rows])
+    return orders[0]

@@ -1,0 +1,1 @@
+"""Scans in files: labelled frames on disk, depth scans of users, and SVG pictures."""

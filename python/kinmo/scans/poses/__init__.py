@@ -1,0 +1,1 @@
+"""Part poses, amodal boxes and joints, fitted to the networks' point predictions."""

@@ -1,0 +1,125 @@
+"""Snapping of predicted joint directions to the axes of NAOCS, by the category prior."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo import _core
+from kinmo.core.joint import JointKind
+from kinmo.scans.object_structure import Structure
+from kinmo.scans.poses.category_prior import CategoryPrior
+from kinmo.scans.poses.point_predictions import PointPredictions, joint_voters
+
+F64 = NDArray[np.float64]
+
+MIN_SNAP_COSINE = np.cos(np.radians(20.0))
+"""Cosine from which on a predicted direction may snap to an axis."""
+
+MAX_COST_RATIO = 1.5
+"""Largest ratio of the fitting cost with the axis to the one with the predicted direction at which the direction snaps."""
+
+MIN_VOTERS = 2
+"""Number of voters from which on their spread shows how reliable they are."""
+
+CERTAINTY = 100.0
+"""Ratio of the distance to the axis over the voters' spread from which on the prediction is certain. The common error of
+predictions is a few times their spread at most."""
+
+
+def snap_directions(
+    predictions: Sequence[PointPredictions],
+    directions: Sequence[F64],
+    poses: tuple[F64, F64, F64],
+    structure: Structure,
+    prior: CategoryPrior,
+    threshold: float,
+) -> list[F64]:
+    """Snap joint directions to the nearest axis of NAOCS.
+
+    A joint that is along an axis in the category, and predicted within 20 degrees of one, snaps to it. It keeps its predicted
+    direction if its voters agree far too well to be wrong, or if its two parts then fit their points clearly worse.
+
+    Args:
+        predictions: Predictions for F scans.
+        directions: Predicted unit directions [K - 1, 3] of each scan, in NAOCS.
+        poses: Rotations, scales and translations of all parts of all scans, fitted without joints.
+        structure: Structure of the objects.
+        prior: Category prior.
+        threshold: Largest distance of a point that fits, in the input frame.
+
+    Returns:
+        Directions [K - 1, 3] of each scan.
+    """
+    snapped = [own.copy() for own in directions]
+    for frame, each in enumerate(predictions):
+        for row in np.flatnonzero(prior.along_axes):
+            direction = directions[frame][row]
+            axis = _nearest_axis(direction)
+            if axis is None or _is_certain(each.axes[joint_voters(each, row + 1)], direction, axis):
+                continue
+            parts = structure.parents[row], int(row) + 1
+            rotations, scales, translations = (values[frame * structure.part_count + np.array(parts)] for values in poses)
+            both = np.stack([axis, direction])
+            along, as_predicted = _costs(each, parts, (rotations, scales, translations), structure.kinds[row], both, threshold)
+            if not along > MAX_COST_RATIO * as_predicted:
+                snapped[frame][row] = axis
+    return snapped
+
+
+def _nearest_axis(direction: F64) -> F64 | None:
+    """The signed axis near a unit vector; None if there is none within 20 degrees."""
+    nearest = np.argmax(np.abs(direction))
+    if not abs(direction[nearest]) >= MIN_SNAP_COSINE:
+        return None
+    axis = np.zeros(3)
+    axis[nearest] = np.sign(direction[nearest])
+    return axis
+
+
+def _is_certain(axes: F64, direction: F64, axis: F64) -> bool:
+    """True if the predicted axes [n, 3] agree far better with each other than with the coordinate axis."""
+    lengths = np.linalg.norm(axes, axis=1)
+    if len(axes) < MIN_VOTERS or not lengths.all():
+        return False
+    spread = np.median(np.linalg.norm(axes / lengths[:, None] - direction, axis=1))
+    return bool(np.linalg.norm(axis - direction) > CERTAINTY * spread)
+
+
+def _costs(
+    predictions: PointPredictions,
+    parts: tuple[int, int],
+    poses: tuple[F64, F64, F64],
+    kind: JointKind,
+    directions: F64,
+    threshold: float,
+) -> F64:
+    """Fitting costs [n] of two parts, tied by a joint along each of the `directions` [n, 3].
+
+    The points are those that fit the `poses` of the parts alone. Costs are NaN if a part has no pose.
+    """
+    rotations, scales, translations = poses
+    if not np.isfinite(scales).all():
+        return np.full(len(directions), np.nan)
+    clouds = []
+    for row, part in enumerate(parts):
+        source, target = predictions.on_part(part)
+        fits = _residuals(source, target, rotations[row], scales[row], translations[row]) < threshold
+        clouds.append((source[fits], target[fits]))
+    count = len(directions)
+    source, target = (np.concatenate([cloud[side] for cloud in clouds] * count) for side in (0, 1))
+    starts = np.cumsum([0, *[len(own) for own, _ in clouds] * count], dtype=np.int64)
+    ties = np.arange(2 * count, dtype=np.uint32).reshape(count, 2), np.full(count, kind.code, np.uint8), directions
+    begin = np.tile(rotations, (count, 1, 1)), np.tile(scales, count), np.tile(translations, (count, 1))
+    tied = _core.tie_poses(
+        source, target, starts, *ties, *begin, frames=2 * np.arange(count + 1, dtype=np.int64), threshold=threshold
+    )
+    residuals = [_residuals(*clouds[pose % 2], *(values[pose] for values in tied)) for pose in range(2 * count)]
+    costs = [np.minimum(each, threshold).sum() for each in residuals]
+    return np.asarray(np.reshape(costs, (count, 2)).sum(axis=1))
+
+
+def _residuals(source: F64, target: F64, rotation: F64, scale: float, translation: F64) -> F64:
+    return np.asarray(np.linalg.norm(scale * source @ rotation.T + translation - target, axis=1))

@@ -1,0 +1,29 @@
+"""Names on disk and unique identifiers."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kinmo.core.names import MAX_NAME_BYTES, name_on_disk, short_name, unique_names
+
+
+@given(st.lists(st.text() | st.text("é柜%/", min_size=20, max_size=200), unique=True))
+def test_every_text_has_its_own_valid_name_on_disk(texts: list[str]) -> None:
+    names = [name_on_disk(text) for text in texts]
+    assert len(set(names)) == len(names)
+    for name in names:
+        assert "/" not in name
+        assert len(name) <= 200, "prefix, name and ending must fit into 255 bytes"
+        assert name.isascii()
+
+
+def test_only_long_names_are_shortened() -> None:
+    assert short_name("a" * MAX_NAME_BYTES, "text") == "a" * MAX_NAME_BYTES
+    one, other = (short_name("a" * (MAX_NAME_BYTES + 1), text) for text in ("one", "other"))
+    assert one != other
+    assert one.startswith("a" * MAX_NAME_BYTES + "~")
+
+
+def test_names_become_unique_identifiers() -> None:
+    assert unique_names(["a b", "a/b", "A_B", "", "<>", "x"]) == ["a_b", "a_b_2", "A_B_3", "part", "part_2", "x"]
