@@ -1,9 +1,10 @@
 """Exact distances between the parts of a shape, compared with python-fcl.
 
-    python bench/adjacency.py [--quick]
-
 A shape has 30 parts of 1,280 to 6,144 triangles (2,905 on average). Both sides use one thread, build their trees anew in every
 run, and look only at pairs whose boxes are within 5 % of the shape's diagonal. Distances must agree to 1e-9 diagonals.
+
+Usage:
+    python bench/adjacency.py [--quick]
 """
 
 from __future__ import annotations

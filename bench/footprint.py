@@ -1,10 +1,11 @@
 """Memory and time of a command with all its processes.
 
-    python bench/footprint.py --minutes 12 -- kinmo train all --category dishwasher --workspace demo/workspace
-    python bench/footprint.py --minutes 20 -- make demo
-
 Memory is the sum of the proportional set sizes of the command and its descendants (shared memory counts once), read every half
 second. Linux only. --quick changes nothing: the command decides how long it takes.
+
+Usage:
+    python bench/footprint.py --minutes 12 -- kinmo train all --category dishwasher --workspace demo/workspace
+    python bench/footprint.py --minutes 20 -- make demo
 """
 
 from __future__ import annotations

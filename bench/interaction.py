@@ -1,10 +1,11 @@
 """Interaction regions of touching pairs of bodies, compared with SciPy's Voronoi diagram for the same definition.
 
-    python bench/interaction.py [--data DIR] [--quick]
+There are 200 pairs of bodies of real objects within 1 % of the object's diagonal, drawn with a fixed seed. Each body has 1,024
+samples, and both sides use one thread. The regions of a pair agree if their centroids are within 0.01 diagonals of the pair's
+box. Without real objects the pairs are procedural, and the claim says so.
 
-200 pairs of bodies of real objects that are within 1 % of the object's diagonal, drawn with a fixed seed, 1,024 samples a body,
-one thread. The regions of a pair agree if their centroids are within 0.01 diagonals of the pair's box. Without real objects the
-pairs are procedural, and the claim says so.
+Usage:
+    python bench/interaction.py [--data DIR] [--quick]
 """
 
 from __future__ import annotations

@@ -1,21 +1,23 @@
-"""Does a kinmo command that is killed at a random moment, and then typed again, end with the same files as an undisturbed one?
+"""Results of kinmo commands that are killed at random moments and started again, compared with undisturbed ones.
 
+Without a command, every stage (or those named) runs on a workspace of few procedural shapes with few epochs. A command runs
+once undisturbed in a copy of the workspace of the stages before it. For every trial it starts in a fresh copy, gets SIGKILL
+with all its children at a random moment, and runs again to its end. The trial is good if:
+
+1. All files are the same, byte by byte. The journal and the lock do not count.
+2. No finished file is written again: records of stages, prepared shapes, labels, predictions.
+3. Training continues after the last complete epoch.
+4. A last run of the command touches no file.
+
+Processes are forked from one that has imported kinmo, so kills hit the work and not the imports.
+
+Usage:
     python bench/kill_resume.py [--kills 20] [--quick] [STAGE ...]
     python bench/kill_resume.py --from WORKSPACE -- kinmo COMMAND ... --workspace {workspace}
-
-Without a command, every stage (or those named) has its turn on a workspace of few procedural shapes, trained for few epochs.
-The command runs once undisturbed in a copy of the workspace that the stages before have left. Then, for every trial, it
-starts in a fresh copy, gets SIGKILL (with all its children) at a random moment, and runs again to its end. That must leave the
-same files, byte by byte, and must not have written again what was finished before the kill: records of stages, prepared
-shapes, labels, answers. Training must go on from the last epoch that was complete. At last the command runs once more, and
-may not touch a file. The journal, which says when stages ran, and the lock do not count.
-
-Processes are forked from one that has imported kinmo: a kill hits the work and not the seconds of importing.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import multiprocessing
 import os
@@ -33,6 +35,8 @@ from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 
+from common import option_parser, print_claims, print_table
+
 PLACE = "{workspace}"
 IGNORED = ("journal*", ".lock")
 FINISHED = (
@@ -49,9 +53,9 @@ FINISHED = (
     "models/*/weights.*",
     "models/ancsh/*/*/*/*/weights.*",
 )
-"""Files that nothing may write again once they are whole; `models` only while the stage of the model is finished."""
+"""Files that may not be written again once they are whole. Files of `models` count if the stage of the model is finished."""
 BY = "by-"
-"""Begins the names of the folders of other methods."""
+"""Prefix of the folders of other methods."""
 FAMILIES = ("laptop", "stapler")
 FORK = multiprocessing.get_context("forkserver")
 FORK.set_forkserver_preload(
@@ -79,14 +83,14 @@ STAGES: dict[str, tuple[str, ...]] = {
     "table": ("table", "2", "--config", "{config}", "--category", "laptop", "--seeds", "1"),
     "train all": ("train", "all", "--config", "{config}", "--category", "laptop"),
 }
-"""In their order. `train axis` trains the axis selection and the ranking."""
+"""Commands of the stages, in order. `train axis` trains the axis selection and the ranking."""
 AFTER = {stage: before for before, stage in pairwise(STAGES)} | {"train all": "prepare"}
-"""Whose workspace each starts from."""
+"""The stage whose workspace a stage starts from."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What came of one kill: how many files were `kept`, since they were finished, and what is `wrong`."""
+    """The outcome of one kill: the number of finished files, which must be `kept`, and what is `wrong`."""
 
     kept: int
     wrong: tuple[str, ...]
@@ -94,32 +98,32 @@ class Trial:
 
 @dataclass(frozen=True)
 class Experiment:
-    """A command with a place for the workspace, and the workspace it starts from."""
+    """A command with a placeholder for the workspace, and the workspace that it starts from."""
 
     command: tuple[str, ...]
     start: Path | None
     workspace: Path
 
     def fresh(self) -> None:
-        """Make a workspace to start in."""
+        """Make a copy of the workspace to start from."""
         shutil.rmtree(self.workspace, ignore_errors=True)
         if self.start is not None:
             shutil.copytree(self.start, self.workspace, symlinks=True)
 
     @property
     def log(self) -> Path:
-        """What the last run said on stderr."""
+        """File of the last run's stderr."""
         return self.workspace.with_suffix(".log")
 
     def launch(self) -> multiprocessing.process.BaseProcess:
-        """The running command, in a process group of its own."""
+        """Start the command in a process group of its own."""
         arguments = [argument.replace(PLACE, str(self.workspace)) for argument in self.command]
         process = FORK.Process(target=_kinmo, args=(arguments, self.log))
         process.start()
         return process
 
     def run(self) -> float:
-        """Run the command to its end; its seconds. Ends the bench if it fails."""
+        """Run the command to its end, and return the seconds. Exits if it fails."""
         begin = time.monotonic()
         process = self.launch()
         try:
@@ -132,7 +136,7 @@ class Experiment:
         return time.monotonic() - begin
 
     def files(self) -> dict[str, tuple[bytes, int]]:
-        """Contents, and times of change in ns, of all files that count."""
+        """Contents and modification times in ns of all files that count."""
         paths = {path.relative_to(self.workspace).as_posix(): path for path in self.workspace.rglob("*") if path.is_file()}
         return {
             name: (path.read_bytes(), path.stat().st_mtime_ns)
@@ -141,9 +145,9 @@ class Experiment:
         }
 
     def trial(self, whole: dict[str, tuple[bytes, int]], after: float, again: bool) -> Trial | None:
-        """Kill after some seconds, run again, compare; with `again`, run once more and compare times too.
+        """Kill the command after some seconds, run it again and compare the files.
 
-        None if the command was over by then.
+        With `again`, run it once more and compare the modification times. Returns None if the command ended before the kill.
         """
         self.fresh()
         begun = time.time_ns()
@@ -165,7 +169,7 @@ class Experiment:
         return Trial(len(done), tuple(wrong))
 
     def _epochs(self) -> dict[str, int]:
-        """Complete epochs by what the network is called."""
+        """Complete epochs by name of the network."""
         tables = self.workspace.rglob("metrics.json")
         return {
             _network(path.parent.relative_to(self.workspace).as_posix()): len(json.loads(path.read_text(encoding="utf-8")))
@@ -173,7 +177,7 @@ class Experiment:
         }
 
     def _repeated(self, before: dict[str, int]) -> Iterator[str]:
-        """Networks of which the last run says that it trained an epoch that was complete before."""
+        """Networks for which the last run trained an epoch that was complete before."""
         for name, first in re.findall(r"^training (.+): (\d+)/", self.log.read_text(encoding="utf-8"), re.MULTILINE):
             if int(first) <= before.get(name, 0):
                 yield f"{name}, {first} of {before[name]}"
@@ -184,7 +188,7 @@ def _same(one: dict[str, tuple[bytes, int]], other: dict[str, tuple[bytes, int]]
 
 
 def _is_finished(name: str, found: dict[str, tuple[bytes, int]]) -> bool:
-    """Whether a file is not to be written again."""
+    """True if a file may not be written again."""
     is_draft = any(part.startswith(".") and part.endswith("~") for part in name.split("/"))
     place, own = _split(name)
     if is_draft or not any(fnmatch(own, glob) for glob in FINISHED):
@@ -193,13 +197,13 @@ def _is_finished(name: str, found: dict[str, tuple[bytes, int]]) -> bool:
 
 
 def _split(name: str) -> tuple[str, str]:
-    """The place in the workspace of what the labels of another method than the default give, and the name there."""
+    """Folder of another method in the workspace (empty for the default one), and the name in it."""
     first, _, rest = name.partition("/")
     return (f"{first}/", rest) if first.startswith(BY) else ("", name)
 
 
 def _network(folder: str) -> str:
-    """What training calls the network in a folder of the workspace."""
+    """Name that training prints for the network in a folder of the workspace."""
     place, own = _split(folder)
     _, name, *cell = own.split("/")
     if not cell:
@@ -210,13 +214,13 @@ def _network(folder: str) -> str:
 
 
 def _record(folder: str) -> str:
-    """The record that the network in a folder of the workspace is finished."""
+    """Name of the record that the network in a folder of the workspace is finished."""
     _, name, *cell = folder.split("/")
     return f"train-{'-'.join([cell[-1], *cell[:-1]]) if cell else name}"
 
 
 def _kinmo(arguments: list[str], log: Path) -> None:
-    """Be the program `kinmo` with these arguments."""
+    """Run the program `kinmo` with these arguments in this process."""
     os.setsid()
     sys.argv[:] = ["kinmo", *arguments]
     for stream, path in ((1, Path(os.devnull)), (2, log)):
@@ -228,7 +232,7 @@ def _kinmo(arguments: list[str], log: Path) -> None:
 
 
 def _kill(process: multiprocessing.process.BaseProcess) -> None:
-    """End a command and all its children, at once."""
+    """Kill a command and all its children at once."""
     if process.pid is not None and process.is_alive():
         try:
             os.killpg(process.pid, signal.SIGKILL)
@@ -238,17 +242,17 @@ def _kill(process: multiprocessing.process.BaseProcess) -> None:
 
 
 def tiny_config(folder: Path) -> Path:
-    """The configuration `small`, smaller still, by whose networks everything is labelled, however unsure they are."""
+    """A configuration far smaller than `small`, whose networks label every shape, however unsure."""
     text = (files("kinmo") / "configs" / "small.toml").read_text(encoding="utf-8")
     few = {"epochs": 4, "batches_per_epoch": 4, "points": 64, "members": 2, "states": 3, "views": 4}
     for key, value in few.items():
         text = re.sub(rf"^{key} = \d+", f"{key} = {value}", text, flags=re.MULTILINE)
-    # so much finds all parts of a scan now and then, without which there is no setting semi
+    # enough to find all parts of some scans, which self-training needs
     text = re.sub(r"(\nbatch_frames = )\d+(\nbatches_per_epoch = )\d+", r"\g<1>8\g<2>24", text)
     unsure = {"[refinement]": "threshold = 0.0\nchance = 0.0\ndoubt = 1.0", "[ancsh]": "confidence = 0.0"}
     for section, lines in unsure.items():
         text = text.replace(f"{section}\n", f"{section}\n{lines}\n")
-    for section in ("[gnn.training]", "[ranking.training]"):  # fewer epochs label no laptop as what laptops usually are
+    for section in ("[gnn.training]", "[ranking.training]"):  # fewer epochs label no laptop with the usual structure
         text = text.replace(f"{section}\nepochs = 4\n", f"{section}\nepochs = 16\n")
     path = folder / "tiny.toml"
     path.write_text(text, encoding="utf-8")
@@ -256,7 +260,7 @@ def tiny_config(folder: Path) -> Path:
 
 
 def stage_command(name: str, folder: Path) -> tuple[str, ...]:
-    """The command of a stage, with a place for the workspace."""
+    """The command of a stage, with a placeholder for the workspace."""
     places = {"{shapes}": str(folder / "shapes"), "{config}": str(tiny_config(folder))}
     words = STAGES[name]
     for place, path in places.items():
@@ -265,7 +269,7 @@ def stage_command(name: str, folder: Path) -> tuple[str, ...]:
 
 
 def examine(what: str, experiment: Experiment, kills: int, rng: random.Random) -> int:
-    """All trials of one command; how many ended well. Leaves the workspace as the undisturbed command does."""
+    """Run all trials of one command, and return the number of good ones. The last workspace is complete."""
     experiment.fresh()
     seconds = experiment.run()
     whole = experiment.files()
@@ -275,7 +279,7 @@ def examine(what: str, experiment: Experiment, kills: int, rng: random.Random) -
     good = 0
     for number in range(1, kills + 1):
         trial = None
-        while trial is None:  # the machine may be faster now than it was
+        while trial is None:  # the machine may be faster than in the undisturbed run
             after = rng.uniform(0.5 * min(idle, seconds), seconds)
             trial = experiment.trial(whole, after, again=number == kills)
             seconds = after if trial is None else seconds
@@ -287,17 +291,16 @@ def examine(what: str, experiment: Experiment, kills: int, rng: random.Random) -
 
 
 def main() -> int:
-    """Run all trials and print what differed."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--kills", type=int, default=20, help="of every command")
+    """Run all trials, and print what differed."""
+    parser = option_parser(__doc__, "two kills")
+    parser.add_argument("--kills", type=int, default=20, help="kills of every command")
     parser.add_argument("--from", dest="start", type=Path, help="workspace that the command starts from")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--quick", action="store_true", help="two kills")
-    parser.add_argument("command", nargs="*", metavar="STAGE", help=f"of {', '.join(STAGES)}; or kinmo and a command")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random moments")
+    parser.add_argument("command", nargs="*", metavar="STAGE", help=f"some of {', '.join(STAGES)}; or kinmo and a command")
     args = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     os.environ |= {"OMP_NUM_THREADS": "1", "RAYON_NUM_THREADS": "1"}
-    warm = FORK.Process(target=os.getpid)  # the first one waits for the imports
+    warm = FORK.Process(target=os.getpid)  # the first process waits for the imports
     warm.start()
     warm.join()
     kills, rng = 2 if args.quick else args.kills, random.Random(args.seed)
@@ -330,7 +333,9 @@ def main() -> int:
                     left[stage] = workspace.rename(folder / stage)
     total, well = kills * len(good), sum(good.values())
     claim = {"claim": f"same files after kill -9 at random moments of {', '.join(good)}", "ours": well, "peer": total}
-    print(json.dumps({**claim, "ratio": well / total, "goal": 1.0, "met": well == total}))
+    rows = [(stage, kills, count) for stage, count in good.items()]
+    print_table(("command", "kills", "same files"), rows)
+    print_claims({**claim, "ratio": well / total, "goal": 1.0, "met": well == total})
     return 0
 
 

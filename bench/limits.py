@@ -1,9 +1,10 @@
 """Accuracy of joint limits on real objects with the true axes given, compared with limits from the sweep alone.
 
-    python bench/limits.py [--data DIR] [--cache DIR] [--quick]
-
 The range IoU is that of docs/metrics.md, over all true joints with limits. `side` is the share of one-sided ranges with their
 greater part on the true side. Real objects are needed (--data).
+
+Usage:
+    python bench/limits.py [--data DIR] [--cache DIR] [--quick]
 """
 
 from __future__ import annotations

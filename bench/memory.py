@@ -1,10 +1,11 @@
 """Memory of `kinmo prepare` as the number of shapes grows: it should stay flat.
 
-    python bench/memory.py [--shapes 10000] [--workers 1] [--family NAME ...] [--quick]
-
 Procedural shapes in the layouts of PartNet-Mobility and PartNet are prepared. Default families have few and small parts, so
 10,000 shapes take minutes. The memory of the process with the index is read during the run, that of
 the largest worker after it.
+
+Usage:
+    python bench/memory.py [--shapes 10000] [--workers 1] [--family NAME ...] [--quick]
 """
 
 from __future__ import annotations

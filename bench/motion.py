@@ -1,9 +1,10 @@
 """Points moved by candidate joints, compared with a float32 einsum: 15 candidates x 8 displacements x 4,096 points, one thread.
 
-    python bench/motion.py [--quick]
-
 The einsum gets its matrices ready-made; kinmo builds them within the timed call. The einsum is timed without and with BLAS
 (`optimize=True`). The claim is about the one without.
+
+Usage:
+    python bench/motion.py [--quick]
 """
 
 from __future__ import annotations

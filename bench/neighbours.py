@@ -1,11 +1,12 @@
 """Nearest points and maxima over them as in the networks, compared with torch and SciPy, one thread.
 
-    python bench/neighbours.py [--quick]
-
 The nearest neighbours of every point of point clouds are compared with torch's topk and SciPy's search tree. The maxima of 64
 features over the neighbours, with their gradients, are compared with torch's embedding bags and with gathering. The sizes are
 those of axis selection: 64 clouds of 256 points with 8 neighbours (`small`), 16 of 1,024 with 20 (`paper`). All must find
 equally near points, and equal maxima and gradients.
+
+Usage:
+    python bench/neighbours.py [--quick]
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
 """Minimum-volume boxes, compared with trimesh's `bounds.oriented_bounds`, one thread each.
 
-    python bench/obb.py [--data DIR] [--quick]
-
 The leaf parts of the real objects below --data, or procedural parts if there are none. No volume may exceed trimesh's by more
 than a thousandth (of flat parts the area, of line-like ones the length). Parts without a box by trimesh are left out of the
 times and counted. Curved parts, with more than a quarter of the surface off all axes of the file, have a row of their own.
+
+Usage:
+    python bench/obb.py [--data DIR] [--quick]
 """
 
 from __future__ import annotations

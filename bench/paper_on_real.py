@@ -1,10 +1,11 @@
 """Accuracy of the paper's method on joints of real objects, rigid bodies given (paper, Table 1; docs/metrics.md).
 
-    python bench/paper_on_real.py [--data DIR] [--cache DIR] [--count 16] [--seeds 3] [--folds 5] [--quick]
-
 Every object is tested by networks that never saw it. They are trained on procedural shapes and continued on the real objects of
 the other folds, as in bench/real_objects.py, with the same data and cache. The networks have the sizes of `small`, and the
 paper's inputs, losses, negatives, candidates and terms. The claim is that OBB_fine is better than GNN_fine, as in the paper.
+
+Usage:
+    python bench/paper_on_real.py [--data DIR] [--cache DIR] [--count 16] [--seeds 3] [--folds 5] [--quick]
 """
 
 from __future__ import annotations
@@ -15,14 +16,13 @@ from pathlib import Path
 from typing import Literal
 
 import torch
-from kinmo.experiments.table1.rows import TYPE_SETS, true_type_candidates
 
 from common import print_claims
 from kinmo.config import Config, TrainingConfig, load_config
 from kinmo.evaluation.joint_records import ShapeScore
 from kinmo.evaluation.parts_given import score_parts_given
-from kinmo.experiments.table1.rule_baseline import without_learning
-from kinmo.experiments.table1.upper_bound import ceiling
+from kinmo.experiments.table1.rule_baseline import rule_joints
+from kinmo.experiments.table1.upper_bound import true_type_candidates, upper_bound
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.motion_gnn.gnn_estimate import gnn_joint
 from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
@@ -32,6 +32,7 @@ from kinmo.methods.paper.axis_selection.axis_selector import AxisSelector
 from kinmo.methods.paper.leaf_roles import leaf_roles
 from kinmo.methods.paper.mobility_tree import tree_with_given_bodies
 from kinmo.methods.paper.refinement import Refiner
+from kinmo.pipeline.evaluation.method_rows import TYPE_SETS
 from real_figures import Figures, figures_of, print_figures
 from real_shapes import Fold, gather_shapes, shapes_parser, split_procedural
 
@@ -110,9 +111,9 @@ def score_rows(rows: Rows, shapes: Sequence[PreparedShape], weights: dict[Model,
 def score_frame(rows: Rows, shapes: Sequence[PreparedShape], config: Config) -> None:
     """Add the rows to compare with: the upper bound of the candidates, and the rule without learning."""
     for shape in shapes:
-        best = ceiling(shape, true_type_candidates(shape, None, config.refinement))
+        best = upper_bound(shape, true_type_candidates(shape, None, config.refinement))
         rows.setdefault("best of the paper's candidates", []).append(score_parts_given(shape, best))
-        rows.setdefault("no learning", []).append(score_parts_given(shape, without_learning(shape)))
+        rows.setdefault("no learning", []).append(score_parts_given(shape, rule_joints(shape)))
 
 
 def main() -> int:

@@ -1,9 +1,10 @@
 """Number of parameters of the networks of each configuration.
 
-    python bench/parameters.py [--quick]
-
 The networks of `paper` have the sizes of the public code's networks. Tests work these out layer by layer: test_gnn_network.py,
 test_siamese_network.py and test_ancsh_network.py.
+
+Usage:
+    python bench/parameters.py [--quick]
 """
 
 from __future__ import annotations

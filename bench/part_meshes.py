@@ -41,7 +41,7 @@ def procedural_parts(count: int, seed: int = 0) -> list[MeshArrays]:
 
 
 def load_parts(data: Path, limit: int | None) -> tuple[list[MeshArrays], str]:
-    """At most `limit` real parts, or procedural ones if there are none, with a description of them."""
+    """Real parts, or procedural ones if there are none, at most `limit`. Also returns a description of them."""
     parts = real_parts(data) if data.is_dir() else []
     if parts:
         return parts[: limit or None], f"leaf parts of the real objects below {data}"

@@ -1,23 +1,21 @@
-"""Poses of the parts of an articulated object, one thread: RANSAC against batched NumPy, joints against SciPy's least squares.
+"""Poses of the parts of an articulated object, one thread: compared with NumPy and SciPy, and for exact inputs.
 
-    RAYON_NUM_THREADS=1 OMP_NUM_THREADS=1 python bench/pose.py [--quick]
+1. RANSAC of three parts with 1,024 pairs of points and 10,000 hypotheses a part, compared with batched NumPy. The errors of 200
+   problems must not exceed NumPy's, in the median and the 95th percentile. One problem is timed.
+2. Two parts with a hinge, and two with a slider, compared with SciPy's least squares. The sum of squares must be no larger.
+3. Point predictions without errors, of objects with two to six parts: the largest errors of poses and joints.
 
-Three parts with 1,024 pairs of points each and 10,000 hypotheses a part, in 200 problems of which one is timed: first checks
-that NumPy's poses are no better, in the median and the 95th percentile of the errors. Then two parts on a hinge, and two of
-which one slides in the other, each the same sum of squares. Last, answers without errors of objects with two to six parts: the
-largest errors of their poses and joints, whatever is known to be typical of them.
+Usage:
+    python bench/pose.py [--quick]
 """
 
 from __future__ import annotations
 
-import os
-
-for variable in ("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ[variable] = "1"
-
-import argparse
-import json
 from dataclasses import dataclass
+
+from common import Cell, Claim, best_time, budget_claim, option_parser, print_claims, print_table, ratio_claim, use_one_thread
+
+use_one_thread()
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,24 +30,31 @@ from kinmo.scans.poses.point_predictions import PointPredictions
 from kinmo.scans.poses.pose_fitting import PoseOptions, estimate_poses
 from kinmo.scans.poses.scan_estimate import ScanEstimate
 from kinmo.scans.preprocessing.input_frame import InputFrame
-from timing import best_time
 
 F64 = NDArray[np.float64]
 SEARCH_GOAL, JOINT_GOAL = 10.0, 100.0
+"""Ratios to reach."""
 PARTS, POINTS, HYPOTHESES, THRESHOLD = 3, 1024, 10_000, 0.1
+"""Parts, pairs of points a part, hypotheses a part, and the largest distance of an inlier."""
 SCALE, NOISE, WRONG = 0.7, 0.03, 0.4
+"""True scale, noise of the points, and share of wrong pairs."""
 PROBLEMS, REPEATS = 200, 20
 QUICK = 5, 3
+"""Problems and repeats, and those of --quick."""
 POSE_GOAL, DEGREES_GOAL = 1e-4, 0.01
-MOST_PARTS, EXACT_POINTS, EXACT_HYPOTHESES, MOST_TILT = 6, 200, 200, 0.35
+"""Largest errors for exact inputs, of poses and of joint directions in degrees."""
+MAX_PARTS, EXACT_POINTS, EXACT_HYPOTHESES, MAX_TILT = 6, 200, 200, 0.35
+"""Exact inputs: largest number of parts, points and hypotheses a part, and tilt of nearly axis-aligned joints in radians."""
 EXACT_SHARE = 20
+"""Exact inputs are one in this many problems."""
 CHUNK = 1000
-"""Hypotheses that NumPy scores at once: more do not fit its caches."""
+"""Hypotheses that NumPy scores at once; more do not fit the caches."""
 
 
 def clouds(seed: int, slides: bool = False) -> tuple[F64, F64, list[Rotation]]:
-    """Pairs [PARTS, POINTS, 3] of points, two of five wrong, and the true turns; part 1 hangs on part 0 by a hinge along x, or
-    slides in it.
+    """Source and target points [PARTS, POINTS, 3], two of five pairs wrong, and the true rotations of the parts.
+
+    Part 1 moves against part 0, by a hinge along x or a slider.
     """
     rng = np.random.default_rng(seed)
     base = Rotation.random(random_state=rng)
@@ -64,7 +69,7 @@ def clouds(seed: int, slides: bool = False) -> tuple[F64, F64, list[Rotation]]:
 
 
 def kabsch(covariances: F64) -> F64:
-    """Turns [..., 3, 3] that fit covariances [..., 3, 3] of target times source best."""
+    """Rotations [..., 3, 3] that fit covariances [..., 3, 3] of target times source best."""
     u, _, v_t = np.linalg.svd(covariances)
     signs = np.ones(covariances.shape[:-1])
     signs[..., 2] = np.sign(np.linalg.det(u @ v_t))
@@ -72,7 +77,7 @@ def kabsch(covariances: F64) -> F64:
 
 
 def fitted(source: F64, target: F64) -> tuple[F64, F64, F64]:
-    """Turns, scales and shifts of the least-squares similarities of pairs [..., n, 3]."""
+    """Rotations, scales and shifts of the least-squares similarities of pairs [..., n, 3]."""
     a, b = source - source.mean(-2, keepdims=True), target - target.mean(-2, keepdims=True)
     turns = kabsch(np.swapaxes(b, -1, -2) @ a)
     turned = a @ np.swapaxes(turns, -1, -2)
@@ -82,7 +87,7 @@ def fitted(source: F64, target: F64) -> tuple[F64, F64, F64]:
 
 
 def numpy_search(source: F64, target: F64, rng: np.random.Generator) -> tuple[F64, F64, F64]:
-    """The turn [3, 3], scale [] and shift [3] of the hypothesis with most inliers, fitted anew to them."""
+    """Rotation [3, 3], scale [] and shift [3] of the hypothesis with most inliers, fitted again to these."""
     best, inliers = -1, np.zeros(len(source), bool)
     for _ in range(HYPOTHESES // CHUNK):
         drawn = rng.integers(0, len(source), (CHUNK, 3))
@@ -99,8 +104,8 @@ def degrees(found: F64, true: Rotation) -> float:
     return float(np.degrees((Rotation.from_matrix(found) * true.inv()).magnitude()))
 
 
-def search(problems: int, repeats: int) -> None:
-    """Errors over fixed problems, then times."""
+def search(problems: int, repeats: int) -> Claim:
+    """Compare RANSAC: errors over fixed problems, then times."""
     starts = np.arange(PARTS + 1, dtype=np.int64) * POINTS
 
     def ours(source: F64, target: F64) -> tuple[F64, ...]:
@@ -121,21 +126,25 @@ def search(problems: int, repeats: int) -> None:
             off = [degrees(turn, true) for turn, true in zip(turns, right, strict=True)]
             errors[name] += zip(off, np.linalg.norm(shifts, axis=1), abs(scales / SCALE - 1.0), strict=True)
     figures = {name: np.percentile(values, [50, 95], axis=0) for name, values in errors.items()}
-    for name, (middle, high) in figures.items():
-        pairs = zip(("rotation (deg)", "place", "scale"), middle, high, strict=True)
-        texts = [f"{what} off by {median:.4f} in the median, {most:.4f} in the 95th percentile" for what, median, most in pairs]
-        print(f"{name:>6}, {problems} problems of {PARTS} parts: {'; '.join(texts)}")
+    print(f"{problems} problems of {PARTS} parts")
+    rows: list[tuple[Cell, ...]] = [
+        (name, error, float(middle[column]), float(high[column]))
+        for name, (middle, high) in figures.items()
+        for column, error in enumerate(("rotation (deg)", "translation", "scale"))
+    ]
+    print_table(("method", "error", "median", "95th percentile"), rows)
     no_worse = bool((figures["kinmo"] <= figures["NumPy"]).all())
     source, target, _ = clouds(0)
     own, theirs = (
         1e3 * best_time(lambda: ours(source, target), repeats),
         1e3 * best_time(lambda: peer(source, target), max(1, repeats // 4)),
     )
-    report("similarities of 3 parts x 1,024 pairs x 10,000 hypotheses, ms", own, theirs, SEARCH_GOAL, no_worse)
+    claim = "similarities of 3 parts x 1,024 pairs x 10,000 hypotheses compared with NumPy, ms"
+    return ratio_claim(claim, ours=own, peer=theirs, goal=SEARCH_GOAL, agree=no_worse)
 
 
-def joint(kind: JointKind, repeats: int) -> None:
-    """The same sum of squares by either solver."""
+def joint(kind: JointKind, repeats: int) -> Claim:
+    """Compare the poses of two parts with a joint: sums of squares, then times."""
     slides = kind is JointKind.PRISMATIC
     source, target, turns = clouds(1, slides)
     source, target = source[:2], target[:2]
@@ -164,21 +173,24 @@ def joint(kind: JointKind, repeats: int) -> None:
 
     own_cost = np.sum(residuals(Rotation.from_matrix(ours()).as_rotvec().ravel()) ** 2)
     peer_cost = np.sum(residuals(peer()) ** 2)
-    name = "sliding in each other" if slides else "on a hinge"
-    print(f"sum of squares, {name}: kinmo {own_cost:.9f}, SciPy {peer_cost:.9f}")
+    name = "a slider" if slides else "a hinge"
+    print(f"sum of squares with {name}: kinmo {own_cost:.9f}, SciPy {peer_cost:.9f}")
     own, theirs = 1e3 * best_time(ours, repeats), 1e3 * best_time(peer, repeats)
-    report(f"two parts {name}, 2 x 1,024 pairs, ms", own, theirs, JOINT_GOAL, bool(own_cost <= peer_cost * (1 + 1e-9)))
+    agree = bool(own_cost <= peer_cost * (1 + 1e-9))
+    claim = f"two parts with {name}, 2 x 1,024 pairs, compared with SciPy, ms"
+    return ratio_claim(claim, ours=own, peer=theirs, goal=JOINT_GOAL, agree=agree)
 
 
 @dataclass(frozen=True, eq=False)
 class Exact:
-    """What is said without error of an object, and what is true of it in the camera's frame: similarities of its K parts from
-    NPCS, and directions and pivots of its joints.
+    """Point predictions of an object without errors, and its true poses and joints in the camera's frame.
+
+    Poses are similarities of its K parts from NPCS: rotations, scales and shifts.
     """
 
-    answer: PointPredictions
+    predictions: PointPredictions
     structure: Structure
-    turns: list[Rotation]
+    rotations: list[Rotation]
     scales: F64
     shifts: F64
     directions: F64
@@ -186,15 +198,15 @@ class Exact:
 
 
 def exact_object(kinds: tuple[JointKind, ...], rng: np.random.Generator) -> Exact:
-    """Parts that hang by earlier ones, their axes at random, half of them near those of the coordinates."""
+    """Parts with joints to earlier parts. Axes are random, half of them near the coordinate axes."""
     count = len(kinds) + 1
     parents = tuple(int(rng.integers(part)) for part in range(1, count))
     sizes, corners = rng.uniform(0.2, 0.6, count), rng.uniform(-0.2, 0.6, (count, 3))
-    # of every part, what takes NAOCS to the camera
+    # from NAOCS to the camera, for every part
     turns, shifts = [Rotation.random(random_state=rng)], [rng.uniform(-0.3, 0.3, 3) + [0.0, 0.0, 2.0]]
     axes, pivots, seen_axes, seen_pivots = [], [], [], []
     for kind, parent in zip(kinds, parents, strict=True):
-        tilted = Rotation.from_rotvec(rng.uniform(-1.0, 1.0, 3) * MOST_TILT / np.sqrt(3.0)).apply(np.eye(3)[rng.integers(3)])
+        tilted = Rotation.from_rotvec(rng.uniform(-1.0, 1.0, 3) * MAX_TILT / np.sqrt(3.0)).apply(np.eye(3)[rng.integers(3)])
         axis, pivot = (
             (tilted if rng.random() < 0.5 else Rotation.random(random_state=rng).apply(tilted)),
             rng.uniform(0.0, 1.0, 3),
@@ -211,19 +223,19 @@ def exact_object(kinds: tuple[JointKind, ...], rng: np.random.Generator) -> Exac
     naocs = sizes[:, None, None] * npcs + corners[:, None]
     points = np.stack([turn.apply(own) + shift for turn, own, shift in zip(turns, naocs, shifts, strict=True)])
     parts = np.repeat(np.arange(count), EXACT_POINTS)
-    # points of the base tell of joints as well
-    told = np.where(parts > 0, parts, rng.integers(1, count, len(parts)))
-    answer = PointPredictions(
+    # points of the base predict joints as well
+    joint_of = np.where(parts > 0, parts, rng.integers(1, count, len(parts)))
+    predictions = PointPredictions(
         InputFrame(np.zeros(3), 1.0), points.reshape(-1, 3), parts, npcs.reshape(-1, 3), sizes, corners,
-        told, np.array(axes)[told - 1], np.array(pivots)[told - 1],
+        joint_of, np.array(axes)[joint_of - 1], np.array(pivots)[joint_of - 1],
     )  # fmt: skip
     placed = np.stack([turn.apply(corner) + shift for turn, corner, shift in zip(turns, corners, shifts, strict=True)])
-    return Exact(answer, Structure(kinds, parents), turns, sizes, placed, np.array(seen_axes), np.array(seen_pivots))
+    return Exact(predictions, Structure(kinds, parents), turns, sizes, placed, np.array(seen_axes), np.array(seen_pivots))
 
 
 def exact_errors(found: ScanEstimate, right: Exact) -> tuple[float, float]:
-    """The largest of poses (radians, lengths and shares of scales) and of places of joints, and of directions in degrees."""
-    turned = [degrees(*both) for both in zip(found.poses.rotations, right.turns, strict=True)]
+    """Largest error of poses and pivots (radians, lengths, relative scales), and of joint directions in degrees."""
+    turned = [degrees(*both) for both in zip(found.poses.rotations, right.rotations, strict=True)]
     moved = np.linalg.norm(found.poses.translations - right.shifts, axis=1)
     aside = np.linalg.norm(np.cross(found.pivots - right.pivots, right.directions), axis=1)
     poses = np.concatenate([np.radians(turned), moved, abs(found.poses.scales / right.scales - 1.0), aside])
@@ -231,43 +243,37 @@ def exact_errors(found: ScanEstimate, right: Exact) -> tuple[float, float]:
     return float(poses.max()), float(np.degrees(np.arcsin(off.clip(max=1.0))).max())
 
 
-def exact(problems: int) -> None:
-    """Objects of two to six parts, with joints of one kind and of all; nothing is typical, or all that can be."""
+def exact(problems: int) -> list[Claim]:
+    """Errors for exact inputs: two to six parts, joints of one kind and of all kinds, with and without a category prior."""
     rng, every = np.random.default_rng(0), list(JointKind)
     worst, count, options = np.zeros(2), 0, PoseOptions(hypotheses=EXACT_HYPOTHESES)
-    for parts in range(2, MOST_PARTS + 1):
+    for parts in range(2, MAX_PARTS + 1):
         for some in (*([kind] for kind in every), every):
             for _ in range(problems):
                 kinds = tuple(some[index] for index in rng.integers(0, len(some), parts - 1))
                 right = exact_object(kinds, rng)
                 known = CategoryPrior(np.tile([0.0, 1.5], (parts - 1, 1)), np.ones(parts, bool), np.ones(parts - 1, bool))
-                for typical in (None, known):
-                    (found,) = estimate_poses([right.answer], right.structure, options, typical)
+                for prior in (None, known):
+                    (found,) = estimate_poses([right.predictions], right.structure, options, prior)
                     worst = np.maximum(worst, exact_errors(found, right))
                     count += 1
-    for what, largest, goal in zip(("poses", "joints (deg)"), worst.tolist(), (POSE_GOAL, DEGREES_GOAL), strict=True):
-        print(f"answers without errors, {count} times: {what} off by {largest:.1e} at most")
-        claim = {"claim": f"largest error of {what} from answers without errors", "ours": largest, "peer": None, "ratio": None}
-        print(json.dumps({**claim, "goal": goal, "met": largest <= goal}))
-
-
-def report(claim: str, ours: float, peer: float, goal: float, no_worse: bool) -> None:
-    ratio = peer / ours
-    print(f"{claim}: kinmo {ours:.3f}, peer {peer:.1f}, {ratio:.0f} times")
-    met = ratio >= goal and no_worse
-    print(json.dumps({"claim": claim, "ours": ours, "peer": peer, "ratio": ratio, "goal": goal, "met": met}))
+    print(f"{count} objects with exact predictions")
+    names, goals = ("poses", "joint directions (deg)"), (POSE_GOAL, DEGREES_GOAL)
+    print_table(("", "largest error"), list(zip(names, worst.tolist(), strict=True)))
+    return [
+        budget_claim(f"largest error of {name} from exact predictions", largest, goal)
+        for name, largest, goal in zip(names, worst.tolist(), goals, strict=True)
+    ]
 
 
 def main() -> None:
-    """All comparisons."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="few problems and repeats")
-    quick = parser.parse_args().quick
+    """Run all comparisons."""
+    quick = option_parser(__doc__, "few problems and repeats").parse_args().quick
     problems, repeats = QUICK if quick else (PROBLEMS, REPEATS)
-    search(problems, repeats)
-    joint(JointKind.REVOLUTE, repeats)
-    joint(JointKind.PRISMATIC, repeats)
-    exact(max(1, problems // EXACT_SHARE))
+    claims = [search(problems, repeats), joint(JointKind.REVOLUTE, repeats), joint(JointKind.PRISMATIC, repeats)]
+    rows = [(claim["claim"], claim["ours"], claim["peer"], claim["ratio"]) for claim in claims]
+    print_table(("task", "kinmo", "peer", "ratio"), rows)
+    print_claims(*claims, *exact(max(1, problems // EXACT_SHARE)))
 
 
 if __name__ == "__main__":

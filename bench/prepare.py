@@ -1,8 +1,9 @@
 """Objects a second of `kinmo prepare`: reading, points, boxes, distances, features, labels and writing.
 
-    python bench/prepare.py [--data DIR] [--workers 2] [--quick]
-
 Without real objects procedural shapes are written first.
+
+Usage:
+    python bench/prepare.py [--data DIR] [--workers 2] [--quick]
 """
 
 from __future__ import annotations

@@ -1,24 +1,25 @@
 """Accuracy of the `kinmo` method on joints of real objects (docs/metrics.md).
 
-    python bench/real_objects.py [--data DIR] [--cache DIR] [--count 60] [--seeds 3] [--folds 5] [--rows ROW ...] [--quick]
-
 Every object is tested by networks that never saw it. They are trained on procedural shapes and continued on the real objects of
 the other folds. Everything is kept in the cache and made once. Real objects are needed (--data).
 
 Rows:
 
-    given        rigid bodies given
-    hierarchy    only the part hierarchy given; also without learning
-    hidden       bodies given, names hidden
-    turned       bodies given, objects rotated about up, and freely with a known up
-    transfer     bodies given, networks of procedural shapes alone; also with names hidden
-    categories   bodies given, whole categories left out of training, a fifth at a time
-    families     procedural shapes of families left out of training, each half in turn; also of another seed, and of seen ones
-    trees        boosted trees on the same features, trained on the real objects of the other folds; also with the kinds given
-    upper-bound  the best candidate joint of every part
+    `given`: Rigid bodies given.
+    `hierarchy`: Only the part hierarchy given, by networks and without learning.
+    `hidden`: Bodies given, names hidden.
+    `turned`: Bodies given, objects rotated about up, and freely with a known up.
+    `transfer`: Bodies given, networks of procedural shapes alone, names shown and hidden.
+    `categories`: Bodies given, whole categories left out of training, a fifth at a time.
+    `families`: Procedural shapes of families left out of training, each half in turn, of two seeds. Also seen families.
+    `trees`: Boosted trees on the same features, trained on real objects of the other folds. Also with the kinds given.
+    `upper-bound`: The best candidate joint of every part.
 
 For the rows `categories` and `families` networks are trained anew, also on shapes without a category (--mechanisms), and do not
 see categories. `categories` has one network instead of several.
+
+Usage:
+    python bench/real_objects.py [--data DIR] [--cache DIR] [--count 60] [--seeds 3] [--folds 5] [--rows ROW ...] [--quick]
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ from kinmo.core.prediction import JointEstimate, ShapeEstimate
 from kinmo.evaluation.hierarchy_given import score_hierarchy_given
 from kinmo.evaluation.joint_records import ShapeScore
 from kinmo.evaluation.parts_given import score_parts_given
-from kinmo.experiments.table1.rule_baseline import segmented_without_learning
+from kinmo.experiments.table1.rule_baseline import rule_prediction
 from kinmo.experiments.table1.trees_baseline import fit_trees
 from kinmo.features.candidate_features import CandidateFeatures
 from kinmo.features.prepared_shape import PreparedShape, leaf_meshes
@@ -236,7 +237,7 @@ def scores(bench: Bench, row: str, seeds: int) -> dict[str, list[ShapeScore]]:
                 trees = fit_trees([*training, *validation], seed=seed)
                 for shape in tested:
                     for name, kinds_given in (("trees", False), ("trees, kinds given", True)):
-                        estimates = trees.answers(shape, kinds_given=kinds_given)
+                        estimates = trees.predict(shape, kinds_given=kinds_given)
                         found.setdefault(name, []).append(score_parts_given(shape, estimates))
         else:
             for fold in bench.shapes.by_fold():
@@ -251,7 +252,7 @@ def scores(bench: Bench, row: str, seeds: int) -> dict[str, list[ShapeScore]]:
                 elif row == "hierarchy":
                     networks = Networks.load(*weights)
                     found.setdefault("hierarchy given", []).extend(hierarchy_given(shape, networks) for shape in tested)
-                    by_rule = (score_hierarchy_given(shape, segmented_without_learning(shape)) for shape in tested)
+                    by_rule = (score_hierarchy_given(shape, rule_prediction(shape)) for shape in tested)
                     found.setdefault("hierarchy given, no learning", []).extend(by_rule)
     return found
 

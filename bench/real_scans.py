@@ -1,24 +1,24 @@
-"""Table 2 on real categories: what pseudo labels are worth for partial scans where most labels of real objects are hidden.
+"""Table 2 on real categories: the gain by pseudo labels for partial scans, if most real labels are hidden.
 
+DATA are folders of PartNet-Mobility objects. In each category, `--share` of the training objects keep their joints. The others
+are written without joints, as in PartNet; their joints are oracle labels for the row with true labels. Objects of all other
+categories keep their joints for the motion networks, which continue from those of `--from` (procedural shapes) if given. All
+results are kept in the cache, and the same command resumes.
+
+Usage:
     python bench/real_scans.py DATA... --cache DIR [--from WORKSPACE] [--category NAME ...] [--share 0.3]
-                                [--seeds 1] [--method kinmo paper] [--config small]
-
-DATA are folders of PartNet-Mobility objects. Of each category, of its objects to train on, `--share` keep their joints; the
-others are shown without, as PartNet has them, and their joints are held back for the row with true labels. Objects of all other
-categories keep theirs, for the motion networks, which go on from those of `--from` (procedural shapes) if that is given. Cells
-are kept in DIR: the same command goes on where it stopped.
+                               [--seeds 1] [--method kinmo paper] [--config small] [--hours N] [--quick]
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
+from common import Claim, option_parser, print_claims
 from kinmo.cli.console import LineObserver
 from kinmo.core.categories import canonical_category, same_category
 from kinmo.dataset.splits import Split, split_of, within_share
@@ -35,7 +35,7 @@ JOINTS = ("mobility_v2.json", "mobility.urdf")
 
 
 def arrange(data: Iterable[Path], categories: Iterable[str], share: float, folder: Path) -> dict[str, tuple[int, int]]:
-    """Copy the objects into `folder`, as labelled, or as unlabelled and held back; returns how many of either, by category."""
+    """Copy the objects into `folder`, as labelled, or as unlabelled with oracle labels. Returns both numbers by category."""
     objects = {found.id: found.path for root in data for found in discover(root) if found.layout == PARTNET_MOBILITY}
     category = {name: _category_of(path) for name, path in objects.items()}
     hidden: set[str] = set()
@@ -66,7 +66,7 @@ def _copy(source: Path, place: Path, without: Sequence[str] = ()) -> None:
 
 
 def _link(source: str, place: str) -> None:
-    """The same file at another place, or where that is on another disk its copy."""
+    """Make a hard link, or a copy on another disk."""
     try:
         os.link(source, place)
     except OSError:
@@ -74,30 +74,32 @@ def _link(source: str, place: str) -> None:
 
 
 def main() -> None:
-    """Arrange, prepare, and make the table of one category after the other."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("data", nargs="+", type=Path)
-    parser.add_argument("--cache", type=Path, required=True)
-    parser.add_argument("--from", dest="start", type=Path)
-    parser.add_argument("--category", nargs="+", choices=CATEGORIES, default=list(CATEGORIES))
-    parser.add_argument("--method", nargs="+", choices=METHODS, help="all; with --from, kinmo, as others cannot start from it")
-    parser.add_argument("--share", type=float, default=0.3)
-    parser.add_argument("--seeds", type=int, default=1)
-    parser.add_argument("--config", default="small")
-    parser.add_argument("--hours", type=float)
-    parser.add_argument("--quick", action="store_true", help="only arrange and prepare")
+    """Arrange and prepare the objects, and make the table of each category."""
+    parser = option_parser(__doc__, "arrange and prepare only")
+    parser.add_argument("data", nargs="+", type=Path, help="folders of real objects")
+    parser.add_argument("--cache", type=Path, required=True, help="folder of all results")
+    parser.add_argument("--from", dest="start", type=Path, help="workspace whose motion networks to continue")
+    parser.add_argument("--category", nargs="+", choices=CATEGORIES, default=list(CATEGORIES), help="categories (default: all)")
+    parser.add_argument(
+        "--method", nargs="+", choices=METHODS, help="methods of pseudo labels (default: all; with --from, kinmo)"
+    )
+    parser.add_argument("--share", type=float, default=0.3, help="share of objects that keep their joints")
+    parser.add_argument("--seeds", type=int, default=1, help="number of seeds")
+    parser.add_argument("--config", default="small", help="configuration of the networks")
+    parser.add_argument("--hours", type=float, help="stop after this many hours")
     options = parser.parse_args()
     folder = options.cache / f"partnet-{options.share:g}"
     for name, (kept, hidden) in arrange(options.data, CATEGORIES, options.share, folder).items():
-        print(f"{name}: {kept} objects to train on with joints, {hidden} without")
+        print(f"{name}: {kept} training objects with joints, {hidden} without")
     workspace, observer = Workspace(options.cache / f"workspace-{options.share:g}"), LineObserver()
     workers = os.cpu_count() or 1
     Prepare(folder, workspace, workers=workers, hold_back=(folder / "unlabelled" / "held_back",)).run(observer)
     start = None if options.start is None else Workspace(options.start)
     methods = tuple(options.method or (METHODS if start is None else (DEFAULT_METHOD,)))
     if options.quick:
-        print(json.dumps(claim(options.category[0], {})))
+        print_claims(claim(options.category[0], {}))
         return
+    claims = []
     for category in options.category:
         table = MakeTable(
             "2", workspace, options.config, methods, category, options.seeds, options.hours, workers=workers, start=start
@@ -106,14 +108,19 @@ def main() -> None:
         print(outcome.text)
         for name, tables in outcome.data.items():
             place = tables["means"]["columns"].index("rotation (deg)")
-            print(json.dumps(claim(name, {row[0]: row[place] for row in tables["means"]["rows"]})))
+            claims.append(claim(name, {row[0]: row[place] for row in tables["means"]["rows"]}))
+    print_claims(*claims)
 
 
-def claim(category: str, rotations: Mapping[str, float | None]) -> dict[str, Any]:
-    """What pseudo labels gain of rotations; those are told by row."""
+def claim(category: str, rotations: Mapping[str, float | None]) -> Claim:
+    """The claim that pseudo labels reduce the rotation error; `rotations` are by row of the table."""
     ours, peer = rotations.get("semi-weakly"), rotations.get("supervised")
     is_known = ours is not None and peer is not None
-    line = {"claim": f"rotation of {category}, pseudo labels beside few labels alone, degrees", "ours": ours, "peer": peer}
+    line = {
+        "claim": f"rotation error of {category} with pseudo labels compared with few labels alone, degrees",
+        "ours": ours,
+        "peer": peer,
+    }
     return line | {"ratio": peer / ours if is_known else None, "goal": 1.0, "met": ours < peer if is_known else None}
 
 

@@ -1,9 +1,10 @@
 """Agreement of `kinmo eval FILES` with an independent scorer of URDF files.
 
-    python bench/referee_agreement.py --referee SCORER --truth DIR [--workers 1] [--quick] PREDICTIONS
-
 Both score the same URDFs, and every figure that both have is compared. The scorer is a Python file that is called as
 `SCORER TRUTH PREDICTIONS --json OUT` and writes micro and macro figures under the same keys as kinmo.
+
+Usage:
+    python bench/referee_agreement.py --referee SCORER --truth DIR [--workers 1] [--quick] PREDICTIONS
 """
 
 from __future__ import annotations
@@ -67,9 +68,8 @@ def main() -> int:
     args = parser.parse_args()
     ids = sorted(file.parent.name for file in args.truth.glob("*/mobility_v2.json"))[: QUICK if args.quick else None]
     report = score_urdf_folder(args.predictions, args.truth, ids=ids, workers=args.workers)
-    rows = compared(
-        summarise_urdf_scores(report), referee_figures(args.referee, args.truth, args.predictions, ids, args.workers)
-    )
+    theirs = referee_figures(args.referee, args.truth, args.predictions, ids, args.workers)
+    rows = common_figures(summarise_urdf_scores(report), theirs)
     lines: list[tuple[Cell, ...]] = []
     for name, mine, other in rows:
         difference = None if mine is None or other is None else mine - other

@@ -1,8 +1,9 @@
 """Uniform surface samples, compared with Open3D's `sample_points_uniformly`, one thread each.
 
-    python bench/sampling.py [--quick]
-
 Thirty parts of 2,000 and of 50,000 triangles, 1,024 points a part. The samples of both must be uniform by area.
+
+Usage:
+    python bench/sampling.py [--quick]
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """Free travel along 60 candidate joints of one part, compared with a budget of 20 ms, one thread.
 
-    python bench/sweep.py [--quick]
-
 The scene is a door in its frame with a stop, a shelf and a back, in parts of 3,072 triangles. No library offers this, so the
 peer is the budget of shape preparation. The free travel of the true hinge is checked against the measures of the scene.
+
+Usage:
+    python bench/sweep.py [--quick]
 """
 
 from __future__ import annotations

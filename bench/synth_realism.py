@@ -1,9 +1,10 @@
 """Statistics of procedural shapes compared with those of real objects, over the categories that both have.
 
-    python bench/synth_realism.py [--real DIR] [--count 30] [--by-category] [--quick]
-
 Both are read from files by the same readers. A row is a mean over categories, of the mean over the shapes, joints or parts of a
 category (of the median where the row says so). A row is marked if the two differ by more than a factor of two.
+
+Usage:
+    python bench/synth_realism.py [--real DIR] [--count 30] [--by-category] [--quick]
 """
 
 from __future__ import annotations

@@ -15,21 +15,15 @@ from typing import TYPE_CHECKING, Any
 from kinmo._core import __version__
 
 if TYPE_CHECKING:
-    from kinmo.api import (
-        PredictedJoint,
-        Prediction,
-        Predictor,
-        ScanPrediction,
-        ScanPredictor,
-        evaluate,
-        load,
-        prepare,
-        train,
-    )
+    from kinmo.api.loading import load
+    from kinmo.api.prediction import PredictedJoint, Prediction
+    from kinmo.api.predictor import Predictor
+    from kinmo.api.stages import evaluate, prepare, train
     from kinmo.core.errors import InputError, KinmoError
     from kinmo.core.joint import Joint, JointKind
     from kinmo.core.mobility import Body, Mobility
     from kinmo.core.shape import Mesh, Part, Shape
+    from kinmo.pipeline.scans.scan_predictor import ScanPrediction, ScanPredictor
 
 __all__ = [
     "Body",
@@ -54,11 +48,15 @@ __all__ = [
 ]
 
 _MODULES = {
-    "api": ("PredictedJoint", "Prediction", "Predictor", "ScanPrediction", "ScanPredictor", "evaluate", "load", "prepare", "train"),
+    "api.loading": ("load",),
+    "api.prediction": ("PredictedJoint", "Prediction"),
+    "api.predictor": ("Predictor",),
+    "api.stages": ("evaluate", "prepare", "train"),
     "core.errors": ("InputError", "KinmoError"),
     "core.joint": ("Joint", "JointKind"),
     "core.mobility": ("Body", "Mobility"),
     "core.shape": ("Mesh", "Part", "Shape"),
+    "pipeline.scans.scan_predictor": ("ScanPrediction", "ScanPredictor"),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 

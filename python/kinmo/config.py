@@ -213,14 +213,14 @@ class ScansConfig:
 
     An object to train on is seen in `states` of its joints, from `views` cameras each; one to choose or test by in
     `test_states` and from `test_views`. The states are shared out among `variants` of an object to train on: itself, and
-    others like it (`scans.variants`), up to `stretch` times as long or as short in each direction; only objects that are
+    others like it (`object_variants`), up to `stretch` times as long or as short in each direction; only objects that are
     `closed` have such. `sampling`: every joint has a value of its own out of its range, or all go through theirs in
     `lockstep`, or as in the `release` all through the same angles. `cameras` stand about the object as it is in each `state`,
     or as in the release about what it is at `rest`. Pictures have `size` pixels a side, frames `points` points;
     a frame in which a part has fewer than `least_pixels` is refused. A part smaller than `smallest_part` diagonals goes with
     what it moves against. Networks learn objects with the `joints` that are named, part by part as tables do (`R on 0`), or if
-    none are, with those that most labelled ones have. They learn the `canonical` state of objects: `closed` (`scans.closing`),
-    or whatever their `file` shows. `noisy_sensor` is the sensor that takes `sensor`'s place to tell what a bad one costs. `pybullet`
+    none are, with those that most labelled ones have. They learn the `canonical` state of objects: `closed` (`closed_pose`),
+    or whatever their `file` shows. `noisy_sensor` takes `sensor`'s place to tell what a bad sensor costs. `pybullet`
     is the paper's renderer.
     """
 
@@ -275,17 +275,18 @@ class AncshConfig:
     the true size of the whole `object`, as in the release, or to that of the visible `scan`, which is all that a user has.
     `axes`: they are seen along those of the `camera`, as in the release, along those that most surfaces face (`manhattan`), or
     twice, the second time along those that the surfaces of the `base` face. `maps`: NPCS of a part are a linear map of the
-    points, told of the scan as a whole, and what every point adds; or as in the release what every point says alone. `layout`:
-    of the scan as a whole is asked what is the same for all points, the proportions of the parts' boxes and the places of the
-    joints' axes, which in the release follow from what every point says. `joint_labels`: a point near to two joints tells of
-    the `nearest`, or as in the `release` of the last, where joints without a place have one too. `mean_over`: losses of NPCS
-    and NAOCS are means over the `parts` that scans show, however few points each, or as in the release over all `points`. An
+    points, told of the scan as a whole, and what every point adds; or as in the release what every point says alone.
+    `global_head`: of the scan as a whole is asked what is the same for all points, the proportions of the parts' boxes and the
+    places of the joints' axes, which in the release follow from what every point says.
+    `joint_labels`: a point near to two joints tells of the `nearest`, or as in the `release` of the last, where joints
+    without a place have one too. `mean_over`: losses of NPCS and NAOCS are means over the `parts` that scans show, however few
+    points each, or as in the release over all `points`. An
     epoch has `batches_per_epoch` batches of `batch_frames` scans of `points` points, drawn with odds that fall with the number
     of points of a part to the power `balance`; validation sees `validation_frames` an object. `ties`: predicted joints tie the
     poses of all parts of the `tree` together, and what is typical of the objects trained on narrows these down; or as in the
-    release joints tie two parts at a time (`pairs`), or `none`. `boxes` of parts are as `said`, or have their sides where these
-    are `seen`. What networks say of a scan is a label for others where of every part at least the share `confidence` of its
-    points agrees on where that is. Objects with true labels have the share `trusted` of all scans that are drawn at least (0:
+    release joints tie two parts at a time (`pairs`), or `none`. `boxes` of parts are as `predicted`, or `fitted` to the
+    sides that the scan shows. What networks say of a scan is a label for others where of every part at least the share
+    `confidence` of its points agrees on where that is. Objects with true labels have the share `trusted` of all scans that are drawn at least (0:
     all objects have equal odds), or `trusted_in_semi` beside those that networks labelled.
     """
 
@@ -302,7 +303,7 @@ class AncshConfig:
     normalised: Literal["object", "scan"] = "scan"
     axes: Literal["camera", "manhattan", "base"] = "base"
     maps: bool = True
-    layout: bool = True
+    global_head: bool = True
     joint_labels: Literal["nearest", "release"] = "nearest"
     mean_over: MeanOver = "parts"
     batch_frames: Count = 16
@@ -310,7 +311,7 @@ class AncshConfig:
     balance: Share = 0.5
     validation_frames: Count = 4
     ties: Literal["tree", "pairs", "none"] = "tree"
-    boxes: Literal["seen", "said"] = "seen"
+    boxes: Literal["fitted", "predicted"] = "fitted"
     confidence: Share = 0.8
     trusted: Share = 0.2
     trusted_in_semi: Share = 0.5

@@ -129,7 +129,7 @@ def test_lengths_are_scaled_by_no_more_than_can_be_meant(option: str, value: str
 def test_the_choices_of_the_options_are_those_of_the_program() -> None:
     """Options are listed without importing what they choose among."""
     from kinmo.cli.options import Method, ProtocolName
-    from kinmo.cli.synth import MOST_SHAPES, LayoutName
+    from kinmo.cli.synth import MAX_SHAPES, LayoutName
     from kinmo.cli.table import Name
     from kinmo.cli.train import SettingName, What
     from kinmo.experiments.scan_tables.table_rows import TABLES
@@ -138,14 +138,15 @@ def test_the_choices_of_the_options_are_those_of_the_program() -> None:
     from kinmo.pipeline.scans.scan_networks import PROTOCOLS
     from kinmo.pipeline.scans.training_settings import Setting
     from kinmo.synth import generate
+    from kinmo.synth.writers import WRITERS
 
-    assert {each.value for each in LayoutName} == {each.value for each in generate.Layout}
+    assert {each.value for each in LayoutName} == {each.value for each in WRITERS}
     assert {each.value for each in Method} == METHOD_MODELS.keys()
     assert {each.value for each in What} == GROUPS.keys() - METHOD_MODELS.keys() | {"all", "ancsh"}
     assert {each.value for each in SettingName} == set(get_args(Setting))
     assert {each.value for each in Name} == TABLES.keys()
     assert {each.value for each in ProtocolName} == set(PROTOCOLS)
-    assert MOST_SHAPES == generate.MOST_SHAPES
+    assert MAX_SHAPES == generate.MAX_SHAPES
 
 
 def test_the_workspace_can_be_named_by_the_environment() -> None:

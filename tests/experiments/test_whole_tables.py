@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
 from scanned_objects import cupboard_object
-from whole_road import Listener
+from trained_workspace import Recorder
 
 from kinmo.config import ScansConfig
 from kinmo.dataset.shape_dataset import open_dataset
@@ -31,7 +31,7 @@ def make(name: str, method: str, scanned: Scanned, folder: Path) -> MakeTable:
     shutil.copytree(scanned.workspace.path, folder / "workspace")
     shutil.rmtree(folder / "workspace" / "eval", ignore_errors=True)  # of other tests
     stage = MakeTable(name, Workspace(folder / "workspace"), scanned.config, (method,), FAMILY, 1, **HOW)  # type: ignore[arg-type]
-    stage.run(Listener())
+    stage.run(Recorder())
     return stage
 
 
@@ -50,7 +50,7 @@ def test_each_training_is_judged_on_the_scans_of_both_sensors(scanned: Scanned, 
     assert not (rough.path / "pseudo").exists(), "both sensors see what has the same pseudo labels"
     pseudo = [{path.name for path in (place.own_scans / CATEGORY / "pseudo").iterdir()} for place in (root, rough)]
     assert pseudo[0] == pseudo[1] != set()
-    assert "table-sensors" in JudgeTrained(root, FAMILY, device="cpu").run(Listener()).data
+    assert "table-sensors" in JudgeTrained(root, FAMILY, device="cpu").run(Recorder()).data
     clean = open_scans(next((root.scans / CATEGORY / "test").glob("*.safetensors")))
     noisy = open_scans(rough.scans / CATEGORY / "test" / clean.path.name)
     np.testing.assert_array_equal(clean.read("poses"), noisy.read("poses"))
@@ -74,7 +74,7 @@ def test_pseudo_labels_and_true_ones_of_the_same_objects_are_learnt_from(scanned
     shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
     workspace, config = Workspace(tmp_path / "workspace"), sure_of_hinges(scanned, tmp_path)
     table = MakeTable("2", workspace, config, ("kinmo",), FAMILY, 1, **HOW)  # type: ignore[arg-type]
-    outcome = table.run(Listener())
+    outcome = table.run(Recorder())
     assert table.plan().steps == ()
     objects = {row[0]: row[1] for row in outcome.data[CATEGORY]["means"]["rows"]}
     labelled, unlabelled = (len(shapes) for shapes in (known(workspace), open_dataset(workspace).unlabelled))
@@ -85,7 +85,7 @@ def test_pseudo_labels_and_true_ones_of_the_same_objects_are_learnt_from(scanned
     digests = {networks_digest(paths) for paths in trained if paths is not None}
     assert len(digests) == 3, "each has learnt from something else"
     whole = TrainAll(workspace, config, FAMILY, **HOW)  # type: ignore[arg-type]
-    told = Listener()
+    told = Recorder()
     assert f"ancsh ({CATEGORY}, semi-weakly, seed 0)" in whole.run(told).data
     assert f"ancsh ({CATEGORY}, semi-weakly, seed 0): trained already" in told.notes, "by the same pseudo labels"
     assert whole.plan().steps == ()

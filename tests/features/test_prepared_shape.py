@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from small_shapes import cabinet
@@ -29,6 +31,5 @@ def test_every_distinct_part_has_one_size() -> None:
 def test_a_shape_without_annotation_is_refused_where_one_is_needed() -> None:
     shape = cabinet(0)
     assert shape.annotation == (shape.mobility, shape.body_boxes)
-    object.__setattr__(shape, "mobility", None)
     with pytest.raises(InputError, match="expected shape cabinet-0 to be annotated"):
-        _ = shape.annotation
+        _ = replace(shape, mobility=None).annotation

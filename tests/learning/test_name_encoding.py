@@ -1,3 +1,5 @@
+"""Encoding of part names as hash buckets."""
+
 from __future__ import annotations
 
 from hypothesis import given
@@ -19,7 +21,7 @@ def test_spelling_does_not_matter() -> None:
     assert name_buckets("Drawer_Box", BUCKETS) == name_buckets("drawer box 3", BUCKETS)
 
 
-def test_a_word_never_seen_shares_trigrams_with_its_kin() -> None:
+def test_an_unknown_word_shares_trigrams_with_similar_words() -> None:
     known, unknown = set(name_buckets("handle", 100_000)), set(name_buckets("handlebar", 100_000))
     assert len(known & unknown) >= 4
     assert unknown != known
@@ -29,7 +31,7 @@ def test_a_name_without_letters_is_hidden() -> None:
     assert name_buckets("12_", BUCKETS) == name_buckets("", BUCKETS) == [HIDDEN]
 
 
-def test_hidden_is_no_words_bucket() -> None:
+def test_words_never_use_the_bucket_of_hidden_names() -> None:
     ids, counts = encode_names(["door", "handle", "leg"], 8)
     assert HIDDEN not in ids
     assert counts.sum() == len(ids)

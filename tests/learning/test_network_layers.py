@@ -1,3 +1,5 @@
+"""Building blocks of networks: neighbours, gather, scatter, maxima and edge convolutions."""
+
 from __future__ import annotations
 
 import pytest
@@ -14,7 +16,7 @@ from kinmo.learning.network_layers import (
 )
 
 
-def test_neighbours_are_those_of_the_distance_matrix() -> None:
+def test_neighbours_agree_with_the_distance_matrix() -> None:
     points = torch.randn(3, 40, 3, generator=torch.Generator().manual_seed(0))
     found = nearest_neighbours(points, 7).sort(-1).values
     expected = torch.cdist(points, points).topk(7, largest=False).indices.sort(-1).values
@@ -25,7 +27,7 @@ def test_few_points_have_few_neighbours() -> None:
     assert nearest_neighbours(torch.randn(1, 4, 3), 20).shape == (1, 4, 4)
 
 
-def test_gathered_points_are_the_indexed_ones() -> None:
+def test_gathered_points_have_the_given_indices() -> None:
     features = torch.randn(2, 5, 3)
     index = torch.randint(5, (2, 5, 4))
     expected = torch.stack([features[b][index[b]] for b in range(2)])
@@ -33,7 +35,7 @@ def test_gathered_points_are_the_indexed_ones() -> None:
 
 
 @pytest.mark.parametrize("kind", [torch.float32, torch.float64, torch.bfloat16])
-def test_maxima_over_neighbours_send_the_gradient_to_the_first_of_equal_ones(kind: torch.dtype) -> None:
+def test_maxima_over_neighbours_send_the_gradient_to_the_first_of_equal_values(kind: torch.dtype) -> None:
     features = torch.randint(3, (2, 20, 5)).to(kind).requires_grad_()
     index = nearest_neighbours(torch.randn(2, 20, 3), 6)
     weights = torch.randint(-9, 9, (2, 20, 5)).to(kind)
@@ -77,7 +79,7 @@ def test_scatters_agree_with_loops() -> None:
     assert mean[3].tolist() == [0, 0]
 
 
-def test_maxima_over_points_send_the_gradient_to_the_first_of_equal_ones() -> None:
+def test_maxima_over_points_send_the_gradient_to_the_first_of_equal_values() -> None:
     features = torch.randint(4, (3, 5, 6, 7), generator=torch.Generator().manual_seed(0)).float().requires_grad_()
     found = max_over_points(features)
     weights = torch.randn(3, 5, 7)

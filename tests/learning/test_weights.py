@@ -1,3 +1,5 @@
+"""Trained weights on disk, and the choice of a device."""
+
 from __future__ import annotations
 
 import json
@@ -18,7 +20,7 @@ def saved(tmp_path: Path) -> Path:
     return path
 
 
-def test_weights_come_back_as_they_were(tmp_path: Path) -> None:
+def test_saved_weights_load_unchanged(tmp_path: Path) -> None:
     module, other = nn.Linear(3, 2), nn.Linear(3, 2)
     digest = save_weights(tmp_path / "net.safetensors", module, "line", {"width": 3}, {"seed": 1})
     loaded = load_weights(tmp_path / "net.safetensors", "line")
@@ -28,11 +30,11 @@ def test_weights_come_back_as_they_were(tmp_path: Path) -> None:
     assert torch.equal(module.bias, other.bias)
 
 
-def test_whoever_may_read_other_files_may_read_weights(saved: Path) -> None:
+def test_weights_have_the_permissions_of_other_files(saved: Path) -> None:
     assert saved.stat().st_mode == saved.with_suffix(".json").stat().st_mode
 
 
-def test_another_network_is_refused_with_the_tensor_named(saved: Path) -> None:
+def test_weights_of_other_sizes_are_rejected_and_the_tensor_is_named(saved: Path) -> None:
     with pytest.raises(InputError, match=r"net\.safetensors: weight: shape \(2, 3\), expected \(2, 4\)"):
         load_weights(saved, "line").fill(nn.Linear(4, 2))
     with pytest.raises(InputError, match="bias: unexpected tensor"):
@@ -41,12 +43,12 @@ def test_another_network_is_refused_with_the_tensor_named(saved: Path) -> None:
         load_weights(saved, "line").fill(nn.Sequential(nn.Linear(3, 2)))
 
 
-def test_weights_of_another_kind_are_refused(saved: Path) -> None:
+def test_weights_of_another_kind_are_rejected(saved: Path) -> None:
     with pytest.raises(InputError, match="kind: expected 'circle', got 'line'"):
         load_weights(saved, "circle")
 
 
-def test_cut_or_absent_files_are_refused(saved: Path) -> None:
+def test_cut_or_absent_files_are_rejected(saved: Path) -> None:
     saved.write_bytes(saved.read_bytes()[:40])
     with pytest.raises(InputError, match=r"sha256: does not belong to net\.json"):
         load_weights(saved, "line")
@@ -58,7 +60,7 @@ def test_cut_or_absent_files_are_refused(saved: Path) -> None:
         load_weights(saved, "line")
 
 
-def test_a_header_of_another_schema_is_refused(saved: Path) -> None:
+def test_a_header_of_another_schema_is_rejected(saved: Path) -> None:
     header = json.loads(saved.with_suffix(".json").read_text())
     saved.with_suffix(".json").write_text(json.dumps({**header, "schema": 99}))
     with pytest.raises(InputError, match="schema: expected 1, got 99"):
@@ -66,11 +68,11 @@ def test_a_header_of_another_schema_is_refused(saved: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["cpu", "cpu:0", "cpu:3"])
-def test_there_is_one_cpu_whatever_its_number(name: str) -> None:
+def test_a_numbered_cpu_is_the_cpu(name: str) -> None:
     assert pick_device(name) == "cpu"
 
 
 @pytest.mark.parametrize("name", ["meta", "meta:0", "gpu", "cuda:99", "", "cpu:x"])
-def test_a_device_on_which_nothing_can_be_computed_is_refused(name: str) -> None:
+def test_an_unusable_device_is_rejected(name: str) -> None:
     with pytest.raises(InputError, match=f"--device: '{name}' is not available here"):
         pick_device(name)

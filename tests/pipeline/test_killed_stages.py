@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
-from whole_road import MADE, Listener, Road, contents, undone
+from trained_workspace import MADE, Recorder, Trained, contents, undone
 
 from kinmo.dataset.stage import Stage
 from kinmo.dataset.workspace import Workspace
@@ -32,7 +32,7 @@ FORK.set_forkserver_preload(
 )
 
 
-class Doomed(Listener):
+class Doomed(Recorder):
     """Ends its process, and the processes that work for it, at the news of step number `last`."""
 
     def __init__(self, last: int) -> None:
@@ -57,19 +57,19 @@ def killed_and_repeated(stage: Stage, moments: tuple[int, ...]) -> None:
         process.start()
         process.join()
         assert process.exitcode == -signal.SIGKILL
-    stage.run(Listener())
+    stage.run(Recorder())
 
 
 @pytest.mark.parametrize(("name", "moments"), [("train", (2, 1)), ("pseudo-label", (2, 1)), ("eval", (1,))])
 def test_a_stage_that_is_killed_and_repeated_ends_like_one_that_was_not(
-    name: str, moments: tuple[int, ...], road: Road, tmp_path: Path
+    name: str, moments: tuple[int, ...], trained: Trained, tmp_path: Path
 ) -> None:
-    whole = contents(road.workspace.path)
+    whole = contents(trained.workspace.path)
     folder, records = MADE[name]
     prefixes = (f"{folder}/", *(f"records/{record}." for record in records))
     own = {path: made for path, made in whole.items() if path.startswith(prefixes)}
-    workspace = undone(road, tmp_path, list(MADE)[list(MADE).index(name) :])
-    killed_and_repeated(replace(road.stages[name], workspace=workspace), moments)  # type: ignore[type-var]
+    workspace = undone(trained, tmp_path, list(MADE)[list(MADE).index(name) :])
+    killed_and_repeated(replace(trained.stages[name], workspace=workspace), moments)  # type: ignore[type-var]
     ended = contents(workspace.path)
     assert own and {path: ended.get(path) for path in own} == own
     assert not [path for path in ended if path.endswith("~")]
@@ -96,7 +96,7 @@ def test_the_whole_way_does_too(scanned: Scanned, tmp_path: Path) -> None:
     for name in ("whole", "killed"):
         shutil.copytree(scanned.workspace.prepared, tmp_path / name / "prepared")
         ways.append(TrainAll(Workspace(tmp_path / name), scanned.config, FAMILY, **HOW))
-    told = Listener()
+    told = Recorder()
     ways[0].run(told)
     third = len(told.steps) // 3
     killed_and_repeated(ways[1], (third, third))

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from whole_road import Listener
+from trained_workspace import Recorder
 
 from kinmo.config import TrainingConfig
 from kinmo.core.errors import InputError
@@ -57,7 +57,7 @@ class GoesOn:
 @pytest.mark.parametrize(("done_before", "amounts"), [(0, [EPOCHS * UNITS]), (3, [2 * UNITS]), (EPOCHS, [])])
 def test_the_journal_counts_the_epochs_that_the_time_went_into(tmp_path: Path, done_before: int, amounts: list[int]) -> None:
     workspace = Workspace(tmp_path)
-    Fitter(workspace, "cpu", 1).run([GoesOn(tmp_path / "models" / "it", done_before)], Listener())
+    Fitter(workspace, "cpu", 1).run([GoesOn(tmp_path / "models" / "it", done_before)], Recorder())
     assert [run.amount for run in runs(workspace)] == amounts
 
 
@@ -80,7 +80,7 @@ def test_trainings_side_by_side_keep_their_memory_unless_it_is_said_otherwise(
         monkeypatch.setenv(TUNABLES, own)
     names = ("one", "other")
     fittings = [replace(Tells(tmp_path / "models" / name, 0), name=name, stage=f"train-{name}") for name in names]
-    Fitter(Workspace(tmp_path), "cpu", 2).run(fittings, Listener())
+    Fitter(Workspace(tmp_path), "cpu", 2).run(fittings, Recorder())
     told = {(tmp_path / "models" / name / WEIGHTS).read_text(encoding="utf-8") for name in names}
     assert told == {own or KEPT}
     assert os.environ.get(TUNABLES) == own, "of those processes alone"
@@ -140,15 +140,15 @@ def test_networks_that_answer_together_take_the_place_of_those_before_together(t
             for each in two
         }
 
-    Fitter(workspace, "cpu", 1).run(two, Listener())
+    Fitter(workspace, "cpu", 1).run(two, Recorder())
     assert known() == dict.fromkeys(names, ("old shapes", True))
     anew = [replace(each, inputs_of="new shapes") for each in two]
     with pytest.raises(InputError, match="fails"):
-        Fitter(workspace, "cpu", 1).run([anew[0], replace(anew[1], fails=True)], Listener())
+        Fitter(workspace, "cpu", 1).run([anew[0], replace(anew[1], fails=True)], Recorder())
     assert known() == dict.fromkeys(names, ("old shapes", True)), "while the others are not done"
     assert (workspace.training / "one" / WEIGHTS).read_text(encoding="utf-8") == "new shapes", "nothing is lost"
     shutil.rmtree(workspace.training)
-    Fitter(workspace, "cpu", 1).run(anew, Listener())
+    Fitter(workspace, "cpu", 1).run(anew, Recorder())
     assert known() == dict.fromkeys(names, ("new shapes", False))
     assert not workspace.training.exists()
 
@@ -156,9 +156,9 @@ def test_networks_that_answer_together_take_the_place_of_those_before_together(t
 def test_what_was_begun_and_is_not_wanted_any_more_goes(tmp_path: Path) -> None:
     workspace = Workspace(tmp_path)
     fitting = GoesOn(workspace.models / "it", 0)
-    Fitter(workspace, "cpu", 1).run([fitting], Listener())
+    Fitter(workspace, "cpu", 1).run([fitting], Recorder())
     (workspace.training / "it").mkdir(parents=True)
-    Fitter(workspace, "cpu", 1).run([fitting], Listener())
+    Fitter(workspace, "cpu", 1).run([fitting], Recorder())
     assert not workspace.training.exists()
 
 
@@ -168,5 +168,5 @@ def test_what_was_begun_of_a_category_stays_when_what_lies_above_it_is_done(tmp_
     begun.parent.mkdir(parents=True)
     begun.write_bytes(b"a checkpoint")
     for _ in range(2):  # trained, and trained already
-        Fitter(workspace, "cpu", 1).run([GoesOn(workspace.models / "it", 0)], Listener())
+        Fitter(workspace, "cpu", 1).run([GoesOn(workspace.models / "it", 0)], Recorder())
         assert [path for path in workspace.training.rglob("*") if path.is_file()] == [begun]

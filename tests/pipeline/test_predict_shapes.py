@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from datasets import write_partnet, write_partnet_mobility
-from whole_road import Listener
+from trained_workspace import Recorder
 
 from kinmo import _core
 from kinmo.core.errors import InputError
@@ -53,7 +53,7 @@ def test_names_too_long_for_a_folder_are_cut_and_told_apart(stage: Predict) -> N
     deep = stage.source / (SHELF * 80) / (SHELF * 80) / (SHELF * 80)
     for place in (deep / DOOR / "scene", deep / f"{DOOR}{DOOR}" / "scene", stage.source / (DOOR * 84), stage.source / "door"):
         write_partnet(place)
-    outcome = stage.run(Listener())
+    outcome = stage.run(Recorder())
     assert outcome.data["left_out"] == []
     folders = [Path(shape["folder"]) for shape in outcome.data["shapes"]]
     assert {path.name for path in stage.out.iterdir() if path.name != ".lock"} == {folder.name for folder in folders}
@@ -66,7 +66,7 @@ def test_what_cannot_be_looked_at_is_told(stage: Predict, tmp_path: Path) -> Non
     write_partnet(stage.source / "door")
     (tmp_path / "elsewhere").mkdir()
     (stage.source / "link").symlink_to(tmp_path / "elsewhere", target_is_directory=True)
-    told = Listener()
+    told = Recorder()
     outcome = stage.run(told)
     assert outcome.failed == len(outcome.data["left_out"]) == 1
     assert [note for note in told.notes if note == f"left out: {outcome.data['left_out'][0]}"]
@@ -75,7 +75,7 @@ def test_what_cannot_be_looked_at_is_told(stage: Predict, tmp_path: Path) -> Non
 @pytest.mark.parametrize("name", ["d" * MAX_NAME_BYTES, DOOR * (MAX_NAME_BYTES // 3), "Tür"])
 def test_names_that_fit_stay_as_they_are(stage: Predict, name: str) -> None:
     write_partnet(stage.source / name)
-    assert [Path(shape["folder"]).name for shape in stage.run(Listener()).data["shapes"]] == [name]
+    assert [Path(shape["folder"]).name for shape in stage.run(Recorder()).data["shapes"]] == [name]
 
 
 def test_a_result_that_cannot_be_written_is_its_shape_s_problem(stage: Predict, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -87,7 +87,7 @@ def test_a_result_that_cannot_be_written_is_its_shape_s_problem(stage: Predict, 
     monkeypatch.setitem(WRITERS, "urdf", full)
     for name in "abc":
         write_partnet(stage.source / name)
-    told = Listener()
+    told = Recorder()
     outcome = stage.run(told)
     assert [shape["id"] for shape in outcome.data["shapes"]] == ["a", "c"]
     (line,) = outcome.data["left_out"]
@@ -107,7 +107,7 @@ def test_a_shape_that_nobody_foresaw_does_not_keep_others_from_being_predicted(
     monkeypatch.setattr(predict, "prepare_shape", unforeseen)
     for name in "abc":
         write_partnet(stage.source / name)
-    outcome = stage.run(Listener())
+    outcome = stage.run(Recorder())
     assert [shape["id"] for shape in outcome.data["shapes"]] == ["a", "c"]
     (line,) = outcome.data["left_out"]
     assert line.startswith(f"{stage.source / 'b'}: cannot be predicted: RuntimeError at test_predict.py:")
@@ -117,8 +117,8 @@ def test_a_shape_that_nobody_foresaw_does_not_keep_others_from_being_predicted(
 def test_what_was_predicted_of_another_shape_stays(stage: Predict) -> None:
     for place in ("a", "b"):
         write_partnet(stage.source / place / "cabinet")
-    assert replace(stage, source=stage.source / "a").run(Listener()).failed == 0
-    outcome = replace(stage, source=stage.source / "b").run(Listener())
+    assert replace(stage, source=stage.source / "a").run(Recorder()).failed == 0
+    outcome = replace(stage, source=stage.source / "b").run(Recorder())
     (line,) = outcome.data["left_out"]
     assert line == (
         f"{stage.out / 'cabinet'}: is in the way: it has what was predicted of {stage.source / 'a' / 'cabinet'}; "
@@ -130,7 +130,7 @@ def test_what_was_predicted_of_another_shape_stays(stage: Predict) -> None:
 @pytest.mark.parametrize("damaged", ["door.urdf", "joints.json", "meshes", "half of joints.json"])
 def test_a_result_that_is_not_whole_is_made_anew(stage: Predict, damaged: str) -> None:
     write_partnet(stage.source / "door")
-    stage.run(Listener())
+    stage.run(Recorder())
     folder = stage.out / "door"
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     if damaged == "meshes":
@@ -139,29 +139,29 @@ def test_a_result_that_is_not_whole_is_made_anew(stage: Predict, damaged: str) -
         (folder / "joints.json").write_bytes(before[folder / "joints.json"][:300])
     else:
         (folder / damaged).unlink()
-    outcome = stage.run(Listener())
+    outcome = stage.run(Recorder())
     assert outcome.data["left_out"] == []
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
 
 
 def test_what_a_user_adds_to_a_result_stays(stage: Predict) -> None:
     write_partnet(stage.source / "door")
-    stage.run(Listener())
+    stage.run(Recorder())
     urdf = stage.out / "door" / "door.urdf"
     urdf.write_text(f"{urdf.read_text()}<!-- damping is to be measured -->", encoding="utf-8")
-    stage.run(Listener())
+    stage.run(Recorder())
     assert urdf.read_text(encoding="utf-8").endswith("<!-- damping is to be measured -->")
 
 
 def test_of_shapes_that_share_an_id_the_annotated_one_keeps_it(stage: Predict) -> None:
     write_partnet_mobility(stage.source / "dataset" / "7")
     write_partnet(stage.source / "data_v0" / "7")
-    stage.run(Listener())
+    stage.run(Recorder())
     names = {path.name for path in stage.out.iterdir() if path.is_dir()}
     assert names == {"7", "data_v0__7"}
     assert predict._source(stage.out / "7") == str(stage.source / "dataset" / "7")
     write_partnet_mobility(stage.source / "again" / "7")
-    found = replace(stage, out=stage.out.with_name("other")).run(Listener())
+    found = replace(stage, out=stage.out.with_name("other")).run(Recorder())
     assert {Path(shape["folder"]).name for shape in found.data["shapes"]} == {"again__7", "data_v0__7", "dataset__7"}
 
 
@@ -170,4 +170,4 @@ def test_a_folder_of_scans_is_none_of_shapes(stage: Predict) -> None:
     for name in ("a.npz", "b.ply", "notes.txt"):
         (stage.source / name).touch()
     with pytest.raises(InputError, match="at least one shape at or below it, and not 2 scans, of which --category says"):
-        stage.run(Listener())
+        stage.run(Recorder())

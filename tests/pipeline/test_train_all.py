@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
 from typer.testing import CliRunner
-from whole_road import Listener, contents
+from trained_workspace import Recorder, contents
 
 from kinmo.cli.app import app
 from kinmo.core.errors import InputError
@@ -29,7 +29,7 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
     dataset = open_dataset(stage.workspace, FAMILY)
     known = sum(map(len, dataset.labelled.values())) + len(dataset.hidden)
     assert f"scan {known + round(USED * len(dataset.unlabelled))} objects" in steps, "those to be labelled too"
-    told = Listener()
+    told = Recorder()
     found = stage.run(told)
     assert [note for note in told.notes if note.startswith("to do")]
     assert [note for note in told.notes if re.fullmatch("about .+ in all", note)]
@@ -42,11 +42,11 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
     surer.write_text(words.replace("[refinement]\n", "[refinement]\nchance = 0.9\n"), encoding="utf-8")
     assert any(step.startswith("label ") for step in replace(stage, config=str(surer)).plan().steps)
     before = contents(tmp_path / "workspace")
-    stage.run(Listener())
+    stage.run(Recorder())
     assert contents(tmp_path / "workspace") == before
     other = TrainAll(Workspace(tmp_path / "workspace", method="paper"), scanned.config, FAMILY, **HOW)
     assert [step for step in other.plan().steps if "by paper" in step]
-    trained = other.run(Listener()).data
+    trained = other.run(Recorder()).data
     assert other.plan().steps == ()
     of_its_own = {name for name in trained if "labels by paper" in name}
     assert trained.keys() - of_its_own <= found.data.keys(), "all that saw no pseudo label is shared"

@@ -6,9 +6,9 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-from whole_road import Listener, tiny_config
+from trained_workspace import Recorder, tiny_config
 
-from kinmo.dataset.folder_preparation import HELD_BACK
+from kinmo.dataset.folder_preparation import ORACLE
 from kinmo.dataset.shape_dataset import open_dataset
 from kinmo.dataset.store import INDEX
 from kinmo.dataset.workspace import StageRecord, Workspace
@@ -76,17 +76,17 @@ def prepared_in(folder: Path, family: str = FAMILY, count: int = 6) -> Scanned:
     config = tiny_config(folder)
     others, _ = config.read_text(encoding="utf-8").split("[ancsh]\n")
     config.write_text(others + SCANS, encoding="utf-8")
-    Synth(folder / "partnet", count, (family,), ("partnet_mobility", "partnet"), held_back=True).run(Listener())
+    Synth(folder / "partnet", count, (family,), ("partnet_mobility", "partnet"), oracle=True).run(Recorder())
     workspace = Workspace(folder / "workspace")
-    Prepare(folder / "partnet", workspace, hold_back=(folder / "partnet" / HELD_BACK,)).run(Listener())
+    Prepare(folder / "partnet", workspace, hold_back=(folder / "partnet" / ORACLE,)).run(Recorder())
     return Scanned(workspace, str(config))
 
 
 def made_in(folder: Path) -> Scanned:
     """Objects with labels and without, scans of all, and networks that saw those with labels."""
     made = prepared_in(folder)
-    made.render(beside=ROLES).run(Listener())
-    made.train("supervised").run(Listener())
+    made.render(beside=ROLES).run(Recorder())
+    made.train("supervised").run(Recorder())
     return made
 
 
@@ -115,4 +115,4 @@ def taken_for(workspace: Workspace, setting: Setting, seed: int) -> None:
         record = workspace.record(known.stage(network))
         assert record is not None
         workspace.write_record(wanted.stage(network), StageRecord(record.inputs))
-    EvaluateScans(workspace, wanted, "cpu").run(Listener())
+    EvaluateScans(workspace, wanted, "cpu").run(Recorder())

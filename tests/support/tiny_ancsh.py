@@ -1,4 +1,4 @@
-"""Networks of ANCSH that are trained in a second, and what they are shown."""
+"""Configurations of ANCSH that train within a second, and batches and frames to test with."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def two_scans(file: ScanFile) -> ScanBatch:
     return ScanData([file], [file], TINY).batch([(file, 0), (file, 3)], np.random.default_rng(0))
 
 
-def turned_apart(file: ScanFile) -> int:
-    """A frame whose axes are others when it is known what is base."""
+def frame_with_differing_axes(file: ScanFile) -> int:
+    """Frame whose input axes differ most between the first and the second pass."""
     points, parts = file.read("points"), file.read("parts")
     first = initial_axes(points, "base")
     second = base_axes(points, parts == 0, first)

@@ -1,4 +1,4 @@
-"""Every family builds sound objects, whatever the seed."""
+"""All families build sound objects for any seed."""
 
 from __future__ import annotations
 
@@ -12,24 +12,25 @@ from kinmo.core.box import Box
 from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.motion_types import MotionType, motion_type
+from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.synth.draw import Draw, ParameterRange
 from kinmo.synth.families import family_builder, family_names
-from kinmo.synth.generate import Layout, Order, build
+from kinmo.synth.generate import ShapeSpec, build_shape
 from kinmo.synth.synth_object import Link, Motion
 
 SEEDS = 6
 UP = np.array([0.0, 1.0, 0.0])
 
 
-def order(name: str, index: int) -> Order:
-    return Order(name, index, 11, Layout.PARTNET_MOBILITY, ParameterRange.BOTH)
+def spec(name: str, index: int) -> ShapeSpec:
+    return ShapeSpec(name, index, 11, PARTNET_MOBILITY, ParameterRange.BOTH)
 
 
 @pytest.mark.parametrize("name", family_names())
 def test_a_family_builds_sound_objects(name: str) -> None:
     structures = set()
     for index in range(SEEDS):
-        obj = build(order(name, index))
+        obj = build_shape(spec(name, index))
         obj.check()
         assert any(link.motion is not None for link in obj.links)
         assert all(link.parent is not None for link in obj.links if link.motion is not None)
@@ -50,9 +51,9 @@ def test_a_family_builds_sound_objects(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", family_names())
-def test_joints_lie_at_their_parts(name: str) -> None:
+def test_joints_are_at_their_parts(name: str) -> None:
     for index in range(2):
-        obj = build(order(name, index))
+        obj = build_shape(spec(name, index))
         for link in obj.links:
             if link.motion is not None and link.motion.has_position:
                 points = np.concatenate(
@@ -69,7 +70,7 @@ def test_all_motion_types_occur() -> None:
     seen: Counter[MotionType] = Counter()
     for name in family_names():
         for index in range(5):
-            obj = build(order(name, index))
+            obj = build_shape(spec(name, index))
             seen.update(_motion_type(link, link.motion) for link in obj.links if link.motion is not None)
             seen[MotionType.FIXED] += any(len(list(link.leaves())) > 1 for link in obj.links)
             seen[MotionType.NONE] += sum(link.parent is not None for link in obj.links) > 1
@@ -81,14 +82,14 @@ def test_at_least_five_families_have_screws() -> None:
     screwing = set()
     for name in family_names():
         for index in range(12):
-            obj = family_builder(name)(order(name, index).draw("shape"))
+            obj = family_builder(name)(spec(name, index).draw("shape"))
             if any(link.motion is not None and link.motion.rotates for link in obj.links):
                 screwing.add(name)
                 break
     assert len(screwing) >= 5
 
 
-def test_ranges_differ_and_overlap() -> None:
+def test_labelled_and_unlabelled_shapes_differ_and_overlap() -> None:
     def width(parameter_range: ParameterRange, index: int) -> float:
         obj = family_builder("safe")(Draw(np.random.default_rng(index), parameter_range))
         low, high = obj.bounds()
@@ -100,7 +101,7 @@ def test_ranges_differ_and_overlap() -> None:
     assert min(unlabelled) < max(labelled)
 
 
-def test_an_unknown_family_is_named() -> None:
+def test_an_unknown_family_is_refused() -> None:
     with pytest.raises(InputError, match="unknown family 'spaceship'"):
         family_builder("spaceship")
 

@@ -1,4 +1,4 @@
-"""Primitives enclose the volume that they should, with their normals outside."""
+"""Primitives enclose the volume that they should, with normals that point outwards."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_curved_solids_enclose_their_volume() -> None:
 
 
 @given(st.floats(-180, 180), st.floats(0.2, 3.0))
-def test_placing_keeps_volume_and_outside(degrees: float, factor: float) -> None:
+def test_transforms_keep_volume_and_outside(degrees: float, factor: float) -> None:
     mesh = rounded_box((1, 2, 0.5), 0.1)
     content = volume(mesh)
     assert volume(turn(mesh, (1, 2, 3), degrees, (0, 1, 0))) == pytest.approx(content)

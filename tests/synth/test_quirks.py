@@ -1,4 +1,4 @@
-"""The quirks of real files occur as often as they were counted, and change nothing that matters."""
+"""Quirks of real files: they are as frequent as in real data and change nothing that matters."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinmo.core.shape import Mesh
+from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.synth.draw import Draw, ParameterRange
 from kinmo.synth.families import family_builder, family_names
-from kinmo.synth.generate import Layout, Order, build
-from kinmo.synth.hierarchy_style import arrange, lump
+from kinmo.synth.generate import ShapeSpec, build_shape
+from kinmo.synth.hierarchy_style import apply_hierarchy_style, flatten_hierarchy
 from kinmo.synth.joint_quirks import add_joint_quirks
-from kinmo.synth.mesh_quirks import SHEET_SHARE, as_sheet, flatten, add_mesh_quirks, subdivided
-from kinmo.synth.synth_object import JointType, Motion, SynthObject
+from kinmo.synth.mesh_quirks import SHEET_SHARE, add_mesh_quirks, as_sheet, flatten_thin_panels, subdivided
 from kinmo.synth.primitives import box, rounded_box
+from kinmo.synth.synth_object import JointType, Motion, SynthObject
 
 
 def fresh(name: str, seed: int) -> SynthObject:
@@ -39,18 +40,18 @@ def _area(piece: Mesh) -> float:
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 
 
-def test_quirks_occur_as_often_as_in_real_files() -> None:
+def test_quirks_are_as_frequent_as_in_real_files() -> None:
     joints: list[Motion] = []
-    needing_two = 0
+    split_links = 0
     objects = [
-        build(Order(name, index, 1, Layout.PARTNET_MOBILITY, ParameterRange.BOTH))
+        build_shape(ShapeSpec(name, index, 1, PARTNET_MOBILITY, ParameterRange.BOTH))
         for name in family_names()
         for index in range(6)
     ]
     for obj in objects:
         moving = [link for link in obj.links if link.motion is not None]
         joints += [link.motion for link in moving if link.motion is not None]
-        needing_two += sum(len(link.nodes) > 1 for link in moving)
+        split_links += sum(len(link.nodes) > 1 for link in moving)
     hinges = [joint for joint in joints if joint.is_hinge and not joint.no_limit]
     sliders = [joint for joint in joints if not joint.is_hinge]
     lengths = [abs(np.linalg.norm(joint.direction) - 1) for joint in joints]
@@ -62,18 +63,18 @@ def test_quirks_occur_as_often_as_in_real_files() -> None:
     assert 0.1 < share([joint.a > joint.b for joint in sliders]) < 0.4
     assert 0.01 < share([not min(joint.a, joint.b) <= 1e-9 <= max(joint.a, joint.b) + 2e-9 for joint in hinges]) < 0.1
     assert 0.01 < share([length > 1e-3 for length in lengths]) < 0.08
-    assert 0.03 < needing_two / len(joints) < 0.25
+    assert 0.03 < split_links / len(joints) < 0.25
     assert 0.05 < share([joint.no_limit for joint in joints]) < 0.35
     assert 0.005 < share([any(link.kind is JointType.JUNK for link in obj.links) for obj in objects]) < 0.12
 
 
 @settings(max_examples=20)
 @given(seed=st.integers(0, 10_000), name=st.sampled_from(["safe", "table", "microwave", "suitcase"]))
-def test_styles_keep_geometry_and_bodies(seed: int, name: str) -> None:
+def test_hierarchy_styles_keep_geometry_and_links(seed: int, name: str) -> None:
     obj = fresh(name, seed)
     before = {link: sorted(len(p.faces) for leaf in link.leaves() for p in leaf.pieces) for link in obj.links}
     total = area(obj)
-    arrange(obj, draw(seed))
+    apply_hierarchy_style(obj, draw(seed))
     obj.check()
     for link, counts in before.items():
         if link.motion is not None:
@@ -81,9 +82,9 @@ def test_styles_keep_geometry_and_bodies(seed: int, name: str) -> None:
     assert area(obj) == pytest.approx(total)
 
 
-def test_lumped_objects_have_one_leaf_a_link() -> None:
+def test_flat_hierarchies_have_one_leaf_per_link() -> None:
     obj = fresh("table", 3)
-    lump(obj, draw(0))
+    flatten_hierarchy(obj, draw(0))
     obj.check()
     assert len(list(obj.root.leaves())) == len(obj.links)
     assert all(not child.children for child in obj.root.children)
@@ -91,7 +92,7 @@ def test_lumped_objects_have_one_leaf_a_link() -> None:
 
 @settings(max_examples=30)
 @given(seed=st.integers(0, 10_000))
-def test_misstated_joints_move_parts_alike(seed: int) -> None:
+def test_joint_quirks_keep_the_motion(seed: int) -> None:
     obj = fresh("refrigerator", seed)
     obj.apply_rest_pose()
     obj.normalise(2.0)
@@ -117,7 +118,7 @@ def test_misstated_joints_move_parts_alike(seed: int) -> None:
 
 @settings(max_examples=15)
 @given(seed=st.integers(0, 10_000))
-def test_rough_meshes_keep_their_surface(seed: int) -> None:
+def test_mesh_quirks_keep_the_surface(seed: int) -> None:
     obj = fresh("safe", seed)
     low, high = obj.bounds()
     before = area(deepcopy(obj))
@@ -127,7 +128,7 @@ def test_rough_meshes_keep_their_surface(seed: int) -> None:
 
 
 @given(st.permutations([0.05, 1.0, 2.0]), st.floats(-3.0, 3.0))
-def test_a_thin_panel_becomes_a_sheet_in_its_middle(size: list[float], shift: float) -> None:
+def test_a_thin_panel_becomes_a_sheet_at_its_middle(size: list[float], shift: float) -> None:
     panel = box(size, (shift, 0.0, 0.0))
     sheet = as_sheet(panel)
     thin = size.index(0.05)
@@ -137,13 +138,13 @@ def test_a_thin_panel_becomes_a_sheet_in_its_middle(size: list[float], shift: fl
     assert _area(sheet) == pytest.approx(2.0 * 2.0)
 
 
-def test_only_panels_become_sheets_and_few_of_them() -> None:
-    lump = box((1, 0.5, 2))
-    assert as_sheet(lump) is lump
+def test_only_some_thin_panels_become_sheets() -> None:
+    block = box((1, 0.5, 2))
+    assert as_sheet(block) is block
     flat = total = 0
     for seed in range(60):
         obj = fresh("storage_furniture", seed)
-        flatten(obj, draw(seed))
+        flatten_thin_panels(obj, draw(seed))
         thin = [np.ptp(piece.vertices, axis=0).min() == 0.0 for leaf in obj.root.leaves() for piece in leaf.pieces]
         flat, total = flat + sum(thin), total + len(thin)
     assert 0.1 * SHEET_SHARE < flat / total < 1.5 * SHEET_SHARE

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from whole_road import Listener
+from trained_workspace import Recorder
 
 from kinmo.dataset.store import INDEX
 from kinmo.dataset.workspace import Workspace
@@ -21,6 +21,6 @@ def test_curves_say_which_network_they_are_of(tmp_path: Path) -> None:
         (workspace.models / place).mkdir(parents=True)
         epochs = [{"epoch": epoch, "training/loss": 1.0, "validation/loss": 1.0} for epoch in (0, 1)]
         (workspace.models / place / METRICS).write_text(json.dumps(epochs), encoding="utf-8")
-    html = Report(workspace).run(Listener()).path.read_text(encoding="utf-8")
+    html = Report(workspace).run(Recorder()).path.read_text(encoding="utf-8")
     for name in ("gnn_fine", "gnn_fine Laptop", "axis Laptop", "Laptop semi 0 npcs"):
         assert f">{name}: loss<" in html

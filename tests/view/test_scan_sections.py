@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 from scan_road import CATEGORY, taken_for
-from whole_road import Listener
+from trained_workspace import Recorder
 
 from kinmo.dataset.workspace import Workspace
 from kinmo.pipeline.scans.scan_dataset import open_scan_dataset, scans_of
@@ -22,16 +22,16 @@ from kinmo.view.scan_sections import OUTDATED, picture_sections
 
 def test_the_report_says_that_figures_of_scans_are_outdated(judged: Workspace) -> None:
     page = judged.report / "index.html"
-    Report(judged).run(Listener())
+    Report(judged).run(Recorder())
     assert "Table 2, poses" in page.read_text(encoding="utf-8")
     assert OUTDATED not in page.read_text(encoding="utf-8")
     weights, _ = Cell(CATEGORY, "supervised", 0).weights(judged) or pytest.fail("not trained")
     header = weights.with_suffix(".json")
     header.write_text(json.dumps(json.loads(header.read_text()) | {"sha256": "of others"}))
-    Report(judged).run(Listener())
+    Report(judged).run(Recorder())
     assert OUTDATED in page.read_text(encoding="utf-8")
     shutil.rmtree(judged.scans)
-    Report(judged).run(Listener())
+    Report(judged).run(Recorder())
     assert OUTDATED in page.read_text(encoding="utf-8"), "also where scans are gone"
 
 
@@ -56,7 +56,7 @@ def test_the_report_shows_hits_and_failures_apart(judged: Workspace, monkeypatch
         shown = sections[f"Scans of {CATEGORY}, {title} (supervised)"].pictures
         assert [picture.title for picture in shown] == [f"{each.id}, frame {each.frame}" for each in wanted]
         assert all("parts turned by" in picture.lines[0] for picture in shown)
-    Report(judged).run(Listener())
+    Report(judged).run(Recorder())
     page = (judged.report / "index.html").read_text(encoding="utf-8")
     assert f"Scans of {CATEGORY}, hits (supervised)" in page and f"Scans of {CATEGORY}, failures (supervised)" in page
 

@@ -1,22 +1,22 @@
-"""Stages of a workspace as functions: prepare, train, evaluate. The command line runs the same stages."""
+"""Stages of a workspace as functions: prepare, train, evaluate. The command line runs the same stages.
+
+The stages are imported inside the functions: only training, prediction and evaluation load torch.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-from kinmo.core.errors import InputError
+from kinmo.core.errors import InputError, did_you_mean
 from kinmo.dataset.stage import Observer, Outcome, SilentObserver, Stage
 from kinmo.dataset.workspace import Workspace
 from kinmo.methods import DEFAULT_METHOD, METHOD_MODELS
-from kinmo.pipeline.evaluation.evaluate_shapes import EvaluateShapes
-from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.scans.train_scans import TrainScans
-from kinmo.pipeline.scans.training_settings import Setting
-from kinmo.pipeline.train_all import TrainAll
-from kinmo.pipeline.train_motion import TrainMotion
+
+if TYPE_CHECKING:
+    from kinmo.pipeline.scans.training_settings import Setting
 
 Networks = Literal["all", "motion", "gnn", "axis", "contact-edges", "ancsh"]
 """Groups of networks: all, those for shapes or some of them, and those for scans."""
@@ -69,6 +69,8 @@ def prepare_stage(
     cluster: str | None = None,
 ) -> Stage:
     """The stage that `prepare` runs."""
+    from kinmo.pipeline.prepare import Prepare
+
     return Prepare(Path(folder), Workspace(workspace), worker_count(workers), seed, tuple(map(Path, oracle)), cluster)
 
 
@@ -106,7 +108,7 @@ def train(
         The outcome; `data` has epochs and validation error of every network.
 
     Raises:
-        InputError: there is nothing to train on, or the configuration is wrong.
+        InputError: there are no such networks, there is nothing to train on, or the configuration is wrong.
 
     Example:
         >>> kinmo.train("motion", "workspace")
@@ -139,15 +141,25 @@ def train_stage(
     device: str = "auto",
     workers: int = 0,
 ) -> Stage:
-    """The stage that `train` runs. Raises InputError if networks for scans are to start from trained weights."""
+    """The stage that `train` runs. Raises InputError for unknown networks, and for networks for scans with a `start`."""
     place, count = Workspace(workspace), worker_count(workers)
     origin = None if start is None else Workspace(start)
     if networks == "all":
+        from kinmo.pipeline.train_all import TrainAll
+
         return TrainAll(place, config, category, method, seed, device, count, origin)
     if networks == "ancsh":
         if origin is not None:
             raise InputError("--from", "ancsh cannot start from trained weights; use it with all, motion or axis")
+        from kinmo.pipeline.scans.train_scans import TrainScans
+
         return TrainScans(place, config, category, setting, method, seed, device, count)
+    from kinmo.pipeline.motion_models import GROUPS
+    from kinmo.pipeline.train_motion import TrainMotion
+
+    if networks not in GROUPS:
+        known = ["all", *GROUPS, "ancsh"]
+        raise InputError("networks", f"expected one of {', '.join(known)}, got {networks}{did_you_mean(networks, known)}")
     return TrainMotion(networks, place, config, category, seed, device, count, origin)
 
 
@@ -180,6 +192,8 @@ def evaluate(
         >>> outcome = kinmo.evaluate("workspace")
         >>> outcome.data["parts_given"]["summary"]["rows"]
     """
+    from kinmo.pipeline.evaluation.evaluate_shapes import EvaluateShapes
+
     place = Workspace(workspace)
     return _run(EvaluateShapes(place, tuple(methods), category, device=device, workers=worker_count(workers)), observer)
 

@@ -80,10 +80,11 @@ def train(
     if method is not None and networks is NetworksName.ANCSH and chosen is not SettingName.SEMI_WEAKLY:
         raise InputError("--method", f"applies only to the setting semi-weakly, not to {chosen.value}")
     if networks is NetworksName.ANCSH and chosen is SettingName.SELF_TRAINING:
+        from kinmo.dataset.workspace import Workspace
         from kinmo.experiments.self_training.train_by_self_training import TrainBySelfTraining
 
         how = (category, options.seed, options.device, options.worker_count)
-        execute(options, TrainBySelfTraining(options.workspace, config, *how))
+        execute(options, TrainBySelfTraining(Workspace(options.workspace), config, *how))
         return
     stage = train_stage(
         networks.value,

@@ -14,8 +14,8 @@ from kinmo.core.vector import Vector, distance_to_line
 class MotionType(IntEnum):
     """The ten edge types of the paper, in the order of its code.
 
-    A name holds the joint kind (P, R or PR), the direction of the axis (H horizontal, V vertical), and the position of a
-    revolute axis (C central, S at a side of the part).
+    A name begins with the joint kind: P, R or PR. The next letter is the direction of the axis: H for horizontal, V for
+    vertical. The last one is the position of a revolute axis: C for central, S for a side of the part.
     """
 
     P_H = 0

@@ -140,7 +140,7 @@ class Cache:
 
 def _line(name: str, result: Result | None) -> str:
     fields = {} if result is None else {"key": result.key, "data": result.data, "files": dict(result.files)}
-    return json.dumps({"name": name, **fields}, ensure_ascii=False)
+    return json.dumps({"name": name, **fields})
 
 
 def _read(path: Path) -> Iterator[tuple[str, Result | None]]:

@@ -65,7 +65,7 @@ def open_dataset(workspace: Workspace, category: str | None = None) -> ShapeData
     Raises:
         InputError: nothing was prepared, or nothing of the category.
     """
-    store = PreparedStore(workspace.prepared)
+    store = PreparedStore(workspace.prepared, workspace.select)
     entries = [entry for entry in store.entries if category is None or same_category(entry.category, category)]
     if not entries:
         known = sorted({entry.category for entry in store.entries})

@@ -23,6 +23,7 @@ from kinmo.core.joint import joint_from_data, joint_to_data
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.motion_types import MotionType
 from kinmo.core.names import name_on_disk
+from kinmo.dataset.workspace import Selection
 from kinmo.features.prepared_shape import Boxes, PreparedShape
 from kinmo.io.atomic_files import write_text_atomically
 from kinmo.io.file_memo import kept_while_unchanged
@@ -184,13 +185,18 @@ def _mobility_from_data(data: dict[str, Any]) -> Mobility:
 class PreparedStore:
     """The prepared shapes that an index lists, in the order of layout and id.
 
+    Args:
+        folder: folder of the index and the shapes.
+        select: function that gives the entries to use; None for all (`Workspace.select`).
+
     Raises:
         InputError: the folder has no index, or it cannot be read.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, select: Selection | None = None) -> None:
         self.folder = Path(folder)
-        self.entries: tuple[IndexEntry, ...] = _read_index(self.folder / INDEX)
+        entries = _read_index(self.folder / INDEX)
+        self.entries: tuple[IndexEntry, ...] = entries if select is None else tuple(select(entries))
 
     def __len__(self) -> int:
         return len(self.entries)

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from kinmo.dataset.cache import Cache, cache_key
 from kinmo.io.folder_lock import locked
+
+if TYPE_CHECKING:
+    from kinmo.dataset.store import IndexEntry
+
+Selection = Callable[["Sequence[IndexEntry]"], "Sequence[IndexEntry]"]
+"""Function of all prepared shapes that gives those of a workspace. It can be pickled and compared."""
 
 
 class Workspace:
@@ -28,12 +34,14 @@ class Workspace:
         evaluation: scores and tables.
         report: the HTML report.
         journal: file that records all runs.
+        select: function that gives the workspace's own entries of the index; None for all as they are.
 
     Args:
         path: the folder; it need not exist.
         prepared: another workspace's folder of prepared shapes, to share it.
         pseudo_labels: another workspace's folder of pseudo labels, to share it.
         journal: another workspace's journal, to share it.
+        select: function that chooses among shared prepared shapes, or changes their entries.
     """
 
     def __init__(
@@ -43,6 +51,7 @@ class Workspace:
         prepared: Path | None = None,
         pseudo_labels: Path | None = None,
         journal: Path | None = None,
+        select: Selection | None = None,
     ) -> None:
         self.path = Path(path)
         self.prepared = prepared or self.path / "prepared"
@@ -53,6 +62,7 @@ class Workspace:
         self.evaluation = self.path / "evaluation"
         self.report = self.path / "report"
         self.journal = journal or self.path / "journal.jsonl"
+        self.select = select
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Workspace) and self._identity == other._identity
@@ -61,8 +71,8 @@ class Workspace:
         return hash(self._identity)
 
     @property
-    def _identity(self) -> tuple[Path, ...]:
-        return self.path, self.prepared, self.pseudo_labels, self.journal
+    def _identity(self) -> tuple[Path | Selection | None, ...]:
+        return self.path, self.prepared, self.pseudo_labels, self.journal, self.select
 
     @contextmanager
     def locked(self) -> Iterator[None]:

@@ -27,13 +27,13 @@ class CandidateFeatures:
     """C candidate joints of U groups with their features; group `u` has the rows `offsets[u]:offsets[u + 1]`.
 
     Attributes:
-        offsets: [U + 1] int64, first row of each group, and C.
-        kinds: [C] int64, `JointKind.code`.
-        directions: [C, 3] float64, unit vectors.
-        pivots: [C, 3] float64, points of the axes nearest to the group's centre.
-        features: [C, F] float32, features of the candidates.
-        centers: [U, 3] float64, centres of the groups' boxes.
-        group_features: [U, G] float32, features of the groups.
+        offsets ([U + 1] int64): First row of each group, and C.
+        kinds ([C] int64): `JointKind.code`.
+        directions ([C, 3] float64): Unit vectors.
+        pivots ([C, 3] float64): Points of the axes nearest to the group's centre.
+        features ([C, F] float32): Features of the candidates.
+        centers ([U, 3] float64): Centres of the groups' boxes.
+        group_features ([U, G] float32): Features of the groups.
 
     Example:
         >>> features = CandidateFeatures.of(prepared.candidate_features)
@@ -92,9 +92,9 @@ def compute_candidate_features(
     """Candidate joints of every group, and their features.
 
     Args:
-        shape: geometry of the shape.
-        groups: positions of the leaves of each group; at least one group.
-        part_sizes: [P, 3] half extents of the minimum-volume boxes of the parts that a group is compared with and counted
+        shape: Geometry of the shape.
+        groups: Positions of the leaves of each group; at least one group.
+        part_sizes ([P, 3]): Half extents of the minimum-volume boxes of the parts that a group is compared with and counted
             among. Parts of the hierarchy do not depend on which leaves form a body. None: the sizes of the groups.
     """
     geometries = group_geometries(shape, groups)

@@ -16,10 +16,10 @@ class CandidateJoints:
     """C joints that one part might have, in one frame.
 
     Attributes:
-        kinds: [C] uint8, `JointKind.code` of each candidate.
-        directions: [C, 3] float64, unit vectors along the axes.
-        pivots: [C, 3] float64, one point of each axis.
-        sources: [C] names of the geometry that the axes come from, such as "box edge".
+        kinds ([C] uint8): `JointKind.code` of each candidate.
+        directions ([C, 3] float64): Unit vectors along the axes.
+        pivots ([C, 3] float64): One point of each axis.
+        sources ([C]): Names of the geometry that the axes come from, such as "box edge".
     """
 
     kinds: NDArray[np.uint8]

@@ -50,9 +50,9 @@ class CandidateLines:
     """K undirected lines.
 
     Attributes:
-        directions: [K, 3] unit vectors.
-        pivots: [K, 3] points of the lines nearest to the part's centre.
-        sources: [K, 9] bool, one column per `LineSource`; merged lines have several sources.
+        directions ([K, 3]): Unit vectors.
+        pivots ([K, 3]): Points of the lines nearest to the part's centre.
+        sources ([K, 9] bool): One column per `LineSource`; merged lines have several sources.
     """
 
     directions: F64
@@ -67,7 +67,7 @@ def box_lines(box: Box) -> tuple[F64, F64, NDArray[np.bool_]]:
     """The 12 edges and 3 centre lines of a box.
 
     Args:
-        box: an oriented box.
+        box: An oriented box.
 
     Returns:
         Unit directions [15, 3], pivots [15, 3] (midpoints of the edges, the box centre), and a mask [15] of the edges.
@@ -87,10 +87,10 @@ def merge_lines(directions: F64, pivots: F64, sources: NDArray[np.int64], center
     """Merge near-equal lines: keep the first of each set, with the sources of all.
 
     Args:
-        directions: [K, 3] unit vectors.
-        pivots: [K, 3] one point of each line.
-        sources: [K] `LineSource` of each line.
-        center: [3] centre of the part; pivots move along their lines to the points nearest to it.
+        directions ([K, 3]): Unit vectors.
+        pivots ([K, 3]): One point of each line.
+        sources ([K]): `LineSource` of each line.
+        center ([3]): Centre of the part; pivots move along their lines to the points nearest to it.
     """
     pivots = pivots + np.sum((center - pivots) * directions, axis=1, keepdims=True) * directions
     parallel = np.abs(directions @ directions.T) > SAME_DIRECTION
@@ -117,11 +117,11 @@ def candidate_lines(
     """All candidate axes of a part, near-equal ones merged.
 
     Args:
-        minimum: minimum-volume box of the part.
-        aligned: box of the part along the object's own axes.
-        contact_points: [M, 3] points of the part where it comes closest to the other parts.
-        contact_weights: [M] weights of these points.
-        others: further lines by source, [S, 2, 3] pairs of (point, direction).
+        minimum: Minimum-volume box of the part.
+        aligned: Box of the part along the object's own axes.
+        contact_points ([M, 3]): Points of the part where it comes closest to the other parts.
+        contact_weights ([M]): Weights of these points.
+        others: Further lines by source, [S, 2, 3] pairs of (point, direction).
     """
     directions, pivots, sources = [], [], []
     for box, edge, middle in (

@@ -16,9 +16,9 @@ def named_group_features(
     """Size, position, flatness, roundness, contact, protrusion and repetition of a group.
 
     Args:
-        shape: the shape that the group belongs to.
-        group: the group.
-        part_sizes: [P, 3] half extents of the parts that the group is compared with and counted among.
+        shape: The shape that the group belongs to.
+        group: The group.
+        part_sizes ([P, 3]): Half extents of the parts that the group is compared with and counted among.
 
     Returns:
         Arrays [g] by name; concatenated in their order they are the group's features [G].

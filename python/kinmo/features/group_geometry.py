@@ -36,19 +36,19 @@ class GroupGeometry:
     """One group of leaves relative to the leaves that stay when it moves, in the normalised frame.
 
     Attributes:
-        leaves: positions of the group's leaves.
-        rest: positions of the leaves that stay.
-        riders: positions of the leaves that sit on the group and move with it.
-        minimum: minimum-volume box.
-        aligned: box along the object's own axes.
-        points: [n, 3] surface samples.
-        normals: [n, 3] unit normals at the samples.
-        distances: [n] distances of the samples to the leaves that stay; 1 if there are none.
-        contact: [m, 3] samples nearest to the leaves that stay.
-        contact_weights: [m] weights of the contact points; they sum to one.
-        toward: [m, 3] unit vectors from the leaves that stay to the contact points; 0 if there are none.
-        own_round: round pieces of the group.
-        neighbour_round: round pieces of the leaves that it touches.
+        leaves: Positions of the group's leaves.
+        rest: Positions of the leaves that stay.
+        riders: Positions of the leaves that sit on the group and move with it.
+        minimum: Minimum-volume box.
+        aligned: Box along the object's own axes.
+        points ([n, 3]): Surface samples.
+        normals ([n, 3]): Unit normals at the samples.
+        distances ([n]): Distances of the samples to the leaves that stay; 1 if there are none.
+        contact ([m, 3]): Samples nearest to the leaves that stay.
+        contact_weights ([m]): Weights of the contact points; they sum to one.
+        toward ([m, 3]): Unit vectors from the leaves that stay to the contact points; 0 if there are none.
+        own_round: Round pieces of the group.
+        neighbour_round: Round pieces of the leaves that it touches.
     """
 
     leaves: tuple[int, ...]

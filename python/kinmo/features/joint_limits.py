@@ -45,10 +45,10 @@ class JointLimits:
     """Limits of C candidate joints.
 
     Attributes:
-        lower: [C] lower limits, at most 0, in radians or lengths.
-        upper: [C] upper limits, at least 0.
-        unlimited: [C] bool, True for hinges without limits, such as wheels and knobs.
-        freedom: [C] in [0, 1], share of the wanted travel that is free of collisions.
+        lower ([C]): Lower limits, at most 0, in radians or lengths.
+        upper ([C]): Upper limits, at least 0.
+        unlimited ([C] bool): True for hinges without limits, such as wheels and knobs.
+        freedom ([C]): Share of the wanted travel that is free of collisions, in [0, 1].
     """
 
     lower: F64
@@ -69,11 +69,11 @@ def estimate_joint_limits(
     """Limits of every candidate joint of one part.
 
     Args:
-        meshes: meshes of the leaves, in the normalised frame.
-        moving: indices of the meshes that move, those of the part's descendants included.
-        obstacles: indices of the meshes that stay.
-        candidates: candidate joints of the part.
-        points: [n, 3] points of the part.
+        meshes: Meshes of the leaves, in the normalised frame.
+        moving: Indices of the meshes that move, those of the part's descendants included.
+        obstacles: Indices of the meshes that stay.
+        candidates: Candidate joints of the part.
+        points ([n, 3]): Points of the part.
     """
     slides = candidates.kinds != JointKind.REVOLUTE.code
     lengths = np.ptp(points @ candidates.directions.T, axis=0)

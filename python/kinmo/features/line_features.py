@@ -40,9 +40,9 @@ def line_features(shape: ShapeGeometry, group: GroupGeometry, lines: CandidateLi
     The features do not change when the object turns about `up`.
 
     Args:
-        shape: the shape.
-        group: the part that the axes belong to.
-        lines: its K candidate axes.
+        shape: The shape.
+        group: The part that the axes belong to.
+        lines: Its K candidate axes.
 
     Returns:
         [K, A] features.
@@ -162,9 +162,9 @@ def rotational_mismatch(group: GroupGeometry, lines: CandidateLines, eccentricit
     """Mean distance between the part and itself rotated about each axis, in tenths of its size.
 
     Args:
-        group: the part.
-        lines: its K candidate axes.
-        eccentricity: [K] distances of the axes from the part's centre, as a share of its radius about them.
+        group: The part.
+        lines: Its K candidate axes.
+        eccentricity ([K]): Distances of the axes from the part's centre, as a share of its radius about them.
 
     Returns:
         [K, 3] mismatch for each of `ROTATIONS`, at most 1; 1 for axes that are not central.

@@ -18,7 +18,7 @@ def candidate_motions(lines: CandidateLines) -> tuple[NDArray[np.int64], NDArray
     A part may turn about each line, slide along each distinct direction, and screw about each central line.
 
     Args:
-        lines: candidate axes of the part.
+        lines: Candidate axes of the part.
 
     Returns:
         Codes of the kinds [C] (`JointKind.code`) and indices of the lines [C].
@@ -36,10 +36,10 @@ def motion_features(group: GroupGeometry, kinds: NDArray[np.int64], directions: 
     the ranking.
 
     Args:
-        group: the moving part.
-        kinds: [C] codes of the kinds.
-        directions: [C, 3] unit vectors along the axes.
-        pivots: [C, 3] points of the axes.
+        group: The moving part.
+        kinds ([C]): Codes of the kinds.
+        directions ([C, 3]): Unit vectors along the axes.
+        pivots ([C, 3]): Points of the axes.
 
     Returns:
         [C, 7] features.

@@ -30,9 +30,9 @@ class Boxes:
     """N oriented boxes.
 
     Attributes:
-        centers: [N, 3] float64.
-        axes: [N, 3, 3] float64, unit rows.
-        half_extents: [N, 3] float64, along the axes.
+        centers ([N, 3] float64): Centres.
+        axes ([N, 3, 3] float64): Axes, unit rows.
+        half_extents ([N, 3] float64): Half extents along the axes.
     """
 
     centers: NDArray[np.float64]
@@ -50,8 +50,8 @@ def leaf_groups(parts: Sequence[tuple[int, ...]], bodies: Sequence[tuple[int, ..
     """Distinct sets of leaves that form a part below the root or a body, parts first.
 
     Args:
-        parts: leaves of every part; the root comes first.
-        bodies: leaves of every body.
+        parts: Leaves of every part; the root comes first.
+        bodies: Leaves of every body.
     """
     return tuple(dict.fromkeys((*parts[1:], *bodies)))
 
@@ -60,8 +60,8 @@ def part_sizes(parts: Sequence[tuple[int, ...]], boxes: Boxes) -> NDArray[np.flo
     """Half extents [P, 3] of the distinct parts below the root.
 
     Args:
-        parts: leaves of every part; the root comes first.
-        boxes: boxes of all parts.
+        parts: Leaves of every part; the root comes first.
+        boxes: Boxes of all parts.
     """
     position = {part: index for index, part in enumerate(parts)}
     return boxes.half_extents[[position[part] for part in leaf_groups(parts, ())]]
@@ -71,8 +71,8 @@ def part_sizes(parts: Sequence[tuple[int, ...]], boxes: Boxes) -> NDArray[np.flo
 class PreparedShape:
     """All data of a shape that the stages after `kinmo prepare` need, in the *normalised frame*.
 
-    The normalised frame has the file's axes. Its origin is `center`, the middle of the axis-aligned box in the file's lengths,
-    and its unit of length is `diagonal`, the diagonal of that box: file = normalised * diagonal + center. The shape has N parts
+    The normalised frame has the file's axes. Its origin is `center`, the middle of the axis-aligned box in the file's lengths.
+    Its unit of length is `diagonal`, the diagonal of that box: `file = normalised * diagonal + center`. The shape has N parts
     in preorder, L leaves and E edges.
     """
 
@@ -123,7 +123,7 @@ class PreparedShape:
         """Mobility, and boxes of its bodies, of a shape that must be annotated.
 
         Raises:
-            InputError: the shape is not annotated.
+            InputError: The shape is not annotated.
         """
         if self.mobility is None or self.body_boxes is None:
             raise InputError(self.source, f"expected shape {self.id} to be annotated")
@@ -165,8 +165,8 @@ def leaf_meshes(shape: Shape, prepared: PreparedShape) -> _core.Meshes:
     """Meshes of the leaves of `shape`, in the normalised frame of `prepared`.
 
     Args:
-        shape: the shape, read from its files.
-        prepared: the same shape, prepared.
+        shape: The shape, read from its files.
+        prepared: The same shape, prepared.
 
     Raises:
         InputError: `shape` is not the one that was prepared.

@@ -25,11 +25,11 @@ class RoundPieces:
     """K connected pieces of mesh that are round about a line, in the normalised frame.
 
     Attributes:
-        leaves: [K] position of the leaf that each piece belongs to.
-        middles: [K, 3] middle of each piece, on its line.
-        directions: [K, 3] unit vectors along the lines.
-        radii: [K] largest distance of a piece from its line.
-        half_lengths: [K] half the length of each piece along its line.
+        leaves ([K]): Position of the leaf that each piece belongs to.
+        middles ([K, 3]): Middle of each piece, on its line.
+        directions ([K, 3]): Unit vectors along the lines.
+        radii ([K]): Largest distance of a piece from its line.
+        half_lengths ([K]): Half the length of each piece along its line.
     """
 
     leaves: NDArray[np.int64]
@@ -63,7 +63,7 @@ class RoundPieces:
         return reaches
 
     def nearest_to(self, point: F64) -> RoundPieces:
-        """At most `MAX_PIECES` pieces, those whose lines pass nearest to `point` [3]."""
+        """The pieces, `MAX_PIECES` or fewer, whose lines pass nearest to `point` [3]."""
         distances = np.linalg.norm(np.cross(point - self.middles, self.directions), axis=1)
         return self.subset(np.sort(np.argsort(distances, kind="stable")[:MAX_PIECES]))
 
@@ -74,12 +74,12 @@ def joint_pieces(
     """Round pieces that a group of leaves may turn about.
 
     Args:
-        pieces: round pieces of all L leaves.
-        meshes: meshes of the leaves.
-        group: positions of the group's leaves.
-        touched: [L] bool, leaves that the group touches.
-        near: largest distance between the group and a piece of a touched leaf, in diagonals.
-        contact: [3] middle of the group's contact region.
+        pieces: Round pieces of all L leaves.
+        meshes: Meshes of the leaves.
+        group: Positions of the group's leaves.
+        touched ([L] bool): Leaves that the group touches.
+        near: Largest distance between the group and a piece of a touched leaf, in diagonals.
+        contact ([3]): Middle of the group's contact region.
 
     Returns:
         Pieces of the group, and pieces of the touched leaves, each limited to those nearest to `contact`.

@@ -32,9 +32,9 @@ def object_frame(normals: F64, weights: F64, up: F64) -> F64:
     The horizontal axes are the directions that most surface faces, counted modulo quarter turns. They turn with the object.
 
     Args:
-        normals: [N, 3] unit normals of the surface.
-        weights: [N] surface areas of the normals.
-        up: [3] unit vector.
+        normals ([N, 3]): Unit normals of the surface.
+        weights ([N]): Surface areas of the normals.
+        up ([3]): Unit vector.
 
     Returns:
         [3, 3] unit rows, `up` last.
@@ -63,13 +63,13 @@ class ShapeGeometry:
     """The L leaves of one shape in the normalised frame.
 
     Attributes:
-        meshes: meshes of the leaves.
-        points: [L, n, 3] surface samples in random order.
-        normals: [L, n, 3] unit normals at the samples.
-        areas: [L] surface areas.
-        frame: [3, 3] the object's own axes (rows, `up` last).
-        extents: [2, 3] lowest and highest coordinates along `frame`.
-        touching: [L, L] bool, pairs of leaves closer than `TOUCHING`.
+        meshes: Meshes of the leaves.
+        points ([L, n, 3]): Surface samples in random order.
+        normals ([L, n, 3]): Unit normals at the samples.
+        areas ([L]): Surface areas.
+        frame ([3, 3]): The object's own axes (rows, `up` last).
+        extents ([2, 3]): Lowest and highest coordinates along `frame`.
+        touching ([L, L] bool): Pairs of leaves closer than `TOUCHING`.
     """
 
     meshes: _core.Meshes
@@ -87,11 +87,11 @@ class ShapeGeometry:
         """Geometry of leaves with surface samples `points` and `normals` [L, n, 3] in random order.
 
         Args:
-            meshes: meshes of the leaves in the normalised frame.
-            points: [L, n, 3] surface samples.
-            normals: [L, n, 3] unit normals at the samples.
-            areas: [L] surface areas.
-            up: [3] unit vector.
+            meshes: Meshes of the leaves in the normalised frame.
+            points ([L, n, 3]): Surface samples.
+            normals ([L, n, 3]): Unit normals at the samples.
+            areas ([L]): Surface areas.
+            up ([3]): Unit vector.
         """
         few = normals[:, :FRAME_NORMALS].astype(float)
         weights = np.repeat(areas / few.shape[1], few.shape[1])
@@ -146,7 +146,7 @@ class ShapeGeometry:
         Riders are small leaves that touch the group and nothing else that stays, such as a knob on a door.
 
         Args:
-            group: positions of the leaves that move.
+            group: Positions of the leaves that move.
 
         Returns:
             Positions of the leaves that stay, and of the riders.

@@ -27,15 +27,15 @@ def prepare_shape(shape: Shape, *, points: int = POINTS_PER_LEAF, seed: int = 0)
     """Compute samples, boxes, distances, candidate features and labels of a shape.
 
     Args:
-        shape: a shape in the frame and lengths of its file.
-        points: surface samples per leaf.
-        seed: seed of the samples; they depend on it and on the shape's id alone.
+        shape: A shape in the frame and lengths of its file.
+        points: Surface samples per leaf.
+        seed: Seed of the samples; they depend on it and on the shape's id alone.
 
     Returns:
         The prepared shape, in the normalised frame.
 
     Raises:
-        ValueError: the geometry core rejects the meshes; the message names the argument.
+        ValueError: The geometry core rejects the meshes; the message names the argument.
 
     Example:
         >>> prepared = prepare_shape(read_partnet_mobility(Path("dataset/40147")))

@@ -16,9 +16,9 @@ def symmetric_box(shape: PreparedShape, leaves: Sequence[int], meshes: _core.Mes
     """Symmetry-aligned box of some leaves: the stored one if they form a part or a body, a fitted one otherwise.
 
     Args:
-        shape: the prepared shape.
-        leaves: positions of the leaves.
-        meshes: meshes of all leaves, in the normalised frame. None: the box is fitted to the convex hull of the samples.
+        shape: The prepared shape.
+        leaves: Positions of the leaves.
+        meshes: Meshes of all leaves, in the normalised frame. None: the box is fitted to the convex hull of the samples.
     """
     wanted = tuple(sorted(leaves))
     for stored, boxes in ((shape.leaves_below, shape.symmetric_boxes), (shape.body_leaves, shape.body_boxes)):

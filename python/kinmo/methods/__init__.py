@@ -21,14 +21,14 @@ def load_method(name: str, models: ModelFolder, device: str = "auto") -> Method:
 
     Args:
         name: `kinmo` or `paper`.
-        models: the folder with the trained networks.
-        device: where networks run: auto, cpu, cuda, cuda:1, mps.
+        models: The folder with the trained networks.
+        device: Where networks run: auto, cpu, cuda, cuda:1, mps.
 
     Returns:
         The method; its networks have been read once as a check.
 
     Raises:
-        InputError: there is no such method, or one of its networks is missing or cannot be read.
+        InputError: There is no such method, or one of its networks is missing or cannot be read.
 
     Example:
         >>> method = load_method("kinmo", ModelFolder(Path("workspace/motion/models")))

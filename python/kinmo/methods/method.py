@@ -27,6 +27,10 @@ class Method(Protocol):
         """Name of the method: `kinmo` or `paper`."""
 
     @property
+    def model_names(self) -> tuple[str, ...]:
+        """Names of its models in the folder of trained networks."""
+
+    @property
     def weights(self) -> str:
         """Hash of all networks of the method."""
 
@@ -46,15 +50,15 @@ class Method(Protocol):
         """Check that all networks can be read.
 
         Raises:
-            InputError: a network is missing or cannot be read.
+            InputError: A network is missing or cannot be read.
         """
 
     def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
         """Predict bodies and joints (setting *hierarchy given*).
 
         Args:
-            shape: the prepared shape; its annotation is not used.
-            meshes: meshes of its leaves, in the normalised frame (`prepared_shape.leaf_meshes`).
+            shape: The prepared shape; its annotation is not used.
+            meshes: Meshes of its leaves, in the normalised frame (`prepared_shape.leaf_meshes`).
 
         Returns:
             Bodies, ranked joints and limits in the shape's own frame.
@@ -64,8 +68,8 @@ class Method(Protocol):
         """Predict the joints of the annotated bodies (setting *parts given*).
 
         Args:
-            shape: an annotated shape; joints and parents of the annotation are not used.
-            meshes: meshes of its leaves, in the normalised frame.
+            shape: An annotated shape; joints and parents of the annotation are not used.
+            meshes: Meshes of its leaves, in the normalised frame.
 
         Returns:
             Ranked joints and limits of the annotated bodies, in the shape's own frame.
@@ -82,12 +86,12 @@ def load_gnn(weights: Path, device: str, hide_names: bool) -> MotionGnnPredictor
     """Load a motion GNN. It stays in memory until its file changes.
 
     Args:
-        weights: file of the weights.
-        device: where the network runs: auto, cpu, cuda, cuda:1, mps.
-        hide_names: hide the names of all parts from the network.
+        weights: File of the weights.
+        device: Where the network runs: auto, cpu, cuda, cuda:1, mps.
+        hide_names: Hide the names of all parts from the network.
 
     Raises:
-        InputError: the file is not a whole file of GNN weights.
+        InputError: The file is not a whole file of GNN weights.
     """
     return _load_gnn(weights, weights.stat().st_mtime_ns, device, hide_names)
 

@@ -10,8 +10,6 @@ from kinmo.core.prediction import ShapeEstimate
 
 SCORE_STEPS = tuple(round(0.1 * step, 1) for step in range(10))
 """Thresholds of the columns in the acceptance report."""
-REPORT = "acceptance.json"
-"""File of the acceptance report, in the folder of the pseudo labels."""
 
 
 @dataclass(frozen=True)

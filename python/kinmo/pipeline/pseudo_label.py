@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from kinmo.core.errors import expecting
-from kinmo.core.names import name_on_disk
 from kinmo.core.wording import counted
 from kinmo.dataset.cache import Cache, Result, cache_key
 from kinmo.dataset.jobs import Failure
@@ -23,14 +22,13 @@ from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import leaf_meshes
 from kinmo.io.atomic_files import remove_leftovers, write_text_atomically
 from kinmo.io.discover import ShapeSource
-from kinmo.io.readers import PARTNET, PARTNET_MOBILITY
+from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.io.readers.partnet_annotation import PSEUDO_LABEL
 from kinmo.io.writers import ExportOptions, export
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods import DEFAULT_METHOD, load_method
 from kinmo.methods.method import Method
 from kinmo.pipeline.label_acceptance import (
-    REPORT,
     LabelDecision,
     acceptance_report,
     decide,
@@ -38,27 +36,10 @@ from kinmo.pipeline.label_acceptance import (
     decision_to_data,
 )
 from kinmo.pipeline.network_jobs import network_runner
+from kinmo.pipeline.pseudo_label_files import LABEL, REPORT, label_name, labels_folder, stage_of
 
-LABEL = "mobility_v2.json"
-"""File with the joints of a pseudo label, in PartNet-Mobility's layout."""
 SECONDS_PER_SHAPE = 1.5
 """First estimate, for one CPU core."""
-
-
-def labels_folder(workspace: Workspace, method: str) -> Path:
-    """Folder of the pseudo labels of a method."""
-    return workspace.pseudo_labels / method
-
-
-def label_name(entry: IndexEntry) -> str:
-    """Name of a shape's folder of pseudo labels: its id, and its layout unless that is PartNet's (ids may clash)."""
-    name = name_on_disk(entry.id)
-    return name if entry.layout == PARTNET else f"{name}@{entry.layout}"
-
-
-def stage_of(method: str) -> str:
-    """Name of the stage in records and in the journal."""
-    return f"pseudo-label-{method}"
 
 
 @dataclass(frozen=True)

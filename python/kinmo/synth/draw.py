@@ -31,8 +31,8 @@ class Draw:
     """Source of all random values of a family. One seed gives one shape.
 
     Args:
-        rng: generator of the random numbers.
-        parameter_range: window of the ranges given to `between`.
+        rng: Generator of the random numbers.
+        parameter_range: Window of the ranges given to `between`.
 
     Example:
         >>> draw = Draw(np.random.default_rng(0))
@@ -64,8 +64,8 @@ class Draw:
         """One of several options.
 
         Args:
-            options: the options.
-            weights: relative frequency of each option; None for equal ones.
+            options: The options.
+            weights: Relative frequency of each option; None for equal ones.
 
         Returns:
             The option that was picked.
@@ -79,7 +79,7 @@ class Draw:
         """Sources that all give the same values, for parts that an object has several times.
 
         Args:
-            count: number of sources.
+            count: Number of sources.
 
         Returns:
             New, independent sources with one seed and the same window.

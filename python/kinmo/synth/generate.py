@@ -15,7 +15,7 @@ from kinmo.core.errors import InputError
 from kinmo.dataset.folder_preparation import ORACLE
 from kinmo.dataset.jobs import Failure, runner_for
 from kinmo.dataset.splits import Split, split_of
-from kinmo.io.readers import Layout
+from kinmo.io.readers import DSG_NET, PARTNET, PARTNET_MOBILITY
 from kinmo.synth.draw import Draw, ParameterRange
 from kinmo.synth.families import family_builder, family_names
 from kinmo.synth.hierarchy_style import apply_hierarchy_style
@@ -28,7 +28,7 @@ MAX_SHAPES = 100_000
 """Most shapes of one family in one layout."""
 SPLIT_CYCLE = tuple(map(Split, ["train", "test", "train", "validation", "train", "train", "test", "train", "train", "train"]))
 """Split of each of ten successive shapes of a family. For a dozen shapes, hashed ids could leave a split empty."""
-_ID_LETTERS = {Layout.PARTNET_MOBILITY: "m", Layout.PARTNET: "p", Layout.DSG_NET: "d"}
+_ID_LETTERS = {PARTNET_MOBILITY: "m", PARTNET: "p", DSG_NET: "d"}
 
 
 @dataclass(frozen=True)
@@ -36,19 +36,19 @@ class ShapeSpec:
     """One shape to be made. The shape depends on these fields and on nothing else.
 
     Attributes:
-        family: name of the family.
-        index: number of the shape within its family and layout.
-        seed: seed of the whole run.
-        layout: layout that the shape is made for.
-        parameter_range: window of the family's continuous ranges.
-        balances_splits: choose the id so that it falls into the split that `SPLIT_CYCLE` has for `index`.
-        is_oracle: write the shape with its joints, in PartNet-Mobility's layout, as the oracle copy of an unlabelled shape.
+        family: Name of the family.
+        index: Number of the shape within its family and layout.
+        seed: Seed of the whole run.
+        layout: Layout that the shape is made for.
+        parameter_range: Window of the family's continuous ranges.
+        balances_splits: Choose the id so that it falls into the split that `SPLIT_CYCLE` has for `index`.
+        is_oracle: Write the shape with its joints, in PartNet-Mobility's layout, as the oracle copy of an unlabelled shape.
     """
 
     family: str
     index: int
     seed: int
-    layout: Layout
+    layout: str
     parameter_range: ParameterRange
     balances_splits: bool = False
     is_oracle: bool = False
@@ -56,12 +56,12 @@ class ShapeSpec:
     @property
     def folder(self) -> str:
         """Subfolder that the shape is written to."""
-        return ORACLE if self.is_oracle else self.layout.value
+        return ORACLE if self.is_oracle else self.layout
 
     @property
-    def written_layout(self) -> Layout:
+    def written_layout(self) -> str:
         """Layout that the shape is written in."""
-        return Layout.PARTNET_MOBILITY if self.is_oracle else self.layout
+        return PARTNET_MOBILITY if self.is_oracle else self.layout
 
     @property
     def shape_id(self) -> str:
@@ -71,7 +71,7 @@ class ShapeSpec:
 
     def draw(self, purpose: str) -> Draw:
         """Random values for one purpose ("shape", "finish" or "files"), independent of those for others."""
-        key = zlib.crc32(f"{self.family}/{self.layout.value}/{self.parameter_range.value}/{purpose}".encode())
+        key = zlib.crc32(f"{self.family}/{self.layout}/{self.parameter_range.value}/{purpose}".encode())
         rng = np.random.default_rng([self.seed, key, self.index])
         return Draw(rng, self.parameter_range if purpose == "shape" else ParameterRange.BOTH)
 
@@ -101,7 +101,7 @@ def shape_specs(
     count: int,
     *,
     families: Sequence[str] | None = None,
-    layouts: Sequence[Layout] = tuple(WRITERS),
+    layouts: Sequence[str] = tuple(WRITERS),
     seed: int = 0,
     parameter_range: ParameterRange | None = None,
     oracle: bool = False,
@@ -109,19 +109,19 @@ def shape_specs(
     """Specifications of all shapes of a run.
 
     Args:
-        count: shapes per family and layout. DSG-Net's layout gets a third of that, at least one.
-        families: names of families; None means all.
-        layouts: layouts to write, out of the keys of `WRITERS`.
-        seed: seed of the run.
-        parameter_range: window of all shapes. None gives labelled and unlabelled layouts the windows meant for them. It also
+        count: Shapes per family and layout. DSG-Net's layout gets a third of that, at least one.
+        families: Names of families; None means all.
+        layouts: Layouts to write, out of the keys of `WRITERS`.
+        seed: Seed of the run.
+        parameter_range: Window of all shapes. None gives labelled and unlabelled layouts the windows meant for them. It also
             balances ids, such that every family has shapes for training, validation and test.
-        oracle: repeat every shape in PartNet's layout with its joints.
+        oracle: Repeat every shape in PartNet's layout with its joints.
 
     Yields:
         One specification per shape.
 
     Raises:
-        InputError: a family or layout is unknown, or the count is out of range.
+        InputError: A family or layout is unknown, or the count is out of range.
     """
     if not 1 <= count <= MAX_SHAPES:
         raise InputError("count", f"expected 1 to {MAX_SHAPES}, got {count}")
@@ -130,18 +130,17 @@ def shape_specs(
         family_builder(name)
     for layout in layouts:
         if layout not in WRITERS:
-            known = ", ".join(each.value for each in WRITERS)
-            raise InputError("layout", f"cannot write {layout.value}, expected some of {known}")
+            raise InputError("layout", f"cannot write {layout!r}, expected some of {', '.join(WRITERS)}")
     for layout in layouts:
-        labelled = layout is Layout.PARTNET_MOBILITY
+        labelled = layout == PARTNET_MOBILITY
         usual_range = ParameterRange.LABELLED if labelled else ParameterRange.UNLABELLED
-        number = max(1, count // 3) if layout is Layout.DSG_NET else count
+        number = max(1, count // 3) if layout == DSG_NET else count
         for name in chosen:
             for index in range(number):
                 balances = parameter_range is None
                 spec = ShapeSpec(name, index, seed, layout, parameter_range or usual_range, balances_splits=balances)
                 yield spec
-                if oracle and layout is Layout.PARTNET:
+                if oracle and layout == PARTNET:
                     yield replace(spec, is_oracle=True)
 
 
@@ -165,16 +164,16 @@ def write_shapes(
     """Write shapes that are not there yet. Every shape is whole or absent, and the same for any number of workers.
 
     Args:
-        out: folder; shapes go to its subfolders `ShapeSpec.folder`.
-        specs: shapes to write, such as those of `shape_specs`.
-        workers: number of processes.
-        on_written: called with the folder of each new shape.
+        out: Folder; shapes go to its subfolders `ShapeSpec.folder`.
+        specs: Shapes to write, such as those of `shape_specs`.
+        workers: Number of processes.
+        on_written: Called with the folder of each new shape.
 
     Returns:
         Number of shapes that were written.
 
     Raises:
-        ChildProcessError: a shape could not be written.
+        ChildProcessError: A shape could not be written.
 
     Example:
         >>> write_shapes(Path("partnet"), shape_specs(12, families=["laptop"]))

@@ -25,9 +25,9 @@ class Node:
     """A node of the hierarchy.
 
     Attributes:
-        name: name in the written hierarchy.
-        children: child nodes. A node with children has no pieces.
-        pieces: meshes of a leaf, one OBJ file each.
+        name: Name in the written hierarchy.
+        children: Child nodes. A node with children has no pieces.
+        pieces: Meshes of a leaf, one OBJ file each.
     """
 
     name: str
@@ -71,14 +71,14 @@ class Motion:
 
     Attributes:
         type: HINGE or SLIDER.
-        origin: a point [3] of the axis.
-        direction: direction [3] of the axis, of any length.
-        a: one limit, counted from the pose of the file.
-        b: the other limit. It may be the smaller one.
-        no_limit: the joint turns freely; `a` and `b` mean nothing.
-        rotates: the slider is a screw, which turns while it slides.
-        rotation_limit: largest turn of a screw in degrees, or None if it turns freely.
-        rest: joint value shown in the file, counted from the pose in which the family builds the part.
+        origin: A point [3] of the axis.
+        direction: Direction [3] of the axis, of any length.
+        a: One limit, counted from the pose of the file.
+        b: The other limit. It may be the smaller one.
+        no_limit: The joint turns freely; `a` and `b` mean nothing.
+        rotates: The slider is a screw, which turns while it slides.
+        rotation_limit: Largest turn of a screw in degrees, or None if it turns freely.
+        rest: Joint value shown in the file, counted from the pose in which the family builds the part.
     """
 
     type: JointType
@@ -120,7 +120,7 @@ class Motion:
         With different factors the scaled part moves as before only if its axis lies along x, y or z.
 
         Args:
-            factors: one factor, or one per axis [3].
+            factors: One factor, or one per axis [3].
         """
         factors = np.broadcast_to(np.asarray(factors, float), 3)
         unit = self.direction / np.linalg.norm(self.direction)
@@ -154,12 +154,12 @@ class Link:
     """Nodes that move as one rigid body.
 
     Attributes:
-        name: name of the body.
-        nodes: leaves or whole subtrees of the hierarchy.
-        parent: the link that `motion` is relative to.
-        motion: joint between this link and `parent`, or None if the link does not move.
-        kind: joint type of a link without motion: free, heavy, static or junk.
-        leaf_name: name of the link's leaf in flat hierarchies, which have one leaf per link. Default: `name`, and "base_body"
+        name: Name of the body.
+        nodes: Leaves or whole subtrees of the hierarchy.
+        parent: The link that `motion` is relative to.
+        motion: Joint between this link and `parent`, or None if the link does not move.
+        kind: Joint type of a link without motion: free, heavy, static or junk.
+        leaf_name: Name of the link's leaf in flat hierarchies, which have one leaf per link. Default: `name`, and "base_body"
             for a link without motion.
     """
 
@@ -187,9 +187,9 @@ class SynthObject:
     """An object as a family builds it. Every leaf below `root` belongs to exactly one link.
 
     Attributes:
-        category: category in `kinmo.core.categories.canonical_category`'s spelling.
-        root: root of the hierarchy.
-        links: all links, in any order.
+        category: Category in `kinmo.core.categories.canonical_category`'s spelling.
+        root: Root of the hierarchy.
+        links: All links, in any order.
     """
 
     category: str
@@ -217,7 +217,7 @@ class SynthObject:
         """Check the rules that writers rely on.
 
         Raises:
-            ValueError: a leaf has no geometry or not exactly one link, or a parent is no link of the object.
+            ValueError: A leaf has no geometry or not exactly one link, or a parent is no link of the object.
         """
         owned = [leaf for link in self.links for leaf in link.leaves()]
         leaves = list(self.root.leaves())
@@ -254,8 +254,8 @@ class SynthObject:
         """Scale the object and its joints to a bounding-box diagonal, and centre its box, in place.
 
         Args:
-            diagonal: wanted length of the diagonal.
-            offset: wanted centre [3] of the box.
+            diagonal: Wanted length of the diagonal.
+            offset: Wanted centre [3] of the box.
         """
         low, high = self.bounds()
         factor = diagonal / max(float(np.linalg.norm(high - low)), 1e-9)

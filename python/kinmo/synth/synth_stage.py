@@ -11,7 +11,6 @@ from kinmo.core.wording import counted
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.io.discover import WORKSPACE
 from kinmo.io.folder_lock import locked
-from kinmo.io.readers import Layout
 from kinmo.synth.draw import ParameterRange
 from kinmo.synth.generate import ShapeSpec, shape_specs, target_folder, write_shapes
 from kinmo.synth.writers import WRITERS
@@ -25,14 +24,14 @@ class Synth:
     """Stage that writes procedural shapes and leaves those that exist as they are.
 
     Attributes:
-        folder: folder to write into.
-        count: shapes per family and layout; a third of that in DSG-Net's layout.
-        families: names of families; empty for all.
-        layouts: names of layouts; empty for all that can be written.
-        parameter_range: window of all shapes; None gives labelled and unlabelled shapes different windows.
-        oracle: write the shapes in PartNet's layout with their joints too, into a subfolder.
-        seed: seed of everything random.
-        workers: number of processes.
+        folder: Folder to write into.
+        count: Shapes per family and layout; a third of that in DSG-Net's layout.
+        families: Names of families; empty for all.
+        layouts: Names of layouts; empty for all that can be written.
+        parameter_range: Window of all shapes; None gives labelled and unlabelled shapes different windows.
+        oracle: Write the shapes in PartNet's layout with their joints too, into a subfolder.
+        seed: Seed of everything random.
+        workers: Number of processes.
     """
 
     folder: Path
@@ -69,7 +68,7 @@ class Synth:
         return shape_specs(
             self.count,
             families=self.families or None,
-            layouts=tuple(map(Layout, self.layouts)) or tuple(WRITERS),
+            layouts=self.layouts or tuple(WRITERS),
             seed=self.seed,
             parameter_range=self.parameter_range,
             oracle=self.oracle,

@@ -29,9 +29,9 @@ from kinmo.pipeline.evaluation.evaluation_folder import (
     evaluation_folders,
 )
 from kinmo.pipeline.evaluation.example_predictions import Example, read_examples, spread_over_categories
-from kinmo.pipeline.label_acceptance import REPORT as ACCEPTANCE
 from kinmo.pipeline.prepare import REPORT
-from kinmo.pipeline.pseudo_label import labels_folder, stage_of
+from kinmo.pipeline.pseudo_label_files import REPORT as ACCEPTANCE
+from kinmo.pipeline.pseudo_label_files import labels_folder, stage_of
 from kinmo.pipeline.scans.scan_networks import MODEL as SCAN_MODELS
 from kinmo.pipeline.score_urdfs import URDF_FILES
 from kinmo.view.example_pictures import draw_example

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from articulated import shape_of_boxes
 from scipy.spatial.transform import Rotation
-from whole_road import Listener
+from trained_workspace import Recorder
 
 from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
@@ -266,7 +266,7 @@ def test_no_readable_truth_is_a_failure_of_the_command(tmp_path):
     truth, predictions = folders(tmp_path)
     for name in "1234":
         (truth / name / "result.json").write_text("[")
-    listener = Listener()
+    listener = Recorder()
     assert ScoreUrdfs(predictions, truth, Workspace(tmp_path / "w")).run(listener).failed == 4
     assert sum(note.startswith("left out: ") for note in listener.notes) == 4
 
@@ -292,7 +292,7 @@ def test_wrong_folders_and_ids_raise_input_errors(tmp_path):
 def test_an_unknown_category_is_reported_with_the_known_ones(tmp_path):
     truth, predictions = folders(tmp_path)
     (truth / "1" / "result.json").write_text("[")
-    listener = Listener()
+    listener = Recorder()
     stage = ScoreUrdfs(predictions, truth, Workspace(tmp_path / "w"), "cabinets")
     with pytest.raises(InputError, match=r"no shape of cabinets \(did you mean cabinet\?\); there are cabinet"):
         stage.run(listener)
@@ -304,7 +304,7 @@ def test_an_unknown_category_is_reported_with_the_known_ones(tmp_path):
 def test_all_tables_are_written_to_the_folder_of_the_result(tmp_path):
     truth, predictions = folders(tmp_path)
     workspace = Workspace(tmp_path / "w")
-    outcome = ScoreUrdfs(predictions, truth, workspace).run(Listener())
+    outcome = ScoreUrdfs(predictions, truth, workspace).run(Recorder())
     assert outcome.path == workspace.evaluation / "urdf_files"
     assert {path.name for path in outcome.path.iterdir()} == {f"{t}.{e}" for t in ("by_category", "failures") for e in WRITERS}
     assert outcome.path.with_suffix(".json").read_text() == json.dumps(outcome.data, indent=1) + "\n"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from scan_road import CATEGORY, FAMILY, Scanned
-from whole_road import Listener
+from trained_workspace import Recorder
 
 from kinmo.core.errors import InputError
 from kinmo.dataset.workspace import Workspace
@@ -25,7 +25,7 @@ from kinmo.synth.synth_stage import Synth
 
 def test_what_is_trained_is_judged_where_there_are_scans_of_it(scanned: Scanned) -> None:
     stage = JudgeTrained(scanned.workspace, FAMILY, device="cpu")
-    found = stage.run(Listener())
+    found = stage.run(Recorder())
     assert list(found.data) == ["table-2"], "no rough scans, and no category of the other tables"
     assert (stage.plan().steps, stage.plan().seconds) == ((), 0.0)
     assert list(found.data["table-2"]) == [CATEGORY]
@@ -35,7 +35,7 @@ def test_a_category_without_test_objects_is_said_to_be_not_judged(scanned: Scann
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
     shutil.rmtree(tmp_path / "workspace" / "scans" / CATEGORY / "test")
-    stage, told = JudgeTrained(Workspace(tmp_path / "workspace"), FAMILY, device="cpu"), Listener()
+    stage, told = JudgeTrained(Workspace(tmp_path / "workspace"), FAMILY, device="cpu"), Recorder()
     assert stage.plan().steps == ()
     assert stage.run(told).failed == 0
     assert [note for note in told.notes if "not judged" in note and "expected scans of a test object" in note]
@@ -44,7 +44,7 @@ def test_a_category_without_test_objects_is_said_to_be_not_judged(scanned: Scann
 def test_networks_that_cannot_be_judged_are_a_failure(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
-    workspace, told = Workspace(tmp_path / "workspace"), Listener()
+    workspace, told = Workspace(tmp_path / "workspace"), Recorder()
     (Cell(CATEGORY, "supervised", 0).folder(workspace, "npcs") / "weights.safetensors").write_bytes(b"cut off")
     assert JudgeTrained(workspace, FAMILY, device="cpu").run(told).failed == 1
     assert [note for note in told.notes if note.startswith(f"not judged: {CATEGORY}, supervised, seed 0: ")]
@@ -61,16 +61,16 @@ def test_scans_and_networks_of_shapes_that_were_prepared_before_are_passed_over(
         assert record is not None
         workspace.write_record(gone.stage(network), record)
     assert gone in trained_cells(workspace)
-    found = JudgeTrained(workspace, device="cpu").run(Listener())
+    found = JudgeTrained(workspace, device="cpu").run(Recorder())
     assert (list(found.data["table-2"]), found.failed) == ([CATEGORY], 0)
     assert TrainAncsh(workspace, scanned.config, setting="supervised", device="cpu").plan().steps == ()
 
 
 def test_of_a_category_of_the_paper_its_tables_are_shown_with_their_figures_before_anything_is_trained(tmp_path: Path) -> None:
-    Synth(tmp_path / "partnet", 2, ("scissors",), ("partnet_mobility",)).run(Listener())
+    Synth(tmp_path / "partnet", 2, ("scissors",), ("partnet_mobility",)).run(Recorder())
     workspace = Workspace(tmp_path / "workspace")
-    Prepare(tmp_path / "partnet", workspace).run(Listener())
-    found = JudgeTrained(workspace, "scissors", device="cpu").run(Listener())
+    Prepare(tmp_path / "partnet", workspace).run(Recorder())
+    found = JudgeTrained(workspace, "scissors", device="cpu").run(Recorder())
     assert set(found.data) == {"table-2", "table-3"}
     for table, rows in (("2", ["ANCSH", "ANCSH (Semi)", "ANCSH (Semi-weakly)"]), ("3", ["Semi-weakly (30%)"])):
         (shown,) = found.data[f"table-{table}"].values()
@@ -84,7 +84,7 @@ def test_of_a_category_of_the_paper_its_tables_are_shown_with_their_figures_befo
 
 def test_without_motion_networks_the_tables_of_scans_are_there_alone(scanned: Scanned) -> None:
     shapes = Evaluate(scanned.workspace, ("kinmo", "paper"), FAMILY)
-    stage, told = EvaluateAll(shapes, JudgeTrained(scanned.workspace, FAMILY, device="cpu")), Listener()
+    stage, told = EvaluateAll(shapes, JudgeTrained(scanned.workspace, FAMILY, device="cpu")), Recorder()
     found = stage.run(told)
     assert list(found.data) == ["table-2"]
     assert [note for note in told.notes if note.startswith("no Table 1:")]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned, smaller
-from whole_road import Listener
+from trained_workspace import Recorder
 
 from kinmo.core.errors import InputError
 from kinmo.dataset.workspace import Workspace
@@ -27,7 +27,7 @@ from kinmo.synth.synth_stage import Synth
 def test_a_cell_that_cannot_be_run_leaves_the_others(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)  # of other tests
-    told = Listener()
+    told = Recorder()
     stage = MakeTable("4", Workspace(tmp_path / "workspace"), scanned.config, ("kinmo",), FAMILY, 1, **HOW)
     assert stage.plan().steps == (f"{CATEGORY}, supervised, seed 0: judge",)
     (other,) = stage.plan().impossible
@@ -44,7 +44,7 @@ def test_a_cell_that_cannot_be_run_leaves_the_others(scanned: Scanned, tmp_path:
 def test_where_another_process_is_writing_it_is_said_once_and_no_table_is_written(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     shutil.rmtree(tmp_path / "workspace" / "eval", ignore_errors=True)
-    workspace, told = Workspace(tmp_path / "workspace"), Listener()
+    workspace, told = Workspace(tmp_path / "workspace"), Recorder()
     for stage in (MakeTable("4", workspace, scanned.config, ("kinmo",), FAMILY, 1, **HOW), JudgeTrained(workspace, FAMILY)):
         with workspace.locked(), pytest.raises(InUse, match="is writing here"):
             stage.run(told)
@@ -53,17 +53,17 @@ def test_where_another_process_is_writing_it_is_said_once_and_no_table_is_writte
 
 
 def test_without_labels_that_are_held_back_the_row_of_true_ones_is_no_failure(tmp_path: Path) -> None:
-    Synth(tmp_path / "partnet", 2, (FAMILY,), ("partnet_mobility",)).run(Listener())
-    workspace, told = Workspace(tmp_path / "workspace"), Listener()
-    Prepare(tmp_path / "partnet", workspace).run(Listener())
+    Synth(tmp_path / "partnet", 2, (FAMILY,), ("partnet_mobility",)).run(Recorder())
+    workspace, told = Workspace(tmp_path / "workspace"), Recorder()
+    Prepare(tmp_path / "partnet", workspace).run(Recorder())
     stage = MakeTable("2", workspace, "small", ("kinmo",), FAMILY, 1, hours=0.0, **HOW)
     assert [step.split(":")[0] for step in stage.plan().steps] == [f"{CATEGORY}, supervised, seed 0"]
     found = stage.run(told)
     assert found.failed == 2, "semi and semi-weakly: there is nothing without labels"
     assert [note for note in told.notes if "true labels" in note and "kinmo prepare --hold-back" in note]
     assert "Not run: true labels: no shapes of Laptop whose labels are held back" in found.text
-    Synth(tmp_path / "partnet", 3, (FAMILY,), ("partnet_mobility",)).run(Listener())
-    Prepare(tmp_path / "partnet", workspace).run(Listener())
+    Synth(tmp_path / "partnet", 3, (FAMILY,), ("partnet_mobility",)).run(Recorder())
+    Prepare(tmp_path / "partnet", workspace).run(Recorder())
     text = " ".join(WrittenTables(workspace, "2").write({CATEGORY: [0]}).text.split())
     assert "whose labels are held back" not in text, "other shapes may change that"
 
@@ -73,7 +73,7 @@ def test_without_time_no_cell_is_run_and_all_are_told(scanned: Scanned, tmp_path
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
     for folder in ("eval", *(() if is_scanned else ("scans", "own-scans", "models"))):
         shutil.rmtree(tmp_path / "workspace" / folder, ignore_errors=True)
-    told = Listener()
+    told = Recorder()
     stage = MakeTable("2", Workspace(tmp_path / "workspace"), scanned.config, ("kinmo",), FAMILY, 1, hours=0.0, **HOW)
     found = stage.run(told)
     assert not found.failed, "time that is over is no failure"
@@ -111,7 +111,7 @@ def test_training_takes_as_long_before_there_are_scans_as_with_them(scanned: Sca
 
 def test_a_table_whose_motion_networks_have_none_to_go_on_from_says_so(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace, told = Workspace(tmp_path / "workspace"), Listener()
+    workspace, told = Workspace(tmp_path / "workspace"), Recorder()
     stage = MakeTable("3", workspace, scanned.config, ("kinmo",), FAMILY, 1, start=Workspace(tmp_path / "none"), **HOW)
     problem = re.escape(f"{tmp_path / 'none'}") + ".*--from: expected the weights to go on from"
     for begin in (stage.plan, lambda: stage.run(told)):
@@ -135,7 +135,7 @@ def test_within_some_hours_what_fits_is_run(scanned: Scanned, tmp_path: Path, mo
     trained, untrained = (stage._pending(row, CATEGORY, seed, {}).seconds for seed in (0, 1))
     assert 0.0 < trained < untrained, "the second is to be trained first"
     monkeypatch.setattr("kinmo.experiments.scan_tables.make_table.time.monotonic", lambda: 0.0)
-    told = Listener()
+    told = Recorder()
     found = replace(stage, hours=(trained + untrained) / 2 / 3600).run(told)
     assert f"not run: {CATEGORY}, supervised, seed 1: {TOO_LONG}" in told.notes
     rows = {row[0]: row for row in found.data[CATEGORY]["means"]["rows"]}
@@ -153,7 +153,7 @@ def test_a_training_that_dies_leaves_the_other_cells_and_says_so_in_the_table(
             raise ChildProcessError(problem)
 
     monkeypatch.setattr(TrainAncsh, "run", die)
-    told = Listener()
+    told = Recorder()
     found = stage.run(told)
     assert [note for note in told.notes if note == f"not run: {CATEGORY}, supervised, seed 1: {problem}"]
     rows = {row[0]: row for row in found.data[CATEGORY]["means"]["rows"]}

@@ -13,7 +13,7 @@ from kinmo.pipeline.scans.refusal import REFUSED
 from kinmo.pipeline.scans.scored_scans import JudgedScans
 from scan_road import CATEGORY, FAMILY, HOW, Scanned, taken_for
 from scanned_objects import read_frames
-from whole_road import Listener
+from trained_workspace import Recorder
 
 from kinmo.dataset.shape_dataset import open_dataset
 from kinmo.dataset.splits import Split
@@ -42,7 +42,7 @@ def test_tables_and_reasons_are_written_by_one_process_at_a_time(judged: Workspa
 
 
 def test_a_table_shows_what_was_not_run_and_the_authors_figures(scanned: Scanned) -> None:
-    EvaluateScans(scanned.workspace, Cell(CATEGORY, "supervised", 0), "cpu").run(Listener())
+    EvaluateScans(scanned.workspace, Cell(CATEGORY, "supervised", 0), "cpu").run(Recorder())
     found = WrittenTables(scanned.workspace, "2").write({CATEGORY: [0]}).data[CATEGORY]
     run = {row[0]: row[2] for row in found["means"]["rows"]}
     trained = found["means"]["rows"][0][1]
@@ -141,7 +141,7 @@ def test_what_is_left_out_of_a_layout_is_counted_with_the_setting_that_learns_fr
 
 def test_fewer_seeds_take_none_out_of_a_table(judged: Workspace, scanned: Scanned) -> None:
     taken_for(judged, "supervised", 1)
-    found = MakeTable("2", judged, scanned.config, ("kinmo",), FAMILY, 1, hours=0.0, **HOW).run(Listener())
+    found = MakeTable("2", judged, scanned.config, ("kinmo",), FAMILY, 1, hours=0.0, **HOW).run(Recorder())
     assert {row[0]: row[2] for row in found.data[CATEGORY]["means"]["rows"]}["supervised"] == "0, 1"
 
 

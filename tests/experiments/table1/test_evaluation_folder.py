@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from whole_road import METHODS, Listener, Road
+from trained_workspace import METHODS, Recorder, Trained
 
 from kinmo.dataset.workspace import Workspace
 from kinmo.experiments.table1.evaluate_table1 import Evaluate
@@ -19,14 +19,14 @@ TABLE = "Table 1, parts given"
 
 
 @pytest.fixture
-def workspace(road: Road, tmp_path: Path) -> Workspace:
-    """A copy of the workspace that has gone the whole road."""
-    shutil.copytree(road.workspace.path, tmp_path / "workspace")
+def workspace(trained: Trained, tmp_path: Path) -> Workspace:
+    """A copy of the workspace that has gone the whole trained."""
+    shutil.copytree(trained.workspace.path, tmp_path / "workspace")
     return Workspace(tmp_path / "workspace")
 
 
 def page(workspace: Workspace) -> str:
-    return Report(workspace).run(Listener()).path.read_text(encoding="utf-8")
+    return Report(workspace).run(Recorder()).path.read_text(encoding="utf-8")
 
 
 def retrain(workspace: Workspace, model: str) -> None:
@@ -38,7 +38,7 @@ def retrain(workspace: Workspace, model: str) -> None:
 
 def test_no_table_of_a_former_choice_stays(workspace: Workspace) -> None:
     assert list((workspace.evaluation / ALL).rglob("*OBB_fine*"))
-    outcome = Evaluate(workspace, ("kinmo",), device="cpu").run(Listener())
+    outcome = Evaluate(workspace, ("kinmo",), device="cpu").run(Recorder())
     assert not list((workspace.evaluation / ALL).rglob("*OBB_fine*"))
     assert not {"GNN_fine", "OBB_fine"} & {row[0] for row in outcome.data["parts_given"]["overview_micro"]["rows"]}
     assert "labels of kinmo" in page(workspace) and "labels of OBB_fine" not in page(workspace)
@@ -59,7 +59,7 @@ def test_the_report_leaves_out_what_was_not_finished(workspace: Workspace) -> No
 
 
 def test_weights_that_have_no_say_do_not_matter(workspace: Workspace) -> None:
-    Evaluate(workspace, ("kinmo",), device="cpu").run(Listener())
+    Evaluate(workspace, ("kinmo",), device="cpu").run(Recorder())
     retrain(workspace, "axis")
     assert is_current(workspace, ALL)
 
@@ -74,14 +74,14 @@ def test_shapes_and_settings_that_change_make_an_evaluation_stale(workspace: Wor
 
 
 @pytest.mark.parametrize("change", [{"seed": 1}, {"ablations": True}, {"hidden_names": True}, {"methods": METHODS[:1]}])
-def test_another_choice_is_another_evaluation(change: dict[str, object], road: Road) -> None:
-    assert not road.stages["eval"].plan().steps
-    assert replace(road.stages["eval"], **change).plan().steps  # type: ignore[type-var]
+def test_another_choice_is_another_evaluation(change: dict[str, object], trained: Trained) -> None:
+    assert not trained.stages["eval"].plan().steps
+    assert replace(trained.stages["eval"], **change).plan().steps  # type: ignore[type-var]
 
 
 def test_one_category_has_one_folder_whatever_its_spelling(workspace: Workspace) -> None:
     for name in ("laptop", "Lap top", "LAPTOP"):
-        outcome = Evaluate(workspace, ("kinmo",), name, device="cpu").run(Listener())
+        outcome = Evaluate(workspace, ("kinmo",), name, device="cpu").run(Recorder())
         assert outcome.path == workspace.evaluation / "laptop"
     assert evaluations(workspace) == [ALL, "laptop"]
     assert is_current(workspace, ALL) and is_current(workspace, "laptop")

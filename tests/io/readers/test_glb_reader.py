@@ -194,15 +194,15 @@ def raw(path: Path, *, order: np.ndarray | None = None, mode: int | None = None,
 @pytest.mark.parametrize(
     ("changes", "field"),
     [
-        ({"accessors__1__count": 7}, "accessors[1].count: expected as many as there are bytes of"),
-        ({"accessors__0__count": 10**9}, "accessors[0].count: expected as many as there are bytes of"),
+        ({"accessors__1__count": 7}, "accessors[1].count: expected as many numbers as the buffer holds"),
+        ({"accessors__0__count": 10**9}, "accessors[0].count: expected as many numbers as the buffer holds"),
         ({"accessors__0__count": 3}, "meshes[0].primitives[0].indices: expected indices below 3, got 3"),
         ({"accessors__0__componentType": 5122}, "accessors[0].componentType: expected float32"),
         ({"accessors__0__bufferView": DROPPED}, "accessors[0]: expected all numbers in a bufferView"),
         ({"accessors__0__sparse": {}}, "accessors[0]: expected all numbers in a bufferView"),
         ({"accessors__0__bufferView": 2}, "accessors[0].bufferView: expected one of the 2 bufferViews, got 2"),
-        ({"buffers__0__uri": "other.bin"}, "bufferViews[0].buffer: expected what is in the file itself"),
-        ({"bufferViews__0__byteOffset": -4}, "bufferViews[0].byteOffset: expected a number that is not below 0"),
+        ({"buffers__0__uri": "other.bin"}, "bufferViews[0].buffer: expected data in the file itself"),
+        ({"bufferViews__0__byteOffset": -4}, "bufferViews[0].byteOffset: expected 0 or more"),
         ({"nodes__0__mesh": 1}, "nodes[0].mesh: expected one of the 1 meshes, got 1"),
         ({"nodes__0__children": [0]}, "nodes[0].children[0]: node 0 is in two places"),
         ({"nodes__0__matrix": [1.0] * 15}, "nodes[0].matrix: expected 16 numbers"),
@@ -327,6 +327,6 @@ def test_predicting_a_file_needs_no_category_but_a_scan_does(tmp_path: Path) -> 
     assert planned.exit_code == 1
     assert "there is no such workspace" in planned.output, "only the networks are missing"
     (tmp_path / "scan.npz").write_bytes(b"")
-    refused = CliRunner().invoke(app, ["predict", str(tmp_path / "scan.npz"), *where])
-    assert refused.exit_code != 0
-    assert "--category" in refused.output
+    failed = CliRunner().invoke(app, ["predict", str(tmp_path / "scan.npz"), *where])
+    assert failed.exit_code != 0
+    assert "--category" in failed.output

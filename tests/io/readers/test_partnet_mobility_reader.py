@@ -151,12 +151,12 @@ def test_children_of_a_body_without_geometry_move_up(tmp_path):
     assert door_of(shape).parent == 0
 
 
-def test_a_part_without_surface_is_left_out(tmp_path):
+def test_a_part_without_surface_is_skipped(tmp_path):
     folder = write_partnet_mobility(tmp_path / "4711")
     (folder / "textured_objs" / "original-5.obj").write_text("v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n")
     shape = read_partnet_mobility(folder)
     assert [part.id for part in shape.parts] == [0, 1, 2, 3, 4, 5, 7]
-    assert "part 6 (handle) has no surface: left out" in shape.repairs
+    assert "part 6 (handle) has no surface: skipped" in shape.repairs
     assert [shape.parts[leaf].id for leaf in door_of(shape).leaves] == [5]
 
 
@@ -202,7 +202,7 @@ def test_a_far_origin_of_a_slider_is_dropped(tmp_path):
 def test_huge_limits_are_dropped(tmp_path, name, limit):
     shape = with_joint(tmp_path, joint_data((0, 1, 0), -limit, limit), name)
     assert not door_of(shape).joint.is_limited
-    assert any("beyond all sense" in repair for repair in shape.repairs)
+    assert any("far too large" in repair for repair in shape.repairs)
 
 
 def far_hinge():

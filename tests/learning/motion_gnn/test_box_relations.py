@@ -1,3 +1,5 @@
+"""Relations of two oriented boxes."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -34,7 +36,7 @@ def boxes_of(*specs: tuple[tuple[float, ...], tuple[float, ...]]) -> Boxes:
         ((0, 0, 0), (0.5, 0.0, 0.5), ("inside", "around")),
     ],
 )
-def test_states_say_how_much_lies_inside(center, half, expected) -> None:
+def test_states_depend_on_the_share_of_a_box_inside_the_other(center, half, expected) -> None:
     boxes = boxes_of((center, half), ((0, 0, 0), (1, 1, 1)))
     found = box_states(boxes, PAIR)
     if half == (0.5, 0.5, 0.5) or half[1] == 0.0:
@@ -44,7 +46,7 @@ def test_states_say_how_much_lies_inside(center, half, expected) -> None:
 
 
 @pytest.mark.parametrize("side", range(6))
-def test_sides_are_faces_of_the_reference(side: int) -> None:
+def test_sides_are_faces_of_the_reference_box(side: int) -> None:
     offset = np.zeros(3)
     offset[side // 2] = 2.0 if side % 2 == 0 else -2.0
     boxes = boxes_of((tuple(offset), (0.1, 0.1, 0.1)), ((0, 0, 0), (1, 1, 1)))
@@ -53,7 +55,7 @@ def test_sides_are_faces_of_the_reference(side: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_features_do_not_depend_on_how_a_box_is_written(seed: int) -> None:
+def test_features_do_not_depend_on_the_order_and_sign_of_box_axes(seed: int) -> None:
     rng = np.random.default_rng(seed)
     axes = Rotation.random(6, rng).as_matrix()
     boxes = Boxes(rng.normal(size=(6, 3)), axes, rng.uniform(0.1, 1, (6, 3)))
@@ -69,7 +71,7 @@ def test_features_do_not_depend_on_how_a_box_is_written(seed: int) -> None:
     np.testing.assert_array_equal(box_states(one, edges), box_states(other, edges))
 
 
-def test_relative_poses_do_not_change_when_the_object_turns_about_up_by_quarters() -> None:
+def test_offsets_keep_their_length_under_quarter_turns_about_up() -> None:
     rng = np.random.default_rng(1)
     axes = Rotation.from_rotvec(rng.normal(size=(4, 3)) * 0.1).as_matrix()
     boxes = Boxes(rng.normal(size=(4, 3)), axes, rng.uniform(0.1, 1, (4, 3)))

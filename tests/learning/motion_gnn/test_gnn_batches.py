@@ -1,3 +1,5 @@
+"""Graphs of shapes, their augmented variants, and batches."""
+
 from __future__ import annotations
 
 from dataclasses import fields, replace
@@ -15,7 +17,7 @@ from kinmo.learning.name_encoding import HIDDEN
 CONFIG = load_config("small").gnn
 
 
-def test_a_mirrored_graph_is_that_of_the_mirrored_boxes() -> None:
+def test_a_mirrored_graph_has_mirrored_boxes_and_pivots() -> None:
     shape = cabinet(4)
     plain = shape_graph(shape, CONFIG)
     mirrored = transformed_graph(plain, shape, CONFIG, np.diag([-1.0, 1.0, 1.0]))
@@ -31,10 +33,10 @@ def test_a_mirrored_graph_is_that_of_the_mirrored_boxes() -> None:
     assert torch.equal(other_side[plain.sides][distinct], mirrored.sides[distinct])
 
 
-def test_a_changed_graph_is_that_of_a_shape_whose_boxes_and_labels_are_changed() -> None:
+def test_a_transformed_graph_equals_the_graph_of_the_transformed_shape() -> None:
     shape, change = cabinet(4), np.diag([-1.2, 0.8, 1.4])
     boxes, labels = shape.symmetric_boxes, shape.edge_labels
-    assert np.allclose(np.abs(boxes.axes).max(axis=2), 1)  # so that they are boxes after it, too
+    assert np.allclose(np.abs(boxes.axes).max(axis=2), 1)  # axis-aligned boxes stay boxes under the map
     lengths = np.linalg.norm(boxes.axes @ change, axis=2)
     prepared = replace(
         shape,
@@ -46,7 +48,7 @@ def test_a_changed_graph_is_that_of_a_shape_whose_boxes_and_labels_are_changed()
         torch.testing.assert_close(getattr(changed, field.name), getattr(expected, field.name))
 
 
-def test_stretching_keeps_pivots_where_they_are_in_their_boxes() -> None:
+def test_stretching_keeps_pivots_in_place_within_their_boxes() -> None:
     shape = cabinet(4)
     plain = shape_graph(shape, CONFIG)
     stretched = transformed_graph(plain, shape, CONFIG, np.diag([1.2, 0.9, 1.1]))
@@ -61,14 +63,14 @@ def test_stretching_keeps_pivots_where_they_are_in_their_boxes() -> None:
     torch.testing.assert_close(places(plain), places(stretched), atol=1e-4, rtol=1e-4)
 
 
-def test_a_true_direction_does_not_depend_on_which_way_its_range_runs() -> None:
+def test_a_true_direction_does_not_depend_on_the_sign_of_the_axis() -> None:
     shape = cabinet(4)
     labels = shape.edge_labels
     reversed_joints = replace(shape, edge_labels=replace(labels, directions=-labels.directions))
     assert torch.equal(shape_graph(shape, CONFIG).directions, shape_graph(reversed_joints, CONFIG).directions)
 
 
-def test_variants_are_shown_with_points_that_fit_their_boxes() -> None:
+def test_leaf_points_of_variants_fit_their_boxes() -> None:
     shape = cabinet(4)
     data = GraphData([shape], [shape], replace(CONFIG, variants=3, stretch=0.3, hide_names=0.0))
     seen = [next(iter(data.training_batches(0, np.random.default_rng(seed)))).graph for seed in range(16)]
@@ -83,13 +85,13 @@ def test_variants_are_shown_with_points_that_fit_their_boxes() -> None:
         assert float(leaf.norm(dim=1).max()) <= 1.0 + 1e-6
 
 
-def test_names_are_hidden_as_often_as_asked() -> None:
+def test_names_are_hidden_as_often_as_configured() -> None:
     data = GraphData([cabinet(i) for i in range(20)], [cabinet(0)], replace(CONFIG, hide_names=0.5, batch_shapes=1))
     hidden = [bool((b.graph.name_ids == HIDDEN).all()) for b in data.training_batches(0, np.random.default_rng(0))]
     assert 4 <= sum(hidden) <= 16
 
 
-def test_batches_hold_few_enough_edges_and_every_shape_once() -> None:
+def test_batches_respect_the_limits_and_contain_every_shape_once() -> None:
     shapes = [cabinet(i) for i in range(12)]
     data = GraphData(shapes, shapes[:1], replace(CONFIG, batch_shapes=5, batch_edges=30))
     batches = list(data.training_batches(0, np.random.default_rng(0)))

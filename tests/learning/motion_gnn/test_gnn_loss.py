@@ -1,3 +1,5 @@
+"""Loss of the motion GNN, compared with calculations by hand."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -22,7 +24,7 @@ def unit(edges: int) -> torch.Tensor:
 TYPES = torch.tensor([MotionType.R_V_S, MotionType.P_H, MotionType.FIXED, MotionType.NONE, MotionType.PR_V])
 
 
-def test_the_losses_are_those_written_out_by_hand() -> None:
+def test_the_losses_equal_a_calculation_by_hand() -> None:
     found, d, p = output(5), unit(5), torch.randn(5, 3, generator=torch.Generator().manual_seed(2))
     losses = edge_losses(found, TYPES, d, p)
     probabilities = torch.softmax(found.logits, 1)
@@ -37,7 +39,7 @@ def test_the_losses_are_those_written_out_by_hand() -> None:
     assert frobenius == pytest.approx(np.sqrt(np.sum(np.square(directions))), rel=1e-5)
 
 
-def test_the_pivot_may_slide_along_its_axis_and_the_object_may_be_elsewhere() -> None:
+def test_the_pivot_loss_ignores_shifts_along_the_axis_and_of_the_object() -> None:
     found, d, p = output(5), unit(5), torch.randn(5, 3)
     slid = edge_losses(found, TYPES, d, p + 7.0 * d).pivot.item()
     shift = torch.tensor([3.0, -2.0, 5.0])
@@ -47,13 +49,13 @@ def test_the_pivot_may_slide_along_its_axis_and_the_object_may_be_elsewhere() ->
     assert moved == pytest.approx(expected, abs=1e-5)
 
 
-def test_undirected_does_not_mind_the_sign() -> None:
+def test_the_undirected_loss_ignores_the_sign() -> None:
     found, d = output(5), unit(5)
     losses = [edge_losses(found, TYPES, s * d, d, direction_loss="undirected").direction.item() for s in (1, -1)]
     assert losses[0] == pytest.approx(losses[1])
 
 
-def test_edges_that_do_not_move_have_no_direction_or_pivot_loss() -> None:
+def test_resting_edges_have_no_direction_or_pivot_loss() -> None:
     found = output(2)
     losses = edge_losses(found, torch.tensor([MotionType.FIXED, MotionType.NONE]), unit(2), unit(2))
     assert losses.direction.item() == losses.pivot.item() == 0.0
@@ -61,14 +63,14 @@ def test_edges_that_do_not_move_have_no_direction_or_pivot_loss() -> None:
     assert found.logits.grad is not None
 
 
-def test_a_coarse_network_is_asked_for_coarse_classes() -> None:
+def test_a_coarse_network_is_trained_on_coarse_classes() -> None:
     found = output(5, classes=5)
     expected = [CoarseType.R, CoarseType.P, CoarseType.FIXED, CoarseType.NONE, CoarseType.PR]
     by_hand = torch.nn.functional.cross_entropy(found.logits, torch.tensor([t.value for t in expected]))
     assert edge_losses(found, TYPES, unit(5), unit(5)).type.item() == pytest.approx(by_hand.item())
 
 
-def test_balance_weighs_rare_classes_more_and_keeps_the_mean_at_one() -> None:
+def test_balance_gives_rare_classes_more_weight_and_keeps_the_mean_at_one() -> None:
     types = torch.tensor([MotionType.FIXED] * 90 + [MotionType.P_H] * 10)
     weights = class_weights(types, 10, (), 0.5)
     assert weights is not None
@@ -77,7 +79,7 @@ def test_balance_weighs_rare_classes_more_and_keeps_the_mean_at_one() -> None:
     assert class_weights(types, 10, (), 0.0) is None
 
 
-def test_weights_of_the_ten_types_are_those_of_the_five_on_average() -> None:
+def test_a_coarse_class_has_the_mean_weight_of_its_fine_types() -> None:
     given = tuple(float(n + 1) for n in range(len(MotionType)))
     fine, coarse = (class_weights(torch.zeros(0, dtype=torch.long), classes, given, 0.0) for classes in (10, 5))
     assert fine is not None and coarse is not None

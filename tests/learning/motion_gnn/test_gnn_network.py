@@ -1,3 +1,5 @@
+"""Network of the motion GNN: numbers of parameters, invariances and inputs."""
+
 from __future__ import annotations
 
 from dataclasses import replace
@@ -26,8 +28,8 @@ def linear(*widths: int) -> int:
 
 
 def parameters_by_hand(buckets: int, inner_box: int) -> int:
-    """The release's sizes, layer by layer; convolutions and the first linear layers of a DGCNN are without bias, norms have
-    two.
+    """Parameters of the release, layer by layer. Convolutions and the first linear layers of a DGCNN have no bias. A norm has
+    two parameters a channel.
     """
     norms = 2 * (64 + 64 + 128 + 512 + 512 + 256)
     edge_convolutions = 6 * 64 + 128 * 64 + 128 * 128
@@ -41,7 +43,7 @@ def parameters_by_hand(buckets: int, inner_box: int) -> int:
     return dgcnn + leaf + names + relations + children + graph_inputs + first + 4 * later + linear(128, 128, 128, 16)
 
 
-def test_the_paper_network_has_the_releases_parameters() -> None:
+def test_the_paper_network_has_as_many_parameters_as_the_release() -> None:
     assert count(MotionGnn(PAPER, 10)) == parameters_by_hand(PAPER.name_buckets, inner_box=0)
 
 
@@ -54,7 +56,7 @@ def graph(seed: int, config: GnnConfig = SMALL) -> ShapeGraph:
     return subsampled(shape_graph(cabinet(seed), config), 64)
 
 
-def test_a_shape_is_answered_alike_alone_and_among_others() -> None:
+def test_predictions_for_a_shape_do_not_depend_on_the_rest_of_the_batch() -> None:
     torch.manual_seed(0)
     network = MotionGnn(SMALL, 10).eval()
     graphs = [graph(seed) for seed in range(4)]
@@ -68,7 +70,7 @@ def test_the_order_of_siblings_does_not_matter() -> None:
     torch.manual_seed(0)
     network = MotionGnn(SMALL, 10).eval()
     one = graph(3)
-    order = torch.arange(len(one.parents)).flip(0)  # any numbering of the parts will do
+    order = torch.arange(len(one.parents)).flip(0)  # any numbering of the parts is valid
     place = torch.argsort(order)
     names = one.name_ids.split(one.name_counts.tolist())
     other = replace(
@@ -86,7 +88,7 @@ def test_the_order_of_siblings_does_not_matter() -> None:
         torch.testing.assert_close(a, b, atol=1e-4, rtol=1e-4)
 
 
-def test_inner_parts_have_a_box_of_their_own() -> None:
+def test_boxes_of_inner_parts_matter_only_if_configured() -> None:
     torch.manual_seed(0)
     with_boxes, without = (MotionGnn(replace(SMALL, inner_boxes=b), 10).encoder.eval() for b in (True, False))
     one = graph(3)
@@ -109,7 +111,7 @@ def test_distance_and_contact_are_inputs_of_kinmo_only(inputs, differs: bool) ->
     assert same != differs
 
 
-def test_an_unknown_word_gets_an_answer_near_that_of_its_kin() -> None:
+def test_an_unknown_word_is_treated_like_a_similar_known_word() -> None:
     torch.manual_seed(0)
     network = MotionGnn(SMALL, 10).eval()
     shape = cabinet(3)
@@ -118,12 +120,12 @@ def test_an_unknown_word_gets_an_answer_near_that_of_its_kin() -> None:
         names = tuple(name.replace("handle", word) for name in shape.part_names)
         return network(batch_graphs([subsampled(shape_graph(replace(shape, part_names=names), SMALL), 64)])).logits
 
-    known, kin, stranger = logits("handle"), logits("handlegrip"), logits("xylophone")
-    assert torch.isfinite(stranger).all()
-    assert (known - kin).norm() < (known - stranger).norm()
+    known, similar, different = logits("handle"), logits("handlegrip"), logits("xylophone")
+    assert torch.isfinite(different).all()
+    assert (known - similar).norm() < (known - different).norm()
 
 
-def test_places_in_a_box_are_in_its_half_extents_and_turn_with_it() -> None:
+def test_pivots_are_in_half_extents_of_the_box_and_turn_with_it() -> None:
     boxes = torch.zeros(2, 15)
     boxes[:, :3] = torch.tensor([1.0, 2.0, 3.0])
     boxes[:, 3:6] = torch.tensor([2.0, 4.0, 0.0])
@@ -132,10 +134,10 @@ def test_places_in_a_box_are_in_its_half_extents_and_turn_with_it() -> None:
     found = from_box(torch.tensor([[1.0, -1.0, 0.0], [1.0, -1.0, 1.0]]), boxes)
     torch.testing.assert_close(found[0], torch.tensor([2.0, 0.0, 3.0]))
     torch.testing.assert_close(found[1, :2], torch.tensor([3.0, 3.0]))
-    assert 0.0 < float(found[1, 2]) - 3.0 < 1.0  # off a plate, too
+    assert 0.0 < float(found[1, 2]) - 3.0 < 1.0  # a point off a thin plate
 
 
-def test_directions_are_told_along_the_axes_of_the_moving_box() -> None:
+def test_directions_are_along_the_axes_of_the_moving_box() -> None:
     turned = Rotation.from_euler("xyz", [0.3, 0.2, -0.4]).as_matrix()
     boxes = torch.tensor(np.concatenate([[0.1, 0.2, 0.3, 1.0, 2.0, 3.0], turned.ravel()])[None], dtype=torch.float32)
     found = along_box(torch.tensor([[0.0, 3.0, 0.0]]), boxes)

@@ -31,7 +31,7 @@ def plain_shape(sizes: list[float], names: list[str] | None = None) -> PreparedS
 
 
 def predictions_of(shape: PreparedShape, motions: dict[tuple[int, int], tuple[MotionType, float]]) -> EdgePredictions:
-    """Predictions of given types and probabilities by pair of parts, and NONE for other edges. FIXED holds in both directions."""
+    """Predictions of given types and probabilities by pair of parts, NONE for other edges. FIXED holds in both directions."""
     both = motions | {pair[::-1]: value for pair, value in motions.items() if value[0] is MotionType.FIXED}
     probabilities = np.zeros((len(shape.edges), 10))
     for row, pair in zip(probabilities, map(tuple, shape.edges.tolist()), strict=True):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
 from typer.testing import CliRunner
-from whole_road import Listener, contents
+from trained_workspace import Recorder, contents
 
 from kinmo.cli.app import app
 from kinmo.core.errors import InputError
@@ -25,14 +25,14 @@ from kinmo.scans.files.scan_reader import read_scan
 def test_an_example_is_the_test_scan_that_shows_all_parts_best(scanned: Scanned, tmp_path: Path) -> None:
     example = ExampleScan(scanned.workspace, FAMILY, tmp_path / "new" / "scan.npz", scanned.render())
     assert [step for step in example.plan().steps if "scan.npz" in step]
-    name = example.run(Listener()).data["object"]
+    name = example.run(Recorder()).data["object"]
     test = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob(f"{name}-*.safetensors")))
     counts = [min(int((parts == part).sum()) for part in range(test.structure.part_count)) for parts in test.read("parts")]
     np.testing.assert_array_equal(read_scan(example.path).points, test.read("points", int(np.argmax(counts))))
     before = contents(tmp_path / "new")
-    example.run(Listener())
+    example.run(Recorder())
     assert contents(tmp_path / "new") == before
-    found = PredictScans(example.path, tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Listener())
+    found = PredictScans(example.path, tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Recorder())
     assert len(found.data["parts"]) == 2
     for taken in ("scan.npz", "points.npz", "scan.txt"):
         (tmp_path / taken).write_bytes(b"mine")
@@ -54,7 +54,7 @@ def test_an_example_is_scanned_only_where_there_are_no_scans(scanned: Scanned, t
     example = ExampleScan(workspace, FAMILY, tmp_path / "scan.npz", Render(workspace, scanned.config, FAMILY, beside=()))
     shutil.rmtree(workspace.scans / CATEGORY / "test")
     before = contents(workspace.path)
-    for ask in (example.plan, lambda: example.run(Listener())):
+    for ask in (example.plan, lambda: example.run(Recorder())):
         with pytest.raises(
             InputError, match=r"expected scans of a test object .* there is none, but \d+ other test objects?; "
         ):
@@ -63,9 +63,9 @@ def test_an_example_is_scanned_only_where_there_are_no_scans(scanned: Scanned, t
     unfinished(workspace, CATEGORY, "train").touch()
     before = contents(workspace.path)
     with pytest.raises(InputError, match="scanning was stopped"):
-        example.run(Listener())
+        example.run(Recorder())
     assert contents(workspace.path) == before, "nor is it made in another way than was begun"
     shutil.rmtree(workspace.scans)
     assert [step.split()[0] for step in example.plan().steps] == ["scan", "write"]
-    assert example.run(Listener()).failed == 0
+    assert example.run(Recorder()).failed == 0
     assert [step.split()[0] for step in example.plan().steps] == ["write"]

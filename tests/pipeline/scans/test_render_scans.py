@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from kinmo.pipeline.scans.refusal import REFUSED
 from scan_road import CATEGORY, FAMILY, Scanned, pseudo_labelled, smaller
-from whole_road import Listener, contents
+from trained_workspace import Recorder, contents
 
 from kinmo.core.errors import InputError
 from kinmo.dataset.shape_dataset import open_dataset
@@ -52,7 +52,7 @@ def test_objects_to_train_on_are_scanned_with_others_like_them_and_count_once(sc
         assert count_objects(dataset.files[role]) == len(by_object)
         if count == 2:
             assert all(not np.allclose(one.extents.sizes, other.extents.sizes) for one, other in by_object.values())
-    report = scanned.render(beside=ROLES).run(Listener()).data["categories"][CATEGORY]
+    report = scanned.render(beside=ROLES).run(Recorder()).data["categories"][CATEGORY]
     found = {role: count_objects(dataset.files[role]) for role in ("train", "hidden", "validation", "test")}
     assert {role: report["objects"][role] for role in found} == found
 
@@ -73,7 +73,7 @@ def test_in_lockstep_an_object_and_those_like_it_go_through_all_steps_together(s
     workspace, config = Workspace(tmp_path / "workspace"), tmp_path / "file.toml"
     text = Path(scanned.config).read_text(encoding="utf-8").replace("states = 2\n", 'states = 5\nsampling = "lockstep"\n', 1)
     config.write_text(text.replace("[scans]", "[scans]\nvariants = 2"), encoding="utf-8")
-    Render(workspace, str(config), FAMILY, beside=()).run(Listener())
+    Render(workspace, str(config), FAMILY, beside=()).run(Recorder())
     opened: dict[str, set[float]] = {}
     for path in scans_of(workspace, CATEGORY, "train").glob("*.safetensors"):
         file = open_scans(path)
@@ -89,13 +89,13 @@ def test_objects_that_are_not_closed_have_no_variants(scanned: Scanned, tmp_path
     workspace, config = Workspace(tmp_path / "workspace"), tmp_path / "file.toml"
     text = Path(scanned.config).read_text(encoding="utf-8").replace("[scans]", '[scans]\ncanonical = "file"')
     config.write_text(text, encoding="utf-8")
-    Render(workspace, str(config), FAMILY).run(Listener())
+    Render(workspace, str(config), FAMILY).run(Recorder())
     files = open_scan_dataset(workspace, CATEGORY).files
     assert not any(file.provenance.variant for role in ROLES for file in files[role])
 
 
 def test_what_was_scanned_is_not_scanned_again(scanned: Scanned) -> None:
-    before, told = contents(scanned.workspace.path), Listener()
+    before, told = contents(scanned.workspace.path), Recorder()
     plan = scanned.render(beside=ROLES).plan()
     assert (plan.steps, plan.seconds) == ((), 0.0)
     scanned.render(beside=ROLES).run(told)
@@ -110,7 +110,7 @@ def test_only_what_is_asked_for_is_scanned_beside_the_labelled_objects(scanned: 
     shutil.rmtree(workspace.own_scans, ignore_errors=True)
     labelled = {"train", "validation", "test"}
     for beside, roles in (((), labelled), (("hidden",), labelled | {"hidden"}), (("unlabelled",), {*labelled, "unlabelled"})):
-        found = Render(workspace, scanned.config, FAMILY, beside=beside).run(Listener())
+        found = Render(workspace, scanned.config, FAMILY, beside=beside).run(Recorder())
         assert set(found.data["categories"][CATEGORY]["objects"]) == roles
     assert open_scan_dataset(workspace, CATEGORY).files["hidden"], "what is not asked for stays"
 
@@ -120,7 +120,7 @@ def test_an_object_that_cannot_be_scanned_says_why_and_is_not_tried_again(scanne
     config = tmp_path / "strict.toml"
     config.write_text(Path(scanned.config).read_text(encoding="utf-8") + "smallest_part = 1.0\n", encoding="utf-8")
     stage = Render(Workspace(tmp_path / "workspace"), str(config), FAMILY)
-    told = Listener()
+    told = Recorder()
     found = stage.run(told)
     assert found.failed and told.notes == [f"{CATEGORY}: no frame of an object to train on"]
     reasons = {role: list(by_id.values()) for role, by_id in found.data["refused"].items()}
@@ -137,7 +137,7 @@ def test_frames_that_show_too_little_are_counted_with_the_reason(scanned: Scanne
     config = tmp_path / "strict.toml"
     text = Path(scanned.config).read_text(encoding="utf-8")
     config.write_text(text.replace("least_pixels = 1\n", "least_pixels = 100000\n"), encoding="utf-8")
-    found = Render(Workspace(tmp_path / "workspace"), str(config), FAMILY, beside=()).run(Listener())
+    found = Render(Workspace(tmp_path / "workspace"), str(config), FAMILY, beside=()).run(Recorder())
     refused = found.data["categories"][CATEGORY]["refused"]
     assert sum(refused.values()) > 0
     for reason, count in refused.items():
@@ -153,7 +153,7 @@ def test_an_object_that_cannot_be_read_now_is_scanned_once_it_can(scanned: Scann
     stage = Render(workspace, scanned.config, FAMILY)
     source.rename(away)
     try:
-        found = stage.run(Listener())
+        found = stage.run(Recorder())
         assert stage.plan().steps == (), "nothing waits for what has gone"
     finally:
         away.rename(source)
@@ -161,7 +161,7 @@ def test_an_object_that_cannot_be_read_now_is_scanned_once_it_can(scanned: Scann
     assert list(found.data["refused"]["hidden"]) == [entry.id] and "result.json: missing" in found.text
     assert not list(workspace.scans.rglob(f"*{REFUSED}"))
     assert len(stage.plan().steps) == 1
-    assert stage.run(Listener()).failed == 0
+    assert stage.run(Recorder()).failed == 0
     assert entry.id in {file.id for file in open_scan_dataset(workspace, CATEGORY).files["hidden"]}
 
 
@@ -178,15 +178,15 @@ def test_scans_whose_making_was_stopped_are_not_used_until_it_is_done(
     with monkeypatch.context() as patched:
         patched.setattr(render, "map_unordered", stopped)
         with pytest.raises(KeyboardInterrupt):
-            made.render().run(Listener())
+            made.render().run(Recorder())
     for ask in (made.train("supervised").plan, lambda: open_scan_dataset(made.workspace, CATEGORY)):
         with pytest.raises(InputError, match="scanning was stopped before all was done: run kinmo render again"):
             ask()
-    made.render().run(Listener())
+    made.render().run(Recorder())
     assert made.train("supervised").plan().steps == ()
     unfinished(made.workspace, CATEGORY, "train").touch()  # stopped when all was done but to say so
     assert made.render().plan().steps
-    made.render().run(Listener())
+    made.render().run(Recorder())
     assert made.render().plan().steps == ()
     assert open_scan_dataset(made.workspace, CATEGORY).files["test"]
 
@@ -199,13 +199,13 @@ def test_only_the_command_that_was_stopped_ends_what_it_began(scanned: Scanned, 
     unfinished(made.workspace, CATEGORY, "unlabelled").touch()
     shutil.rmtree(made.workspace.models)
     assert made.render().plan().steps == ()
-    made.render().run(Listener())
+    made.render().run(Recorder())
     assert not open_scan_dataset(made.workspace, CATEGORY).files["unlabelled"]
-    for begin in (made.train("semi").plan, lambda: made.train("semi").run(Listener())):
+    for begin in (made.train("semi").plan, lambda: made.train("semi").run(Recorder())):
         with pytest.raises(InputError, match="no scans of unlabelled objects of Laptop: run kinmo render --unlabelled"):
             begin()
     assert not made.workspace.models.exists(), "told before the networks that are to label are trained"
-    made.render(beside=("unlabelled",)).run(Listener())
+    made.render(beside=("unlabelled",)).run(Recorder())
     assert open_scan_dataset(made.workspace, CATEGORY).files["unlabelled"]
 
 
@@ -217,12 +217,12 @@ def test_scans_of_objects_that_have_gone_go_too(scanned: Scanned, tmp_path: Path
     for stray in strays:
         stray.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(next(folders[0].glob("*.safetensors")), stray)
-    Render(workspace, scanned.config, FAMILY).run(Listener())
+    Render(workspace, scanned.config, FAMILY).run(Recorder())
     assert not any(stray.exists() for stray in strays), "also in a role that no object has any more"
 
 
 def test_scans_stay_until_others_take_their_place(scanned: Scanned, tmp_path: Path) -> None:
-    class CutOff(Listener):
+    class CutOff(Recorder):
         def progress(self, *_: object) -> None:
             raise KeyboardInterrupt
 
@@ -237,19 +237,19 @@ def test_scans_stay_until_others_take_their_place(scanned: Scanned, tmp_path: Pa
     assert before.keys() <= left.keys()
     changed = {path for path in before if left[path] != before[path]}
     assert len({open_scans(workspace.scans / path).object for path in changed}) == 1
-    Render(workspace, scanned.config, FAMILY, workers=1).run(Listener())
+    Render(workspace, scanned.config, FAMILY, workers=1).run(Recorder())
     assert contents(workspace.scans) == before
 
 
 def test_an_object_that_cannot_be_scanned_anew_keeps_no_scans_of_another_way(scanned: Scanned, tmp_path: Path) -> None:
     workspace, _ = pseudo_labelled(scanned, tmp_path / "workspace")
-    Render(workspace, scanned.config, FAMILY).run(Listener())
+    Render(workspace, scanned.config, FAMILY).run(Recorder())
     assert open_scan_dataset(workspace, CATEGORY).files["pseudo"]
     entry = open_dataset(workspace, FAMILY).labelled[Split.TRAIN][0]
     source, away = Path(entry.source), tmp_path / "away"
     source.rename(away)
     try:
-        assert Render(workspace, smaller(scanned, tmp_path), FAMILY).run(Listener()).failed == 2
+        assert Render(workspace, smaller(scanned, tmp_path), FAMILY).run(Recorder()).failed == 2
     finally:
         away.rename(source)
     files = open_scan_dataset(workspace, CATEGORY).files
@@ -261,14 +261,14 @@ def test_scans_by_a_pseudo_label_are_made_anew_when_the_label_or_the_shape_chang
     workspace, (label, *_) = pseudo_labelled(scanned, tmp_path / "workspace")
     stage = Render(workspace, scanned.config, FAMILY)
     assert len(stage.plan().steps) == 1
-    stage.run(Listener())
+    stage.run(Recorder())
     assert stage.plan().steps == ()
     (entry, *_) = open_dataset(workspace, FAMILY).unlabelled
     scanned_ids = {file.id for file in open_scan_dataset(workspace, CATEGORY).files["pseudo"]}
     assert entry.id in scanned_ids, "whatever its folder is called"
     label.write_text(label.read_text(encoding="utf-8") + " ", encoding="utf-8")
     assert len(stage.plan().steps) == 1
-    stage.run(Listener())
+    stage.run(Recorder())
     prepared = workspace.prepared / entry.file
     made_from = read_header(prepared)["provenance"]["made_from"].encode()
     prepared.write_bytes(prepared.read_bytes().replace(made_from, b"f" * len(made_from)))
@@ -284,14 +284,14 @@ def test_scans_by_pseudo_labels_wait_for_those_that_show_how_far_hinges_open(sca
     source, away = Path(entry.source), tmp_path / "away"
     source.rename(away)
     try:
-        found = stage.run(Listener())
+        found = stage.run(Recorder())
     finally:
         away.rename(source)
     assert found.failed == 2
     count = len(open_dataset(workspace, FAMILY).unlabelled)
     assert f"{count} objects with pseudo labels: without scans of {entry.id}-partnet_mobility" in found.text
     assert not open_scan_dataset(workspace, CATEGORY).files["pseudo"]
-    assert stage.run(Listener()).failed == 0
+    assert stage.run(Recorder()).failed == 0
     assert open_scan_dataset(workspace, CATEGORY).files["pseudo"]
     assert stage.plan().steps == ()
 
@@ -304,7 +304,7 @@ def test_hinges_whose_end_a_pseudo_label_does_not_know_open_as_far_as_labelled_o
             if body["joint"] == "hinge":
                 body["jointData"]["limit"] |= {"a": -90.0, "b": 90.0, "noLimit": False}
         label.write_text(json.dumps(bodies), encoding="utf-8")
-    Render(workspace, scanned.config, FAMILY).run(Listener())
+    Render(workspace, scanned.config, FAMILY).run(Recorder())
     files = open_scan_dataset(workspace, CATEGORY).files
     usual = [max(hinge_opening(file.joints[0]) or 0.0, math.pi / 2) for file in files["train"]]
     assert files["pseudo"]

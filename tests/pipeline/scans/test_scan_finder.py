@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scan_road import CATEGORY, FAMILY, HOW, Scanned
-from whole_road import Listener
+from trained_workspace import Recorder
 
 from kinmo.pipeline.scans.predict_scans import PredictScans
 from kinmo.pipeline.scans.scan_finder import ScanFinder
@@ -17,7 +17,7 @@ from kinmo.scans.files.scan_file import open_scans
 def test_a_finder_says_of_points_what_the_command_does(scanned: Scanned, tmp_path: Path) -> None:
     points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
     np.savez(tmp_path / "seen.npz", points=points)
-    said = PredictScans(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Listener()).data
+    said = PredictScans(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Recorder()).data
     finder = ScanFinder.load(scanned.workspace.root, FAMILY, device="cpu")
     found = finder.find(points)
     assert (finder.weights, finder.trained, finder.category) == (said["weights"], said["trained"], said["category"])

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from scan_road import CATEGORY, FAMILY, HOW, SCANS, Scanned, prepared_in, pseudo_labelled
-from whole_road import Listener, contents
+from trained_workspace import Recorder, contents
 
 from kinmo.config import load_config
 from kinmo.dataset.shape_dataset import open_dataset
@@ -37,24 +37,24 @@ def test_the_papers_ways_go_the_whole_road(tmp_path: Path) -> None:
     config = load_config(made.config)
     assert (config.scans.renderer, config.scans.canonical, config.scans.sampling) == ("pybullet", "file", "release")
     assert (config.ancsh.axes, config.ancsh.normalised, config.ancsh.ties) == ("camera", "object", "pairs")
-    assert not (config.ancsh.maps or config.ancsh.layout)
-    made.render().run(Listener())
-    made.train("supervised").run(Listener())
-    JudgeTrained(made.workspace, FAMILY, device="cpu").run(Listener())
+    assert not (config.ancsh.maps or config.ancsh.global_head)
+    made.render().run(Recorder())
+    made.train("supervised").run(Recorder())
+    JudgeTrained(made.workspace, FAMILY, device="cpu").run(Recorder())
     (row, *_) = WrittenTables(made.workspace, "2").write({CATEGORY: [0]}, "ancsh").data[CATEGORY]["means"]["rows"]
     assert row[0] == "supervised"
     assert 0.0 < row[3] < 180.0, "degrees"
 
 
 def test_networks_are_trained_once_and_judged_frame_by_frame(scanned: Scanned) -> None:
-    told = Listener()
+    told = Recorder()
     scanned.train("supervised").run(told)
     assert all("trained already" in note for note in told.notes)
     assert scanned.train("supervised").plan().steps == ()
     cell = Cell(CATEGORY, "supervised", 0)
     assert trained_cells(scanned.workspace) == [cell]
     stage = EvaluateScans(scanned.workspace, cell, "cpu")
-    stage.run(Listener())
+    stage.run(Recorder())
     assert stage.plan().steps == ()
     dataset = open_scan_dataset(scanned.workspace, CATEGORY)
     lines = scores_path(scanned.workspace, cell, on_rough=False).read_text().splitlines()
@@ -74,7 +74,7 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(
     assert [step.split(" (")[0] for step in planned.steps if step.startswith("train")] == ["train ancsh", "train npcs"] * 2
     assert [step for step in planned.steps if step.startswith("label")]
     assert replace(stage, category=CATEGORY).plan() == planned, "however it is spelled"
-    told = Listener()
+    told = Recorder()
     stage.run(told)
     assert stage.plan().steps == ()
     header = json.loads((Cell(CATEGORY, "semi", 0).folder(workspace, "ancsh") / "weights.json").read_text())
@@ -84,7 +84,7 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(
     assert header["facts"]["objects"] == count_objects(dataset.files["train"]) + len(labelled)
     assert {open_scans(path).structure for path in labelled} <= {dataset.structure}
     before = contents(workspace.path)
-    stage.run(Listener())
+    stage.run(Recorder())
     assert contents(workspace.path) == before
     own, gone = SelfLabel(workspace, CATEGORY, confidence=0.0, **HOW), labelled[0].read_bytes()
     assert own.plan().steps == ()
@@ -92,7 +92,7 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(
     labelled[0].unlink()
     kept = {path: path.stat().st_mtime_ns for path in labelled[1:]}
     assert len(own.plan().steps) == 1
-    own.run(Listener())
+    own.run(Recorder())
     assert {path: path.stat().st_mtime_ns for path in labelled[1:]} == kept, "what was labelled stays as it is"
     assert labelled[0].read_bytes() == gone
     monkeypatch.setattr(each_shape, "JOBS_A_PROCESS", 1)
@@ -100,15 +100,15 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(
     workspace.forget(f"self-label-{CATEGORY}-0")
     for path in labelled:
         path.unlink()
-    replace(own, workers=2).run(Listener())
+    replace(own, workers=2).run(Recorder())
     assert contents(labelled[0].parent) == by_one, "by two processes too"
 
 
 def test_networks_learn_from_pseudo_labels_too(scanned: Scanned, tmp_path: Path) -> None:
     workspace, _ = pseudo_labelled(scanned, tmp_path / "workspace")
-    Render(workspace, scanned.config, FAMILY).run(Listener())
+    Render(workspace, scanned.config, FAMILY).run(Recorder())
     stage = TrainAncsh(workspace, scanned.config, FAMILY, "semi-weakly", **HOW)
-    stage.run(Listener())
+    stage.run(Recorder())
     assert stage.plan().steps == ()
     dataset = open_scan_dataset(workspace, CATEGORY)
     config = load_config(scanned.config)
@@ -125,12 +125,12 @@ def test_networks_learn_from_pseudo_labels_of_generated_shapes_where_there_are_n
     scanned: Scanned, tmp_path: Path
 ) -> None:
     workspace, labels = pseudo_labelled(scanned, tmp_path / "workspace", layout="dsg_net")
-    Render(workspace, scanned.config, FAMILY).run(Listener())
+    Render(workspace, scanned.config, FAMILY).run(Recorder())
     later = TrainAll(workspace, scanned.config, FAMILY, **HOW)._later(open_dataset(workspace))
     (training,) = (stage for stage in later if isinstance(stage, TrainAncsh))
     assert training.setting == "dsg-net"
-    training.run(Listener())
-    EvaluateScans(workspace, Cell(CATEGORY, "dsg-net", 0), "cpu").run(Listener())
+    training.run(Recorder())
+    EvaluateScans(workspace, Cell(CATEGORY, "dsg-net", 0), "cpu").run(Recorder())
     found = WrittenTables(workspace, "4").write({CATEGORY: [0]})
     (row,) = (row for row in found.data[CATEGORY]["means"]["rows"] if row[0] == "generated shapes")
     labelled = count_objects(open_scan_dataset(workspace, CATEGORY).files["train"])
@@ -143,13 +143,13 @@ def test_each_method_has_pseudo_labels_scans_and_networks_of_its_own(scanned: Sc
     other = Workspace(workspace.root, method="paper")
     shutil.copytree(label.parent, other.pseudo / label.parent.name)
     for place in (workspace, other):
-        Render(place, scanned.config, FAMILY).run(Listener())
-        TrainAncsh(place, scanned.config, FAMILY, "semi-weakly", **HOW).run(Listener())
+        Render(place, scanned.config, FAMILY).run(Recorder())
+        TrainAncsh(place, scanned.config, FAMILY, "semi-weakly", **HOW).run(Recorder())
     known, others = (open_scan_dataset(place, CATEGORY).files for place in (workspace, other))
     assert count_objects(known["pseudo"]) > count_objects(others["pseudo"]) == 1
     for role in set(ROLES) - {"pseudo"}:
         assert [file.path for file in known[role]] == [file.path for file in others[role]], role
-    table = JudgeTrained(workspace, FAMILY, device="cpu").run(Listener()).data["table-2"][CATEGORY]["means"]
+    table = JudgeTrained(workspace, FAMILY, device="cpu").run(Recorder()).data["table-2"][CATEGORY]["means"]
     trained = {row[0]: row[1] for row in table["rows"] if row[2] == "0"}
     assert trained["semi-weakly"] != trained["semi-weakly, paper"] == f"{trained['supervised']} + 1"
     assert {"semi-weakly, paper against supervised", "semi-weakly against semi-weakly, paper"} <= {
@@ -158,11 +158,11 @@ def test_each_method_has_pseudo_labels_scans_and_networks_of_its_own(scanned: Sc
     shown = [picture.title for section in picture_sections(workspace) for picture in section.pictures]
     assert {title.split(":")[0] for title in shown} >= {"supervised", "semi-weakly", "semi-weakly, paper"}
     example = ExampleScan(workspace, FAMILY, tmp_path / "scan.npz", Render(workspace, scanned.config, FAMILY))
-    example.run(Listener())
+    example.run(Recorder())
 
     def trained_for(method: str | None) -> str:
         stage = PredictScans(example.path, tmp_path / "out", workspace, FAMILY, method=method, **HOW)
-        return str(stage.run(Listener()).data["trained"])
+        return str(stage.run(Recorder()).data["trained"])
 
     assert trained_for(None) == trained_for("kinmo") == f"{CATEGORY}, semi-weakly, seed 0"
     assert trained_for("paper") == f"{CATEGORY}, semi-weakly, seed 0, labels by paper"

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from kinmo.scans.object_structure import Structure
 from scan_road import prepared_in
-from whole_road import Listener, contents
+from trained_workspace import Recorder, contents
 
 from kinmo.core.errors import InputError
 from kinmo.dataset.shape_dataset import open_dataset
@@ -31,7 +31,7 @@ def mixed(tmp_path_factory: pytest.TempPathFactory) -> Render:
     """Rendering of refrigerators with doors and drawers of all numbers, done once."""
     made = prepared_in(tmp_path_factory.mktemp("mixed"), FAMILY, 12)
     stage = Render(made.workspace, made.config, FAMILY)
-    stage.run(Listener())
+    stage.run(Recorder())
     return stage
 
 
@@ -70,7 +70,7 @@ def test_those_that_are_not_are_counted_with_their_structures(mixed: Render) -> 
     for role in CHOSEN:
         left_out = sum(count for (_, other, _), count in dataset.others.items() if other == role)
         assert count_objects(dataset.files[role]) + left_out == len(entries[role]), role
-    told = mixed.run(Listener())
+    told = mixed.run(Recorder())
     not_scanned = told.data["categories"][CATEGORY]["not scanned"]
     by_structure = Counter[str]()
     for (structure, role, _), count in dataset.others.items():
@@ -97,7 +97,7 @@ def test_what_has_become_the_structure_of_most_is_scanned(
     assert other not in of_train
     monkeypatch.setattr("kinmo.pipeline.scans.render_scans.usual_structure", lambda _: other)
     assert stage.plan().steps
-    stage.run(Listener())
+    stage.run(Recorder())
     assert other in {open_scans(path).structure for path in hidden.glob("*.safetensors")}
     assert str(other) not in refused_structures(hidden)
 
@@ -117,9 +117,9 @@ def test_rendering_that_is_cut_off_while_it_refuses_ends_as_undisturbed(
     write = jobs.write_refusal
     monkeypatch.setattr(jobs, "write_refusal", cut_off)
     with pytest.raises(KeyboardInterrupt):
-        stage.run(Listener())
+        stage.run(Recorder())
     monkeypatch.undo()
-    stage.run(Listener())
+    stage.run(Recorder())
     assert contents(stage.workspace.scans) == contents(mixed.workspace.scans)
 
 
@@ -137,7 +137,7 @@ def test_objects_with_the_joints_that_the_configuration_names_are_scanned_and_no
     rare = next(file.structure for file in train if file.structure != usual)
     named = [f"{kind.value} on {parent}" for kind, parent in zip(rare.kinds, rare.parents, strict=True)]
     stage = with_joints(mixed, tmp_path, str(named))
-    told = stage.run(Listener())
+    told = stage.run(Recorder())
     assert stage.plan().steps == ()
     dataset = dataset_of(stage)
     assert dataset.structure == rare
@@ -150,7 +150,7 @@ def test_joints_that_no_labelled_object_has_leave_nothing_to_train_on_and_those_
     mixed: Render, tmp_path: Path
 ) -> None:
     stage = with_joints(mixed, tmp_path, '["PR on 0", "PR on 1"]')
-    told = stage.run(Listener())
+    told = stage.run(Recorder())
     assert not told.data["categories"][CATEGORY]["objects"]
     with pytest.raises(
         InputError, match=r"labelled shape to train on; those there are have .* not the joints of scans\.joints"
@@ -162,4 +162,4 @@ def test_joints_that_no_labelled_object_has_leave_nothing_to_train_on_and_those_
 @pytest.mark.parametrize("joints", ['["R"]', '["R on 1"]', '["revolute on 0"]', '["R on 0", "P on 2"]'])
 def test_what_is_no_joint_is_told(mixed: Render, tmp_path: Path, joints: str) -> None:
     with pytest.raises(InputError, match=r"scans\.joints: expected R, P, PR on a part before part \d, such as R on 0"):
-        with_joints(mixed, tmp_path, joints).run(Listener())
+        with_joints(mixed, tmp_path, joints).run(Recorder())

@@ -1,4 +1,4 @@
-"""Scans to show the networks of ANCSH."""
+"""Scans for the tests of ANCSH."""
 
 from __future__ import annotations
 

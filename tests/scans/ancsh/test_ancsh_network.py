@@ -1,4 +1,4 @@
-"""The networks of ANCSH: their sizes, and what they answer before they have learnt."""
+"""Networks of ANCSH: numbers of parameters, outputs before training, and losses on any device."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import torch
 from tiny_ancsh import two_scans
 
 from kinmo.config import AncshConfig, load_config
-from kinmo.scans.ancsh import pointnet2 as point_sets
-from kinmo.scans.ancsh.ancsh_loss import ScanBatch, joint_losses, part_losses, total
-from kinmo.scans.ancsh.ancsh_network import AncshNetwork, LayoutHead, PartMaps, PartNetwork
-from kinmo.scans.ancsh.pointnet2 import Level, levels_of
+from kinmo.scans.ancsh import pointnet2
+from kinmo.scans.ancsh.ancsh_loss import ScanBatch, joint_losses, part_losses, total_loss
+from kinmo.scans.ancsh.ancsh_network import AncshNetwork, GlobalHead, PartMaps, PartNetwork
+from kinmo.scans.ancsh.pointnet2 import PointLevel, point_levels
 from kinmo.scans.ancsh.scan_batches import ScanData
 from kinmo.scans.files.scan_file import ScanFile
 
@@ -24,7 +24,7 @@ UNUSED = {"confidence.weight", "confidence.bias"}
 
 
 def shared(*widths: int) -> int:
-    """Parameters of layers without a bias, each with a batch norm."""
+    """Number of parameters of layers without a bias, each with a batch norm."""
     return sum(before * after + 2 * after for before, after in pairwise(widths))
 
 
@@ -40,19 +40,19 @@ def test_the_paper_networks_have_as_many_parameters_as_the_printed_sizes_say(par
     own = linear(128, parts) + linear(128, 128) + linear(128, 3 * parts)
     joints = linear(128, parts) + linear(128, 3 * parts) + shared(128, 128, 128)
     joints += linear(128, 3) + linear(128, 3) + linear(128, 1) + linear(128, parts)
-    joints += linear(128, 1)  # the confidence, which nothing uses
+    joints += linear(128, 1)  # the unused confidence
     config = load_config("paper").ancsh
     count = [sum(p.numel() for p in kind(config, parts, parts).parameters()) for kind in (PartNetwork, AncshNetwork)]
     assert count == [backbone + own, backbone + own + joints]
 
 
-def test_nothing_learnt_all_scans_have_the_same_layout() -> None:
-    found = LayoutHead(16, 3)(torch.rand(4, 1, 16))
+def test_an_untrained_global_head_predicts_the_same_for_all_scans() -> None:
+    found = GlobalHead(16, 3)(torch.rand(4, 1, 16))
     torch.testing.assert_close(found.half_sizes, torch.full((4, 3, 3), 0.5 / 3**0.5))
     torch.testing.assert_close(found.pivots, torch.full((4, 2, 3), 0.5))
 
 
-def test_a_part_map_is_linear_the_same_for_all_points_and_nothing_before_it_has_learnt() -> None:
+def test_a_part_map_is_linear_and_zero_before_training() -> None:
     torch.manual_seed(0)
     maps = PartMaps(16, 3)
     points, whole = torch.rand(2, 50, 3), torch.rand(2, 1, 16)
@@ -64,7 +64,7 @@ def test_a_part_map_is_linear_the_same_for_all_points_and_nothing_before_it_has_
     assert not torch.allclose(found[:, :, 0], found[:, :, 1])
 
 
-def test_the_paper_networks_drop_after_each_layer_that_only_joints_have() -> None:
+def test_the_paper_networks_have_dropout_after_each_joint_layer() -> None:
     layers = AncshNetwork(load_config("paper").ancsh, 3, 3).near_joints
     assert [layer.p for layer in layers if isinstance(layer, torch.nn.Dropout)] == [0.5, 0.5]
     assert isinstance(layers[-1], torch.nn.Dropout)
@@ -79,29 +79,29 @@ def test_the_paper_networks_take_a_step(file: ScanFile) -> None:
     for _ in range(2):
         parts, joints = network.forward_all(batch.points)
         losses = part_losses(parts, batch, config.mean_over) | joint_losses(parts, joints, batch, config.mean_over)
-        loss = total(losses, config)
+        loss = total_loss(losses, config)
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
     assert torch.isfinite(loss)
-    still = {name for name, parameters in network.named_parameters() if torch.equal(before[name], parameters)}
-    assert still == UNUSED
+    unchanged = {name for name, parameters in network.named_parameters() if torch.equal(before[name], parameters)}
+    assert unchanged == UNUSED
 
 
 def losses_on(device: str, file: ScanFile, config: AncshConfig, batch: ScanBatch) -> dict[str, float | None]:
-    """Of new networks, forward and backward; None where tensors have no values."""
+    """Losses of new networks after a forward and a backward pass; None on `meta`, where tensors have no values."""
     torch.manual_seed(0)
     parts = file.structure.part_count
     found: dict[str, torch.Tensor] = {}
     for kind in (PartNetwork, AncshNetwork):
         network, seen = kind(config, parts, parts).to(device), batch.to(device)
         if isinstance(network, AncshNetwork):
-            said, joints = network.forward_all(seen.points)
-            found |= part_losses(said, seen, config.mean_over) | joint_losses(said, joints, seen, config.mean_over)
-            total(found, config).backward()
+            output, joints = network.forward_all(seen.points)
+            found |= part_losses(output, seen, config.mean_over) | joint_losses(output, joints, seen, config.mean_over)
+            total_loss(found, config).backward()
         else:
             found |= part_losses(network(seen.points), seen, config.mean_over)
-            total(found, config).backward()
+            total_loss(found, config).backward()
         gradients = [own.grad for name, own in network.named_parameters() if name not in UNUSED]
         assert all(each is not None and each.device.type == device for each in gradients)
     assert all(loss.device.type == device for loss in found.values())
@@ -109,22 +109,22 @@ def losses_on(device: str, file: ScanFile, config: AncshConfig, batch: ScanBatch
 
 
 @pytest.mark.parametrize("name", ["small", "paper"])
-def test_networks_and_losses_are_worked_out_where_their_tensors_are(
+def test_networks_and_losses_stay_on_the_device_of_their_tensors(
     file: ScanFile, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """On the device `meta`, which has no values, so that whatever were made on the CPU would not fit."""
+    """Tensors on the device `meta` have no values, and anything made on the CPU would not fit them."""
 
-    def levels_there(points: torch.Tensor, *grouping: Any) -> tuple[Level, ...]:
-        levels = levels_of(torch.rand(points.shape), *grouping)  # of some points, as those on `meta` have no places
-        return tuple(Level(*(each.to(points.device) for each in vars(level).values())) for level in levels)
+    def levels_on_device(points: torch.Tensor, *grouping: Any) -> tuple[PointLevel, ...]:
+        levels = point_levels(torch.rand(points.shape), *grouping)  # random points, as those on `meta` have no coordinates
+        return tuple(PointLevel(*(each.to(points.device) for each in vars(level).values())) for level in levels)
 
-    monkeypatch.setattr(point_sets, "levels_of", levels_there)
+    monkeypatch.setattr(pointnet2, "point_levels", levels_on_device)
     losses_on("meta", file, load_config(name).ancsh, two_scans(file))
 
 
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="there is no CUDA device here")
 @pytest.mark.parametrize("name", ["small", "paper"])
-def test_a_gpu_comes_to_the_same_losses(file: ScanFile, name: str) -> None:
+def test_a_gpu_gives_the_same_losses(file: ScanFile, name: str) -> None:
     config = replace(load_config(name).ancsh, dropout=0.0)
     here, there = (losses_on(device, file, config, two_scans(file)) for device in ("cpu", "cuda"))
     assert there == pytest.approx(here, rel=1e-3)

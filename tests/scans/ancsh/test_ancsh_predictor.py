@@ -1,4 +1,4 @@
-"""What trained networks are asked, and what they answer."""
+"""Predictions of trained ANCSH networks."""
 
 from __future__ import annotations
 
@@ -8,78 +8,85 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from tiny_ancsh import SCAN_ALONE, TINY, turned_apart
+from tiny_ancsh import SCAN_ALONE, TINY, frame_with_differing_axes
 
 from kinmo.core.errors import InputError
 from kinmo.core.typed_tables import to_table
 from kinmo.learning.weights import save_weights
 from kinmo.scans.ancsh.ancsh_network import KIND, AncshNetwork, PartNetwork
-from kinmo.scans.ancsh.ancsh_predictor import Ancsh, to_naocs
+from kinmo.scans.ancsh.ancsh_predictor import AncshPredictor, npcs_to_naocs
 from kinmo.scans.files.scan_file import ScanFile
 from kinmo.scans.poses.category_prior import CategoryPrior
 from kinmo.scans.preprocessing.input_frame import base_axes, initial_axes
 
 
-def test_how_large_a_scan_is_does_not_matter(file: ScanFile) -> None:
+def test_predictions_do_not_depend_on_the_scale_of_a_scan(file: ScanFile) -> None:
     torch.manual_seed(0)
     parts = file.structure.part_count
     network = AncshNetwork(TINY, parts, parts).eval()
-    networks = Ancsh(network, network, TINY, file.structure, CategoryPrior.uninformative(file.structure), "cpu")
+    networks = AncshPredictor(network, network, TINY, file.structure, CategoryPrior.uninformative(file.structure), "cpu")
     points = file.read("points", 0).astype(np.float64)
-    here, there = (networks.answer([cloud])[0] for cloud in (points, 1e5 * points))
+    here, there = (networks.predict_points([cloud])[0] for cloud in (points, 1e5 * points))
     np.testing.assert_allclose(here.npcs, there.npcs, atol=5e-3)
     np.testing.assert_allclose(here.frame.rotation, there.frame.rotation, atol=1e-3)
 
 
-def test_where_a_scan_lies_does_not_matter_to_networks_that_see_the_scan_alone(file: ScanFile) -> None:
+def test_predictions_do_not_depend_on_the_position_of_a_scan(file: ScanFile) -> None:
     torch.manual_seed(0)
     parts = file.structure.part_count
     network = AncshNetwork(SCAN_ALONE, parts, parts)
-    known = CategoryPrior.uninformative(file.structure)
-    networks = Ancsh(network.eval(), network, SCAN_ALONE, file.structure, known, "cpu")
+    prior = CategoryPrior.uninformative(file.structure)
+    networks = AncshPredictor(network.eval(), network, SCAN_ALONE, file.structure, prior, "cpu")
     points = file.read("points", 0).astype(np.float64)
-    here, there = (networks.answer([cloud])[0] for cloud in (points, 2.5 * points + [1.0, 2.0, -3.0]))
+    here, there = (networks.predict_points([cloud])[0] for cloud in (points, 2.5 * points + [1.0, 2.0, -3.0]))
     np.testing.assert_allclose(here.npcs, there.npcs, atol=1e-4)
 
 
-def test_what_takes_parts_to_the_object_is_read_off_the_points_whatever_single_points_say() -> None:
+def test_the_map_from_npcs_to_naocs_comes_from_all_points_of_a_part() -> None:
     rng = np.random.default_rng(0)
     npcs, scales, shifts = rng.uniform(0.1, 0.9, (90, 3, 3)), np.array([0.9, 0.5, 0.2]), rng.uniform(-0.3, 0.5, (3, 3))
-    parts = np.repeat([0, 1], 45)  # of the last part no point was seen
+    parts = np.repeat([0, 1], 45)  # the last part has no points
     naocs = scales[:, None] * npcs + shifts
-    found = to_naocs(npcs, naocs, parts)
+    found = npcs_to_naocs(npcs, naocs, parts)
     np.testing.assert_allclose(found[0], scales, rtol=1e-9)
     np.testing.assert_allclose(found[1], shifts, atol=1e-9)
 
 
-def test_networks_look_again_along_the_axes_of_what_they_say_is_base(file: ScanFile, monkeypatch: pytest.MonkeyPatch) -> None:
-    row, count = turned_apart(file), file.structure.part_count
+def test_the_second_pass_uses_the_axes_of_the_predicted_base(file: ScanFile, monkeypatch: pytest.MonkeyPatch) -> None:
+    row, count = frame_with_differing_axes(file), file.structure.part_count
     network = AncshNetwork(TINY, count, count).eval()
     points, parts = file.read("points", row), file.read("parts", row)
-    monkeypatch.setattr(Ancsh, "_said_parts", lambda self, seen: np.tile(parts, (len(seen), 1)))
+    monkeypatch.setattr(AncshPredictor, "_most_likely_parts", lambda self, seen: np.tile(parts, (len(seen), 1)))
     rotations = {}
     for axes in ("manhattan", "base"):
-        networks = Ancsh(network, network, replace(TINY, axes=axes), file.structure, CategoryPrior.uninformative(file.structure), "cpu")
-        rotations[axes] = networks.answer([points])[0].frame.rotation
+        networks = AncshPredictor(
+            network, network, replace(TINY, axes=axes), file.structure, CategoryPrior.uninformative(file.structure), "cpu"
+        )
+        rotations[axes] = networks.predict_points([points])[0].frame.rotation
     (first,) = initial_axes(points[None], "manhattan")
     np.testing.assert_allclose(rotations["manhattan"], first)
     np.testing.assert_allclose(rotations["base"], base_axes(points[None], parts[None] == 0, first[None])[0])
     assert np.abs(rotations["base"] - first).max() > 0.1
 
 
-def test_no_scans_have_no_answers(file: ScanFile) -> None:
+def test_no_scans_give_no_predictions(file: ScanFile) -> None:
     count = file.structure.part_count
     network = AncshNetwork(TINY, count, count).eval()
-    assert Ancsh(network, network, TINY, file.structure, CategoryPrior.uninformative(file.structure), "cpu").answer([]) == []
+    assert (
+        AncshPredictor(
+            network, network, TINY, file.structure, CategoryPrior.uninformative(file.structure), "cpu"
+        ).predict_points([])
+        == []
+    )
 
 
 @pytest.mark.parametrize("classes", [None, "two", 0, 10**9])
-def test_weights_that_do_not_say_how_many_classes_they_tell_apart_are_refused_in_one_line(
+def test_weights_without_a_valid_number_of_classes_are_rejected_in_one_line(
     file: ScanFile, tmp_path: Path, classes: object
 ) -> None:
     count, structure = file.structure.part_count, file.structure
     facts = {"kinds": [kind.value for kind in structure.kinds], "parents": list(structure.parents)}
-    facts["typical"] = CategoryPrior.uninformative(structure).to_data()
+    facts["category_prior"] = CategoryPrior.uninformative(structure).to_data()
     whole, other, broken = (tmp_path / f"{name}.safetensors" for name in ("whole", "other", "broken"))
     network, parts = AncshNetwork(TINY, count, count), PartNetwork(TINY, count, count)
     save_weights(whole, network, KIND, to_table(TINY), facts | {"classes": count})
@@ -87,5 +94,5 @@ def test_weights_that_do_not_say_how_many_classes_they_tell_apart_are_refused_in
     save_weights(broken, network, KIND, to_table(TINY), facts if classes is None else facts | {"classes": classes})
     for paths in ((broken, other), (whole, broken)):
         with pytest.raises(InputError, match=rf"broken\.json: facts\.classes: expected {count} or {count + 1}, got"):
-            Ancsh.load(*paths, "cpu")
-    Ancsh.load(whole, other, "cpu")
+            AncshPredictor.load(*paths, "cpu")
+    AncshPredictor.load(whole, other, "cpu")

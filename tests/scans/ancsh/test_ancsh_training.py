@@ -1,4 +1,4 @@
-"""That the networks of ANCSH learn, and from what."""
+"""Training of the ANCSH networks on scans of one object."""
 
 from __future__ import annotations
 
@@ -13,29 +13,31 @@ from tiny_ancsh import TINY
 
 from kinmo.config import AncshNetworkName, Precision
 from kinmo.core.errors import InputError
-from kinmo.scans.ancsh.ancsh_predictor import Ancsh
+from kinmo.scans.ancsh.ancsh_predictor import AncshPredictor
 from kinmo.scans.ancsh.ancsh_training import AncshLearner, train_ancsh
 from kinmo.scans.files.scan_file import ScanFile
 from kinmo.scans.poses.category_prior import CategoryPrior
 
 
-def test_training_makes_the_loss_smaller_and_what_is_written_answers_scans(file: ScanFile, tmp_path: Path) -> None:
+def test_training_reduces_the_loss_and_its_weights_predict_scans(file: ScanFile, tmp_path: Path) -> None:
     config = replace(TINY, training=replace(TINY.training, epochs=8, learning_rate=1e-2), batches_per_epoch=8)
     for which in ("ancsh", "npcs"):
         result = train_ancsh([file], [file], config, tmp_path / which, which=which, device="cpu")
         assert result.best_error < 0.95 * result.history[0]["validation/error"]
-    networks = Ancsh.load(tmp_path / "ancsh" / "weights.safetensors", tmp_path / "npcs" / "weights.safetensors", "cpu")
+    networks = AncshPredictor.load(tmp_path / "ancsh" / "weights.safetensors", tmp_path / "npcs" / "weights.safetensors", "cpu")
     assert networks.structure == file.structure
-    assert networks.typical.to_data() == CategoryPrior.from_scans([file]).to_data()
-    answers, found = networks.find(list(file.read("points", slice(0, 3))))
+    assert networks.prior.to_data() == CategoryPrior.from_scans([file]).to_data()
+    predictions, found = networks.predict(list(file.read("points", slice(0, 3))))
     assert len(found) == 3
-    assert all(len(said.parts) == 256 and said.npcs.shape == (256, 3) for said in answers)
-    again = networks.answer(list(file.read("points", slice(0, 3))))
-    np.testing.assert_array_equal(answers[0].npcs, again[0].npcs)
+    assert all(len(each.parts) == 256 and each.npcs.shape == (256, 3) for each in predictions)
+    again = networks.predict_points(list(file.read("points", slice(0, 3))))
+    np.testing.assert_array_equal(predictions[0].npcs, again[0].npcs)
 
 
 @pytest.mark.parametrize("which", ["ancsh", "npcs"])
-def test_training_in_mixed_precision_comes_to_the_same(file: ScanFile, tmp_path: Path, which: AncshNetworkName) -> None:
+def test_training_in_mixed_precision_gives_about_the_same_error(
+    file: ScanFile, tmp_path: Path, which: AncshNetworkName
+) -> None:
     precisions: tuple[Precision, ...] = ("32-true", "bf16-mixed")
     errors = [
         train_ancsh(
@@ -52,14 +54,13 @@ def test_training_in_mixed_precision_comes_to_the_same(file: ScanFile, tmp_path:
 
 
 @pytest.mark.parametrize(("norms", "momenta"), [("release", [0.5, 0.25, 0.01]), ("steady", [0.1, 0.1, 0.1])])
-def test_norms_move_slower_as_the_rate_falls_in_the_release(
-    norms: Literal["steady", "release"], momenta: list[float], monkeypatch: pytest.MonkeyPatch
+def test_batch_norms_slow_down_with_the_learning_rate_in_the_release(
+    norms: Literal["steady", "release"], momenta: list[float]
 ) -> None:
     config = replace(TINY, norms=norms, training=replace(TINY.training, decay_epochs=10))
     learner = AncshLearner(config, "npcs", 2, 2)
     for epoch, momentum in zip((9, 10, 100), momenta, strict=True):
-        monkeypatch.setattr(AncshLearner, "current_epoch", epoch)
-        learner.on_train_epoch_start()
+        learner.start_epoch(epoch)
         found = {layer.momentum for layer in learner.modules() if isinstance(layer, torch.nn.BatchNorm1d)}
         assert found == {momentum}
 

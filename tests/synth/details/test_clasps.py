@@ -1,4 +1,4 @@
-"""Clasps, carrying handles and door locks move as what they look like."""
+"""Clasps, carrying handles and door locks: their joints fit their shape."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from kinmo.synth.details.carrying_handles import add_carrying_handle
 from kinmo.synth.details.clasps import add_clasp, random_clasp
 from kinmo.synth.details.door_locks import LOCK_NAMES, add_door_lock
 from kinmo.synth.draw import Draw
-from kinmo.synth.synth_object import Link, Motion, Node
 from kinmo.synth.primitives import X, Y, Z, box, transform
 from kinmo.synth.primitives.transforms import facing
+from kinmo.synth.synth_object import Link, Motion, Node
 
 SEEDS = range(60)
 
@@ -29,7 +29,7 @@ def at_end(pieces: list[Mesh], motion: Motion) -> np.ndarray:
     return np.concatenate([transform(piece, motion.at(motion.b)).vertices for piece in pieces])
 
 
-def test_clasps_leave_the_wall_or_stay_on_it() -> None:
+def test_clasps_move_off_the_wall_or_along_it() -> None:
     for seed in SEEDS:
         for pieces, motion in random_clasp(draws(seed), 0.2).moving:
             before = np.concatenate([piece.vertices for piece in pieces])
@@ -64,7 +64,7 @@ def test_hanging_handles_lie_against_their_wall() -> None:
         assert hanging[:, 0].max() < 1.1
 
 
-def test_a_fixed_handle_belongs_to_its_carrier_in_the_pose_it_hangs_in() -> None:
+def test_a_fixed_handle_belongs_to_its_carrier_in_its_hanging_pose() -> None:
     for seed in SEEDS:
         owner = carrier("body")
         assert add_carrying_handle(draws(seed), Node("root"), owner, np.eye(4), 0.2, hangs=True, movable=False) == []

@@ -1,4 +1,4 @@
-"""Fields of keys: which of them move, and how."""
+"""Keypads: which keys move, and how."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import numpy as np
 
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
-from kinmo.synth.synth_object import Link, Node
 from kinmo.synth.primitives import box
+from kinmo.synth.synth_object import Link, Node
 
 
 def fields(*, lookalikes: bool) -> list[tuple[Node, Link, list[Link]]]:
@@ -25,7 +25,7 @@ def test_every_key_has_one_owner() -> None:
         assert len(owned) == len(panel.children) and set(owned) == set(panel.children)
 
 
-def test_flat_keys_mostly_stand_still_and_raised_ones_mostly_move() -> None:
+def test_most_flat_keys_are_fixed_and_most_raised_keys_move() -> None:
     moving: dict[bool, list[bool]] = {True: [], False: []}
     for panel, _, links in fields(lookalikes=True):
         flat = float(np.ptp(panel.children[0].pieces[0].vertices[:, 2])) == 0.0
@@ -33,7 +33,7 @@ def test_flat_keys_mostly_stand_still_and_raised_ones_mostly_move() -> None:
     assert np.mean(moving[True]) < 0.3 < 0.7 < np.mean(moving[False])
 
 
-def test_without_lookalikes_every_key_goes_in() -> None:
+def test_without_lookalikes_every_key_moves() -> None:
     for panel, _, links in fields(lookalikes=False):
         assert len(links) == len(panel.children)
         assert all(link.motion is not None and abs(link.motion.direction[2]) == 1.0 for link in links)

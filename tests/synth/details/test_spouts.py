@@ -1,3 +1,5 @@
+"""Spouts of faucets: their paths and parts."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -13,19 +15,18 @@ seeds = st.integers(0, 2**32 - 1)
 
 @settings(max_examples=50)
 @given(seeds)
-def test_a_neck_rises_from_its_foot_and_comes_out_in_front(seed: int) -> None:
+def test_a_neck_rises_from_its_foot_and_ends_in_front_pointing_down(seed: int) -> None:
     path = neck_path(Draw(np.random.default_rng(seed)), 0.1)
     assert np.allclose(path[0], (0, 0.1, 0))
     assert np.allclose(path[:, 0], 0.0)
     assert path[:, 1].max() > 0.25
     assert path[-1, 2] > 0.3
-    # It ends going down.
     assert path[-1, 1] < path[-2, 1]
 
 
 @settings(max_examples=50)
 @given(seeds, st.floats(0.4, 1.2), st.floats(0.2, 0.9))
-def test_an_arm_reaches_as_far_as_it_is_asked_to(seed: int, reach: float, height: float) -> None:
+def test_an_arm_has_the_given_reach(seed: int, reach: float, height: float) -> None:
     path = arm_path(Draw(np.random.default_rng(seed)), reach, height, 0.1)
     assert reach - 1e-9 <= path[-1, 2] <= reach + 0.1 + 1e-9
     assert np.isclose(path[0, 1], height)

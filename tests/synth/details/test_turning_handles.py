@@ -1,3 +1,5 @@
+"""Handles that turn about a stem: their reach and their position on it."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -16,7 +18,7 @@ def corners(pieces: list) -> np.ndarray:
 
 @settings(max_examples=50)
 @given(seeds, st.floats(0.05, 0.5), st.floats(0.03, 0.3))
-def test_a_handle_sits_on_its_stem_and_keeps_to_its_reach(seed: int, radius: float, height: float) -> None:
+def test_a_handle_is_on_its_stem_and_within_its_reach(seed: int, radius: float, height: float) -> None:
     pieces = turning_handle(Draw(np.random.default_rng(seed)), radius, height)
     reach = np.linalg.norm(corners(pieces)[:, [0, 2]], axis=1)
     assert reach.max() < 1.6 * radius
@@ -27,7 +29,7 @@ def test_a_handle_sits_on_its_stem_and_keeps_to_its_reach(seed: int, radius: flo
 
 @settings(max_examples=50)
 @given(seeds)
-def test_a_lever_reaches_to_the_front_and_is_even_to_both_sides(seed: int) -> None:
+def test_a_lever_reaches_to_the_front_and_is_symmetric(seed: int) -> None:
     pieces = lever(Draw(np.random.default_rng(seed)), 0.5, 0.02, 0.1)
     low, high = corners(pieces).min(axis=0), corners(pieces).max(axis=0)
     assert high[2] > 0.48

@@ -1,25 +1,27 @@
+"""Buckets: the bow turns about the line through its ends."""
+
 from __future__ import annotations
 
 import numpy as np
-from built import built, from_axis, named
+from synth_objects import axis_distances, build_object, link_vertices, links_with_leaf
 
 
-def test_the_bow_ends_on_the_line_about_which_it_turns() -> None:
+def test_the_ends_of_a_bow_are_on_its_axis() -> None:
     for seed in range(30):
-        for bow in named(built("bucket", seed), "handle"):
-            corners = np.concatenate([piece.vertices for leaf in bow.leaves() for piece in leaf.pieces])
+        for bow in links_with_leaf(build_object("bucket", seed), "handle"):
+            corners = link_vertices(bow)
             reach = np.abs(corners[:, 0])
-            distances = from_axis(corners, bow)
+            distances = axis_distances(corners, bow)
             ends = reach > 0.97 * reach.max()
             assert distances[ends].min() < 0.04
             assert distances.max() > 0.1
 
 
-def test_bows_stand_lean_and_lie() -> None:
+def test_some_bows_stand_and_some_lie() -> None:
     tops = []
     for seed in range(60):
-        shape = built("bucket", seed)
-        bow = next(named(shape, "handle"))
+        shape = build_object("bucket", seed)
+        bow = next(links_with_leaf(shape, "handle"))
         assert bow.motion is not None
         tops.append(max(p.vertices[:, 1].max() for leaf in bow.leaves() for p in leaf.pieces) - bow.motion.origin[1])
     assert np.mean(np.array(tops) > 0.1) > 0.25

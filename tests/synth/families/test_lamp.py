@@ -1,17 +1,19 @@
+"""Lamps: arms form chains and turn where they meet."""
+
 from __future__ import annotations
 
 import numpy as np
-from built import box_of, built, movable
+from synth_objects import bounds_of, build_object, link_pieces, moving_links
 
 
-def test_arms_hang_on_each_other_and_turn_where_they_meet() -> None:
+def test_arms_form_a_chain_and_turn_where_they_meet() -> None:
     longest = 0
     for seed in range(30):
-        shape = built("lamp", seed)
-        arms = [link for link in movable(shape) if link.name == "lamp_arm"]
+        shape = build_object("lamp", seed)
+        arms = [link for link in moving_links(shape) if link.name == "lamp_arm"]
         longest = max(longest, max(map(shape.depth, arms)))
         for arm in arms:
-            low, high = box_of([piece for leaf in arm.leaves() for piece in leaf.pieces])
+            low, high = bounds_of(link_pieces(arm))
             assert np.all(arm.motion.origin > low - 0.03)
             assert np.all(arm.motion.origin < high + 0.03)
     assert longest >= 2

@@ -1,18 +1,20 @@
+"""Computer mice: keys that tip join the back, and keys that slide stand clear of it."""
+
 from __future__ import annotations
 
-from built import box_of, built, movable
+from synth_objects import bounds_of, build_object, link_pieces, moving_links
 
 
-def test_buttons_that_tip_are_of_a_piece_with_the_back_and_those_that_slide_stand_clear_of_it() -> None:
+def test_tipping_buttons_join_the_back_and_sliding_ones_stand_clear_of_it() -> None:
     seen = set()
     for seed in range(40):
-        shape = built("mouse", seed)
+        shape = build_object("mouse", seed)
         _, back = shape.links[0].nodes[0].pieces[:2]
-        edge = box_of([back])[0][2]
-        for link in movable(shape):
+        edge = bounds_of([back])[0][2]
+        for link in moving_links(shape):
             if link.name != "button" or (abs(link.motion.direction[0]) > 0.9 and not link.motion.is_hinge):
-                continue  # of those at the side nothing is asked
-            rear = box_of([piece for leaf in link.leaves() for piece in leaf.pieces])[1][2]
+                continue  # buttons at the side
+            rear = bounds_of(link_pieces(link))[1][2]
             assert (rear > edge) == link.motion.is_hinge
             seen.add(link.motion.is_hinge)
     assert seen == {True, False}

@@ -1,4 +1,4 @@
-"""Mechanisms: what they are made of lies where their joints are, and moves as they say."""
+"""Mechanisms: their parts are at their joints and move as stated."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinmo.synth.draw import Draw
-from kinmo.synth.mechanisms import STRETCHABLE, MECHANISMS, MechanismBuilder, MovingPart
+from kinmo.synth.mechanisms import MECHANISMS, STRETCHABLE, MechanismBuilder, MovingPart
 from kinmo.synth.mechanisms.fronts import INTERIORS
 from kinmo.synth.mechanisms.mechanism_model import Mechanism
 from kinmo.synth.mechanisms.mount import DOOR_NAMES, LID_NAMES, mount
-from kinmo.synth.synth_object import Link, Node, hinge, slider
 from kinmo.synth.primitives import X, Y, Z, box, scale, transform
+from kinmo.synth.synth_object import Link, Node, hinge, slider
 
 BUILDERS = sorted(set(MECHANISMS), key=lambda builder: builder.__name__)
 SEEDS = 25
@@ -27,7 +27,7 @@ def points_of(part: MovingPart) -> np.ndarray:
 
 @pytest.mark.parametrize("builder", BUILDERS, ids=lambda builder: builder.__name__)
 def test_a_mechanism_stands_on_its_mount(builder: MechanismBuilder) -> None:
-    """Of all pieces, some reach the plane z = 0, and none is farther away than the cell is wide, but for what sticks out."""
+    """Some pieces reach the plane z = 0, most are above it, and all are within a few cells."""
     for seed in range(SEEDS):
         mechanism = builder(Draw(np.random.default_rng(seed)))
         pieces = [*mechanism.fixed, *(piece for part in mechanism.moving for piece in part.pieces)]
@@ -39,7 +39,7 @@ def test_a_mechanism_stands_on_its_mount(builder: MechanismBuilder) -> None:
 
 
 @pytest.mark.parametrize("builder", BUILDERS, ids=lambda builder: builder.__name__)
-def test_a_joint_passes_its_part(builder: MechanismBuilder) -> None:
+def test_an_axis_passes_near_its_part(builder: MechanismBuilder) -> None:
     for seed in range(SEEDS):
         for part in builder(Draw(np.random.default_rng(seed))).moving:
             motion = part.motion
@@ -52,32 +52,32 @@ def test_a_joint_passes_its_part(builder: MechanismBuilder) -> None:
 
 
 @pytest.mark.parametrize("builder", BUILDERS, ids=lambda builder: builder.__name__)
-def test_what_carries_a_part_comes_before_it(builder: MechanismBuilder) -> None:
+def test_parents_come_before_their_children(builder: MechanismBuilder) -> None:
     for seed in range(SEEDS):
         seen: list[MovingPart] = []
         for part in builder(Draw(np.random.default_rng(seed))).moving:
-            assert part.on is None or part.on in seen
+            assert part.parent is None or part.parent in seen
             seen.append(part)
 
 
 @given(st.sampled_from(sorted(set(STRETCHABLE), key=lambda builder: builder.__name__)), st.integers(0, 1000))
-def test_fitted_mechanisms_move_along_axes_of_their_cell(builder: MechanismBuilder, seed: int) -> None:
+def test_stretchable_mechanisms_move_along_axes_of_their_cell(builder: MechanismBuilder, seed: int) -> None:
     for part in builder(Draw(np.random.default_rng(seed))).moving:
         assert np.isclose(np.abs(part.motion.direction).max(), 1.0)
 
 
 @pytest.mark.parametrize(("direction", "names"), [(Y, DOOR_NAMES), (-Y, DOOR_NAMES), (X, LID_NAMES), (Z, LID_NAMES)])
-def test_panels_are_mostly_called_by_how_their_hinge_lies(direction: np.ndarray, names: tuple[str, ...]) -> None:
+def test_most_panel_names_fit_the_direction_of_the_hinge(direction: np.ndarray, names: tuple[str, ...]) -> None:
     draw = Draw(np.random.default_rng(3))
-    called = []
+    names_given = []
     for _ in range(200):
         panel = MovingPart(draw.pick([*DOOR_NAMES, *LID_NAMES]), [box((1, 1, 0.1))], hinge((0, 0, 0), direction, 0.0, 90.0))
-        called += [link.name for link in mount(draw, Mechanism([panel]), 1.0, np.eye(4), Node("group"), Link("base", []))]
-    assert 0.8 < np.mean([name in names for name in called]) < 1.0
+        names_given += [link.name for link in mount(draw, Mechanism([panel]), 1.0, np.eye(4), Node("group"), Link("base", []))]
+    assert 0.8 < np.mean([name in names for name in names_given]) < 1.0
 
 
 @pytest.mark.parametrize("builder", INTERIORS, ids=lambda builder: builder.__name__)
-def test_what_is_behind_a_door_fits_there(builder: Callable[[Draw, float, float, float], Mechanism]) -> None:
+def test_interiors_fit_behind_their_door(builder: Callable[[Draw, float, float, float], Mechanism]) -> None:
     for seed in range(SEEDS):
         draw = Draw(np.random.default_rng(seed))
         size = np.array([draw.between(0.3, 1.0) for _ in range(3)])
@@ -87,7 +87,7 @@ def test_what_is_behind_a_door_fits_there(builder: Callable[[Draw, float, float,
 
 
 @given(st.sampled_from([X, Y, Z]), st.lists(st.floats(0.2, 3.0), min_size=3, max_size=3), st.floats(-1.0, 1.0))
-def test_a_stretched_slider_goes_as_far_as_the_stretched_part(axis: np.ndarray, factors: list[float], share: float) -> None:
+def test_a_stretched_slider_moves_the_stretched_part_alike(axis: np.ndarray, factors: list[float], share: float) -> None:
     motion, part = slider(axis, -1.0, 1.0), box((0.3, 0.2, 0.1), (0.1, 0.2, 0.3))
     moved_then_stretched = scale(transform(part, motion.at(share)), factors)
     stretched = motion.scaled(factors)
@@ -96,7 +96,7 @@ def test_a_stretched_slider_goes_as_far_as_the_stretched_part(axis: np.ndarray, 
 
 
 @given(st.floats(0.2, 3.0), st.floats(-180.0, 180.0))
-def test_a_scaled_hinge_turns_as_before_about_the_scaled_line(factor: float, degrees: float) -> None:
+def test_a_scaled_hinge_turns_the_scaled_part_alike(factor: float, degrees: float) -> None:
     motion, part = hinge((0.3, -0.2, 0.1), (0.6, 0.0, 0.8), -180.0, 180.0), box((0.3, 0.2, 0.1))
     moved_then_scaled = scale(transform(part, motion.at(degrees)), factor)
     scaled_then_moved = transform(scale(part, factor), motion.scaled(factor).at(degrees))

@@ -14,7 +14,7 @@ from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
 from kinmo.experiments.scan_tables.table_rows import TABLES, TableRow, is_about, is_printed
 from kinmo.experiments.scan_tables.written_tables import WrittenTables
-from kinmo.experiments.workspaces import Variant
+from kinmo.experiments.variant_workspaces import Variant
 from kinmo.pipeline.scans.evaluate_scans import EvaluateScans
 from kinmo.pipeline.scans.scan_dataset import scanned_categories
 from kinmo.pipeline.scans.scan_networks import trained_runs
@@ -101,8 +101,9 @@ class EvaluateTrained:
 
     def _is_possible(self, row: TableRow, category: str, table: str) -> bool:
         """True if a table is about a category, and the scans that a row is tested on are there."""
-        variants = {row.tested_variant} if not row.tested_on else {row.tested_variant, Variant(is_noisy=True)}
-        if not row.tested_on and table != next(iter(TABLES)) and not is_about(table, category):
+        needed = {row.tested_variant}
+        if any(other.tested_on == "noisy" for other in TABLES[table].rows):
+            needed.add(Variant(is_noisy=True))
+        elif table != next(iter(TABLES)) and not is_about(table, category):
             return False
-        places = [variant.workspace(self.workspace) for variant in variants]
-        return all(place.scans.is_dir() and category in scanned_categories(place) for place in places)
+        return all(category in scanned_categories(variant.workspace(self.workspace)) for variant in needed)

@@ -15,8 +15,9 @@ from kinmo.dataset.workspace import Workspace
 from kinmo.experiments.scan_tables.table_rows import TABLES, TableRow
 from kinmo.experiments.scan_tables.written_tables import WrittenTables
 from kinmo.experiments.self_training.self_label_scans import SelfLabelScans
-from kinmo.experiments.workspaces import Variant
+from kinmo.experiments.variant_workspaces import Variant
 from kinmo.learning.weights import pick_device
+from kinmo.methods import DEFAULT_METHOD
 from kinmo.pipeline.motion_models import CONTINUED, TRAINERS
 from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.scans.evaluate_scans import EvaluateScans
@@ -26,6 +27,7 @@ from kinmo.pipeline.scans.scan_scores import Protocol
 from kinmo.pipeline.scans.train_scans import TrainScans
 from kinmo.pipeline.scans.training_settings import EXTRA_LABELS
 from kinmo.pipeline.train_motion import TrainMotion, weights_to_start_from
+from kinmo.scans.files.scan_file import Role
 
 WORDS: Mapping[type, str] = {
     TrainMotion: "train motion networks",
@@ -128,14 +130,12 @@ class MakeTable:
         return replace(written, failed=failed)
 
     def _check_options(self) -> None:
-        """Raise InputError for options with which no row could be run; bring derived workspaces up to date."""
+        """Raise InputError for options with which no row could be run."""
         config = load_config(self.config)
         pick_device(self.device)
         if self.start is not None:
             for model in CONTINUED:
                 weights_to_start_from(self.start, self.workspace, model, getattr(config, TRAINERS[model][0]))
-        for row in TABLES[self.name].rows:
-            row.variant.update(self.workspace)
 
     def _pending(self, row: TableRow, category: str, seed: int, known: dict[Stage, Plan]) -> Plan:
         """Short names of the stages that a row still needs, and their duration.
@@ -167,7 +167,8 @@ class MakeTable:
         """Raise CannotBeRun if there are no shapes for the labels that a row needs."""
         needed = EXTRA_LABELS.get(row.setting)
         if needed is not None and not needed.count(open_dataset(row.variant.workspace(self.workspace), category)):
-            raise CannotBeRun(self.workspace.prepared, f"no shapes of {category} {needed.shapes}")
+            layout = " in DSG-Net's layout" if row.variant.generated else ""
+            raise CannotBeRun(self.workspace.prepared, f"no shapes of {category}{layout} {needed.shapes}")
 
     def _cannot_be_run(self, row: TableRow, category: str, seed: int) -> bool:
         """True if a row lacks labels to learn from, after everything possible was done."""
@@ -215,19 +216,21 @@ class MakeTable:
             yield TrainMotion(row.method, labelling, self.config, None, SHARED_SEED, *how, self.start)
             yield PseudoLabel(labelling, category, row.method, None, *how)
         needed = EXTRA_LABELS.get(row.setting)
-        yield self._render(row, row.variant, category, needed.roles if needed else ())
+        yield self._render(row.variant, category, needed.roles if needed else (), row.method)
         if row.tested_variant != row.variant:
-            yield self._render(row, row.tested_variant, category, ())
+            yield self._render(row.tested_variant, category)
         if row.setting == "self-training":
             yield TrainScans(place, self.config, category, "supervised", row.method, seed, *how)
             yield SelfLabelScans(place, category, load_config(self.config).ancsh.confidence, seed, *how)
         yield TrainScans(place, self.config, category, row.setting, row.method, seed, *how)
         yield EvaluateScans(row.scores(root, category, seed), self.device)
 
-    def _render(self, row: TableRow, variant: Variant, category: str, roles: tuple[str, ...]) -> RenderScans:
+    def _render(
+        self, variant: Variant, category: str, roles: tuple[Role, ...] = (), method: str = DEFAULT_METHOD
+    ) -> RenderScans:
         sensor = load_config(self.config).scans.noisy_sensor if variant.is_noisy else None
         place = variant.workspace(self.workspace)
-        return RenderScans(place, self.config, category, SHARED_SEED, self.workers, roles, row.method, sensor)  # type: ignore[arg-type]
+        return RenderScans(place, self.config, category, SHARED_SEED, self.workers, roles, method, sensor)
 
 
 def _name(row: TableRow, category: str, seed: int) -> str:

@@ -1,4 +1,4 @@
-"""How right the pseudo labels are that networks for scans learn from, where the true ones were held back."""
+"""Accuracy of the pseudo labels that networks for scans learn from, measured by oracle labels."""
 
 from __future__ import annotations
 
@@ -20,48 +20,63 @@ from kinmo.scans.files.scan_file import ScanFile
 
 @dataclass(frozen=True)
 class LabelCounts:
-    """Of objects of one structure whose truth is held back: how many are `labelled` so, how many of these truly `are` so, how
-    many of those have all axes `along` the right directions, and how many of those in the `right` places too; how many there
-    are to label (`true`); and of how many more that are labelled so the truth is `unknown`.
+    """Numbers of pseudo-labelled objects of one structure; each of `right_structure` to `right_lines` is part of the one before.
+
+    Attributes:
+        labelled: objects with this structure by their pseudo labels, and with oracle labels.
+        right_structure: those that truly have this structure.
+        right_axes: those with the right directions of all axes.
+        right_lines: those with all axes in the right places too.
+        true: objects with this structure by their oracle labels, pseudo-labelled or not.
+        unknown: objects with this structure by their pseudo labels, but without oracle labels.
     """
 
     labelled: int
-    are: int
-    along: int
-    right: int
+    right_structure: int
+    right_axes: int
+    right_lines: int
     true: int
     unknown: int = 0
 
     def __str__(self) -> str:
         if not self.labelled and self.unknown:
-            return f"Pseudo labels give {counted(self.unknown, 'object')} these joints; what the truth is, is not known."
-        found = (
-            f"Of {self.labelled} objects that pseudo labels give these joints {self.are} truly have them, {self.along} with "
-            f"all axes along the right directions ({math.degrees(MAX_AXIS_ERROR):g} degrees), {self.right} of these with all "
-            f"in the right places too ({MAX_LINE_DISTANCE:g} diagonals). In all, {self.true} do."
+            return f"Pseudo labels give {counted(self.unknown, 'object')} these joints; there are no oracle labels for them."
+        text = (
+            f"Of {self.labelled} objects that pseudo labels give these joints, {self.right_structure} truly have them, "
+            f"{self.right_axes} with the right directions of all axes ({math.degrees(MAX_AXIS_ERROR):g} degrees), "
+            f"{self.right_lines} with all axes in the right places too ({MAX_LINE_DISTANCE:g} diagonals). "
+            f"In all, {self.true} truly have these joints."
         )
-        return f"{found} Of {self.unknown} more that they give them the truth is not known." if self.unknown else found
+        return f"{text} Another {self.unknown} have no oracle labels." if self.unknown else text
 
 
-def count_labels(said: Sequence[ScanFile], true: Sequence[ScanFile], originals: Mapping[tuple[str, str], str]) -> LabelCounts:
-    """Compare the joints of labelled objects with those of their `originals`, which are ids by `ScanFile.object`.
+def count_labels(
+    pseudo: Sequence[ScanFile], oracle: Sequence[ScanFile], oracle_ids: Mapping[tuple[str, str], str]
+) -> LabelCounts:
+    """Compare pseudo labels of scanned objects with oracle labels.
 
-    All files are of one structure, those of variants are passed over. An original that is not among `true` has another one.
+    All files have the same structure. Variants of objects do not count. An object whose oracle label is not among `oracle`
+    truly has another structure.
+
+    Args:
+        pseudo: scans by pseudo labels.
+        oracle: scans by oracle labels.
+        oracle_ids: id of the shape with the oracle label, by `ScanFile.object` (`ScanDataset.oracle_ids`).
     """
-    labels = {file.object: file for file in said if not file.provenance.variant}
-    truths = {file.id: file for file in true if not file.provenance.variant}
-    held_back = [(file, originals[name]) for name, file in labels.items() if name in originals]
-    pairs = [(file, truths[original]) for file, original in held_back if original in truths]
-    along = [pair for pair in pairs if _is_along(*pair)]
-    right = sum(_is_in_place(*pair) for pair in along)
-    return LabelCounts(len(held_back), len(pairs), len(along), right, len(truths), len(labels) - len(held_back))
+    labelled = {file.object: file for file in pseudo if not file.provenance.variant}
+    truths = {file.id: file for file in oracle if not file.provenance.variant}
+    known = [(file, oracle_ids[name]) for name, file in labelled.items() if name in oracle_ids]
+    pairs = [(file, truths[name]) for file, name in known if name in truths]
+    right = [pair for pair in pairs if _has_right_axes(*pair)]
+    right_lines = sum(_has_right_lines(*pair) for pair in right)
+    return LabelCounts(len(known), len(pairs), len(right), right_lines, len(truths), len(labelled) - len(known))
 
 
-def _is_along(said: ScanFile, true: ScanFile) -> bool:
-    joints = zip(said.joints, true.joints, strict=True)
-    return all(is_axis_ok(axis_error(mine.direction, joint.direction)) for mine, joint in joints)
+def _has_right_axes(labelled: ScanFile, true: ScanFile) -> bool:
+    joints = zip(labelled.joints, true.joints, strict=True)
+    return all(is_axis_ok(axis_error(own.direction, joint.direction)) for own, joint in joints)
 
 
-def _is_in_place(said: ScanFile, true: ScanFile) -> bool:
-    joints = zip(said.joints, true.joints, true.extents.centers[1:], strict=True)
-    return all(is_line_ok(line_distance_at_part(joint, mine, middle)) for mine, joint, middle in joints if joint.has_pivot)
+def _has_right_lines(labelled: ScanFile, true: ScanFile) -> bool:
+    joints = zip(labelled.joints, true.joints, true.extents.centers[1:], strict=True)
+    return all(is_line_ok(line_distance_at_part(joint, own, middle)) for own, joint, middle in joints if joint.has_pivot)

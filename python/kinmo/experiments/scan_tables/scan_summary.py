@@ -1,4 +1,4 @@
-"""What the frames of test objects come to: means with their intervals, and how far those of two rows lie apart."""
+"""Means over the test scans of a table row with their intervals, and differences between rows."""
 
 from __future__ import annotations
 
@@ -18,56 +18,68 @@ from kinmo.scans.object_structure import Structure
 
 
 def measures_of(structure: Structure) -> list[Measure]:
-    """Those that a part or a joint of the structure has."""
+    """Measures that apply to at least one part or joint of a structure."""
     return [measure for measure in MEASURES if measured_rows(measure, structure)]
 
 
 def measure_titles(structure: Structure) -> list[str]:
-    """Titles of what `summary` gives."""
+    """Titles of the values that `summary` returns."""
     return [measure.title for measure in measures_of(structure)]
 
 
 def summary(objects: Sequence[ObjectScans], structure: Structure) -> list[Estimate | None]:
-    """Means over all parts, or joints, of the measures that the structure has."""
+    """Means over all parts, or joints, of each measure that applies to the structure."""
     return micro(figure_sums(objects, _figures(structure)))
 
 
-def failures(objects: Sequence[ObjectScans]) -> float | None:
-    """The share of frames, in percent, in which a part was not found; None without frames."""
+def failed_share(objects: Sequence[ObjectScans]) -> float | None:
+    """Percentage of the frames in which a part was not found; None without frames."""
     (found,) = micro(figure_sums(objects, [failed_frames()]), draws=1)
     return None if found is None else found.value
 
 
 def change(before: Sequence[ObjectScans], after: Sequence[ObjectScans], structure: Structure) -> list[Estimate | None]:
-    """By how much the means of `after` are above those of `before`, over what both have found of the same frames.
+    """Differences of the means of two rows, over the parts and joints of each frame that both found.
 
-    The objects are drawn alike for both.
+    Args:
+        before: scores of one row.
+        after: scores of the other row.
+        structure: structure of the objects.
+
+    Returns:
+        `after` minus `before` for each measure that applies. Bootstrap samples have the same objects in both rows.
     """
     figures = _figures(structure)
     return paired_differences(*(figure_sums(objects, figures) for objects in found_by_all((before, after))))
 
 
-def change_of_failures(before: Sequence[ObjectScans], after: Sequence[ObjectScans]) -> float | None:
-    """By how many hundredths of the frames more `after` has some part not found; None without frames."""
-    shares = failures(before), failures(after)
+def change_of_failed_share(before: Sequence[ObjectScans], after: Sequence[ObjectScans]) -> float | None:
+    """Difference of the failed shares of two rows in percentage points; None without frames."""
+    shares = failed_share(before), failed_share(after)
     return None if shares[0] is None or shares[1] is None else shares[1] - shares[0]
 
 
 def gap_closed(
     less: Sequence[ObjectScans], more: Sequence[ObjectScans], best: Sequence[ObjectScans], structure: Structure
 ) -> list[float | None]:
-    """A measure each: the share of the way from the errors of `less` to those of `best` that `more` has gone.
+    """Share of the gap between two rows that a third row closes, over the parts and joints of each frame that all three found.
 
-    Over what all three have found of the same frames.
-    None where `best` gains no more on `less` than chance could do: there is no way to go.
+    Args:
+        less: scores at the worse end of the gap.
+        more: scores of the row in between.
+        best: scores at the better end of the gap.
+        structure: structure of the objects.
+
+    Returns:
+        The share for each measure that applies; None if `best` is not better than `less` with 95 % confidence.
     """
     low, middle, high = (figure_sums(objects, _figures(structure)) for objects in found_by_all((less, more, best)))
     shares: list[float | None] = []
-    for measure, gone, way in zip(
+    for measure, gain, gap in zip(
         measures_of(structure), paired_differences(low, middle), paired_differences(low, high), strict=True
     ):
-        is_sure = way is not None and (way.low > 0.0 if measure.larger_is_better else way.high < 0.0)
-        shares.append(gone.value / way.value if is_sure and gone is not None and way is not None else None)
+        is_sure = gap is not None and (gap.low > 0.0 if measure.larger_is_better else gap.high < 0.0)
+        shares.append(gain.value / gap.value if is_sure and gain is not None and gap is not None else None)
     return shares
 
 

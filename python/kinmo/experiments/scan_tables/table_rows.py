@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal, get_args
 
 from kinmo.core.categories import same_category
 from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.paper_tables import paper_tables
-from kinmo.experiments.workspaces import Variant
+from kinmo.experiments.variant_workspaces import Variant
 from kinmo.methods import DEFAULT_METHOD
 from kinmo.pipeline.scans.scan_dataset import PAPER_CATEGORIES
 from kinmo.pipeline.scans.scan_networks import ScanRun
@@ -18,7 +19,8 @@ from kinmo.pipeline.scans.training_settings import Setting
 SHARES = (1.0, 0.8, 0.5, 0.3)
 """Shares of the labels in Table 3."""
 PAPER = "paper"
-IDEAL, NOISY = "ideal", "noisy"
+Sensor = Literal["ideal", "noisy"]
+SENSORS: tuple[Sensor, ...] = get_args(Sensor)
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class TableRow:
         variant: workspace that networks are trained in.
         printed: name of the row in the paper; empty if it has none.
         method: method whose pseudo labels are used.
-        tested_on: `ideal` or `noisy` if networks are tested on scans of that sensor; empty for the scans of their workspace.
+        tested_on: sensor of the test scans, `ideal` or `noisy`. Rows with other labels have the same test scans.
     """
 
     title: str
@@ -39,12 +41,12 @@ class TableRow:
     variant: Variant = field(default_factory=Variant)
     printed: str = ""
     method: str = DEFAULT_METHOD
-    tested_on: str = ""
+    tested_on: Sensor = "ideal"
 
     @property
     def tested_variant(self) -> Variant:
         """Variant whose test scans are used."""
-        return Variant(is_noisy=self.tested_on == NOISY) if self.tested_on else self.variant
+        return Variant(is_noisy=self.tested_on == "noisy")
 
     def run(self, category: str, seed: int) -> ScanRun:
         """Networks of the row."""
@@ -53,8 +55,13 @@ class TableRow:
     def scores(self, root: Workspace, category: str, seed: int) -> ScanScores:
         """Scores of the row's networks."""
         place, scanned = self.variant.workspace(root), self.tested_variant.workspace(root)
-        is_other = scanned != place
-        return ScanScores(place, self.run(category, seed), scanned if is_other else None, self.tested_on if is_other else "")
+        has_other_sensor = self.variant.is_noisy != self.tested_variant.is_noisy
+        return ScanScores(
+            place,
+            self.run(category, seed),
+            None if scanned == place else scanned,
+            self.tested_on if has_other_sensor else "",
+        )
 
 
 def with_method(title: str, method: str) -> str:
@@ -95,7 +102,7 @@ SENSOR_LABELS: Mapping[Setting, str] = {"supervised": "scans", "semi-weakly": "s
 """Settings in the study of sensors, with the training data in words."""
 
 
-def _sensor_row(trained: str, tested: str, setting: Setting) -> str:
+def _sensor_title(trained: Sensor, tested: Sensor, setting: Setting) -> str:
     return f"{trained} {SENSOR_LABELS[setting]}, tested on {tested}"
 
 
@@ -150,20 +157,20 @@ TABLES: Mapping[str, ScanTable] = {
         "Sensors",
         ("Refrigerator",),
         tuple(
-            TableRow(_sensor_row(trained, tested, setting), setting, Variant(is_noisy=trained == NOISY), tested_on=tested)
+            TableRow(_sensor_title(trained, tested, setting), setting, Variant(is_noisy=trained == "noisy"), tested_on=tested)
             for setting in SENSOR_LABELS
-            for trained in (IDEAL, NOISY)
-            for tested in (IDEAL, NOISY)
+            for trained in SENSORS
+            for tested in SENSORS
         ),
         (
             *(
-                (_sensor_row(IDEAL, tested, setting), _sensor_row(NOISY, tested, setting))
+                (_sensor_title("ideal", tested, setting), _sensor_title("noisy", tested, setting))
                 for setting in SENSOR_LABELS
-                for tested in (IDEAL, NOISY)
+                for tested in SENSORS
             ),
             *(
-                (_sensor_row(NOISY, tested, "supervised"), _sensor_row(NOISY, tested, "semi-weakly"))
-                for tested in (IDEAL, NOISY)
+                (_sensor_title("noisy", tested, "supervised"), _sensor_title("noisy", tested, "semi-weakly"))
+                for tested in SENSORS
             ),
         ),
         "Noisy scans are the ideal scans with noise, holes and crops, and without surfaces at grazing angles. Pseudo labels "

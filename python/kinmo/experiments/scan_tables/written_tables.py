@@ -19,10 +19,10 @@ from kinmo.experiments.scan_tables.scan_table_layout import (
     ScanRow,
     by_part,
     means_alone,
-    of_nothing,
     over_categories,
     over_parts,
     printed_structure,
+    without_structure,
 )
 from kinmo.experiments.scan_tables.table_notes import gaps, objects_in_words, pseudo_labels, seed_by_seed
 from kinmo.experiments.scan_tables.table_rows import TABLES
@@ -117,7 +117,7 @@ class WrittenTables:
             caption = caption.noting(f"{dataset.problem}.", *reasons)
             printed = next((row.printed for row in shown if row.printed is not None), None)
             if printed is None:
-                return {"means": of_nothing(shown, caption)}
+                return {"means": without_structure(shown, caption)}
             structure = printed_structure(printed)
             return {"means": over_parts(shown, structure, caption), "parts": by_part(shown, structure, caption, more)}
         structure = dataset.structure

@@ -1,4 +1,4 @@
-"""Labels for scans of which nothing is known, from what networks say of them (the paper's ANCSH (Semi))."""
+"""Labels for scans of unlabelled objects, from predictions of networks (the paper's ANCSH (Semi), section 4.2)."""
 
 from __future__ import annotations
 
@@ -18,11 +18,20 @@ from kinmo.scans.rendering.labelled_frames import LabelledFrames
 F64 = NDArray[np.float64]
 
 UNSURE = "networks were not sure of it"
+"""Reason why frames are skipped."""
 
 
 @dataclass(frozen=True, eq=False)
-class SaidObject:
-    """What networks say of one object: its `joints` and the boxes of its parts in the normalised frame; no more is known."""
+class PredictedObject:
+    """One object as networks predict it, to be written with its frames (`ScannedObject`).
+
+    Attributes:
+        id: id of the object.
+        category: category of the object.
+        structure: structure that the networks know.
+        joints: joints of parts 1 and up, in the normalised frame.
+        part_extents: boxes of the parts, in the normalised frame.
+    """
 
     id: str
     category: str
@@ -32,64 +41,86 @@ class SaidObject:
 
     @property
     def axis_aligned_shares(self) -> F64:
-        """As in `ScanFile`: not known."""
+        """Axis-aligned shares [K] of the parts' surfaces: NaN, because they are unknown."""
         return np.full(self.structure.part_count, np.nan)
 
 
-def is_sure(found: ScanEstimate, confidence: float) -> bool:
-    """Whether every part was found, and at least the share `confidence` of the points of each agrees on where it is."""
-    return bool(found.poses.found.all() and np.isfinite(found.directions).all() and found.inliers.min() >= confidence)
+def is_sure(estimate: ScanEstimate, confidence: float) -> bool:
+    """True if every part was found, and at least the share `confidence` of each part's points agrees on its pose."""
+    is_found = estimate.poses.found.all() and np.isfinite(estimate.directions).all()
+    return bool(is_found and estimate.inliers.min() >= confidence)
 
 
-def self_labelled(
-    name: tuple[str, str],
+def self_label(
+    shape_id: str,
+    category: str,
     points: NDArray[np.float32],
-    answers: Sequence[PointPredictions],
+    predictions: Sequence[PointPredictions],
     estimates: Sequence[ScanEstimate],
+    *,
     structure: Structure,
     confidence: float,
-) -> tuple[SaidObject, LabelledFrames] | None:
-    """The frames of one object that networks are sure of, labelled; None where there is none.
+) -> tuple[PredictedObject, LabelledFrames] | None:
+    """Label the frames of one object that the networks are sure of.
 
-    `name` is the object's id and category, `points` [F, n, 3] its scans in the camera's frame. Boxes and joints are the medians
-    of what the frames say; a point's place on its part is where the part's pose, not the point alone, has it. The states of
-    joints are not known (NaN), nor are poses as labelled scans have them.
+    Boxes and joints are medians over these frames. The canonical position of a point follows from the pose of its part, not
+    from the prediction for the point alone.
+
+    Args:
+        shape_id: id of the object.
+        category: category of the object.
+        points: its F scans [F, n, 3], in the camera frame.
+        predictions: predictions for the points of each scan.
+        estimates: estimate for each scan.
+        structure: structure that the networks know.
+        confidence: least share of each part's points that must agree on its pose.
+
+    Returns:
+        The object and its labelled frames, with NaN for part poses and joint states; None if the networks are sure of no frame.
     """
-    sure = [row for row, found in enumerate(estimates) if is_sure(found, confidence)]
+    sure = [row for row, estimate in enumerate(estimates) if is_sure(estimate, confidence)]
     if not sure:
         return None
-    extents = _extents([answers[row] for row in sure])
-    joints = _joints([answers[row] for row in sure], [estimates[row] for row in sure], structure)
-    said = SaidObject(*name, structure, joints, extents)
+    extents = _extents([predictions[row] for row in sure])
+    joints = _joints([predictions[row] for row in sure], [estimates[row] for row in sure], structure)
+    parts = np.stack([predictions[row].parts for row in sure])
     places = np.zeros((len(sure), *points.shape[1:]), np.float32)
     for frame, row in enumerate(sure):
-        poses, parts = estimates[row].poses, answers[row].parts
+        poses = estimates[row].poses
         for part in range(structure.part_count):
-            own = parts == part
+            own = parts[frame] == part
             npcs = (points[row][own] - poses.translations[part]) @ poses.rotations[part] / poses.scales[part]
             places[frame, own] = (npcs - MIDDLE) * extents.diagonals[part] + extents.centers[part]
-    count, parts_of = structure.part_count, np.stack([answers[row].parts for row in sure]).astype(np.int16)
-    unknown = np.full((len(sure), count - 1), np.nan)
-    refused = Counter({UNSURE: len(estimates) - len(sure)})
-    poses_of = np.full((len(sure), count, 4, 4), np.nan)
-    return said, LabelledFrames(points[sure], parts_of, places, poses_of, unknown, unknown.copy(), refused)
+    frames = LabelledFrames(
+        points[sure],
+        parts.astype(np.int16),
+        places,
+        poses=np.full((len(sure), structure.part_count, 4, 4), np.nan),
+        values=np.full((len(sure), structure.part_count - 1), np.nan),
+        turns=np.full((len(sure), structure.part_count - 1), np.nan),
+        skipped=Counter({UNSURE: len(estimates) - len(sure)}),
+    )
+    return PredictedObject(shape_id, category, structure, joints, extents), frames
 
 
-def _extents(answers: Sequence[PointPredictions]) -> Extents:
-    """Boxes whose diagonals are the sizes of the parts in NAOCS, and whose proportions are those said."""
-    scales = np.median([answer.part_scales for answer in answers], axis=0)
-    shifts = np.median([answer.part_shifts for answer in answers], axis=0)
-    shapes = np.median([predicted_half_sizes(answer) for answer in answers], axis=0)
+def _extents(predictions: Sequence[PointPredictions]) -> Extents:
+    """Boxes of the parts: their diagonals are the predicted NAOCS sizes, their proportions those of the predicted boxes."""
+    scales = np.median([own.part_scales for own in predictions], axis=0)
+    shifts = np.median([own.part_shifts for own in predictions], axis=0)
+    shapes = np.median([predicted_half_sizes(own) for own in predictions], axis=0)
     sizes = shapes / np.linalg.norm(shapes, axis=1, keepdims=True) * scales[:, None]
     return Extents(shifts + MIDDLE * scales[:, None] - MIDDLE, sizes)
 
 
-def _joints(answers: Sequence[PointPredictions], estimates: Sequence[ScanEstimate], structure: Structure) -> tuple[Joint, ...]:
-    """Pivots are medians of what is said; directions the lines that come nearest to those found, of the sign of most."""
+def _joints(
+    predictions: Sequence[PointPredictions], estimates: Sequence[ScanEstimate], structure: Structure
+) -> tuple[Joint, ...]:
+    """Joints with the median pivot and the mean direction of all frames."""
     parents = list(structure.parents)
-    found = [np.einsum("kji,kj->ki", each.poses.rotations[parents], each.directions) for each in estimates]
-    directions = [_mean_direction(np.stack([frame[row] for frame in found])) for row in range(len(parents))]
-    pivots = np.median([predicted_joints(answer, structure)[1] for answer in answers], axis=0)
+    # directions [K - 1, 3] of each frame, in the frames of the parent parts
+    found = [np.einsum("kji,kj->ki", own.poses.rotations[parents], own.directions) for own in estimates]
+    directions = [_mean_direction(np.stack([own[row] for own in found])) for row in range(len(parents))]
+    pivots = np.median([predicted_joints(own, structure)[1] for own in predictions], axis=0)
     return tuple(
         Joint(kind, direction, pivot - MIDDLE)
         for kind, direction, pivot in zip(structure.kinds, directions, pivots, strict=True)
@@ -97,7 +128,7 @@ def _joints(answers: Sequence[PointPredictions], estimates: Sequence[ScanEstimat
 
 
 def _mean_direction(directions: F64) -> F64:
-    """The unit vector [3] along the line that unit vectors [n, 3] are nearest to, whatever their signs."""
+    """Unit vector [3] along the line that fits unit vectors [n, 3] of any sign best, with the sign of most of them."""
     _, axes = np.linalg.eigh(directions.T @ directions)
     line = np.asarray(axes[:, -1])
     return -line if (directions @ line > 0.0).mean() < 0.5 else line

@@ -64,6 +64,13 @@ class AblationRows:
                 found += [Row("GNN_fine, names hidden", hidden, gnn_alone), Row("OBB_fine, names hidden", hidden)]
         return found
 
+    def missing(self, rows: Sequence[Row]) -> str:
+        """Sentence about the rows of contact edges, if they were asked for and their network is not trained."""
+        is_wanted = self.ablations and any(row.name == "OBB_fine" for row in rows)
+        if not is_wanted or any(row.name == CONTACT_EDGES for row in rows):
+            return ""
+        return "No rows of contact edges: their network is not trained (kinmo train contact-edges)."
+
 
 def weight_rows(fine: PaperMethod) -> list[Row]:
     """OBB_fine with other weights of the same terms."""

@@ -6,10 +6,10 @@ where u are the undeformed vertices. The solution has no fixed position: the box
 
 The file cube_meshinfo.mat holds the arrays of the solver:
 
-- `neighbour` [P, D]: vertices along the edges, counted from 1, or 0 for none;
-- `vdiff` [P, D, 3]: weighted differences u_i - u_j;
-- `recon` [P, P]: the matrix of the solver;
-- `ref_F` [F, 3]: faces, with vertices counted from 1.
+- `neighbour` [P, D]: Vertices along the edges, counted from 1, or 0 for none.
+- `vdiff` [P, D, 3]: Weighted differences u_i - u_j.
+- `recon` [P, P]: The matrix of the solver.
+- `ref_F` [F, 3]: Faces, with vertices counted from 1.
 """
 
 from __future__ import annotations

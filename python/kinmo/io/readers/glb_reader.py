@@ -114,13 +114,13 @@ class _Scene:
                     meshes[place] = mesh
         return parts, meshes
 
-    def _children_with_surface(self, is_kept: list[bool]) -> list[list[int]]:
-        """For each node the children that have a mesh at or below them. `is_kept` tells which nodes have one themselves."""
+    def _children_with_surface(self, has_mesh: list[bool]) -> list[list[int]]:
+        """Children of each node that have a mesh at or below them. `has_mesh` tells if a node has one itself."""
         children: list[list[int]] = [[] for _ in self.nodes]
         for index in reversed(range(len(self.nodes))):
             parent = self.nodes[index].parent
-            if parent is not None and is_kept[index]:
-                is_kept[parent] = True
+            if parent is not None and has_mesh[index]:
+                has_mesh[parent] = True
                 children[parent].append(index)
         return [list(reversed(indices)) for indices in children]
 
@@ -218,7 +218,7 @@ def _placed(surface: Mesh, node: _SceneNode) -> Mesh:
     with np.errstate(over="ignore", invalid="ignore"):
         vertices = surface.vertices @ node.pose[:3, :3].T + node.pose[:3, 3]
     if not np.isfinite(vertices).all():
-        raise node.field.fail("expected transforms that leave places finite")
+        raise node.field.fail("expected transforms that give finite positions")
     is_mirrored = np.linalg.det(node.pose[:3, :3]) < 0.0
     return Mesh(vertices, surface.faces[:, ::-1] if is_mirrored else surface.faces)
 

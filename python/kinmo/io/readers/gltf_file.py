@@ -109,7 +109,7 @@ class GltfFile:
         end = min(_count(view["byteOffset"]) + _count(view["byteLength"]), len(data))
         count, stride = _count(accessor["count"]), _count(view["byteStride"]) or size
         if count == 0 or stride < size or begin + (count - 1) * stride + size > end:
-            raise accessor["count"].fail(f"expected as many as there are bytes of, got {count}")
+            raise accessor["count"].fail(f"expected as many numbers as the buffer holds, got {count}")
         found: NDArray[Any] = np.ndarray((count, _WIDTHS[kind]), dtype, data, begin, (stride, dtype.itemsize))
         return found
 
@@ -117,7 +117,7 @@ class GltfFile:
         """The bytes of a buffer. The binary chunk of the file is the only buffer that is supported."""
         buffer = self.entry("buffers", index)
         if index.integer() != 0 or not buffer["uri"].is_absent:
-            raise index.fail("expected what is in the file itself")
+            raise index.fail("expected data in the file itself: export one GLB with embedded buffers")
         return self._binary
 
 
@@ -147,5 +147,5 @@ def _count(field: JsonField) -> int:
     """A number of items or bytes. 0 if the field is absent."""
     value = field.integer(0)
     if value < 0:
-        raise field.fail("expected a number that is not below 0")
+        raise field.fail("expected 0 or more")
     return value

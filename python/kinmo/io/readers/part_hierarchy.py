@@ -42,7 +42,7 @@ class Hierarchy:
     Attributes:
         parts: the parts in preorder.
         leaves_of: for the id of every node, included or not, the indices of the leaf parts at or below it.
-        repairs: one line for each node that was left out.
+        repairs: one line for each node that was skipped.
     """
 
     parts: tuple[Part, ...]
@@ -93,7 +93,7 @@ def check_part_count(node: JsonField, before: int) -> None:
 
 
 def build_hierarchy(nodes: Sequence[Node], meshes: Mapping[int, Mesh]) -> Hierarchy:
-    """Build the parts of a shape. Nodes without a mesh at or below them are left out.
+    """Build the parts of a shape. Nodes without a mesh at or below them are skipped.
 
     Args:
         nodes: the nodes in preorder.
@@ -130,5 +130,5 @@ def build_hierarchy(nodes: Sequence[Node], meshes: Mapping[int, Mesh]) -> Hierar
         node = nodes[index]
         parent_place = None if node.parent is None else place[node.parent]
         parts.append(Part(node.id, node.name, parent_place, tuple(children[position]), meshes.get(index)))
-    repairs = tuple(f"{node} has no surface: left out" for index, node in enumerate(nodes) if not has_mesh[index])
+    repairs = tuple(f"{node} has no surface: skipped" for index, node in enumerate(nodes) if not has_mesh[index])
     return Hierarchy(tuple(parts), {node: tuple(leaves) for node, leaves in leaves_of.items()}, repairs)

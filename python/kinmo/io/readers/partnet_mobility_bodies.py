@@ -45,7 +45,7 @@ def read_mobility(folder: Path, hierarchy: Hierarchy, repairs: list[str]) -> Mob
     """Read the bodies and joints of mobility_v2.json.
 
     The *base* is the rigid root body with the most leaves. It gets the leaves that no body owns. Joints without a parent are
-    attached to it. Bodies without geometry are left out, and their children move up to their parents.
+    attached to it. Bodies without geometry are skipped, and their children move up to their parents.
 
     Args:
         folder: the folder of the shape.
@@ -119,7 +119,7 @@ def _assign_leaves(drafts: list[_Draft], hierarchy: Hierarchy) -> None:
 def _without_empty(drafts: list[_Draft], repairs: list[str]) -> list[_Draft]:
     kept = [index for index, draft in enumerate(drafts) if draft.leaves]
     place = {index: position for position, index in enumerate(kept)}
-    repairs += [f"{draft} has no geometry: left out" for draft in drafts if not draft.leaves]
+    repairs += [f"{draft} has no geometry: skipped" for draft in drafts if not draft.leaves]
     for index in kept:
         parent = drafts[index].parent
         while parent is not None and parent not in place:
@@ -146,7 +146,7 @@ def _complete(drafts: list[_Draft], hierarchy: Hierarchy, repairs: list[str]) ->
         if draft.joint is not None and draft.parent is None:
             if base is None:
                 draft.joint = None
-                repairs.append(f"{draft} has a joint, but nothing to move against: joint left out")
+                repairs.append(f"{draft} has a joint, but there is no body to attach it to: joint dropped")
             else:
                 draft.parent = drafts.index(base)
-                repairs.append(f"{draft} has a joint, but no parent: moves against {base}")
+                repairs.append(f"{draft} has a joint, but no parent: attached to {base}")

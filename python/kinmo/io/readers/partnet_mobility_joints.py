@@ -65,7 +65,7 @@ def read_joint(body: JsonField, note: NoteRepair) -> Joint | None:
     lower, upper = _around_rest(min(first, second), max(first, second), kind, note)
     joint = replace(joint, lower=lower, upper=upper)
     if first > second:
-        note("limits are reversed: direction turned round")
+        note("limits are in the wrong order: direction reversed")
         return joint.reversed()
     return joint
 
@@ -99,7 +99,7 @@ def checked_against_bounds(joint: Joint, body: JsonField, low: Vector, high: Vec
         joint = replace(joint, pivot=center)
     largest = _TURN * MAX_TURNS if joint.kind is JointKind.REVOLUTE else reach
     if joint.lower is not None and joint.upper is not None and max(-joint.lower, joint.upper) > largest:
-        note("limits beyond all sense: taken as unlimited")
+        note("limits are far too large: taken as unlimited")
         joint = replace(joint, lower=None, upper=None)
     return joint
 

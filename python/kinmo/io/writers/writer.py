@@ -45,7 +45,9 @@ class Writer(Protocol):
         The path of the main file, or `folder` if the format has none.
     """
 
-    def __call__(self, shape: Shape, result: ShapeEstimate | Mobility, folder: Path, options: ExportOptions = ..., /) -> Path: ...
+    def __call__(
+        self, shape: Shape, result: ShapeEstimate | Mobility, folder: Path, options: ExportOptions = DEFAULT_OPTIONS, /
+    ) -> Path: ...
 
 
 def mobility_of(result: ShapeEstimate | Mobility) -> Mobility:

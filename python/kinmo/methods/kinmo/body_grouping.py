@@ -24,14 +24,14 @@ MIN_SHAFT_COSINE = 0.9
 def group_into_bodies(shape: PreparedShape, moving: Mapping[int, Joint], edges: EdgePredictions) -> list[tuple[int, ...]]:
     """Group moving nodes into bodies.
 
-    Moving siblings form one body if the GNN predicts that they are fixed to each other, they touch, they have the same joint,
-    and their sizes differ. The front and the box of a drawer form one body, the keys of a keypad do not. A shaft forms one body
+    Moving siblings form one body if the GNN predicts FIXED between them, they touch, they have the same joint, and their sizes
+    differ. The front and the box of a drawer form one body, the keys of a keypad do not. A shaft forms one body
     with any touching sibling that has the same joint, such as the screen of a laptop, whatever the GNN predicts.
 
     Args:
-        shape: the prepared shape.
-        moving: the best joint of every moving node.
-        edges: predictions of the motion GNN.
+        shape: The prepared shape.
+        moving: The best joint of every moving node.
+        edges: Predictions of the motion GNN.
 
     Returns:
         Positions of the leaves of every body. Body 0 holds all leaves at rest; it may be empty.
@@ -65,9 +65,9 @@ def is_shaft(shape: PreparedShape, node: int, joint: Joint) -> bool:
     """True if a part turns about its own length: the axis of its joint runs along its box, through the middle.
 
     Args:
-        shape: the prepared shape.
-        node: index of the part.
-        joint: its joint, in the normalised frame.
+        shape: The prepared shape.
+        node: Index of the part.
+        joint: Its joint, in the normalised frame.
     """
     boxes = shape.minimum_boxes
     offset = boxes.centers[node] - joint.pivot

@@ -39,21 +39,21 @@ def rank_bodies(
     """Ranked joints of every body.
 
     Args:
-        shape: the prepared shape; its annotation is not used.
-        meshes: meshes of the leaves, in the normalised frame. Needed for bodies that the shape was not prepared with.
-        bodies: positions of the leaves of each body.
-        ranker: trained ranking networks.
-        edges: predictions of the motion GNN, a prior for the motion types.
-        may_rest: bodies that may rest. `any`: every body. `first`: the first body rests, all others move. If the first is
+        shape: The prepared shape; its annotation is not used.
+        meshes: Meshes of the leaves, in the normalised frame. Needed for bodies that the shape was not prepared with.
+        bodies: Positions of the leaves of each body.
+        ranker: Trained ranking networks.
+        edges: Predictions of the motion GNN, a prior for the motion types.
+        may_rest: Bodies that may rest. `any`: every body. `first`: the first body rests, all others move. If the first is
             empty, the body that most likely rests takes its place. `one`: only the body that most likely rests may rest. Bodies
             of one shape are attached to each other, so only one needs to rest.
-        kinds: known joint kinds; None for bodies whose kind is predicted.
+        kinds: Known joint kinds; None for bodies whose kind is predicted.
 
     Returns:
         Ranked joints of each body, best first, in the normalised frame and without limits.
 
     Raises:
-        ValueError: a body needs meshes, and there are none.
+        ValueError: A body needs meshes, and there are none.
     """
     filled = [body for body in bodies if body]
     features, group_of = _features_of_bodies(shape, meshes, filled)

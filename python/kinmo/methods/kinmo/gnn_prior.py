@@ -36,8 +36,8 @@ def outward_edges(shape: PreparedShape, leaves: Sequence[int]) -> NDArray[np.int
     """Indices of the edges from the parts of a body to siblings outside it.
 
     Args:
-        shape: the prepared shape.
-        leaves: positions of the body's leaves.
+        shape: The prepared shape.
+        leaves: Positions of the body's leaves.
     """
     is_own = np.isin(shape.edges, maximal_nodes(shape, leaves))
     return np.flatnonzero(is_own[:, 0] & ~is_own[:, 1])
@@ -47,9 +47,9 @@ def motion_type_probabilities(shape: PreparedShape, leaves: Sequence[int], edges
     """The GNN's probabilities of the motion types of a body, given that it moves.
 
     Args:
-        shape: the prepared shape.
-        leaves: positions of the body's leaves.
-        edges: predictions of the GNN for the shape.
+        shape: The prepared shape.
+        leaves: Positions of the body's leaves.
+        edges: Predictions of the GNN for the shape.
 
     Returns:
         [8], or None for a body without an edge to a sibling.
@@ -69,12 +69,12 @@ def apply_gnn_prior(
     The total probability of each joint kind stays the same, because the ranking networks predict kinds more reliably.
 
     Args:
-        probabilities: [C] probabilities of the ranking networks.
-        types: [8] probabilities of the motion types; None leaves the probabilities as they are.
-        features: candidate joints of the shape.
-        group: index of the group.
-        box: symmetry-aligned box of the group, which types depend on.
-        up: [3] unit vector, which types depend on.
+        probabilities ([C]): Probabilities of the ranking networks.
+        types ([8]): Probabilities of the motion types; None leaves the probabilities as they are.
+        features: Candidate joints of the shape.
+        group: Index of the group.
+        box: Symmetry-aligned box of the group, which types depend on.
+        up ([3]): Unit vector, which types depend on.
 
     Returns:
         [C] probabilities.

@@ -30,11 +30,11 @@ def build_tree(
     """Kinematic tree of bodies with ranked joints.
 
     Args:
-        shape: the prepared shape.
-        meshes: meshes of its leaves, in the normalised frame.
-        bodies: positions of the leaves of each body.
-        names: names of the bodies.
-        ranked: ranked joints of each body, without limits.
+        shape: The prepared shape.
+        meshes: Meshes of its leaves, in the normalised frame.
+        bodies: Positions of the leaves of each body.
+        names: Names of the bodies.
+        ranked: Ranked joints of each body, without limits.
 
     Returns:
         Bodies with their parents and best joints, and all ranked joints with limits, in the normalised frame.
@@ -57,9 +57,9 @@ def find_parents(
     """Parent of every moving body: the body it has most contact with, among those that are not attached to it.
 
     Args:
-        shape: the prepared shape.
-        meshes: meshes of its leaves, in the normalised frame.
-        bodies: positions of the leaves of each body.
+        shape: The prepared shape.
+        meshes: Meshes of its leaves, in the normalised frame.
+        bodies: Positions of the leaves of each body.
         moves: True for bodies that move.
 
     Returns:
@@ -92,10 +92,10 @@ def add_limits(
     """Ranked joints of one body with limits, directions that point to the longer side of the range, and the term `sweep`.
 
     Args:
-        ranked: ranked joints of the body. The best one is swept alone, so that its limits do not depend on the others.
-        shape: the prepared shape.
-        meshes: meshes of its leaves, in the normalised frame.
-        moving: positions of all leaves that move with the body.
+        ranked: Ranked joints of the body. The best one is swept alone, so that its limits do not depend on the others.
+        shape: The prepared shape.
+        meshes: Meshes of its leaves, in the normalised frame.
+        moving: Positions of all leaves that move with the body.
     """
     return (*_add_limits(ranked[:1], shape, meshes, moving), *_add_limits(ranked[1:], shape, meshes, moving))
 

@@ -36,10 +36,10 @@ class KinmoMethod:
     Networks are read from `models` when they are first needed. Networks trained for one category alone take precedence.
 
     Attributes:
-        models: the folder with the trained networks.
-        device: where networks run.
-        hide_names: hide the names of all parts.
-        name: name of the method.
+        models: The folder with the trained networks.
+        device: Where networks run.
+        hide_names: Hide the names of all parts.
+        name: Name of the method.
         is_fine: True: the method predicts ten motion types.
         finds_parents: True: with parts given, the method predicts the parents of bodies.
     """
@@ -51,16 +51,21 @@ class KinmoMethod:
     is_fine: bool = True
     finds_parents: bool = True
 
+    @property
+    def model_names(self) -> tuple[str, ...]:
+        """Names of its models in the folder of trained networks."""
+        return "gnn_fine", "ranking"
+
     @cached_property
     def weights(self) -> str:
         """Hash of all networks of the method."""
-        return self.models.digest(("gnn_fine", "ranking"))
+        return self.models.digest(self.model_names)
 
     def check(self) -> None:
         """Check that all networks can be read.
 
         Raises:
-            InputError: a network is missing or cannot be read.
+            InputError: A network is missing or cannot be read.
         """
         for path in self.models.all_weights("gnn_fine"):
             load_gnn(path, self.device, self.hide_names)

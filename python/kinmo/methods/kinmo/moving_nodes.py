@@ -26,8 +26,8 @@ class MovingNodes:
     """Nodes of the hierarchy that are predicted to move.
 
     Attributes:
-        moving: the best joint of every moving node, in the normalised frame.
-        missed_motion_probability: largest probability that a large node moves although it is predicted to rest. Nodes inside,
+        moving: The best joint of every moving node, in the normalised frame.
+        missed_motion_probability: Largest probability that a large node moves although it is predicted to rest. Nodes inside,
             above or equal to a moving node do not count.
     """
 
@@ -42,9 +42,9 @@ def find_moving_nodes(shape: PreparedShape, ranker: JointRanker, edges: EdgePred
     as a moving node above it moves along with that node.
 
     Args:
-        shape: the prepared shape; its annotation is not used.
-        ranker: trained ranking networks.
-        edges: predictions of the motion GNN.
+        shape: The prepared shape; its annotation is not used.
+        ranker: Trained ranking networks.
+        edges: Predictions of the motion GNN.
     """
     if len(shape.parents) < 2:
         return MovingNodes({}, 0.0)

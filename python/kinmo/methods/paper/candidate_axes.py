@@ -41,11 +41,11 @@ def candidate_axes(
     """Candidate axes {m_i} of a part with a given motion type (paper, section 3.3; see the table of this module).
 
     Args:
-        motion: motion type of the part; FIXED and NONE have no candidates.
-        box: symmetry-aligned box of the part.
-        up: [3] unit vector.
-        contact: [3] centroid of the interaction region with the reference part; None without a reference.
-        contact_pivots: axes that also pass through `contact`: those of the C types (`central`, as printed), all axes that
+        motion: Motion type of the part; FIXED and NONE have no candidates.
+        box: Symmetry-aligned box of the part.
+        up ([3]): Unit vector.
+        contact ([3]): Centroid of the interaction region with the reference part; None without a reference.
+        contact_pivots: Axes that also pass through `contact`: those of the C types (`central`, as printed), all axes that
             turn (`revolute`, as in the release), or `none`.
     """
     kind = motion.kind

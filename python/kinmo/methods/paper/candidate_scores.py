@@ -27,8 +27,8 @@ class CandidateScores:
     """Scores of C candidates.
 
     Attributes:
-        total: [C] final scores in [0, 1].
-        terms: [C] values of the terms, by their names in `TERMS`.
+        total ([C]): Final scores in [0, 1].
+        terms ([C]): Values of the terms, by their names in `TERMS`.
     """
 
     total: F64
@@ -41,7 +41,7 @@ def direction_similarity(direction: F64, candidates: CandidateJoints) -> F64:
     The paper prints it without the absolute value, but edges of a box have no sense.
 
     Args:
-        direction: [3] predicted direction d.
+        direction ([3]): Predicted direction d.
         candidates: C candidates with the directions d_i.
 
     Returns:
@@ -53,15 +53,15 @@ def direction_similarity(direction: F64, candidates: CandidateJoints) -> F64:
 def position_similarity(pivot: F64, candidates: CandidateJoints, reading: PositionReading = "line", length: float = 1.0) -> F64:
     """Position similarity s^p (paper, section 3.3, equation 6).
 
-    Reading `line` is max(0, 1 - ||(p - p_i) x d_i|| / (||d_i|| length)): one minus the distance of p from the candidate's line,
-    in the form of the position loss (equation 4). Reading `printed` is 1 - ||(p - p_i) x p|| / ||p_i||, clipped to [0, 1], and
-    0 for p_i = 0; it changes with the origin.
+    Reading `line`: `max(0, 1 - ||(p - p_i) x d_i|| / (||d_i|| length))`, one minus the distance of p from the candidate's line.
+    It has the form of the position loss (equation 4). Reading `printed`: `1 - ||(p - p_i) x p|| / ||p_i||`, clipped to [0, 1],
+    and 0 for p_i = 0. It changes with the origin.
 
     Args:
-        pivot: [3] predicted position p.
+        pivot ([3]): Predicted position p.
         candidates: C candidates with the pivots p_i and the directions d_i.
-        reading: the formula.
-        length: distance at which the similarity of reading `line` is 0, in diagonals.
+        reading: The formula.
+        length: Distance at which the similarity of reading `line` is 0, in diagonals.
 
     Returns:
         [C] in [0, 1].
@@ -92,12 +92,12 @@ def score_candidates(
 
     Args:
         candidates: C candidates.
-        direction: [3] direction that the motion GNN predicts.
-        pivot: [3] position that the motion GNN predicts.
-        feasibility: [C] s^f in [0, 1]; None leaves the term out.
-        sweep: [C] free share of the wanted travel, in [0, 1]; None leaves the term out.
-        weights: weights of the terms, in the order of `TERMS`.
-        reading: formula of the position similarity.
+        direction ([3]): Direction that the motion GNN predicts.
+        pivot ([3]): Position that the motion GNN predicts.
+        feasibility ([C]): Feasibility scores s^f in [0, 1]; None leaves the term out.
+        sweep ([C]): Free share of the wanted travel, in [0, 1]; None leaves the term out.
+        weights: Weights of the terms, in the order of `TERMS`.
+        reading: Formula of the position similarity.
     """
     values = {"direction": direction_similarity(direction, candidates)}
     values["position"] = position_similarity(pivot, candidates, reading)

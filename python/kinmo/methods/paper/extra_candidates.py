@@ -45,9 +45,9 @@ def part_lines(shape: PreparedShape, roles: LeafRoles, meshes: _core.Meshes) -> 
     """All candidate lines of a part: of its minimum and axis-aligned boxes, its contact, and its symmetry.
 
     Args:
-        shape: the prepared shape.
-        roles: leaves of the part and of its obstacles.
-        meshes: meshes of all leaves, in the normalised frame.
+        shape: The prepared shape.
+        roles: Leaves of the part and of its obstacles.
+        meshes: Meshes of all leaves, in the normalised frame.
     """
     groups = [roles.own]
     minimum = Box(*(values[0] for values in _core.fit_boxes(meshes, groups)[:3]))
@@ -75,10 +75,10 @@ def line_candidates(
     decide whether an axis is central. Prismatic joints have one candidate per direction.
 
     Args:
-        motion: motion type of the part.
-        lines: candidate lines of the part (`part_lines`).
-        up: [3] unit vector.
-        sources: sources to keep.
+        motion: Motion type of the part.
+        lines: Candidate lines of the part (`part_lines`).
+        up ([3]): Unit vector.
+        sources: Sources to keep.
     """
     kind = motion.kind
     if kind is None or len(lines) == 0:

@@ -17,8 +17,8 @@ def interaction_centroid(shape: PreparedShape, roles: LeafRoles) -> NDArray[np.f
     """Centroid of the interaction region: the second pivot of axes in the central region of a part (paper, section 3.3).
 
     Args:
-        shape: the prepared shape.
-        roles: leaves of the movable part and of its reference.
+        shape: The prepared shape.
+        roles: Leaves of the movable part and of its reference.
 
     Returns:
         [3] in the normalised frame; None if the part has no leaves or no reference.

@@ -14,10 +14,10 @@ class LeafRoles:
     """Leaves that matter to the motion of one body, as positions in `PreparedShape.leaves`.
 
     Attributes:
-        own: leaves of the body.
-        moving: leaves of the body and of its descendants.
-        reference: leaves of the body that it is attached to; all obstacles if it is attached to none.
-        obstacles: leaves that do not move with the body.
+        own: Leaves of the body.
+        moving: Leaves of the body and of its descendants.
+        reference: Leaves of the body that it is attached to; all obstacles if it is attached to none.
+        obstacles: Leaves that do not move with the body.
     """
 
     own: list[int]

@@ -24,8 +24,8 @@ class MobilityTree:
     """Bodies without joints, and the motion GNN's estimate for each.
 
     Attributes:
-        bodies: rigid bodies; `Body.leaves` are indices of parts.
-        estimates: motion parameters of each body; None for bodies at rest.
+        bodies: Rigid bodies; `Body.leaves` are indices of parts.
+        estimates: Motion parameters of each body; None for bodies at rest.
     """
 
     bodies: tuple[Body, ...]
@@ -41,11 +41,11 @@ def tree_with_given_bodies(shape: PreparedShape, predictions: EdgePredictions) -
     cycles. A body without an edge to another body rests.
 
     Args:
-        shape: an annotated shape; joints and parents of the annotation are not used.
-        predictions: predictions for its edges.
+        shape: An annotated shape; joints and parents of the annotation are not used.
+        predictions: Predictions for its edges.
 
     Raises:
-        ValueError: the shape is not annotated.
+        ValueError: The shape is not annotated.
     """
     if shape.mobility is None:
         raise ValueError(f"shape {shape.id} is not annotated")
@@ -71,8 +71,8 @@ def with_true_types(tree: MobilityTree, types: Mapping[int, MotionType]) -> Mobi
     """The tree with true motion types for the bodies whose type is predicted wrongly, and no estimates for the others.
 
     Args:
-        tree: a predicted tree.
-        types: true motion types by body.
+        tree: A predicted tree.
+        types: True motion types by body.
     """
     estimates: list[GnnEstimate | None] = [None] * len(tree.bodies)
     for body, estimate in enumerate(tree.estimates):
@@ -106,8 +106,8 @@ def tree_with_predicted_bodies(shape: PreparedShape, predictions: EdgePrediction
     """Mobility tree in the setting *hierarchy given*: parts are merged into bodies as the edges predict (paper, section 3.3).
 
     Args:
-        shape: a shape; its annotation is not used.
-        predictions: predictions for its edges.
+        shape: A shape; its annotation is not used.
+        predictions: Predictions for its edges.
 
     Returns:
         The tree. Body 0 holds all parts at rest, unless it has no leaves.
@@ -137,9 +137,9 @@ class _PartMotions:
     """Predicted motion of every part that moves.
 
     Attributes:
-        references: the reference part of each moving part.
-        edge_of: the edge from each moving part to its reference.
-        fixed: mean margin between the probability of FIXED and that of the next most probable type, by pair of parts.
+        references: The reference part of each moving part.
+        edge_of: The edge from each moving part to its reference.
+        fixed: Mean margin between the probability of FIXED and that of the next most probable type, by pair of parts.
     """
 
     def __init__(self, shape: PreparedShape, predictions: EdgePredictions) -> None:

@@ -37,13 +37,13 @@ class PaperMethod:
     Networks are read from `models` when they are first needed. Networks trained for one category alone take precedence.
 
     Attributes:
-        models: the folder with the trained networks.
-        refinement: candidates of the refinement, and weights of their scores.
+        models: The folder with the trained networks.
+        refinement: Candidates of the refinement, and weights of their scores.
         types: `fine` or `coarse`.
-        device: where networks run.
-        hide_names: hide the names of all parts.
-        contact_edges: use the GNN that was trained on edges between touching parts alone.
-        name: name of the method.
+        device: Where networks run.
+        hide_names: Hide the names of all parts.
+        contact_edges: Use the GNN that was trained on edges between touching parts alone.
+        name: Name of the method.
         finds_parents: False: with parts given, the method does not predict parents of bodies.
     """
 
@@ -56,16 +56,21 @@ class PaperMethod:
     name: str = "paper"
     finds_parents: bool = False
 
+    @property
+    def model_names(self) -> tuple[str, ...]:
+        """Names of its models in the folder of trained networks."""
+        return self._gnn_model, "axis"
+
     @cached_property
     def weights(self) -> str:
         """Hash of all networks of the method."""
-        return self.models.digest((self._gnn_model, "axis"))
+        return self.models.digest(self.model_names)
 
     def check(self) -> None:
         """Check that all networks can be read.
 
         Raises:
-            InputError: a network is missing or cannot be read.
+            InputError: A network is missing or cannot be read.
         """
         for path in self.models.all_weights(self._gnn_model):
             load_gnn(path, self.device, self.hide_names)

@@ -44,10 +44,10 @@ class Refiner:
     """Refinement of the bodies of mobility trees of one shape.
 
     Args:
-        shape: the prepared shape.
-        config: candidates and weights of the scores.
-        selector: model of the feasibility score; None leaves that term out.
-        meshes: meshes of the leaves, in the normalised frame. Candidates beyond the paper's, the sweep term and limits need
+        shape: The prepared shape.
+        config: Candidates and weights of the scores.
+        selector: Model of the feasibility score; None leaves that term out.
+        meshes: Meshes of the leaves, in the normalised frame. Candidates beyond the paper's, the sweep term and limits need
             them; without them joints have no limits.
 
     Raises:
@@ -73,8 +73,8 @@ class Refiner:
         """Predict the joint of every body, in the shape's own frame.
 
         Args:
-            tree: bodies of the shape and the motion GNN's estimates for them.
-            method: name of the method, for the prediction.
+            tree: Bodies of the shape and the motion GNN's estimates for them.
+            method: Name of the method, for the prediction.
 
         Returns:
             The best joint of every body, its runners-up, and the joint that the motion GNN regressed.
@@ -95,8 +95,8 @@ class Refiner:
         """Ranked joints of one body, in the normalised frame; none if it is predicted not to move.
 
         Args:
-            roles: leaves of the body and of its surroundings.
-            estimate: the motion GNN's estimate for the body.
+            roles: Leaves of the body and of its surroundings.
+            estimate: The motion GNN's estimate for the body.
         """
         motion = estimate.type
         candidates = self.candidates(roles, motion)
@@ -122,8 +122,8 @@ class Refiner:
         """The paper's candidates for a motion type, and those that `config.extra` adds.
 
         Args:
-            roles: leaves of the body and of its surroundings.
-            motion: motion type of the body.
+            roles: Leaves of the body and of its surroundings.
+            motion: Motion type of the body.
         """
         if motion.kind is None:
             return CandidateJoints.empty()
@@ -144,10 +144,10 @@ class Refiner:
         """Final scores of candidates (paper, section 3.3, equation 7), with the configured weights.
 
         Args:
-            roles: leaves of the body and of its surroundings.
-            estimate: the motion GNN's estimate for the body.
-            candidates: candidates of the body.
-            limits: limits of the candidates; None leaves the sweep term out.
+            roles: Leaves of the body and of its surroundings.
+            estimate: The motion GNN's estimate for the body.
+            candidates: Candidates of the body.
+            limits: Limits of the candidates; None leaves the sweep term out.
         """
         feasibility = None if self.selector is None else self.selector.feasibility(self.shape, roles.moving, candidates)
         return score_candidates(

@@ -6,14 +6,13 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from kinmo.core.errors import InputError
 from kinmo.dataset.cache import Cache, cache_key
 from kinmo.dataset.jobs import Failure
 from kinmo.dataset.journal import seconds_per_unit, timed
-from kinmo.dataset.shape_dataset import ShapeDataset, fingerprint, open_dataset
-from kinmo.dataset.splits import Split
+from kinmo.dataset.shape_dataset import ShapeDataset, open_dataset
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.store import IndexEntry, read_prepared
 from kinmo.dataset.workspace import Workspace
@@ -33,6 +32,7 @@ from kinmo.pipeline.evaluation.evaluation_folder import (
     SUMMARIES,
     EvaluationFolder,
     test_shapes,
+    workspace_inputs,
 )
 from kinmo.pipeline.evaluation.example_predictions import write_examples
 from kinmo.pipeline.evaluation.method_rows import Row, method_rows
@@ -42,10 +42,18 @@ from kinmo.pipeline.network_jobs import network_runner
 SECONDS_PER_SHAPE = 2.0
 """First estimate, for one CPU core."""
 
-MoreRows = Callable[[ModelFolder, Sequence[Row], str], list[Row]]
-"""Function of the networks, the rows so far and the device that returns further rows."""
 MoreTables = Callable[[Rows, Caption], Mapping[str, Table]]
 """Function of all scores of a setting and a caption that returns further tables by name."""
+
+
+class MoreRows(Protocol):
+    """Rows beside those of the methods, such as ablations."""
+
+    def __call__(self, models: ModelFolder, rows: Sequence[Row], device: str) -> list[Row]:
+        """Further rows, from the trained networks, the rows so far, and the device where networks run."""
+
+    def missing(self, rows: Sequence[Row]) -> str:
+        """Sentence about rows that were asked for but have no networks, given all rows; empty if there are none."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +86,7 @@ class EvaluateShapes:
         """Nothing, if the tables are up to date."""
         dataset, rows = open_dataset(self.workspace, self.category), self._rows()
         folder = EvaluationFolder(self.workspace, dataset.category)
-        if self.workspace.is_current(folder.stage, self._inputs(dataset, rows)):
+        if self.workspace.is_current(folder.stage, self._inputs(dataset.category, rows)):
             return Plan((), 0.0)
         count = len(test_shapes(dataset))
         step = f"score {len(rows)} rows on {count} test shapes, parts given and hierarchy given"
@@ -90,16 +98,19 @@ class EvaluateShapes:
         dataset, rows = open_dataset(self.workspace, self.category), self._rows()
         folder = EvaluationFolder(self.workspace, dataset.category)
         with self.workspace.locked():
-            inputs = self._inputs(dataset, rows)
+            inputs = self._inputs(dataset.category, rows)
             if self.workspace.is_current(folder.stage, inputs):
                 observer.note("already evaluated")
             else:
                 self.workspace.forget(folder.stage)
                 remove_leftovers(self.workspace.evaluation)
+                missing = self.more_rows.missing(rows) if self.more_rows else ""
+                if missing:
+                    observer.note(missing)
                 with timed(self.workspace, folder.stage) as watch:
                     scored = self._scores(dataset, rows, observer)
                     with write_folder_atomically(folder.path) as draft:
-                        self._write(draft, scored, dataset.category, rows)
+                        self._write(draft, scored, dataset.category, missing)
                     watch.amount, watch.what = len(scored), f"{len(rows)} rows on {len(scored)} test shapes"
                 self.workspace.record(folder.stage, inputs, sorted(p for p in folder.path.rglob("*") if p.is_file()))
         return _outcome(folder.path, self.details)
@@ -112,20 +123,24 @@ class EvaluateShapes:
         rows = method_rows(self._models, self.methods, self.device)
         return rows + (self.more_rows(self._models, rows, self.device) if self.more_rows else [])
 
-    def _inputs(self, dataset: ShapeDataset, rows: Sequence[Row]) -> dict[str, Any]:
+    def _inputs(self, category: str | None, rows: Sequence[Row]) -> dict[str, Any]:
         """Everything that the tables depend on."""
-        return {
-            "test": fingerprint(test_shapes(dataset)),
-            "training": fingerprint(open_dataset(self.workspace).labelled[Split.TRAIN]),
+        models = sorted({model for row in rows for model in row.method.model_names})
+        return workspace_inputs(self.workspace, category, models) | {
             "rows": _settings(rows),
-            "baselines": dict(self.baselines.settings) if self.baselines else None,
+            "baselines": self._baseline_settings,
+            "tables": self.more_tables is not None,
         }
+
+    @property
+    def _baseline_settings(self) -> dict[str, Any] | None:
+        return dict(self.baselines.settings) if self.baselines else None
 
     def _scores(self, dataset: ShapeDataset, rows: Sequence[Row], observer: Observer) -> list[ShapeScores]:
         """Scores of all test shapes; those that are up to date are read."""
         entries = test_shapes(dataset)
         baselines = self.baselines.prepare(self.workspace, entries, observer) if self.baselines else {}
-        settings = [_settings(rows), dict(self.baselines.settings) if self.baselines else None]
+        settings = [_settings(rows), self._baseline_settings]
         cache = Cache(self.workspace.evaluation / SHAPE_SCORES)
         found: dict[str, ShapeScores] = {}
         jobs = []
@@ -149,9 +164,10 @@ class EvaluateShapes:
             observer.progress("evaluating shapes", len(found), len(entries), job.entry.id)
         return [found[entry.file] for entry in entries]
 
-    def _write(self, folder: Path, scored: Sequence[ShapeScores], category: str | None, rows: Sequence[Row]) -> None:
-        failures = sum(len(scores.failures) for scores in scored)
-        note = f"{failures} predictions failed and count as missed." if failures else ""
+    def _write(self, folder: Path, scored: Sequence[ShapeScores], category: str | None, note: str) -> None:
+        """Write all tables, summaries and examples; `note` goes below the tables."""
+        if failures := sum(len(scores.failures) for scores in scored):
+            note = f"{failures} predictions failed and count as missed. {note}".rstrip()
         models = tuple(sorted({model for method in self.methods for model in METHOD_MODELS[method]}))
         data = f"{category or 'all categories'} of workspace {self.workspace.path.absolute().name}"
         for setting in SETTINGS:
@@ -159,9 +175,8 @@ class EvaluateShapes:
             caption = Caption(title, data, 0, 0, "test split by hashed id", self._models.seeds(models), note)
             scores = _by_row(scored, setting)
             headline = {name: own for name, own in scores.items() if "," not in name}  # ablations have a comma
-            short = Caption(title, caption.data, 0, 0, caption.split, caption.seeds, note)
             tables = (
-                {"summary": summary_table(scores, short)}
+                {"summary": summary_table(scores, caption)}
                 | overviews(scores, caption)
                 | category_tables(headline, caption, whole=category is None)
             )

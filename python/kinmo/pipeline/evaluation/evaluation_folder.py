@@ -1,16 +1,20 @@
-"""Folder of an evaluation: its files, and whether they are up to date. Nothing here needs torch."""
+"""Folder of an evaluation: its files, and the check that they are up to date. Nothing here needs torch."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from kinmo.core.errors import InputError
-from kinmo.dataset.shape_dataset import ShapeDataset
+from kinmo.core.typed_tables import to_table
+from kinmo.dataset.shape_dataset import ShapeDataset, fingerprint, open_dataset
 from kinmo.dataset.splits import Split
 from kinmo.dataset.store import IndexEntry
 from kinmo.dataset.workspace import Workspace
+from kinmo.learning.model_folder import ModelFolder
 
 SETTINGS = ("parts_given", "hierarchy_given")
 """The two settings; each has a folder of tables."""
@@ -52,6 +56,38 @@ class EvaluationFolder:
     def exists(self) -> bool:
         """True if there are tables, up to date or not."""
         return any((self.path / setting).is_dir() for setting in SETTINGS)
+
+    @property
+    def is_current(self) -> bool:
+        """True if the evaluation was finished, and its shapes, networks and settings are still the same."""
+        recorded = self.workspace.inputs_of(self.stage)
+        if recorded is None:
+            return False
+        try:
+            now = workspace_inputs(self.workspace, self.category, recorded["weights"])
+        except (InputError, KeyError):  # of another version, or with files that are gone
+            return False
+        return self.workspace.is_current(self.stage, recorded | now)
+
+
+def workspace_inputs(workspace: Workspace, category: str | None, models: Iterable[str]) -> dict[str, Any]:
+    """Everything in a workspace that an evaluation depends on, as plain data.
+
+    Args:
+        workspace: The workspace.
+        category: The category of the evaluation; None for all.
+        models: Names of the models that it uses.
+
+    Raises:
+        InputError: There are no test shapes, or a file of the workspace cannot be read.
+    """
+    folder = ModelFolder(workspace.models)
+    return {
+        "test": fingerprint(test_shapes(open_dataset(workspace, category))),
+        "training": fingerprint(open_dataset(workspace).labelled[Split.TRAIN]),
+        "weights": {model: folder.digest((model,)) for model in models},
+        "refinement": to_table(folder.config().refinement),
+    }
 
 
 def evaluation_folders(workspace: Workspace, categories: tuple[str, ...]) -> list[EvaluationFolder]:

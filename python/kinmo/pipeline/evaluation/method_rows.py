@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from kinmo.core.errors import InputError
 from kinmo.core.prediction import ShapeEstimate
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.learning.motion_gnn.gnn_network import TypeSet
+from kinmo.methods import METHOD_MODELS
 from kinmo.methods.kinmo.kinmo_method import KinmoMethod
 from kinmo.methods.method import Method
 from kinmo.methods.paper.paper_method import PaperMethod
@@ -51,8 +53,11 @@ def method_rows(models: ModelFolder, methods: Sequence[str], device: str) -> lis
         device: where networks run.
 
     Raises:
-        InputError: a network of one of the methods is missing or cannot be read.
+        InputError: there is no such method, or one of its networks is missing or cannot be read.
     """
+    for name in methods:
+        if name not in METHOD_MODELS:
+            raise InputError("methods", f"expected one of {', '.join(METHOD_MODELS)}, got {name}")
     rows: list[Row] = []
     if "kinmo" in methods:
         rows.append(Row("kinmo", KinmoMethod(models, device)))

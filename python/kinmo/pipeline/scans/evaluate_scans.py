@@ -14,7 +14,7 @@ from kinmo.evaluation.scan_metrics import FrameScore, score_frame, true_scan_est
 from kinmo.evaluation.scan_records import write_scores
 from kinmo.pipeline.scans.scan_pictures import EvaluatedFrame, PictureBook, common_frames, write_pictures
 from kinmo.pipeline.scans.scan_scores import PROTOCOLS, Protocol, ScanScores
-from kinmo.scans.ancsh.ancsh_predictor import Ancsh
+from kinmo.scans.ancsh.ancsh_predictor import AncshPredictor
 from kinmo.scans.files.scan_file import ScanFile
 
 SECONDS_PER_FRAME = 0.1
@@ -58,7 +58,7 @@ class EvaluateScans:
                 raise InputError(workspace.models, f"no networks for {run}: run kinmo train ancsh first")
             inputs, files = own.inputs(), own.files()
             workspace.forget(own.stage)
-            network = Ancsh.load(*weights, device=self.device)
+            network = AncshPredictor.load(*weights, device=self.device)
             with timed(workspace, own.stage) as watch:
                 scores: dict[Protocol, list[tuple[str, FrameScore]]] = {protocol: [] for protocol in PROTOCOLS}
                 book = None if own.title else PictureBook(network.structure, common_frames(files))
@@ -85,12 +85,12 @@ class EvaluateScans:
         return Outcome(own.path("kinmo"))
 
 
-def evaluated_frames(file: ScanFile, network: Ancsh, seed: int) -> Iterator[EvaluatedFrame]:
+def evaluated_frames(file: ScanFile, network: AncshPredictor, seed: int) -> Iterator[EvaluatedFrame]:
     """Every frame of an object with the prediction, the truth and the score."""
     if file.structure != network.structure:
         raise InputError(file.path, f"has {file.structure.in_words}, expected {network.structure.in_words}")
     points, parts, poses, values, turns = (file.read(name) for name in ("points", "parts", "poses", "values", "turns"))
-    predictions, found = network.find(list(points), [1.0] * len(points), seed=seed)
+    predictions, found = network.predict(list(points), [1.0] * len(points), seed=seed)
     for row in range(len(points)):
         true = true_scan_estimate(poses[row], values[row], turns[row], file.joints, file.structure, file.extents)
         score = score_frame(found[row], true, file.structure)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 from kinmo.config import ScansConfig, SensorConfig, load_config
 from kinmo.core.categories import same_category
@@ -27,7 +28,7 @@ from kinmo.io.atomic_files import remove_leftovers
 from kinmo.io.discover import ShapeSource
 from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.methods import DEFAULT_METHOD
-from kinmo.pipeline.pseudo_label import LABEL, label_name, labels_folder
+from kinmo.pipeline.pseudo_label_files import LABEL, label_name, labels_folder
 from kinmo.pipeline.scans.render_jobs import (
     VARIED_ROLES,
     NotScanned,
@@ -122,7 +123,8 @@ class RenderScans:
         return Plan(tuple(f"check the scans of {category}, which were interrupted" for category in interrupted), 0.0)
 
     def _was_interrupted(self, category: str) -> bool:
-        return _is_wanted(category, self.category) and any(COMPLETE not in Cache(path) for path in self._folders(category))
+        caches = map(Cache, self._folders(category) if _is_wanted(category, self.category) else ())
+        return any(tuple(cache) and COMPLETE not in cache for cache in caches)
 
     def _folders(self, category: str) -> list[Path]:
         return [scans_folder(self.workspace, category, role, self.method) for role in (*LABELLED, *self.extra)]
@@ -214,8 +216,9 @@ class RenderScans:
         yield from runner.run(render, by_object(guessed))
 
     def _scans_config(self) -> ScansConfig:
+        """Settings of the scans. The other sensor is left out, because the frames do not depend on it."""
         config = load_config(self.config).scans
-        return config if self.sensor is None else replace(config, sensor=self.sensor)
+        return replace(config, sensor=self.sensor or config.sensor, noisy_sensor=SensorConfig())
 
     def _named_structure(self, config: ScansConfig) -> Structure | None:
         """The structure that the configuration names; None if the labelled shapes decide."""
@@ -258,18 +261,14 @@ class RenderScans:
         self, dataset: ShapeDataset, examples: Mapping[str, Sequence[RenderJob]], settings: dict[str, Any], labelled: bool
     ) -> Iterator[RenderJob]:
         """Jobs for shapes with pseudo labels (or still without) in the categories of `examples`, their training objects."""
-        labels = Cache(labels_folder(self.workspace, self.method))
+        labels = labels_folder(self.workspace, self.method)
         for entry in dataset.unlabelled:
-            folder = labels.folder / label_name(entry)
+            folder = labels / label_name(entry)
             if entry.category in examples and (folder / LABEL).exists() == labelled:
                 known = examples[entry.category]
-                label = labels.find(folder.name)
-                key = cache_key(
-                    shape=entry.key,
-                    settings=settings,
-                    label=None if label is None else label.files,
-                    references=[job.key for job in known],
-                )
+                label = crc32((folder / LABEL).read_bytes()) if labelled else None
+                references = [job.key for job in known]
+                key = cache_key(shape=entry.key, settings=settings, label=label, references=references)
                 found = ShapeSource(folder, PARTNET_MOBILITY, entry.id)
                 yield replace(self._job(found, entry, "pseudo", key), references=tuple(job.path for job in known))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -65,17 +65,19 @@ class ScanDataset:
         if setting == "oracle":
             return self.files["oracle"]
         if setting == "semi-weakly":
-            return tuple(file for file in self.files["pseudo"] if self._is_used(file.provenance.layout))
+            used = self._used_layouts()
+            return tuple(file for file in self.files["pseudo"] if used(file.provenance.layout))
         return ()
 
     def count_other_structures(self) -> int:
         """Number of pseudo-labelled objects that could be trained on if they had this structure."""
-        return sum(n for (_, role, layout), n in self.others.items() if role == "pseudo" and self._is_used(layout))
+        used = self._used_layouts()
+        return sum(count for (_, role, layout), count in self.others.items() if role == "pseudo" and used(layout))
 
-    def _is_used(self, layout: str) -> bool:
-        """False for DSG-Net's generated shapes, which are coarser, where there are pseudo labels of other shapes."""
-        layouts = {file.provenance.layout for file in self.files["pseudo"]}
-        return layout != DSG_NET or layouts <= {DSG_NET}
+    def _used_layouts(self) -> Callable[[str], bool]:
+        """Predicate of layouts: DSG-Net's generated shapes, which are coarser, are used only without other pseudo labels."""
+        has_others = any(file.provenance.layout != DSG_NET for file in self.files["pseudo"])
+        return lambda layout: not has_others or layout != DSG_NET
 
 
 def scans_fingerprint(files: Sequence[ScanFile]) -> str:
@@ -91,7 +93,7 @@ def training_data(dataset: ScanDataset, extra: Sequence[ScanFile]) -> dict[str, 
 
 def scanned_categories(workspace: Workspace) -> tuple[str, ...]:
     """Categories of prepared shapes that have scans; scans of shapes that are no longer prepared are ignored."""
-    prepared = {entry.category for entry in PreparedStore(workspace.prepared).entries}
+    prepared = {entry.category for entry in PreparedStore(workspace.prepared, workspace.select).entries}
     scanned = sorted(path.name for path in workspace.scans.glob("*") if path.is_dir())
     return tuple(name for name in scanned if any(same_category(name, category) for category in prepared))
 

@@ -17,7 +17,7 @@ from kinmo.learning.model_folder import networks_digest
 from kinmo.methods import DEFAULT_METHOD
 from kinmo.pipeline.scans.scan_networks import ScanRun, trained_runs, unfinished_runs
 from kinmo.pipeline.scans.training_settings import Setting
-from kinmo.scans.ancsh.ancsh_predictor import Ancsh
+from kinmo.scans.ancsh.ancsh_predictor import AncshPredictor
 from kinmo.scans.files.scan_reader import MIN_POINTS, count_distinct_points
 from kinmo.scans.object_structure import Structure
 from kinmo.scans.poses.scan_estimate import ScanEstimate
@@ -64,7 +64,7 @@ class ScanPredictor:
         >>> prediction.estimate.states  # joint values: radians for hinges, lengths for sliders
     """
 
-    network: Ancsh
+    network: AncshPredictor
     category: str
     trained: str
     weights: str
@@ -89,7 +89,7 @@ class ScanPredictor:
         run = choose_run(place, category, method, seed)
         weights = run.weights(place)
         assert weights is not None, "choose_run returns trained runs"
-        return cls(Ancsh.load(*weights, device=device), run.category, str(run), networks_digest(weights))
+        return cls(AncshPredictor.load(*weights, device=device), run.category, str(run), networks_digest(weights))
 
     @property
     def structure(self) -> Structure:
@@ -125,7 +125,7 @@ class ScanPredictor:
         if is_outlier.any():
             seen = _sample(points[~is_outlier], self.network.points, seed)
         diagonal = float(np.linalg.norm(np.ptp(seen, axis=0)))
-        (prediction,), (estimate,) = self.network.find([seen], [diagonal], seed=seed)
+        (prediction,), (estimate,) = self.network.predict([seen], [diagonal], seed=seed)
         seen_parts = np.asarray(prediction.parts, np.int64)
         parts = np.where(is_outlier, -1, seen_parts[cKDTree(seen).query(points, workers=-1)[1]])
         return ScanPrediction(np.asarray(parts, np.int16), is_outlier, estimate, seen, seen_parts)

@@ -113,5 +113,5 @@ class ScanScores:
         return f"no-{self.stage}"
 
     def _shapes(self) -> str:
-        store = PreparedStore(self.workspace.prepared)
+        store = PreparedStore(self.workspace.prepared, self.workspace.select)
         return digest([[entry.layout, entry.id, entry.geometry_hash, entry.is_oracle] for entry in store.entries])

@@ -13,6 +13,7 @@ from kinmo.core.digest import digest
 from kinmo.core.errors import InputError
 from kinmo.core.typed_tables import to_table
 from kinmo.core.wording import counted
+from kinmo.dataset.cache import Cache
 from kinmo.dataset.journal import seconds_per_unit
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
@@ -20,7 +21,7 @@ from kinmo.io.atomic_files import remove_leftovers
 from kinmo.learning.training_loop import FitResult, Progress
 from kinmo.methods import DEFAULT_METHOD
 from kinmo.pipeline.network_training import NetworkTrainer, Workload, training_outcome
-from kinmo.pipeline.scans.scan_dataset import ScanDataset, open_scan_dataset, scanned_categories, training_data
+from kinmo.pipeline.scans.scan_dataset import COMPLETE, ScanDataset, open_scan_dataset, scanned_categories, training_data
 from kinmo.pipeline.scans.scan_networks import NETWORKS, ScanRun
 from kinmo.pipeline.scans.training_settings import EXTRA_LABELS, Setting
 from kinmo.scans.ancsh.ancsh_training import train_ancsh
@@ -33,6 +34,12 @@ SECONDS_PER_FRAME = 0.010
 def self_labels_folder(workspace: Workspace, category: str, seed: int) -> Path:
     """Folder of scans that supervised networks labelled (`experiments.self_training`)."""
     return workspace.scans / category / f"self-labels-{seed}"
+
+
+def self_labels(workspace: Workspace, category: str, seed: int) -> tuple[ScanFile, ...]:
+    """Scans that supervised networks labelled; none until all are labelled."""
+    folder = self_labels_folder(workspace, category, seed)
+    return tuple(map(open_scans, sorted(folder.glob("*.safetensors")))) if COMPLETE in Cache(folder) else ()
 
 
 @dataclass(frozen=True)
@@ -181,8 +188,7 @@ class TrainScans:
         run = self._run(dataset.category)
         extra, validation = dataset.extra(self.setting), dataset.files["validation"]
         if self.setting == "self-training":
-            folder = self_labels_folder(self.workspace, dataset.category, self.seed)
-            extra = tuple(open_scans(path) for path in sorted(folder.glob("*.safetensors")))
+            extra = self_labels(self.workspace, dataset.category, self.seed)
         training = dataset.files["train"] + extra
         place = self.workspace.scans / dataset.category
         for files, role in ((training, "train"), (validation, "validate on")):

@@ -71,7 +71,7 @@ class JointOutput:
     whole: GlobalOutput | None = None
 
     def naocs(self, npcs: Tensor) -> Tensor:
-        """NAOCS [B, n, K, 3] of NPCS [B, n, K, 3]: npcs * scale + shift (Li et al. 2020, section 3)."""
+        """NAOCS [B, n, K, 3] of NPCS [B, n, K, 3]: npcs * scale + shift (Li et al. 2020, section 4)."""
         return npcs * self.scales.unsqueeze(-1) + self.shifts
 
 

@@ -1,4 +1,4 @@
-"""Asking the trained networks of ANCSH."""
+"""Predictions of trained ANCSH networks for scans (Li et al. 2020; paper, section 3.4)."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from kinmo.core.errors import InputError
 from kinmo.core.joint import JointKind
 from kinmo.core.typed_tables import from_table
 from kinmo.learning.weights import Weights, load_weights, pick_device
-from kinmo.scans.ancsh.ancsh_network import KIND, AncshNetwork, LayoutAnswers, PartNetwork
-from kinmo.scans.ancsh.ancsh_targets import REACH
+from kinmo.scans.ancsh.ancsh_network import KIND, AncshNetwork, GlobalOutput, PartNetwork
+from kinmo.scans.ancsh.ancsh_targets import JOINT_RADIUS
 from kinmo.scans.object_structure import Structure
 from kinmo.scans.poses.category_prior import CategoryPrior
 from kinmo.scans.poses.point_predictions import GlobalPredictions, PointPredictions
@@ -27,55 +27,94 @@ from kinmo.scans.preprocessing.input_frame import InputFrame, base_axes, initial
 F64 = NDArray[np.float64]
 
 SCANS_AT_ONCE = 16
-POINTS_TO_ASK_ABOUT = 1024
+"""Number of scans in one batch, which bounds the memory."""
+MIN_POINTS = 1024
+"""Least number of points of a scan in prediction. Training needs fewer, but few points give no surface normals."""
 
 
 @dataclass(frozen=True, eq=False)
-class Ancsh:
-    """Both networks of one kind of object; the one called `npcs` has the say on parts."""
+class AncshPredictor:
+    """Trained networks for objects of one structure.
+
+    Attributes:
+        joints: Network named `ancsh`, which predicts the joints.
+        parts: Network named `npcs`, which decides on parts and NPCS.
+        config: Configuration of the networks.
+        structure: Structure of the objects.
+        prior: Prior of the category, from the objects that the networks were trained on.
+        device: Device to compute on.
+
+    Example:
+        >>> networks = AncshPredictor.load(Path("ancsh/weights.safetensors"), Path("npcs/weights.safetensors"))
+        >>> predictions, estimates = networks.predict([points])
+    """
 
     joints: AncshNetwork
     parts: PartNetwork
     config: AncshConfig
     structure: Structure
-    typical: CategoryPrior
+    prior: CategoryPrior
     device: str
 
     @classmethod
-    def load(cls, weights: Path, part_weights: Path, device: str = "auto") -> Ancsh:
-        """Read what `train_ancsh` wrote. Raises InputError if it is not that, not whole, or the two do not go together."""
+    def load(cls, weights: Path, part_weights: Path, device: str = "auto") -> AncshPredictor:
+        """Load the weights that `train_ancsh` wrote.
+
+        Args:
+            weights: Weights of the network `ancsh`.
+            part_weights: Weights of the network `npcs`.
+            device: "cpu", "cuda", "mps", or "auto".
+
+        Raises:
+            InputError: A file does not hold such weights, is cut, or the two are for different objects or inputs.
+        """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
         config, structure = _config_of(loaded), _structure_of(loaded)
-        typical = _typical_of(loaded, structure)
-        joints = AncshNetwork(config, structure.part_count, _classes_of(loaded, structure))
+        prior = _prior_of(loaded, structure)
+        joints = AncshNetwork(config, structure.part_count, _class_count(loaded, structure))
         loaded.fill(joints)
         own = load_weights(part_weights, KIND)
-        if (_seen_as(_config_of(own)), _structure_of(own)) != (_seen_as(config), structure):
+        if (_input_of(_config_of(own)), _structure_of(own)) != (_input_of(config), structure):
             raise InputError(part_weights, f"is for other objects than {weights}")
-        parts = PartNetwork(_config_of(own), structure.part_count, _classes_of(own, structure))
+        parts = PartNetwork(_config_of(own), structure.part_count, _class_count(own, structure))
         own.fill(parts)
-        return cls(joints.to(device).eval(), parts.to(device).eval(), config, structure, typical, device)
+        return cls(joints.to(device).eval(), parts.to(device).eval(), config, structure, prior, device)
 
     @property
     def points(self) -> int:
-        """So many of a scan are to be seen; fewer do to train on, and too few tell no normals."""
-        return max(self.config.points, POINTS_TO_ASK_ABOUT)
+        """Number of points that a scan should have."""
+        return max(self.config.points, MIN_POINTS)
 
-    def find(
+    def predict(
         self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None, *, seed: int = 0
     ) -> tuple[list[PointPredictions], list[ScanEstimate]]:
-        """What the networks say of scans, as in `answer`, and the parts and joints that follow."""
-        answers = self.answer(scans, diagonals)
+        """Point predictions for scans, and the poses and joints that follow from them.
+
+        Args:
+            scans: As in `predict_points`.
+            diagonals: As in `predict_points`.
+            seed: Seed of RANSAC.
+
+        Returns:
+            Predictions and an estimate for each scan.
+        """
+        predictions = self.predict_points(scans, diagonals)
         options = PoseOptions(ties=self.config.ties, boxes=self.config.boxes, seed=seed)
-        return answers, estimate_poses(answers, self.structure, options, self.typical)
+        return predictions, estimate_poses(predictions, self.structure, options, self.prior)
 
     @torch.inference_mode()
-    def answer(self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None) -> list[PointPredictions]:
-        """What the networks say of scans [n, 3] in a camera's frame.
+    def predict_points(
+        self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None
+    ) -> list[PointPredictions]:
+        """Predictions of the networks for the points of scans.
 
-        `diagonals` are those of the objects, without which networks that were trained with `normalised = "object"` take the
-        lengths of the scans for diagonals. All scans must have as many points.
+        Args:
+            scans: Points [n, 3] of each scan in the camera frame. All scans have the same number of points.
+            diagonals: Diagonal of each object, for networks with `normalised = "object"`; default 1.
+
+        Returns:
+            Predictions for each scan.
         """
         sizes = np.ones(len(scans)) if diagonals is None else diagonals
         if not len(scans):
@@ -83,81 +122,89 @@ class Ancsh:
         points = np.stack(scans)
         rotations = initial_axes(points, self.config.axes)
         if self.config.axes == "base":
-            said = np.concatenate([self._said_parts(seen) for seen, _ in self._batches(scans, sizes, rotations)])
-            rotations = base_axes(points, said == 0, rotations)
-        return [one for seen, frames in self._batches(scans, sizes, rotations) for one in self._answer(seen, frames)]
+            parts = np.concatenate([self._most_likely_parts(inputs) for inputs, _ in self._batches(scans, sizes, rotations)])
+            rotations = base_axes(points, parts == 0, rotations)
+        batches = self._batches(scans, sizes, rotations)
+        return [prediction for inputs, frames in batches for prediction in self._predict_batch(inputs, frames)]
 
     def _batches(
         self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | F64, rotations: F64
     ) -> Iterator[tuple[torch.Tensor, list[InputFrame]]]:
-        """Points [B, n, 3] as the networks see them, and how they came to be so."""
+        """Points [B, n, 3] in the input frame, and the frame of each scan."""
         for start in range(0, len(scans), SCANS_AT_ONCE):
             some = slice(start, start + SCANS_AT_ONCE)
             each = list(zip(scans[some], diagonals[some], rotations[some], strict=True))
             frames = [InputFrame.of(points, self.config.normalised, size, axes) for points, size, axes in each]
-            seen = np.stack([frame.apply(points) for frame, (points, _, _) in zip(frames, each, strict=True)])
-            yield torch.from_numpy(seen).to(self.device), frames
+            inputs = np.stack([frame.apply(points) for frame, (points, _, _) in zip(frames, each, strict=True)])
+            yield torch.from_numpy(inputs).to(self.device), frames
 
-    def _said_parts(self, seen: torch.Tensor) -> NDArray[np.int64]:
-        """The part [B, n] of every point."""
-        return np.asarray(self.parts(seen).parts.argmax(-1).cpu().numpy())
+    def _most_likely_parts(self, inputs: torch.Tensor) -> NDArray[np.int64]:
+        """Most likely part [B, n] of every point."""
+        return np.asarray(self.parts(inputs).parts.argmax(-1).cpu().numpy())
 
-    def _answer(self, seen: torch.Tensor, frames: Sequence[InputFrame]) -> list[PointPredictions]:
-        own, joints = self.joints.forward_all(seen)
-        parts = self.parts(seen)
+    def _predict_batch(self, inputs: torch.Tensor, frames: Sequence[InputFrame]) -> list[PointPredictions]:
+        """Predictions for a batch of inputs [B, n, 3], combined from both networks."""
+        own, joints = self.joints.forward_all(inputs)
+        parts = self.parts(inputs)
         naocs = joints.naocs(own.npcs)
-        said = parts.parts.argmax(-1)
-        home = own.parts.argmax(-1)
+        labels = parts.parts.argmax(-1)
+        own_labels = own.parts.argmax(-1)
+        pivots = _at_part(naocs, own_labels) + joints.toward * ((1.0 - joints.heatmap) * JOINT_RADIUS).unsqueeze(-1)
         arrays = [
             values.cpu().double().numpy()
-            for values in (
-                seen,
-                _of_part(parts.npcs, said),
-                _of_part(naocs, home) + joints.toward * ((1.0 - joints.heatmap) * REACH).unsqueeze(-1),
-                joints.axes,
-                own.npcs,
-                naocs,
-            )
+            for values in (inputs, _at_part(parts.npcs, labels), pivots, joints.axes, own.npcs, naocs)
         ]
-        labels, homes, told = said.cpu().numpy(), home.cpu().numpy(), joints.joints.argmax(-1).cpu().numpy()
-        labels = np.where(labels >= self.structure.part_count, -1, labels)
-        layouts = [None] * len(frames) if joints.layout is None else _layouts(joints.layout)
-        answers = []
+        part_labels, home_labels, joint_labels = (
+            values.cpu().numpy() for values in (labels, own_labels, joints.joints.argmax(-1))
+        )
+        part_labels = np.where(part_labels >= self.structure.part_count, -1, part_labels)
+        wholes = [None] * len(frames) if joints.whole is None else _global_predictions(joints.whole)
+        predictions = []
         for row, frame in enumerate(frames):
-            points, npcs, pivots, axes, own_npcs, own_naocs = (array[row] for array in arrays)
-            scales, shifts = to_naocs(own_npcs, own_naocs, homes[row])
-            answers.append(
-                PointPredictions(frame, points, labels[row], npcs, scales, shifts, told[row], axes, pivots, layouts[row])
+            points, npcs, pivot, axes, own_npcs, own_naocs = (array[row] for array in arrays)
+            scales, shifts = npcs_to_naocs(own_npcs, own_naocs, home_labels[row])
+            predictions.append(
+                PointPredictions(
+                    frame, points, part_labels[row], npcs, scales, shifts, joint_labels[row], axes, pivot, wholes[row]
+                )
             )
-        return answers
+        return predictions
 
 
-def _layouts(said: LayoutAnswers) -> list[GlobalPredictions]:
-    half_sizes, pivots = (values.cpu().double().numpy() for values in (said.half_sizes, said.pivots))
+def _global_predictions(output: GlobalOutput) -> list[GlobalPredictions]:
+    half_sizes, pivots = (values.cpu().double().numpy() for values in (output.half_sizes, output.pivots))
     return [GlobalPredictions(*both) for both in zip(half_sizes, pivots, strict=True)]
 
 
-def to_naocs(npcs: F64, naocs: F64, parts: NDArray[np.integer]) -> tuple[F64, F64]:
-    """Scales [K] and shifts [K, 3] that take NPCS to NAOCS, both [n, K, 3], of the points on each of K `parts` [n].
+def npcs_to_naocs(npcs: F64, naocs: F64, parts: NDArray[np.integer]) -> tuple[F64, F64]:
+    """Scale and shift of every part from NPCS to NAOCS, by means and standard deviations, as in the code of ANCSH.
 
-    By their means and standard deviations, as the public code of ANCSH has it: what the heads of the network say one by one is
-    right only together, since the shift of a point can make up for any scale. A part with fewer than two points takes all.
+    The predicted scale and shift of a single point are right only together, because a shift can make up for any scale.
+
+    Args:
+        npcs: NPCS [n, K, 3] of each point on each part.
+        naocs: NAOCS [n, K, 3] of each point on each part.
+        parts: Part of each point [n]. A part with fewer than two points uses all points.
+
+    Returns:
+        Scales [K] and shifts [K, 3].
     """
     scales, shifts = np.empty(npcs.shape[1]), np.empty((npcs.shape[1], 3))
     for part in range(npcs.shape[1]):
         on_it = parts == part
-        here, there = (places[on_it if on_it.sum() > 1 else slice(None), part] for places in (npcs, naocs))
-        scales[part] = np.sqrt(there.var(axis=0).sum() / max(here.var(axis=0).sum(), 1e-12))
-        shifts[part] = there.mean(axis=0) - scales[part] * here.mean(axis=0)
+        source, target = (points[on_it if on_it.sum() > 1 else slice(None), part] for points in (npcs, naocs))
+        scales[part] = np.sqrt(target.var(axis=0).sum() / max(source.var(axis=0).sum(), 1e-12))
+        shifts[part] = target.mean(axis=0) - scales[part] * source.mean(axis=0)
     return scales, shifts
 
 
-def _seen_as(config: AncshConfig) -> tuple[str, str]:
+def _input_of(config: AncshConfig) -> tuple[str, str]:
+    """Settings of the input frame, which both networks must share."""
     return config.normalised, config.axes
 
 
-def _of_part(values: torch.Tensor, parts: torch.Tensor) -> torch.Tensor:
-    """Values [B, n, 3] of [B, n, K, 3] at `parts` [B, n]."""
+def _at_part(values: torch.Tensor, parts: torch.Tensor) -> torch.Tensor:
+    """Values [B, n, 3] out of [B, n, K, 3], at `parts` [B, n]."""
     index = parts.clamp(max=values.shape[2] - 1).view(*parts.shape, 1, 1).expand(-1, -1, 1, 3)
     return torch.gather(values, 2, index).squeeze(2)
 
@@ -173,17 +220,17 @@ def _structure_of(loaded: Weights) -> Structure:
         raise InputError(loaded.path.with_suffix(".json"), "expected the joints of the objects it is for", "facts") from None
 
 
-def _classes_of(loaded: Weights, structure: Structure) -> int:
-    """Of points: the parts, and what is none of them where the network tells that."""
+def _class_count(loaded: Weights, structure: Structure) -> int:
+    """Number of classes of points: the parts, and "no part" if the network knows it."""
     classes, parts = loaded.facts.get("classes"), structure.part_count
     if not isinstance(classes, int) or classes not in (parts, parts + 1):
         raise InputError(loaded.path.with_suffix(".json"), f"expected {parts} or {parts + 1}, got {classes!r}", "facts.classes")
     return classes
 
 
-def _typical_of(loaded: Weights, structure: Structure) -> CategoryPrior:
+def _prior_of(loaded: Weights, structure: Structure) -> CategoryPrior:
     try:
-        return CategoryPrior.from_data(loaded.facts["typical"], structure)
+        return CategoryPrior.from_data(loaded.facts["category_prior"], structure)
     except (KeyError, TypeError, ValueError):
-        problem = "expected what is typical of the objects it is for: run kinmo train ancsh again"
-        raise InputError(loaded.path.with_suffix(".json"), problem, "facts.typical") from None
+        problem = "expected the prior of the category: run kinmo train ancsh again"
+        raise InputError(loaded.path.with_suffix(".json"), problem, "facts.category_prior") from None

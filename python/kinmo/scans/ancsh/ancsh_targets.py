@@ -1,4 +1,4 @@
-"""Training targets of ANCSH: canonical coordinates, joints near points, and box sizes (Li et al. 2020, sections 3 and 4)."""
+"""Training targets of ANCSH: canonical coordinates, joints near points, and box sizes (Li et al. 2020, section 4)."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class JointTargets:
 
 
 def canonical_coordinates(points: NDArray[np.floating], parts: NDArray[np.integer], extents: Extents) -> tuple[F32, F32]:
-    """NPCS and NAOCS of points on an object in its canonical pose (Li et al. 2020, section 3).
+    """NPCS and NAOCS of points on an object in its canonical pose (Li et al. 2020, section 4).
 
     The axis-aligned box of a part in NPCS, and that of the object in NAOCS, has its middle at (0.5, 0.5, 0.5) and a diagonal
     of 1.

@@ -1,4 +1,4 @@
-"""Training the networks of ANCSH."""
+"""Training of the ANCSH networks (Li et al. 2020, section 4; paper, section 3.4)."""
 
 from __future__ import annotations
 
@@ -15,13 +15,16 @@ from kinmo.core.typed_tables import to_table
 from kinmo.learning.learner import Learner
 from kinmo.learning.training_loop import FitResult, Progress, fit
 from kinmo.learning.weights import save_weights
-from kinmo.scans.ancsh.ancsh_loss import ScanBatch, joint_losses, part_losses, total
+from kinmo.scans.ancsh.ancsh_loss import ScanBatch, joint_losses, part_losses, total_loss
 from kinmo.scans.ancsh.ancsh_network import KIND, AncshNetwork, PartNetwork
 from kinmo.scans.ancsh.scan_batches import ScanData
 from kinmo.scans.files.scan_file import ScanFile, count_objects
 from kinmo.scans.object_structure import Structure
 from kinmo.scans.poses.category_prior import CategoryPrior
 from kinmo.scans.rendering.renderers import NO_PART
+
+FIRST_MOMENTUM, MIN_MOMENTUM = 0.5, 0.01
+"""Momentum of batch norms in the release's schedule (`AncshConfig.norms`): in the first epoch, and its least value."""
 
 
 def train_ancsh(
@@ -37,27 +40,43 @@ def train_ancsh(
     fingerprint: str = "",
     on_progress: Callable[[Progress], None] | None = None,
 ) -> FitResult:
-    """Train on scans of objects of one structure; leaves `weights.safetensors` and `.json` of the epoch to
-    keep (`TrainingConfig.keep`) in `run_dir`. Of the objects to train on so many are `labelled`, which goes into its facts.
+    """Train one network and write `weights.safetensors` and `weights.json` of the kept epoch.
 
-    Resumes what was cut off (`training.fit`). Raises InputError if either set is empty, or structures differ.
+    Args:
+        training: Scans to train on, of objects of one structure.
+        validation: Scans to choose the best epoch by, of the same structure.
+        config: Configuration of the network and its training.
+        run_dir: Folder for the results. An interrupted training there is resumed (`kinmo.learning.training_loop.fit`).
+        which: "ancsh" for the network with all heads, "npcs" for parts and NPCS only.
+        labelled: Number of labelled training objects, to be noted in the header of the weights.
+        seed: Seed of everything random.
+        device: "cpu", "cuda", "mps", or "auto".
+        fingerprint: Hash of the data, which a checkpoint must agree with to be resumed.
+        on_progress: Called after every epoch.
+
+    Returns:
+        The kept epoch and the metrics of all epochs.
+
+    Raises:
+        InputError: Either set has no frames, structures differ, or the training fails (`fit`).
     """
-    structure = structure_of([*training, *validation])
+    structure = common_structure([*training, *validation])
     for name, files in (("training", training), ("validation", validation)):
         if not any(file.frames for file in files):
             raise InputError(f"{name} scans", "expected at least one frame")
     torch.manual_seed(seed)
     used = [[file for file in files if file.frames] for files in (training, validation)]
-    sees_more = any(bool(np.any(file.read("parts") == NO_PART)) for file in used[0])
-    learner = AncshLearner(config, which, structure.part_count, structure.part_count + int(sees_more))
+    has_background = any(bool(np.any(file.read("parts") == NO_PART)) for file in used[0])
+    learner = AncshLearner(config, which, structure.part_count, structure.part_count + int(has_background))
     data = ScanData(used[0], used[1], config)
     result = fit(learner, data, run_dir, seed=seed, device=device, fingerprint=fingerprint, on_progress=on_progress)
+    prior = CategoryPrior.from_scans([file for file in used[0] if file.provenance.has_true_labels] or used[0])
     facts = {
         "network": which,
         "kinds": [kind.value for kind in structure.kinds],
         "parents": list(structure.parents),
         "classes": learner.classes,
-        "typical": CategoryPrior.from_scans([file for file in used[0] if file.provenance.has_true_labels] or used[0]).to_data(),
+        "category_prior": prior.to_data(),
         "seed": seed,
         "objects": count_objects(used[0]),
         "labelled": labelled,
@@ -69,8 +88,12 @@ def train_ancsh(
     return result
 
 
-def structure_of(files: Sequence[ScanFile]) -> Structure:
-    """The structure that all `files` have. Raises InputError for none, or for one that differs."""
+def common_structure(files: Sequence[ScanFile]) -> Structure:
+    """Structure that the objects of all files have.
+
+    Raises:
+        InputError: There is no file, or a structure differs.
+    """
     if not files:
         raise InputError("scans", "expected those of at least one object")
     for file in files:
@@ -79,12 +102,15 @@ def structure_of(files: Sequence[ScanFile]) -> Structure:
     return files[0].structure
 
 
-FIRST_MOMENTUM, LEAST_MOMENTUM = 0.5, 0.01
-"""By how much the running statistics of batch norms move a step, as the release trains (`AncshConfig.norms`)."""
-
-
 class AncshLearner(Learner):
-    """The weighted sum of the losses, which is the error on validation, too."""
+    """An ANCSH network with the weighted sum of its losses, which is also the validation error.
+
+    Args:
+        config: Configuration of the network and its training.
+        which: "ancsh" for the network with all heads, "npcs" for parts and NPCS only.
+        parts: Number of parts K.
+        classes: Number of classes of points: `parts`, or one more if points may belong to no part.
+    """
 
     def __init__(self, config: AncshConfig, which: AncshNetworkName, parts: int, classes: int) -> None:
         super().__init__(config.training)
@@ -93,19 +119,19 @@ class AncshLearner(Learner):
 
     def start_epoch(self, epoch: int) -> None:
         if self.config.norms == "release":
-            halved = epoch // self.config.training.decay_epochs if self.config.training.decay_epochs else 0
+            decays = epoch // self.config.training.decay_epochs if self.config.training.decay_epochs else 0
             for layer in self.modules():
                 if isinstance(layer, nn.BatchNorm1d):
-                    layer.momentum = max(FIRST_MOMENTUM * 0.5**halved, LEAST_MOMENTUM)
+                    layer.momentum = max(FIRST_MOMENTUM * 0.5**decays, MIN_MOMENTUM)
 
     def training_step(self, batch: ScanBatch) -> torch.Tensor:
-        loss = total(self._losses(batch), self.config)
+        loss = total_loss(self._losses(batch), self.config)
         self.log("training", len(batch.points), loss=loss)
         return loss
 
     def validation_step(self, batch: ScanBatch) -> None:
         losses = self._losses(batch)
-        self.log("validation", len(batch.points), error=total(losses, self.config), **losses)
+        self.log("validation", len(batch.points), error=total_loss(losses, self.config), **losses)
 
     def _losses(self, batch: ScanBatch) -> dict[str, torch.Tensor]:
         mean_over = self.config.mean_over

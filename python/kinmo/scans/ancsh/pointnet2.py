@@ -1,4 +1,7 @@
-"""PointNet++ (Qi 2017) in plain torch: who is in which group is found by the core, as it depends on places alone."""
+"""PointNet++ (Qi et al. 2017b) in plain torch, as the backbone of ANCSH (Li et al. 2020, section 4).
+
+Groups of points depend on coordinates alone, so the Rust core finds them before the network runs.
+"""
 
 from __future__ import annotations
 
@@ -13,58 +16,70 @@ from torch.nn.functional import conv2d, linear
 from kinmo import _core
 from kinmo.learning.network_layers import channel_norm, gather_points, max_over_points
 
-LEAST_DISTANCE = 1e-6
-"""From which on distances tell weights."""
+MIN_DISTANCE = 1e-6
+"""Least distance in the weights of an interpolation."""
 
 MANY_ROWS = 8192
-"""Of few features, from which on a CPU's convolutions beat its products."""
+"""Number of rows of few features above which a CPU's convolutions are faster than its matrix products."""
 
 HAS_ONEDNN: bool = torch.backends.mkldnn.is_available()  # type: ignore[no-untyped-call]
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
-    """Groups of the n points of B clouds, about m of them.
+class PointLevel:
+    """Groups of the n points in each of B clouds around m centers.
 
-    `places` [B, m, 3] are those of the centers, `groups` [B, m, k] the points in each group. Of the centers, the `nearest`
-    [B, n, i] are those that features of every point are interpolated from, with `weights` [B, n, i] that add up to 1.
+    Attributes:
+        centers: Coordinates of the centers [B, m, 3].
+        groups: Indices of the points in each group [B, m, k].
+        nearest: Indices of the centers nearest to each point [B, n, i], from which its features are interpolated.
+        weights: Weights of these centers [B, n, i]; they add up to 1.
     """
 
-    places: Tensor
+    centers: Tensor
     groups: Tensor
     nearest: Tensor
     weights: Tensor
 
-    def interpolated(self, features: Tensor) -> Tensor:
-        """Features [B, n, C] of the points, from those [B, m, C] of the centers."""
+    def interpolate(self, features: Tensor) -> Tensor:
+        """Features of the points [B, n, C], interpolated from those of the centers [B, m, C]."""
         shape = (*self.nearest.shape[:2], features.shape[1])
         spread = torch.zeros(shape, dtype=features.dtype, device=features.device)
         return spread.scatter_(-1, self.nearest, self.weights.to(features.dtype)) @ features
 
 
-def levels_of(
+def point_levels(
     points: Tensor, centers: Sequence[int], radii: Sequence[float], neighbours: Sequence[int], power: int
-) -> tuple[Level, ...]:
-    """Levels of `points` [B, n, 3], each of the centers of the one before, so many, with these radii and with groups of so many
-    `neighbours`.
+) -> tuple[PointLevel, ...]:
+    """Groups of points on several levels; the centers of one level are the points of the next.
 
-    Weights are 1 / distance ** `power`. All is found before a network runs, as a GPU would have to wait for it else.
+    All levels are found on the CPU at once. A GPU would otherwise have to wait for each of them.
+
+    Args:
+        points: Points [B, n, 3].
+        centers: Number of centers m on each level.
+        radii: Radius of the groups on each level.
+        neighbours: Number of points k in a group on each level.
+        power: Weights of an interpolation are 1 / distance ** power.
+
+    Returns:
+        The levels, on the device of the points.
     """
-    here, found = points.detach().float().cpu(), []
+    current, levels = points.detach().float().cpu(), []
     for count, radius, size in zip(centers, radii, neighbours, strict=True):
-        chosen, *indices, distances = map(torch.from_numpy, _core.group_points(here.numpy(), count, radius, size))
-        here = here.gather(1, chosen.unsqueeze(-1).expand(-1, -1, 3))
-        weights = distances.clamp(min=LEAST_DISTANCE) ** -power
+        chosen, *indices, distances = map(torch.from_numpy, _core.group_points(current.numpy(), count, radius, size))
+        current = current.gather(1, chosen.unsqueeze(-1).expand(-1, -1, 3))
+        weights = distances.clamp(min=MIN_DISTANCE) ** -power
         weights = weights / weights.sum(-1, keepdim=True)
-        found.append(Level(*(each.to(points.device) for each in (here, *indices, weights))))
-    return tuple(found)
+        levels.append(PointLevel(*(each.to(points.device) for each in (current, *indices, weights))))
+    return tuple(levels)
 
 
 def product(x: Tensor, weight: Tensor) -> Tensor:
-    """`x` [..., C] times the transpose of `weight` [C', C].
+    """Product of features [..., C] with the transpose of a weight matrix [C', C].
 
-    Of many groups [B, m, k, C] on a CPU it is asked for as a convolution: for many rows of few features oneDNN's kernels are
-    faster than those for products.
+    On a CPU, many groups [B, m, k, C] are multiplied by a convolution: for many rows of few features oneDNN's convolutions are
+    faster than its matrix products.
     """
     is_many = x.dim() == 4 and x.shape[:3].numel() > MANY_ROWS
     if is_many and x.is_cpu and x.dtype == torch.float32 and HAS_ONEDNN:
@@ -73,20 +88,24 @@ def product(x: Tensor, weight: Tensor) -> Tensor:
 
 
 class SharedLinear(nn.Linear):
-    """A linear layer without a bias over the last axis."""
+    """Linear layer without a bias over the last axis, from `before` to `after` channels."""
 
     def __init__(self, before: int, after: int) -> None:
         super().__init__(before, after, bias=False)
 
     def forward(self, x: Tensor) -> Tensor:
+        """Features [..., after] of features [..., before]."""
         return product(x, self.weight)
 
 
 class SharedLayers(nn.Sequential):
-    """Linear layers without a bias, each with a batch norm and a ReLU, over the last axis.
+    """Linear layers without a bias over the last axis, each with a batch norm and a ReLU.
 
-    The first one is linear in what it is given, so that it may go before features are gathered or interpolated for many points:
-    it is then asked but once about each of the few that they come from (`first`), and the rest follow (`after_first`).
+    The first layer is linear in its input. It can therefore run before features are gathered or interpolated (`first`), on few
+    points instead of many; the other layers follow (`after_first`).
+
+    Args:
+        widths: Number of channels of the input and of each layer.
     """
 
     def __init__(self, widths: Sequence[int]) -> None:
@@ -96,19 +115,24 @@ class SharedLayers(nn.Sequential):
         super().__init__(*layers)
 
     def first(self, x: Tensor, start: int = 0) -> Tensor:
-        """The first layer's share [..., C'] of those of its channels that `x` [..., C] has, which are those from `start` on."""
+        """Share of the first layer's output [..., C'] that comes from some of its input channels.
+
+        Args:
+            x: Values [..., C] of the input channels `start`, ..., `start` + C - 1.
+            start: First of these channels.
+        """
         weight: Tensor = self[0].weight  # type: ignore[assignment]
         return product(x, weight[:, start : start + x.shape[-1]])
 
     def after_first(self, x: Tensor) -> Tensor:
-        """What the other layers make of [..., C']."""
+        """Output of all layers from the output of the first linear layer [..., C']."""
         _, *others = self
         for layer in others:
             x = layer(x)
         return x
 
     def maxima_after_first(self, x: Tensor) -> Tensor:
-        """The same of [B, m, k, C'], its maxima over k; the last ReLU changes no order, so that it can come after them."""
+        """Maxima over k of `after_first` of [B, m, k, C']. The last ReLU keeps the order, so it runs after the maximum."""
         _, *others, last = self
         for layer in others:
             x = layer(x)
@@ -117,43 +141,73 @@ class SharedLayers(nn.Sequential):
 
 
 class SetAbstraction(nn.Module):
-    """Features of groups of points, from those of the points and where these lie."""
+    """Features of groups of points, from the points' coordinates relative to the center and from their features.
+
+    Args:
+        before: Number of feature channels C of the points; 0 for none.
+        widths: Number of channels of each layer; the last is C'.
+    """
 
     def __init__(self, before: int, widths: Sequence[int]) -> None:
         super().__init__()
         self.layers = SharedLayers((3 + before, *widths))
 
-    def forward(self, points: Tensor, features: Tensor | None, level: Level | None) -> Tensor:
-        """`points` [B, n, 3], `features` [B, n, C] -> [B, m, C'], of the groups of a level, or else of all points together."""
+    def forward(self, points: Tensor, features: Tensor | None, level: PointLevel | None) -> Tensor:
+        """Features [B, m, C'] of the groups of a level, or [B, 1, C'] of all points together if there is no level.
+
+        Args:
+            points: Points [B, n, 3].
+            features: Features of the points [B, n, C], if they have any.
+            level: The groups.
+        """
         if level is None:
-            seen = self.layers.first(points if features is None else torch.cat([points, features], -1))
-            return self.layers.maxima_after_first(seen.unsqueeze(1))
+            inputs = self.layers.first(points if features is None else torch.cat([points, features], -1))
+            return self.layers.maxima_after_first(inputs.unsqueeze(1))
         if features is None:
-            seen = self.layers.first(gather_points(points, level.groups) - level.places.unsqueeze(2))
-        else:  # W [x - c, f] = W [x, f] + W [-c, 0], a sum rather than a difference, which would go backward through a negation
-            seen = gather_points(self.layers.first(torch.cat([points, features], -1)), level.groups)
-            seen = seen + self.layers.first(-level.places).unsqueeze(2)
-        return self.layers.maxima_after_first(seen)
+            inputs = self.layers.first(gather_points(points, level.groups) - level.centers.unsqueeze(2))
+        else:  # W [x - c, f] = W [x, f] + W [-c, 0]; a difference would add a negation to the backward pass
+            inputs = gather_points(self.layers.first(torch.cat([points, features], -1)), level.groups)
+            inputs = inputs + self.layers.first(-level.centers).unsqueeze(2)
+        return self.layers.maxima_after_first(inputs)
 
 
 class FeaturePropagation(nn.Module):
-    """Features of many points, from their own and from those of the centers of a level, or of all points together."""
+    """Features of many points, from their own features and from those of the centers of a level.
+
+    Args:
+        before: Number of input channels: those of the centers and those of the points.
+        widths: Number of channels of each layer; the last is C'.
+    """
 
     def __init__(self, before: int, widths: Sequence[int]) -> None:
         super().__init__()
         self.layers = SharedLayers((before, *widths))
 
-    def forward(self, own: Tensor, features: Tensor, level: Level | None) -> Tensor:
-        """`own` [B, n, C], `features` [B, m, D] of the centers, or [B, 1, D] without a level -> [B, n, C']."""
+    def forward(self, own: Tensor, features: Tensor, level: PointLevel | None) -> Tensor:
+        """Features of the points [B, n, C'].
+
+        Args:
+            own: Features of the points [B, n, C].
+            features: Features of the centers [B, m, D], or of all points together [B, 1, D] if there is no level.
+            level: The groups, whose weights interpolate the features of the centers.
+        """
         spread = self.layers.first(features)
-        spread = spread if level is None else level.interpolated(spread)
+        spread = spread if level is None else level.interpolate(spread)
         return self.layers.after_first(spread + self.layers.first(own, start=features.shape[-1]))
 
 
 class PointNetPlusPlus(nn.Module):
-    """Points [B, n, 3] -> features [B, n, `features`], and [B, 1, `whole_features`] of all, as ANCSH's backbone.
+    """PointNet++ with two levels of groups and one global feature, the backbone of ANCSH.
 
-    `width` is the share of the printed widths; `centers`, `radii` and `neighbours` are those of the two levels.
+    The attributes `features` and `global_features` are the widths of the results.
+
+    Args:
+        centers: Number of centers on each of the two levels.
+        radii: Radius of the groups on each level.
+        neighbours: Number of points in a group on each level.
+        width: Factor on the printed widths of all layers.
+        power: Power of the distance in the weights of interpolations.
+        dropout: Share of the last features that dropout sets to zero in training.
     """
 
     def __init__(
@@ -179,14 +233,15 @@ class PointNetPlusPlus(nn.Module):
         self.to_far = FeaturePropagation(whole[-1] + far[-1], to_far)
         self.to_near = FeaturePropagation(to_far[-1] + near[-1], to_near)
         self.to_all = FeaturePropagation(to_near[-1] + 3, to_all)
-        self.features, self.whole_features = to_all[-1], whole[-1]
+        self.features, self.global_features = to_all[-1], whole[-1]
         self.last = nn.Sequential(SharedLayers((self.features, self.features)), nn.Dropout(dropout))
 
     def forward(self, points: Tensor) -> tuple[Tensor, Tensor]:
-        near, far = levels_of(points, *self.grouping)
+        """Features of every point [B, n, features] and of each cloud [B, 1, global_features], from points [B, n, 3]."""
+        near, far = point_levels(points, *self.grouping)
         near_features = self.near(points, None, near)
-        far_features = self.far(near.places, near_features, far)
-        whole_features = self.whole(far.places, far_features, None)
-        far_features = self.to_far(far_features, whole_features, None)
+        far_features = self.far(near.centers, near_features, far)
+        global_features = self.whole(far.centers, far_features, None)
+        far_features = self.to_far(far_features, global_features, None)
         near_features = self.to_near(near_features, far_features, far)
-        return self.last(self.to_all(points, near_features, near)), whole_features
+        return self.last(self.to_all(points, near_features, near)), global_features

@@ -23,8 +23,8 @@ TOLERANCE = 0.03
 def axis_aligned_values(joint: Joint, mesh: Mesh, low: float, high: float) -> NDArray[np.float64]:
     """Values of a hinge at which its part is axis-aligned.
 
-    The misalignment of a part is the mean absolute coordinate sum of its unit normals, weighted by area. The result holds its
-    local minima.
+    The misalignment of a part is the mean of |nx| + |ny| + |nz| over its surface, for unit normals n. The result holds its
+    least local minima.
 
     Args:
         joint: The hinge.
@@ -33,8 +33,8 @@ def axis_aligned_values(joint: Joint, mesh: Mesh, low: float, high: float) -> ND
         high: Upper end of the search, rad.
 
     Returns:
-        Values [n] strictly between `low` and `high`. The result is empty for parts without flat sides, and for parts that are
-        equally aligned at any angle, such as a lid that turns in its plane.
+        Values [n] strictly between `low` and `high`. A part without flat sides has none. A part that is equally aligned at any
+        angle has none either, such as a lid that turns in its plane.
     """
     if low >= high:
         return np.zeros(0)

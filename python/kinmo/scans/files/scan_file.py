@@ -203,11 +203,3 @@ def _opened(path: Path) -> ScanFile:
             )
     except (SafetensorError, OSError, KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(path, f"not a file of scans ({error}): run kinmo render again") from None
-
-
-def is_made_from(path: Path, key: str) -> bool:
-    """True if `write_scans` wrote the file with this cache key."""
-    try:
-        return open_scans(path).provenance.key == key
-    except InputError:
-        return False

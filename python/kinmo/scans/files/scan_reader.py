@@ -49,9 +49,8 @@ def read_scan(
 ) -> ScanInput:
     """Read a scan.
 
-    Files: an .npz with `points` [n, 3], or with `depth` [height, width] along z and maybe `intrinsics`; an .npy with one of
-    the two arrays; a .ply with points; a .png or .tif with depths. Points that are not finite, not before the camera, or at
-    (0, 0, 0), are left out.
+    An .npz holds `points` [n, 3], or `depth` [height, width] along z and maybe `intrinsics`. An .npy holds points or depths, a
+    .ply points, and a .png or .tif depths. Points that are not finite, not before the camera, or at (0, 0, 0), are left out.
 
     Args:
         path: The file.

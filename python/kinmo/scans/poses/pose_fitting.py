@@ -34,7 +34,7 @@ class PoseOptions:
             diagonal 1.
         ties: Joint constraints: on all parts at once (`tree`), joint by joint as in ANCSH's release (`pairs`), or none.
         pair_hypotheses: RANSAC hypotheses of each joint, for `pairs`.
-        boxes: Amodal boxes as predicted (`said`), or with visible sides moved to where the scan shows them (`seen`).
+        boxes: Amodal boxes as `predicted`, or `fitted` to the sides that the scan shows.
         seed: Seed of RANSAC.
     """
 
@@ -42,7 +42,7 @@ class PoseOptions:
     threshold: float = 0.1
     ties: Literal["tree", "pairs", "none"] = "tree"
     pair_hypotheses: int = 200
-    boxes: Literal["seen", "said"] = "seen"
+    boxes: Literal["fitted", "predicted"] = "fitted"
     seed: int = 0
 
 
@@ -83,7 +83,7 @@ def estimate_poses(
     voted = [predicted_joints(each, structure) for each in predictions]
     directions = snap_directions(predictions, [own for own, _ in voted], free, structure, prior, options.threshold)
     tied = _tie_poses(free, source, target, starts, directions, structure, options, prior)
-    if options.boxes == "seen":
+    if options.boxes == "fitted":
         centers, half_extents = fitted_boxes(predictions, tied, options.threshold)
     else:
         centers, half_extents = predicted_boxes(predictions, tied)

@@ -143,8 +143,8 @@ def _uprightness(directions: F64) -> F64:
     """Cosines [...] of the angles between directions [..., 3] and the nearest up direction of an upright camera.
 
     These up directions form an arc without sideways component, for cameras that look down by `MIN_PITCH` to `MAX_PITCH`. The
-    middle of the arc alone would not do. A level camera may see an object's front turned towards it by up to half a right
-    angle, and then the front is nearer to the middle of the arc than up is.
+    middle of the arc alone would not do: a level camera may see the front of an object turned towards it by up to 45 degrees.
+    The front is then nearer to that middle than up is.
     """
     _, down, forward = np.moveaxis(directions, -1, 0)
     pitch = np.clip(np.arctan2(-forward, -down), MIN_PITCH, MAX_PITCH)

@@ -15,9 +15,9 @@ def appliance_casing(draw: Draw, low: np.ndarray, high: np.ndarray, wall: float)
     """Casing of an appliance: a box that is open to the front (+z).
 
     Args:
-        low: lowest corner [3].
-        high: highest corner [3].
-        wall: thickness of the walls.
+        low: Lowest corner [3].
+        high: Highest corner [3].
+        wall: Thickness of the walls.
 
     Returns:
         Five walls as one piece or as five, or a solid block.

@@ -23,10 +23,10 @@ def carrying_handle(draw: Draw, half: float, reach: float, rod: float, *, hangs:
     """Meshes of a handle.
 
     Args:
-        half: half the distance between the ends, at x = -half and x = half.
-        reach: height above the wall.
-        rod: radius of the rod.
-        hangs: the handle may be a ring.
+        half: Half the distance between the ends, at x = -half and x = half.
+        reach: Height above the wall.
+        rod: Radius of the rod.
+        hangs: The handle may be a ring.
 
     Returns:
         The pieces.
@@ -75,12 +75,12 @@ def add_carrying_handle(
     """Add a carrying handle.
 
     Args:
-        above: node that the handle is added below.
-        carrier: link of the wall.
-        place: rigid transform [4, 4] from the handle's frame to its wall.
-        half: half the distance between the ends.
-        hangs: show the handle against the wall towards local -y, as at the ends of a chest.
-        movable: give the handle a hinge. A fixed handle belongs to `carrier`.
+        above: Node that the handle is added below.
+        carrier: Link of the wall.
+        place: Rigid transform [4, 4] from the handle's frame to its wall.
+        half: Half the distance between the ends.
+        hangs: Show the handle against the wall towards local -y, as at the ends of a chest.
+        movable: Give the handle a hinge. A fixed handle belongs to `carrier`.
 
     Returns:
         The handle's link, or nothing for a fixed handle.

@@ -18,12 +18,12 @@ class Opening:
     """A rectangular hole in a carcass.
 
     Attributes:
-        x: horizontal centre.
-        y: vertical centre.
-        width: width.
-        height: height.
-        depth: depth of the space behind it.
-        front: position of the carcass's front along z.
+        x: Horizontal centre.
+        y: Vertical centre.
+        width: Width.
+        height: Height.
+        depth: Depth of the space behind it.
+        front: Position of the carcass's front along z.
     """
 
     x: float
@@ -49,11 +49,11 @@ class Fronts:
     """Common style of the fronts of one piece of furniture.
 
     Attributes:
-        thickness: thickness of a front.
-        gap: distance from a front to the edge of its opening. It is negative if fronts overlap the carcass.
+        thickness: Thickness of a front.
+        gap: Distance from a front to the edge of its opening. It is negative if fronts overlap the carcass.
         look: "plain", "framed", "raised" or "bowed".
         has_handles: True if doors and drawers have handles.
-        handle_length: usual length of a handle.
+        handle_length: Usual length of a handle.
     """
 
     thickness: float
@@ -153,11 +153,11 @@ def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: F
     """Add a door with a handle near the edge opposite to its hinge.
 
     Args:
-        above: node that the door is added below.
-        carcass: link that carries the door.
-        opening: the opening that the door closes.
-        fronts: style of the door.
-        side: edge of the hinge: "left", "right", "top" or "bottom".
+        above: Node that the door is added below.
+        carcass: Link that carries the door.
+        opening: The opening that the door closes.
+        fronts: Style of the door.
+        side: Edge of the hinge: "left", "right", "top" or "bottom".
 
     Returns:
         Link of the door.

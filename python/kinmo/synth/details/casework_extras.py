@@ -43,16 +43,12 @@ def add_pullout(draw: Draw, above: Node, carcass: Link, opening: Opening) -> Lin
 
 def add_false_front(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> None:
     """Add a fixed panel that looks like a drawer or a door, sometimes with a handle."""
-    panel, back = fronts.panel(draw, opening), fronts.back_plane(opening)
+    panel = fronts.panel(draw, opening)
     node = above.add(draw.pick(["vertical_front_panel", "frame_horizontal_bar", "other_leaf"], [4, 1, 1]), *panel)
     carcass.nodes.append(node)
     if draw.chance(0.5):
-        grip = pull(
-            draw,
-            0.3 * fronts.size(opening)[0],
-            (opening.x, opening.y, back + 1.5 * fronts.thickness),
-            vertical=draw.chance(0.3),
-        )
+        at = (opening.x, opening.y, fronts.back_plane(opening) + 1.5 * fronts.thickness)
+        grip = pull(draw, 0.3 * fronts.size(opening)[0], at, vertical=draw.chance(0.3))
         carcass.nodes.append(above.add("handle", *grip))
 
 
@@ -84,11 +80,11 @@ def add_casters(draw: Draw, above: Node, carcass: Link, x: float, z: float, low:
     """Add four casters or wheels.
 
     Args:
-        above: node that they are added below.
-        carcass: link that they carry.
-        x: half distance along x.
-        z: half distance along z.
-        low: height of the carcass's underside.
+        above: Node that they are added below.
+        carcass: Link that they carry.
+        x: Half distance along x.
+        z: Half distance along z.
+        low: Height of the carcass's underside.
 
     Returns:
         Links of casters that swivel about a vertical stem, and of wheels that roll. What does not move belongs to `carcass`.

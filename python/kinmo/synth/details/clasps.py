@@ -24,9 +24,9 @@ class Clasp:
     """Parts of one clasp.
 
     Attributes:
-        name: name of its nodes and links.
-        moving: pieces and joint of each moving part.
-        fixed: pieces that do not move.
+        name: Name of its nodes and links.
+        moving: Pieces and joint of each moving part.
+        fixed: Pieces that do not move.
         on_lid: True if it is mounted on the lid, False if on the body.
     """
 
@@ -40,11 +40,11 @@ def add_clasp(draw: Draw, above: Node, body: Link, lid: Link, place: NDArray[np.
     """Add a clasp to a body or its lid.
 
     Args:
-        above: node that the clasp is added below.
-        body: link of the body.
-        lid: link of the lid.
-        place: rigid transform [4, 4] from the clasp's frame to the object.
-        size: height of the clasp.
+        above: Node that the clasp is added below.
+        body: Link of the body.
+        lid: Link of the lid.
+        place: Rigid transform [4, 4] from the clasp's frame to the object.
+        size: Height of the clasp.
 
     Returns:
         Links of the moving parts.

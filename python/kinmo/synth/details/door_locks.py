@@ -25,11 +25,11 @@ def add_door_lock(draw: Draw, above: Node, door: Link, kind: str, at: Point, siz
     """Add a lock that turns about the normal of a door.
 
     Args:
-        above: node that the lock is added below.
-        door: link of the door.
-        kind: key of `LOCK_NAMES`.
-        at: foot [3] of the lock.
-        size: diameter or length of the lock.
+        above: Node that the lock is added below.
+        door: Link of the door.
+        kind: Key of `LOCK_NAMES`.
+        at: Foot [3] of the lock.
+        size: Diameter or length of the lock.
 
     Returns:
         Link of the lock.

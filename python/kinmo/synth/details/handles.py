@@ -52,11 +52,11 @@ def pull(
     """Meshes of a handle of a random kind.
 
     Args:
-        length: length of the handle.
-        at: foot [3] of the handle.
-        vertical: along y instead of x.
-        thickness: thickness of the rod; None for a random one.
-        reach: height above the front; None for a random one.
+        length: Length of the handle.
+        at: Foot [3] of the handle.
+        vertical: Along y instead of x.
+        thickness: Thickness of the rod; None for a random one.
+        reach: Height above the front; None for a random one.
 
     Returns:
         The pieces, in the order of assembly.

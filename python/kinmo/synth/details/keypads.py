@@ -28,12 +28,12 @@ def add_keypad(
     """Add rows of keys to a front. Keys that do not move belong to `carrier`.
 
     Args:
-        above: node that the keys are added below.
-        carrier: link of the front.
-        center: centre [3] of the field.
-        size: width and height of the field.
-        name: name of each key's node.
-        lookalikes: allow printed keys, which are flat and mostly fixed, and fields annotated only in part. If False, every key
+        above: Node that the keys are added below.
+        carrier: Link of the front.
+        center: Centre [3] of the field.
+        size: Width and height of the field.
+        name: Name of each key's node.
+        lookalikes: Allow printed keys, which are flat and mostly fixed, and fields annotated only in part. If False, every key
             is pressed in by about its own height.
 
     Returns:

@@ -15,9 +15,9 @@ def lid_hinge(draw: Draw, place: Point, length: float, size: float) -> list[Mesh
     """Meshes of a hinge: a barrel along x with a leaf towards +z, a strap, or nothing.
 
     Args:
-        place: a point [3] of the joint's axis.
-        length: largest length of the barrel.
-        size: typical thickness of the parts around it.
+        place: A point [3] of the joint's axis.
+        length: Largest length of the barrel.
+        size: Typical thickness of the parts around it.
 
     Returns:
         The pieces; empty for a hidden hinge.

@@ -16,11 +16,11 @@ def add_moving_top(
     """Add a moving top to a table frame. Parts that do not move go to `base`.
 
     Args:
-        above: node that the top is added below.
-        base: link of the frame.
-        links: list that the links of the moving parts are appended to.
-        size: half extent along x, height, and half extent along z of the frame.
-        board: usual thickness of boards.
+        above: Node that the top is added below.
+        base: Link of the frame.
+        links: List that the links of the moving parts are appended to.
+        size: Half extent along x, height, and half extent along z of the frame.
+        board: Usual thickness of boards.
     """
     x, y, z = size
     over, thick = draw.between(0.0, 0.1), draw.between(0.6, 2.0) * board

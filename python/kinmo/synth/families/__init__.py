@@ -35,13 +35,13 @@ def family_builder(name: str) -> FamilyBuilder:
     """The `build` function of a family.
 
     Args:
-        name: one of `family_names()`.
+        name: One of `family_names()`.
 
     Returns:
         A function that takes a `Draw` and gives an object in the family's own size and frame.
 
     Raises:
-        InputError: there is no family of that name.
+        InputError: There is no family of that name.
     """
     if name not in family_names():
         near = did_you_mean(name, family_names())

@@ -33,12 +33,12 @@ class _Plan:
     """Size of a bucket, standing on y = 0.
 
     Attributes:
-        bottom: half width along x at the bottom.
-        top: half width along x at the rim.
-        stretch: half width along z over that along x.
-        height: height of the rim.
-        ears: height of the bow's ends, which lie on a line along x.
-        wall: thickness of the wall.
+        bottom: Half width along x at the bottom.
+        top: Half width along x at the rim.
+        stretch: Half width along z over that along x.
+        height: Height of the rim.
+        ears: Height of the bow's ends, which lie on a line along x.
+        wall: Thickness of the wall.
     """
 
     bottom: float

@@ -51,10 +51,10 @@ def _control(
     """One control on the plate.
 
     Args:
-        draw: source of all random values.
+        draw: Source of all random values.
         kind: "rocker", "toggle", "slider", "dial" or "button".
-        room: width and height of the control.
-        at: centre [3] on the plate.
+        room: Width and height of the control.
+        at: Centre [3] on the plate.
 
     Returns:
         Name of the link, pieces, and joint.

@@ -1,8 +1,10 @@
 """Single mechanisms, independent of any object: a flap, a drawer, a caster, an arm of several links.
 
 Each builder takes a `Draw` and gives a `Mechanism` in a cell of about [-0.5, 0.5]^2 on the plane z = 0, its outside towards +z.
-`mount` puts a mechanism on an object. The modules `hollow`, `housing`, `pedestal`, `slab` and `slender` build whole objects
-that carry mechanisms.
+`mount` puts a mechanism on an object.
+
+The modules `hollow`, `housing`, `pedestal`, `slab` and `slender` build whole objects that carry mechanisms. Their functions
+take a `Draw` and `crowded`, which makes additional small mechanisms more likely.
 """
 
 from kinmo.synth.mechanisms.linked import LINKED

@@ -39,9 +39,9 @@ class _Mouth:
     """Opening of a hollow body.
 
     Attributes:
-        height: height above the floor.
-        wide: half width along x.
-        deep: half width along z.
+        height: Height above the floor.
+        wide: Half width along x.
+        deep: Half width along z.
         is_round: True for an elliptic opening.
     """
 
@@ -74,15 +74,7 @@ class _Mouth:
 
 
 def hollow(draw: Draw, crowded: bool) -> SynthObject:
-    """Hollow body with a lid, cap or plunger and, sometimes, a bail and a side mechanism.
-
-    Args:
-        draw: source of all random values.
-        crowded: mount a small mechanism at the side more often.
-
-    Returns:
-        The object, standing on y = 0.
-    """
+    """Hollow body on y = 0 with a lid, cap or plunger and, sometimes, a bail and a mechanism at its side."""
     root = Node("mechanism")
     base = Link("body", [], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     links = [base]

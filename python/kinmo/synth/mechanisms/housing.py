@@ -44,15 +44,7 @@ class _Opening:
 
 
 def housing(draw: Draw, crowded: bool) -> SynthObject:
-    """Housing with one closure per opening and, sometimes, controls and feet.
-
-    Args:
-        draw: source of all random values.
-        crowded: put the housing on casters or wheels more often.
-
-    Returns:
-        The object, centred at the origin.
-    """
+    """Housing, centred at the origin, with one closure per opening and, sometimes, controls. A crowded one often rolls."""
     root = Node("mechanism")
     wide, high, deep = draw.between(0.4, 1.2), draw.between(0.3, 1.8), draw.between(0.3, 0.9)
     wall = draw.between(0.01, 0.05)

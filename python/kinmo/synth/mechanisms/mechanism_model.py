@@ -16,10 +16,10 @@ class MovingPart:
     """A part that moves.
 
     Attributes:
-        name: name of the part.
-        pieces: meshes of the part.
-        motion: joint of the part.
-        parent: part that `motion` is relative to; None for the object that carries the mechanism.
+        name: Name of the part.
+        pieces: Meshes of the part.
+        motion: Joint of the part.
+        parent: Part that `motion` is relative to; None for the object that carries the mechanism.
     """
 
     name: str
@@ -33,8 +33,8 @@ class Mechanism:
     """Moving and fixed parts of one mechanism.
 
     Attributes:
-        moving: moving parts, each after its parent.
-        fixed: pieces that become part of the object that carries the mechanism.
+        moving: Moving parts, each after its parent.
+        fixed: Pieces that become part of the object that carries the mechanism.
     """
 
     moving: list[MovingPart]

@@ -35,12 +35,12 @@ def mount(
     """Scale a mechanism and add it to an object.
 
     Args:
-        draw: random values of the names.
-        mechanism: the mechanism, in its unit cell.
-        factors: one scale factor, or one per axis [3].
-        matrix: rigid transform [4, 4] from the scaled cell to the object.
-        group: node that the mechanism's nodes are added below.
-        base: link that carries the mechanism.
+        draw: Random values of the names.
+        mechanism: The mechanism, in its unit cell.
+        factors: One scale factor, or one per axis [3].
+        matrix: Rigid transform [4, 4] from the scaled cell to the object.
+        group: Node that the mechanism's nodes are added below.
+        base: Link that carries the mechanism.
 
     Returns:
         One link per moving part, parents first.

@@ -17,15 +17,7 @@ SCREEN_SHARE = 0.25
 
 
 def pedestal(draw: Draw, crowded: bool) -> SynthObject:
-    """Pedestal with a body or mechanism on its column.
-
-    Args:
-        draw: source of all random values.
-        crowded: put the foot on casters more often.
-
-    Returns:
-        The object, standing on the floor.
-    """
+    """Pedestal on the floor with a body or mechanism on its column. A crowded one often has casters."""
     root = Node("mechanism")
     base = Link("foot", [], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     links = [base]

@@ -23,15 +23,7 @@ PADS_CHANCE = 0.4
 
 
 def slab(draw: Draw, crowded: bool) -> SynthObject:
-    """Slab with keys or pads, built flat across y with the keys on top, then laid down or stood up.
-
-    Args:
-        draw: source of all random values.
-        crowded: put more rows of keys on it.
-
-    Returns:
-        The object, centred at the origin.
-    """
+    """Slab with keys or pads, built flat with the keys on top, then laid down or stood up. A crowded one has more keys."""
     root = Node("mechanism")
     wide, long, thick = draw.between(0.2, 1.2), draw.between(0.4, 1.0), draw.between(0.02, 0.25)
     size = (wide, thick, long)

@@ -52,15 +52,7 @@ class _Bar:
 
 
 def slender(draw: Draw, crowded: bool) -> SynthObject:
-    """Slender body with one kind of moving part, laid down or stood up.
-
-    Args:
-        draw: source of all random values.
-        crowded: mount a small mechanism on its flat more often.
-
-    Returns:
-        The object, centred at the origin.
-    """
+    """Slender body with one kind of moving part, laid down or stood up. A crowded one often has a mechanism on its flat."""
     root = Node("mechanism")
     base = Link("body", [], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     wide = draw.between(0.08, 0.5)

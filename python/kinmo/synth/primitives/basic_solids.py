@@ -40,12 +40,12 @@ def extrude(
     """A prism over a star-shaped outline.
 
     Args:
-        outline: outline [N, 2] in the two axes after `axis` (y: z, x; z: x, y; x: y, z). If it runs counter-clockwise, normals
+        outline: Outline [N, 2] in the two axes after `axis` (y: z, x; z: x, y; x: y, z). If it runs counter-clockwise, normals
             point outwards.
-        depth: length along `axis`.
+        depth: Length along `axis`.
         axis: "x", "y" or "z".
-        center: point [3] that the outline's origin, at half depth, is moved to.
-        capped: close both ends.
+        center: Point [3] that the outline's origin, at half depth, is moved to.
+        capped: Close both ends.
     """
     count = len(outline)
     ring = np.stack([outline[:, 1], np.zeros(count), outline[:, 0]], axis=1)
@@ -93,13 +93,13 @@ def cylinder(
     """A cylinder, or a truncated cone.
 
     Args:
-        radius: radius, at the lower end of `axis`.
-        length: length along `axis`.
+        radius: Radius, at the lower end of `axis`.
+        length: Length along `axis`.
         axis: "x", "y" or "z".
-        center: centre [3].
-        segments: number of sides.
-        top_radius: radius at the upper end; None for `radius`.
-        capped: close both ends.
+        center: Centre [3].
+        segments: Number of sides.
+        top_radius: Radius at the upper end; None for `radius`.
+        capped: Close both ends.
     """
     top = radius if top_radius is None else top_radius
     profile = [[radius, -length / 2], [top, length / 2]]

@@ -23,11 +23,11 @@ def lathe(profile: NDArray[np.float64], segments: int = 24, arc: float = 360.0, 
     """Surface of revolution about the y axis.
 
     Args:
-        profile: points [N, 2] of (radius, y). Points of radius 0 close the surface. If the profile runs upwards on the outside,
+        profile: Points [N, 2] of (radius, y). Points of radius 0 close the surface. If the profile runs upwards on the outside,
             normals point outwards.
-        segments: number of sides.
-        arc: angle of the turn in degrees.
-        start: angle of the first side in degrees; 0 is +z and 90 is +x.
+        segments: Number of sides.
+        arc: Angle of the turn in degrees.
+        start: Angle of the first side in degrees; 0 is +z and 90 is +x.
     """
     closed = arc >= 360.0
     angles = np.radians(start + np.linspace(0.0, arc, segments + (0 if closed else 1), endpoint=not closed))
@@ -50,10 +50,10 @@ def sweep_outline(
     """Outline carried along a path without twist.
 
     Args:
-        path: points [N, 3].
-        outline: star-shaped outline [M, 2] across the path.
-        size: scale of the outline: one number, or one per point [N].
-        capped: close both ends.
+        path: Points [N, 3].
+        outline: Star-shaped outline [M, 2] across the path.
+        size: Scale of the outline: one number, or one per point [N].
+        capped: Close both ends.
     """
     count = len(path)
     tangents = np.gradient(path, axis=0)
@@ -81,13 +81,13 @@ def arc_path(
     """Points [points, 3] of a circular or elliptic arc across `axis`.
 
     Args:
-        center: centre [3].
-        radius: radius.
-        start: first angle in degrees; 0 is the axis after `axis` (z: x, x: y, y: z).
-        end: last angle in degrees.
+        center: Centre [3].
+        radius: Radius.
+        start: First angle in degrees; 0 is the axis after `axis` (z: x, x: y, y: z).
+        end: Last angle in degrees.
         axis: "x", "y" or "z".
-        points: number of points.
-        aspect: stretch along the axis at 90 degrees.
+        points: Number of points.
+        aspect: Stretch along the axis at 90 degrees.
     """
     angles = np.radians(np.linspace(start, end, points))
     first = {"x": 1, "y": 2, "z": 0}[axis]

@@ -29,8 +29,8 @@ def scale(mesh: Mesh, factors: float | Point) -> Mesh:
     """The mesh scaled about the origin.
 
     Args:
-        mesh: the mesh.
-        factors: one factor, or one per axis [3]. A negative product mirrors the mesh; normals still point outwards.
+        mesh: The mesh.
+        factors: One factor, or one per axis [3]. A negative product mirrors the mesh; normals still point outwards.
     """
     factors = np.broadcast_to(np.asarray(factors, float), 3)
     faces = mesh.faces[:, ::-1] if np.prod(factors) < 0 else mesh.faces
@@ -64,9 +64,9 @@ def facing(normal: Point, up: Point, origin: Point) -> NDArray[np.float64]:
     """Rigid transform [4, 4] from a local frame to a surface of the object.
 
     Args:
-        normal: unit direction [3] that +z is turned to.
-        up: unit direction [3] that +y is turned to, perpendicular to `normal`.
-        origin: point [3] that the origin is moved to.
+        normal: Unit direction [3] that +z is turned to.
+        up: Unit direction [3] that +y is turned to, perpendicular to `normal`.
+        origin: Point [3] that the origin is moved to.
     """
     matrix = np.eye(4)
     matrix[:3, :3] = np.column_stack([np.cross(up, normal), up, normal])

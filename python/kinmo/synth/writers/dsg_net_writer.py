@@ -29,14 +29,7 @@ POINTS = 1000
 
 
 def write(obj: SynthObject, shape_id: str, folder: Path, draw: Draw) -> None:
-    """Write `<category>_hier/<id>.json`, with `<category>_geo/<id>.npz` or `<category>_obj/<id>/<leaf>.obj`.
-
-    Args:
-        obj: the object, normalised. It is changed.
-        shape_id: id of the shape.
-        folder: folder to write into.
-        draw: random values of the files.
-    """
+    """Write `<category>_hier/<id>.json`, with `<category>_geo/<id>.npz` or `<category>_obj/<id>/<leaf>.obj`."""
     low, high = obj.bounds()
     diagonal = float(np.linalg.norm(high - low))
     _add_generator_errors(obj, draw, diagonal)

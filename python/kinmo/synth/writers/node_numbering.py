@@ -14,8 +14,8 @@ class Numbering:
     """Ids and file names of one object.
 
     Attributes:
-        ids: id of each node, unique in the object.
-        files: file names, without suffix, of each leaf's pieces.
+        ids: Id of each node, unique in the object.
+        files: File names, without suffix, of each leaf's pieces.
     """
 
     ids: dict[Node, int]
@@ -35,8 +35,8 @@ def number(obj: SynthObject, draw: Draw) -> Numbering:
     """Number an object's nodes and files at random, as if annotators had edited them.
 
     Args:
-        obj: the object.
-        draw: random values of the files.
+        obj: The object.
+        draw: Random values of the files.
 
     Returns:
         Preorder ids with gaps and some late numbers, and "original-" or "new-" file names. Parts that were cut again have the

@@ -21,14 +21,7 @@ SCREW_FIELDS_SHARE = 0.5
 
 
 def write(obj: SynthObject, shape_id: str, folder: Path, draw: Draw) -> None:
-    """Write an object with its mobility. Bodies are in random order, and their parts are leaves.
-
-    Args:
-        obj: the object, normalised.
-        shape_id: id of the shape.
-        folder: folder to write into.
-        draw: random values of the files.
-    """
+    """Write an object with its mobility. Bodies are in random order, and their parts are leaves."""
     numbering = number(obj, draw)
     write_hierarchy(obj, shape_id, folder, numbering, "textured_objs")
     if is_nested(obj):

@@ -13,14 +13,7 @@ from kinmo.synth.writers.text_files import write_json, write_obj
 
 
 def write(obj: SynthObject, shape_id: str, folder: Path, draw: Draw) -> None:
-    """Write an object as an unlabelled shape of PartNet.
-
-    Args:
-        obj: the object, normalised.
-        shape_id: id of the shape.
-        folder: folder to write into.
-        draw: random values of the files.
-    """
+    """Write an object as an unlabelled shape of PartNet."""
     numbering = number(obj, draw)
     write_hierarchy(obj, shape_id, folder, numbering, "objs")
     write_merged(obj, folder, numbering)

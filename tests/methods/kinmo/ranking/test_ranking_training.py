@@ -1,4 +1,6 @@
-"""Training the ranking networks, anew and from trained weights."""
+"""Training of the ranking networks, from random and from trained weights."""
+
+from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
@@ -10,10 +12,10 @@ from small_shapes import cabinet_shape
 
 from kinmo.config import ContinuedConfig, Precision, RankingConfig, TrainingConfig
 from kinmo.core.errors import InputError
-from kinmo.features.candidate_features import Evidence
+from kinmo.features.candidate_features import CandidateFeatures
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape
-from kinmo.methods.kinmo.ranking.joint_ranker import JointRanking
+from kinmo.methods.kinmo.ranking.joint_ranker import JointRanker
 from kinmo.methods.kinmo.ranking.ranking_training import train_joint_ranking
 from kinmo.methods.kinmo.ranking.shape_views import body_view
 
@@ -34,7 +36,7 @@ def started(shapes: list[PreparedShape], tmp_path_factory: pytest.TempPathFactor
 
 
 def parameters(weights: Path) -> torch.Tensor:
-    return torch.cat([p.flatten() for p in JointRanking.load(weights, "cpu").networks.parameters()])
+    return torch.cat([p.flatten() for p in JointRanker.load(weights, "cpu").networks.parameters()])
 
 
 def continued(shapes: list[PreparedShape], start: Path, folder: Path, share: float) -> torch.Tensor:
@@ -43,7 +45,7 @@ def continued(shapes: list[PreparedShape], start: Path, folder: Path, share: flo
     return parameters(folder / "weights.safetensors")
 
 
-def test_training_in_mixed_precision_comes_to_the_same(shapes, tmp_path: Path) -> None:
+def test_mixed_precision_reaches_a_similar_error(shapes, tmp_path: Path) -> None:
     precisions: tuple[Precision, ...] = ("32-true", "bf16-mixed")
     configs = [replace(CONFIG, training=replace(SCHEDULE, precision=precision)) for precision in precisions]
     exact, mixed = (
@@ -53,7 +55,7 @@ def test_training_in_mixed_precision_comes_to_the_same(shapes, tmp_path: Path) -
     assert exact != mixed == pytest.approx(exact, rel=0.05)
 
 
-def test_training_that_goes_on_ends_on_the_way_from_where_it_started(shapes, started: Path, tmp_path: Path) -> None:
+def test_continued_training_blends_with_the_weights_it_started_from(shapes, started: Path, tmp_path: Path) -> None:
     start = parameters(started)
     kept, half, gone = (continued(shapes, started, tmp_path / str(share), share) for share in (1.0, 0.5, 0.0))
     torch.testing.assert_close(kept, start)
@@ -61,32 +63,34 @@ def test_training_that_goes_on_ends_on_the_way_from_where_it_started(shapes, sta
     assert not torch.allclose(gone, start, atol=1e-4)
 
 
-def test_names_that_training_never_had_say_as_much_as_none(shapes, started: Path) -> None:
-    strange = replace(shapes[0], part_names=("xylophone",) * len(shapes[0].part_names), category="Quux")
-    view = body_view(strange, Evidence.of(strange.evidence))
-    strangers, hidden = (JointRanking.load(started, "cpu", hide).probabilities(view) for hide in (False, True))
-    for said, silent in zip(strangers[0], hidden[0], strict=True):
-        np.testing.assert_allclose(said, silent, atol=1e-6)
-    known = JointRanking.load(started, "cpu").probabilities(body_view(shapes[0], Evidence.of(shapes[0].evidence)))
+def test_names_that_training_never_saw_have_no_effect(shapes, started: Path) -> None:
+    renamed = replace(shapes[0], part_names=("xylophone",) * len(shapes[0].part_names), category="Quux")
+    view = body_view(renamed, CandidateFeatures.of(renamed.candidate_features))
+    unknown, hidden = (JointRanker.load(started, "cpu", hide).probabilities(view) for hide in (False, True))
+    for found, expected in zip(unknown[0], hidden[0], strict=True):
+        np.testing.assert_allclose(found, expected, atol=1e-6)
+    known = JointRanker.load(started, "cpu").probabilities(
+        body_view(shapes[0], CandidateFeatures.of(shapes[0].candidate_features))
+    )
     assert np.abs(known[1] - hidden[1]).max() > 1e-6
 
 
-def test_networks_that_never_looked_at_a_category_answer_alike_for_any(shapes, started: Path, tmp_path: Path) -> None:
+def test_networks_trained_without_categories_do_not_depend_on_them(shapes, started: Path, tmp_path: Path) -> None:
     train_joint_ranking(shapes[:3], shapes[3:], replace(CONFIG, hide_categories=1.0), tmp_path, device="cpu")
     named = [replace(shapes[0], category=category) for category in (shapes[0].category, "Quux")]
-    views = [body_view(shape, Evidence.of(shape.evidence)) for shape in named]
+    views = [body_view(shape, CandidateFeatures.of(shape.candidate_features)) for shape in named]
     for weights, differ in ((tmp_path / "weights.safetensors", False), (started, True)):
-        ranking = JointRanking.load(weights, "cpu")
-        known, strange = (ranking.probabilities(view)[1] for view in views)
-        assert bool(np.abs(known - strange).max() > 1e-6) is differ
+        ranking = JointRanker.load(weights, "cpu")
+        known, renamed = (ranking.probabilities(view)[1] for view in views)
+        assert bool(np.abs(known - renamed).max() > 1e-6) is differ
 
 
-def test_weights_of_other_sizes_cannot_be_started_from(shapes, started: Path, tmp_path: Path) -> None:
+def test_weights_of_other_sizes_are_refused_as_a_start(shapes, started: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"weights\.safetensors"):
         train_joint_ranking(shapes[:2], shapes[2:], replace(CONFIG, width=24), tmp_path, device="cpu", initial=started)
 
 
-def test_shapes_without_joints_are_nothing_to_learn_from(shapes, tmp_path: Path) -> None:
+def test_shapes_without_joints_are_refused(shapes, tmp_path: Path) -> None:
     bare = [replace(shape, mobility=None) for shape in shapes]
     with pytest.raises(InputError, match="validation shapes"):
         train_joint_ranking(shapes[:2], bare, CONFIG, tmp_path, device="cpu")

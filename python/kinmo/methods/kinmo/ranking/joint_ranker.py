@@ -24,10 +24,10 @@ class JointRanker:
     """Trained ranking networks, whose mean probabilities count.
 
     Args:
-        networks: the networks.
-        device: where they run.
-        hide_names: hide the names of parts and categories from them.
-        hide_categories: hide the names of categories from them.
+        networks: The networks.
+        device: Where they run.
+        hide_names: Hide the names of parts and categories from them.
+        hide_categories: Hide the names of categories from them.
 
     Example:
         >>> ranker = JointRanker.load(Path("models/ranking/weights.safetensors"))
@@ -44,12 +44,12 @@ class JointRanker:
         """Read weights that `train_joint_ranking` wrote.
 
         Args:
-            weights: the file `weights.safetensors`, beside its JSON header.
-            device: auto, cpu, cuda, cuda:1, mps.
-            hide_names: hide the names of parts and categories from the networks.
+            weights: The file `weights.safetensors`, beside its JSON header.
+            device: Auto, cpu, cuda, cuda:1, mps.
+            hide_names: Hide the names of parts and categories from the networks.
 
         Raises:
-            InputError: the weights are those of another network, or cut off.
+            InputError: The weights are those of another network, or cut off.
         """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)

@@ -16,8 +16,8 @@ def hash_words(role: str, text: str) -> list[int]:
     """Buckets of the words of a name.
 
     Args:
-        role: role of the name, such as "part"; the same word gets another bucket in another role.
-        text: the name.
+        role: Role of the name, such as "part"; the same word gets another bucket in another role.
+        text: The name.
     """
     return [zlib.crc32(f"{role}:{word}".encode()) % WORD_BUCKETS for word in re.findall(r"[a-z]+", text.lower())]
 
@@ -33,8 +33,8 @@ def group_words(shape: PreparedShape, leaves: Sequence[int]) -> tuple[int, ...]:
     """Hashed words of a group: the names of its highest nodes, of its leaves, and of the nodes above it.
 
     Args:
-        shape: the prepared shape.
-        leaves: positions of the group's leaves.
+        shape: The prepared shape.
+        leaves: Positions of the group's leaves.
     """
     top = maximal_nodes(shape, leaves)
     words = [w for n in top for w in hash_words("part", shape.part_names[n])]

@@ -35,9 +35,9 @@ def agreement(kinds: NDArray[np.int64], directions: F64, pivots: F64) -> NDArray
     """Pairs of candidates that are the same joint by the strict measure.
 
     Args:
-        kinds: [C] codes of the kinds.
-        directions: [C, 3] unit vectors.
-        pivots: [C, 3] points of the axes nearest to the part's centre.
+        kinds ([C]): Codes of the kinds.
+        directions ([C, 3]): Unit vectors.
+        pivots ([C, 3]): Points of the axes nearest to the part's centre.
 
     Returns:
         [C, C] bool.
@@ -69,12 +69,12 @@ def rank_joints(
     their direction. Several uncertain hinges at upright edges can so outweigh one more probable horizontal hinge.
 
     Args:
-        features: candidate joints of the shape.
-        group: index of the group.
-        probabilities: [C] probabilities of the group's candidates.
-        rest: probability that the group rests; all probabilities sum to one.
-        box: symmetry-aligned box of the group, which motion types depend on.
-        up: [3] unit vector, which motion types depend on.
+        features: Candidate joints of the shape.
+        group: Index of the group.
+        probabilities ([C]): Probabilities of the group's candidates.
+        rest: Probability that the group rests; all probabilities sum to one.
+        box: Symmetry-aligned box of the group, which motion types depend on.
+        up ([3]): Unit vector, which motion types depend on.
 
     Returns:
         Joints, best first, and one estimate without a joint: the first of all if the group rests, the last otherwise.

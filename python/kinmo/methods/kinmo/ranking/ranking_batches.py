@@ -24,12 +24,12 @@ def collate_views(
     """Join several views to one flat batch.
 
     Args:
-        views: views of shapes.
-        rng: source of the draws; None: nothing is hidden at random.
-        hide_names: hide all names and categories.
-        hide_view: probability that all names of a view are hidden.
-        hide_group: probability that the names of a group are hidden.
-        hide_category: probability that the category of a view is hidden; 1 hides it without `rng` too.
+        views: Views of shapes.
+        rng: Source of the draws; None: nothing is hidden at random.
+        hide_names: Hide all names and categories.
+        hide_view: Probability that all names of a view are hidden.
+        hide_group: Probability that the names of a group are hidden.
+        hide_category: Probability that the category of a view is hidden; 1 hides it without `rng` too.
     """
     candidates: list[NDArray[np.float32]] = []
     groups: list[NDArray[np.float32]] = []

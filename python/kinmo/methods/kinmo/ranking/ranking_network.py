@@ -29,15 +29,15 @@ class RankingBatch:
     """Views of several shapes as flat tensors: C candidates of U groups.
 
     Attributes:
-        candidates: [C, F] float32, raw features of the candidates.
-        groups: [U, G] float32, raw features of the groups.
-        group_of: [C] int64, group of each candidate.
-        view_of: [U] int64, view of each group.
-        slot_of: [U] int64, position of each group in its view.
-        words: [W] int64, hashed words.
-        word_group: [W] int64, group of each word.
-        targets: [C] float32, target probabilities of the candidates.
-        rest_targets: [U] float32, target probabilities of rest.
+        candidates ([C, F] float32): Raw features of the candidates.
+        groups ([U, G] float32): Raw features of the groups.
+        group_of ([C] int64): Group of each candidate.
+        view_of ([U] int64): View of each group.
+        slot_of ([U] int64): Position of each group in its view.
+        words ([W] int64): Hashed words.
+        word_group ([W] int64): Group of each word.
+        targets ([C] float32): Target probabilities of the candidates.
+        rest_targets ([U] float32): Target probabilities of rest.
     """
 
     candidates: Tensor
@@ -59,9 +59,9 @@ def group_log_softmax(scores: Tensor, rest: Tensor, group_of: Tensor) -> tuple[T
     """Log-softmax of each group over its candidates and rest.
 
     Args:
-        scores: [C] scores of the candidates.
-        rest: [U] scores of rest.
-        group_of: [C] group of each candidate.
+        scores ([C]): Scores of the candidates.
+        rest ([U]): Scores of rest.
+        group_of ([C]): Group of each candidate.
 
     Returns:
         Log-probabilities of the candidates [C] and of rest [U].
@@ -78,11 +78,11 @@ class RankingNetwork(nn.Module):
     The names of its attributes are the names of the tensors in files of weights: `unit` is a group, `hypothesis` a candidate.
 
     Args:
-        candidate_features: number of features per candidate.
-        group_features: number of features per group.
-        width: width of the layers.
-        words: width of the embedding of words.
-        dropout: probability that a value is dropped in training.
+        candidate_features: Number of features per candidate.
+        group_features: Number of features per group.
+        width: Width of the layers.
+        words: Width of the embedding of words.
+        dropout: Probability that a value is dropped in training.
     """
 
     hypothesis_mean: Tensor

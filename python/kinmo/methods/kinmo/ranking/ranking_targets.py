@@ -22,10 +22,10 @@ def candidate_costs(features: CandidateFeatures, rows: slice, joint: Joint, cent
     """Cost of each candidate for a true joint: its angle and distance errors in units of their scales.
 
     Args:
-        features: candidate joints of the shape.
-        rows: rows of one group.
-        joint: the true joint of that group.
-        center: [3] centre of the group. The distance is measured where the true axis passes nearest to it.
+        features: Candidate joints of the shape.
+        rows: Rows of one group.
+        joint: The true joint of that group.
+        center ([3]): Centre of the group. The distance is measured where the true axis passes nearest to it.
 
     Returns:
         [C] costs; infinite for candidates of another kind.

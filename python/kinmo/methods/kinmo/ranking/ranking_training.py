@@ -55,15 +55,15 @@ def train_joint_ranking(
     """Train ranking networks on annotated shapes; interrupted training resumes (`training_loop.fit`).
 
     Args:
-        training: shapes to train on.
-        validation: shapes that choose the best epoch.
-        config: sizes and schedule.
-        run_dir: folder for `weights.safetensors` and `weights.json` of the best epoch.
-        seed: seed of the initial weights and of the batches.
-        device: auto, cpu, cuda, cuda:1, mps.
-        fingerprint: key of the data; training with another key does not resume.
-        on_progress: called after every epoch.
-        initial: weights of an earlier training with the same sizes to start from, with the schedule `config.continued`.
+        training: Shapes to train on.
+        validation: Shapes that choose the best epoch.
+        config: Sizes and schedule.
+        run_dir: Folder for `weights.safetensors` and `weights.json` of the best epoch.
+        seed: Seed of the initial weights and of the batches.
+        device: Auto, cpu, cuda, cuda:1, mps.
+        fingerprint: Key of the data; training with another key does not resume.
+        on_progress: Called after every epoch.
+        initial: Weights of an earlier training with the same sizes to start from, with the schedule `config.continued`.
 
     Returns:
         History and best error of the training.
@@ -111,9 +111,9 @@ class RankingData:
     """Batches of views, in a new order in every epoch and with names hidden at random.
 
     Args:
-        training: views to train on.
-        validation: views to validate on.
-        config: settings of the networks.
+        training: Views to train on.
+        validation: Views to validate on.
+        config: Settings of the networks.
     """
 
     def __init__(self, training: Sequence[ShapeView], validation: Sequence[ShapeView], config: RankingConfig) -> None:

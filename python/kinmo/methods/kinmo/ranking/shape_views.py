@@ -21,12 +21,12 @@ class ShapeView:
     """Groups of one shape that the networks rank together.
 
     Attributes:
-        features: candidate joints of the shape.
-        groups: indices of the view's groups in `features`.
+        features: Candidate joints of the shape.
+        groups: Indices of the view's groups in `features`.
         is_bodies: True if the groups are bodies, False if they are nodes.
-        words: hashed words of each group's names.
-        targets: target probabilities [C] of each group's candidates; None for groups at rest, and without an annotation.
-        category: hashed words of the shape's category, which belong to every group.
+        words: Hashed words of each group's names.
+        targets: Target probabilities [C] of each group's candidates; None for groups at rest, and without an annotation.
+        category: Hashed words of the shape's category, which belong to every group.
     """
 
     features: CandidateFeatures
@@ -41,7 +41,7 @@ def body_view(shape: PreparedShape, features: CandidateFeatures) -> ShapeView:
     """View of the annotation's bodies, in their order (setting *parts given*).
 
     Raises:
-        ValueError: the shape is not annotated.
+        ValueError: The shape is not annotated.
     """
     if shape.mobility is None:
         raise ValueError(f"shape {shape.id} is not annotated")

@@ -35,15 +35,15 @@ def train_axis_selection(
     """Train an axis selection network on annotated shapes; interrupted training resumes (`training_loop.fit`).
 
     Args:
-        training: shapes to train on.
-        validation: shapes that choose the best epoch.
-        config: sizes and schedule.
-        run_dir: folder for `weights.safetensors` and `weights.json` of the best epoch.
-        seed: seed of the initial weights and of the batches.
-        device: auto, cpu, cuda, cuda:1, mps.
-        fingerprint: key of the data; training with another key does not resume.
-        on_progress: called after every epoch.
-        initial: weights of an earlier training with the same sizes to start from.
+        training: Shapes to train on.
+        validation: Shapes that choose the best epoch.
+        config: Sizes and schedule.
+        run_dir: Folder for `weights.safetensors` and `weights.json` of the best epoch.
+        seed: Seed of the initial weights and of the batches.
+        device: Auto, cpu, cuda, cuda:1, mps.
+        fingerprint: Key of the data; training with another key does not resume.
+        on_progress: Called after every epoch.
+        initial: Weights of an earlier training with the same sizes to start from.
 
     Returns:
         History and best error of the training.

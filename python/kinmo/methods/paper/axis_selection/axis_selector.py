@@ -26,10 +26,10 @@ class AxisSelector:
     """A trained axis selection network with its configuration.
 
     Args:
-        network: the network.
-        config: its configuration.
-        device: where it runs.
-        sha256: hash of its weights.
+        network: The network.
+        config: Its configuration.
+        device: Where it runs.
+        sha256: Hash of its weights.
 
     Example:
         >>> selector = AxisSelector.load(Path("models/axis/weights.safetensors"))
@@ -45,11 +45,11 @@ class AxisSelector:
         """Read weights that `train_axis_selection` wrote.
 
         Args:
-            weights: the file `weights.safetensors`, beside its JSON header.
-            device: auto, cpu, cuda, cuda:1, mps.
+            weights: The file `weights.safetensors`, beside its JSON header.
+            device: Auto, cpu, cuda, cuda:1, mps.
 
         Raises:
-            InputError: the weights are those of another network, or cut off.
+            InputError: The weights are those of another network, or cut off.
         """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
@@ -65,8 +65,8 @@ class AxisSelector:
         label of the reference. Scores are kept as long as the shape is in memory.
 
         Args:
-            shape: the prepared shape.
-            moving: positions of the leaves that move.
+            shape: The prepared shape.
+            moving: Positions of the leaves that move.
             candidates: C candidate joints of the part.
 
         Returns:

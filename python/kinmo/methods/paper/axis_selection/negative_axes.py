@@ -32,15 +32,14 @@ def negative_axes(joint: Joint, box: Box, part: NDArray[np.float32], config: Axi
     """Axes of a part's box that are infeasible for its true joint.
 
     A hinge has the 12 edges (and with `config.negatives` = `lines` the 3 centre lines), a slider or screw the 3 centre lines.
-    Axes within `near_angle` and `near_distance` of the true axis are left out. Axes that move the points to where the true
-    joint moves them, to within `same_motion` diagonals (less for small parts), are left out too: other edges of the hinge
-    side, and axes of the same symmetry.
+    Axes within `near_angle` and `near_distance` of the true axis are left out. Axes with the same motion, to within
+    `same_motion` diagonals (less for small parts), are left out too: other edges of the hinge side, axes of the same symmetry.
 
     Args:
-        joint: the true joint.
-        box: box of the part.
-        part: [m, 3] points of the part.
-        config: settings of the network.
+        joint: The true joint.
+        box: Box of the part.
+        part ([m, 3]): Points of the part.
+        config: Settings of the network.
     """
     directions, pivots, is_edge = box_lines(box)
     wanted = ~is_edge
@@ -67,10 +66,10 @@ def motion_difference(joint: Joint, directions: F64, pivots: F64, part: NDArray[
     The mean distance of samples at rest is subtracted: they lie apart even where surfaces coincide.
 
     Args:
-        joint: the true joint.
-        directions: [C, 3] unit vectors of the axes.
-        pivots: [C, 3] points of the axes.
-        part: [m, 3] points of the part.
+        joint: The true joint.
+        directions ([C, 3]): Unit vectors of the axes.
+        pivots ([C, 3]): Points of the axes.
+        part ([m, 3]): Points of the part.
 
     Returns:
         [C] distances in diagonals, at least 0.

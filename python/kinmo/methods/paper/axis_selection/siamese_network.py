@@ -37,8 +37,8 @@ class AxisSelectionNetwork(nn.Module):
         """Logits of feasibility.
 
         Args:
-            original: [B, n, 4] clouds before the motion.
-            moved: k tensors [B, n, 4] of clouds after a motion.
+            original ([B, n, 4]): Clouds before the motion.
+            moved: K tensors [B, n, 4] of clouds after a motion.
 
         Returns:
             [k * B] logits.

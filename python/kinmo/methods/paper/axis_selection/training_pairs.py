@@ -51,9 +51,9 @@ class PairBatch:
     """Inputs of the network for B joints, each [B, n, 4].
 
     Attributes:
-        original: clouds before the motion.
-        feasible: clouds after a motion along the true joint.
-        infeasible: clouds after a motion along a wrong axis.
+        original: Clouds before the motion.
+        feasible: Clouds after a motion along the true joint.
+        infeasible: Clouds after a motion along a wrong axis.
     """
 
     original: Tensor
@@ -70,11 +70,11 @@ class JointSample:
     """One annotated joint.
 
     Attributes:
-        shape: the shape.
-        moving: positions of the leaves that move with the joint.
-        name: name of the body.
-        joint: the true joint.
-        negatives: wrong axes.
+        shape: The shape.
+        moving: Positions of the leaves that move with the joint.
+        name: Name of the body.
+        joint: The true joint.
+        negatives: Wrong axes.
     """
 
     shape: PreparedShape
@@ -108,9 +108,9 @@ class PairData:
     """Batches of one positive and one negative pair per joint; joints with frequent names are drawn less often.
 
     Args:
-        training: joints to train on.
-        validation: joints to validate on.
-        config: settings of the network; `name_balance` is the power of the names' frequencies.
+        training: Joints to train on.
+        validation: Joints to validate on.
+        config: Settings of the network; `name_balance` is the power of the names' frequencies.
     """
 
     def __init__(self, training: Sequence[JointSample], validation: Sequence[JointSample], config: AxisConfig) -> None:

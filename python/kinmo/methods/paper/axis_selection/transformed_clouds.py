@@ -41,10 +41,10 @@ class LabelledCloud:
     """Point cloud of a shape in which the moving part is labelled.
 
     Attributes:
-        points: [n, 3] float32 in the normalised frame; the first `moving` points lie on the moving part.
-        moving: number of points on the moving part.
-        center: [3] origin of the network's input.
-        radius: unit of length of the network's input, in diagonals.
+        points ([n, 3] float32): Points in the normalised frame; the first `moving` points lie on the moving part.
+        moving: Number of points on the moving part.
+        center ([3]): Origin of the network's input.
+        radius: Unit of length of the network's input, in diagonals.
     """
 
     points: F32
@@ -56,7 +56,7 @@ class LabelledCloud:
         """Input of the Siamese network: coordinates, and a label that is 1 on the moving part and 0 elsewhere.
 
         Args:
-            points: [..., n, 3] transformed points of the cloud; None: its own points.
+            points ([..., n, 3]): Transformed points of the cloud; None: its own points.
 
         Returns:
             [..., n, 4] float32.
@@ -71,11 +71,11 @@ class LabelledCloud:
         """Points after D displacements along each of C joints.
 
         Args:
-            kinds: [C] codes of the joint kinds.
-            directions: [C, 3] unit vectors.
-            pivots: [C, 3] points of the axes.
-            angles: [C, D] rotations, in radians.
-            shifts: [C, D] translations, in diagonals.
+            kinds ([C]): Codes of the joint kinds.
+            directions ([C, 3]): Unit vectors.
+            pivots ([C, 3]): Points of the axes.
+            angles ([C, D]): Rotations, in radians.
+            shifts ([C, D]): Translations, in diagonals.
 
         Returns:
             [C, D, n, 3] float32; only points of the moving part change.
@@ -94,12 +94,12 @@ def labelled_cloud(
     """Draw a cloud from the leaves of a shape, in proportion to area on the moving part and on the other parts.
 
     Args:
-        leaf_points: [L, n, 3] samples of the leaves.
-        leaf_areas: [L] surface areas.
-        moving: positions of the leaves that move.
-        count: number of points.
-        rng: source of the draws.
-        focus: draw more points of the other parts near the moving part, and centre and scale the input to the moving part. A
+        leaf_points ([L, n, 3]): Samples of the leaves.
+        leaf_areas ([L]): Surface areas.
+        moving: Positions of the leaves that move.
+        count: Number of points.
+        rng: Source of the draws.
+        focus: Draw more points of the other parts near the moving part, and centre and scale the input to the moving part. A
             button and a door then look alike.
     """
     rest = np.setdiff1d(np.arange(len(leaf_points)), moving)
@@ -137,7 +137,7 @@ def displacements(kinds: NDArray[np.uint8]) -> tuple[F64, F64]:
     """Displacements that candidates are tested with, as in the release.
 
     Args:
-        kinds: [C] codes of the candidates, all the same.
+        kinds ([C]): Codes of the candidates, all the same.
 
     Returns:
         Angles [C, D] in radians and shifts [C, D] in diagonals.

@@ -1,12 +1,12 @@
-"""Objects in other poses and sizes are the same objects."""
+"""Synthetic objects: other poses and sizes keep the object, and invalid objects are refused."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from kinmo.synth.synth_object import Link, Motion, Node, SynthObject, hinge, slider, spinner
 from kinmo.synth.primitives import box, move, transform
+from kinmo.synth.synth_object import Link, Motion, Node, SynthObject, hinge, slider, spinner
 
 
 def chain(rest_door: float = 0.0, rest_drawer: float = 0.0) -> SynthObject:
@@ -27,7 +27,7 @@ def motion_of(link: Link) -> Motion:
     return link.motion
 
 
-def test_what_hangs_on_a_part_moves_with_it() -> None:
+def test_child_links_move_with_their_parent() -> None:
     closed, opened = chain(), chain(60.0, 0.8)
     opened.apply_rest_pose()
     door, drawer = motion_of(closed.links[2]), motion_of(closed.links[1])
@@ -46,10 +46,10 @@ def test_limits_count_from_the_pose_of_the_file() -> None:
     assert motion_of(obj.links[1]).b == pytest.approx(0.7)
     before = obj.links[2].nodes[0].pieces[0].vertices
     obj.apply_rest_pose()
-    assert obj.links[2].nodes[0].pieces[0].vertices is before, "settling twice changes nothing"
+    assert obj.links[2].nodes[0].pieces[0].vertices is before, "a second call changes nothing"
 
 
-def test_going_back_to_the_lower_limit_closes_the_part() -> None:
+def test_the_lower_limit_closes_the_part() -> None:
     closed, opened = chain(), chain(60.0)
     opened.apply_rest_pose()
     door = motion_of(opened.links[2])

@@ -1,4 +1,4 @@
-"""What the tests of the stages share."""
+"""The small trained workspace that tests of many stages share, and tools for it."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from kinmo.dataset.stage import Outcome, Stage
 from kinmo.dataset.workspace import Workspace
 
 FAMILIES, COUNT = ("laptop", "stapler"), 4
-"""The fewest that leave shapes to train on, to choose by, and to test."""
+"""The fewest shapes that leave some for training, for validation and for testing."""
 METHODS = ("kinmo", "paper")
 
 
 @dataclass
-class Listener:
-    """Remembers what it was told."""
+class Recorder:
+    """Observer that records what it is shown."""
 
     steps: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -36,29 +36,33 @@ class Listener:
 
 
 @dataclass
-class Road:
-    """The folders, the stages by name in their order, and what each made."""
+class Trained:
+    """A workspace in which all stages have run once: the stages by name, in order, and their outcomes."""
 
     shapes: Path
     workspace: Workspace
     stages: dict[str, Stage]
     outcomes: dict[str, Outcome] = field(default_factory=dict)
 
+    def copy(self, folder: Path) -> Workspace:
+        """A copy of the workspace below a folder."""
+        shutil.copytree(self.workspace.path, folder / "workspace")
+        return Workspace(folder / "workspace")
 
-MADE = {
+
+RESULTS = {
     "train": ("models", ("train-gnn_fine", "train-gnn_coarse", "train-axis", "train-ranking")),
-    "pseudo-label": ("pseudo", ("pseudo-label",)),
-    "eval": ("eval", ("eval-all",)),
+    "pseudo-label": ("pseudo_labels", ("pseudo-label-kinmo",)),
+    "eval": ("evaluation", ("evaluate-all",)),
 }
 """The folder that a stage fills, and its records."""
 
 
-def undone(road: Road, folder: Path, stages: Iterable[str]) -> Workspace:
+def copy_without(trained: Trained, folder: Path, stages: Iterable[str]) -> Workspace:
     """A copy of the workspace in which some stages have not run."""
-    shutil.copytree(road.workspace.path, folder / "workspace")
-    workspace = Workspace(folder / "workspace")
+    workspace = trained.copy(folder)
     for stage in stages:
-        made, records = MADE[stage]
+        made, records = RESULTS[stage]
         for record in records:
             workspace.forget(record)
         shutil.rmtree(workspace.path / made)
@@ -74,6 +78,7 @@ def tiny_config(folder: Path) -> Path:
 
 
 def contents(folder: Path) -> dict[str, str]:
-    """Digests of all files but the journal."""
-    found = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name not in (".lock", "journal.jsonl"))
+    """Hashes of all files but locks, the journal, and caches (whose lines depend on the order of events)."""
+    skipped = (".lock", "journal.jsonl", ".kinmo.jsonl")
+    found = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name not in skipped)
     return {str(path.relative_to(folder)): sha256(path.read_bytes()).hexdigest() for path in found}

@@ -1,4 +1,4 @@
-"""Both networks learn something from a handful of shapes, and the paper's sizes run."""
+"""Training of the motion GNN and of the axis selection network on a handful of shapes."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def predictor(tmp_path_factory: pytest.TempPathFactory) -> MotionGnnPredictor:
     return MotionGnnPredictor.load(folder / "weights.safetensors", "cpu")
 
 
-def test_the_motion_gnn_tells_types_of_shapes_it_has_not_seen(predictor: MotionGnnPredictor) -> None:
+def test_the_motion_gnn_predicts_types_of_unseen_shapes(predictor: MotionGnnPredictor) -> None:
     shapes = [cabinet(seed) for seed in range(100, 110)]
     found = predictor.predict_many(shapes)
     right = np.concatenate([f.types == s.edge_labels.types for f, s in zip(found, shapes, strict=True)])
@@ -45,7 +45,7 @@ def test_predictions_are_unit_vectors_and_probabilities(predictor: MotionGnnPred
     assert found.type_set is MotionType
 
 
-def test_hidden_names_are_not_seen(predictor: MotionGnnPredictor) -> None:
+def test_hidden_names_do_not_change_predictions(predictor: MotionGnnPredictor) -> None:
     blind = MotionGnnPredictor(predictor.network, predictor.config, "cpu", hide_names=True)
     shape = cabinet(100)
     renamed = replace(shape, part_names=tuple("other" for _ in shape.part_names))
@@ -57,7 +57,7 @@ def test_hidden_names_are_not_seen(predictor: MotionGnnPredictor) -> None:
     )
 
 
-def test_edges_that_a_contact_network_does_not_see_are_none(tmp_path: Path) -> None:
+def test_edges_without_contact_are_none_for_a_contact_network(tmp_path: Path) -> None:
     config = replace(SMALL.gnn, edges="contact", contact=0.01, training=replace(SMALL.gnn.training, epochs=1))
     shapes = [cabinet(seed) for seed in range(4)]
     train_motion_gnn(shapes[:3], shapes[3:], config, tmp_path, types="coarse", device="cpu")
@@ -81,7 +81,7 @@ def test_axis_selection_ranks_a_true_hinge_above_the_other_axes(tmp_path: Path) 
     shape = cabinet(200)
     body, _ = next(shape.mobility.movable())
     candidates = candidate_axes(shape.body_types[body], shape.body_boxes[body], shape.up)
-    # the same shape is not looked at again, another that equals it is
+    # scores are kept for the same shape, and computed again for an equal one
     moving = leaf_roles(shape, shape.mobility.bodies)[body].moving
     scores = [selector.feasibility(seen, moving, candidates) for seen in (shape, shape, replace(shape))]
     np.testing.assert_array_equal(scores[0], scores[1])
@@ -89,7 +89,7 @@ def test_axis_selection_ranks_a_true_hinge_above_the_other_axes(tmp_path: Path) 
     assert ((scores[0] >= 0) & (scores[0] <= 1)).all()
 
 
-def test_training_goes_on_from_initial_weights(tmp_path: Path) -> None:
+def test_training_starts_from_initial_weights(tmp_path: Path) -> None:
     shapes = [cabinet(seed) for seed in range(4)]
     still = {"epochs": 1, "learning_rate": 0.0}
     gnn = replace(SMALL.gnn, variants=0, training=replace(SMALL.gnn.training, **still))

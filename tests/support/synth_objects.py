@@ -1,4 +1,4 @@
-"""Objects of a family, ready to be looked at, and what the tests of several families ask of them."""
+"""Objects of a family in their rest pose, and measures that tests of several families use."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from kinmo.synth.synth_object import Link, SynthObject
 F64 = NDArray[np.float64]
 
 
-def built(name: str, seed: int) -> SynthObject:
+def build_object(name: str, seed: int) -> SynthObject:
     """The object of a family for a seed, in its rest pose, with a diagonal of 1."""
     shape = family_builder(name)(Draw(np.random.default_rng(seed)))
     shape.apply_rest_pose()
@@ -23,23 +23,34 @@ def built(name: str, seed: int) -> SynthObject:
     return shape
 
 
-def movable(shape: SynthObject) -> Iterator[Link]:
+def moving_links(shape: SynthObject) -> Iterator[Link]:
+    """Links with a joint."""
     return (link for link in shape.links if link.motion is not None)
 
 
-def named(shape: SynthObject, *names: str) -> Iterator[Link]:
-    """Movable links with a leaf of one of `names`."""
-    return (link for link in movable(shape) if any(leaf.name in names for leaf in link.leaves()))
+def links_with_leaf(shape: SynthObject, *names: str) -> Iterator[Link]:
+    """Links with a joint and a leaf of one of `names`."""
+    return (link for link in moving_links(shape) if any(leaf.name in names for leaf in link.leaves()))
 
 
-def pieces_of(shape: SynthObject, link: Link) -> tuple[list[Mesh], list[Mesh]]:
-    """The pieces that move along with a link, and all others."""
+def moving_and_other_pieces(shape: SynthObject, link: Link) -> tuple[list[Mesh], list[Mesh]]:
+    """The pieces that move with a link, and all others."""
     moving = {id(leaf) for below in shape.subtree(link) for leaf in below.leaves()}
     own = [piece for leaf in shape.root.leaves() if id(leaf) in moving for piece in leaf.pieces]
     return own, [piece for leaf in shape.root.leaves() if id(leaf) not in moving for piece in leaf.pieces]
 
 
-def points_on(pieces: list[Mesh], count: int, seed: int = 0) -> F64:
+def link_pieces(link: Link) -> list[Mesh]:
+    """The pieces of a link, without those of its child links."""
+    return [piece for leaf in link.leaves() for piece in leaf.pieces]
+
+
+def link_vertices(link: Link) -> F64:
+    """Vertices [N, 3] of all pieces of a link."""
+    return np.concatenate([piece.vertices for piece in link_pieces(link)])
+
+
+def surface_points(pieces: list[Mesh], count: int, seed: int = 0) -> F64:
     """Points [N, 3] uniform on the surfaces."""
     rng = np.random.default_rng(seed)
     corners = np.concatenate([piece.vertices[piece.faces] for piece in pieces])
@@ -49,7 +60,7 @@ def points_on(pieces: list[Mesh], count: int, seed: int = 0) -> F64:
 
 
 def share_inside(points: F64, pieces: list[Mesh]) -> float:
-    """Share of points inside any of the pieces, by their winding numbers."""
+    """Share of points that are inside any piece, by winding numbers."""
     inside = np.zeros(len(points), bool)
     for piece in pieces:
         low, high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
@@ -59,18 +70,18 @@ def share_inside(points: F64, pieces: list[Mesh]) -> float:
     return float(inside.mean())
 
 
-def sinking(shape: SynthObject, link: Link, poses: int = 5) -> float:
-    """The largest share of a moving part's surface that sinks into the rest, beyond what is inside in the rest pose."""
+def sinking_share(shape: SynthObject, link: Link, poses: int = 5) -> float:
+    """Largest share of a moving part's surface that enters the other pieces, minus the share inside them in the rest pose."""
     assert link.motion is not None
-    own, rest = pieces_of(shape, link)
-    points = points_on(own, 80)
+    own, rest = moving_and_other_pieces(shape, link)
+    points = surface_points(own, 80)
     inside = share_inside(points, rest)
     span = (-180.0, 180.0) if link.motion.no_limit else (link.motion.a, link.motion.b)
     moved = (link.motion.at(value) for value in np.linspace(*span, poses))
     return max(share_inside(points @ pose[:3, :3].T + pose[:3, 3], rest) for pose in moved) - inside
 
 
-def from_axis(points: F64, link: Link) -> F64:
+def axis_distances(points: F64, link: Link) -> F64:
     """Distances [N] of points from a link's axis."""
     assert link.motion is not None
     direction = link.motion.direction / np.linalg.norm(link.motion.direction)
@@ -78,7 +89,7 @@ def from_axis(points: F64, link: Link) -> F64:
     return np.linalg.norm(offsets - np.outer(offsets @ direction, direction), axis=1)
 
 
-def box_of(pieces: list[Mesh]) -> tuple[F64, F64]:
+def bounds_of(pieces: list[Mesh]) -> tuple[F64, F64]:
     """Smallest and largest corner [3]."""
     corners = np.concatenate([piece.vertices for piece in pieces])
     return corners.min(axis=0), corners.max(axis=0)

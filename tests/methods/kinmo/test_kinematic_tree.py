@@ -1,0 +1,41 @@
+"""Kinematic tree of ranked bodies: parents and joint limits."""
+
+from __future__ import annotations
+
+import numpy as np
+from articulated import shape_of_boxes
+from edge_predictions import uniform_predictions
+from rankers import FeatureRanker
+
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.mobility import Body
+from kinmo.features.prepared_shape import leaf_meshes
+from kinmo.features.shape_preparation import prepare_shape
+from kinmo.methods.kinmo.body_ranking import rank_bodies
+from kinmo.methods.kinmo.kinematic_tree import add_limits, find_parents
+
+HINGE = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.array([0.3, 0.0, 0.1]))
+
+
+def test_limits_of_the_best_joint_do_not_depend_on_the_others() -> None:
+    box, lid = ((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1))
+    made = shape_of_boxes([box, lid], (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE)))
+    shape = prepare_shape(made, points=64)
+    meshes, edges = leaf_meshes(made, shape), uniform_predictions(shape, FIXED=1.0)
+    kinds = [None, JointKind.REVOLUTE]
+    _, ranked = rank_bodies(shape, meshes, shape.body_leaves, FeatureRanker(), edges, kinds=kinds)
+    limited, alone = add_limits(ranked, shape, meshes, [1]), add_limits(ranked[:1], shape, meshes, [1])
+    assert len(limited) == len(ranked) > 1
+    assert (limited[0].joint.lower, limited[0].joint.upper) == (alone[0].joint.lower, alone[0].joint.upper)
+    for before, after in zip(ranked, limited, strict=True):
+        assert (before.joint is None) == (after.joint is None)
+        assert before.joint is None or "sweep" in after.terms
+
+
+def test_the_parent_is_the_body_with_most_contact() -> None:
+    boxes = [((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1)), ((0.4, 1.1, 0.4), (0.6, 1.2, 0.6)), ((2, 0, 0), (3, 1, 1))]
+    made = shape_of_boxes(boxes, [Body(i, "", (i + 1,)) for i in range(4)])
+    shape = prepare_shape(made, points=64)
+    bodies = [(0,), (1,), (2,), (3,)]
+    parents = find_parents(shape, leaf_meshes(made, shape), bodies, [False, True, True, False])
+    assert parents == [None, 0, 1, None]
