@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from scanned_workspace import CATEGORY, FAMILY, CPU, Scanned
 from trained_workspace import MADE, Recorder, Trained, contents, undone
 
 from kinmo.dataset.stage import Stage
@@ -95,7 +95,7 @@ def test_the_whole_way_does_too(scanned: Scanned, tmp_path: Path) -> None:
     ways = []
     for name in ("whole", "killed"):
         shutil.copytree(scanned.workspace.prepared, tmp_path / name / "prepared")
-        ways.append(TrainAll(Workspace(tmp_path / name), scanned.config, FAMILY, **HOW))
+        ways.append(TrainAll(Workspace(tmp_path / name), scanned.config, FAMILY, **CPU))
     told = Recorder()
     ways[0].run(told)
     third = len(told.steps) // 3

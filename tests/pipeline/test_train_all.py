@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from scanned_workspace import CATEGORY, FAMILY, CPU, Scanned
 from typer.testing import CliRunner
 from trained_workspace import Recorder, contents
 
@@ -22,7 +22,7 @@ from kinmo.pipeline.train_all import TrainAll
 
 def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
-    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, FAMILY, **HOW)
+    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, FAMILY, **CPU)
     steps = " ".join(stage.plan().steps)
     for step in ("gnn_fine", "gnn_coarse", "axis", "ranking", "label", "scan", "ancsh"):
         assert step in steps, "said before anything is done"
@@ -44,7 +44,7 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
     before = contents(tmp_path / "workspace")
     stage.run(Recorder())
     assert contents(tmp_path / "workspace") == before
-    other = TrainAll(Workspace(tmp_path / "workspace", method="paper"), scanned.config, FAMILY, **HOW)
+    other = TrainAll(Workspace(tmp_path / "workspace", method="paper"), scanned.config, FAMILY, **CPU)
     assert [step for step in other.plan().steps if "by paper" in step]
     trained = other.run(Recorder()).data
     assert other.plan().steps == ()
@@ -59,7 +59,7 @@ def test_train_all_goes_the_whole_way_once(scanned: Scanned, tmp_path: Path) -> 
 
 def test_without_a_category_of_the_papers_train_all_says_that_scans_are_left_out(scanned: Scanned, tmp_path: Path) -> None:
     shutil.copytree(scanned.workspace.prepared, tmp_path / "workspace" / "prepared")
-    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, **HOW)
+    stage = TrainAll(Workspace(tmp_path / "workspace"), scanned.config, **CPU)
     assert "ancsh" not in " ".join(stage.plan().steps)
     with pytest.raises(InputError, match=r"expected a labelled shape of safe to train on; there are \w+"):
-        TrainAll(Workspace(tmp_path / "workspace"), scanned.config, "safe", **HOW).plan()
+        TrainAll(Workspace(tmp_path / "workspace"), scanned.config, "safe", **CPU).plan()

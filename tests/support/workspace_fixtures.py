@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from scan_road import Scanned
+    from scanned_workspace import Scanned
     from trained_workspace import Trained
 
     from kinmo.dataset.stage import Stage
@@ -34,6 +34,7 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Trained]:
     """Procedural shapes, prepared, trained on, pseudo-labelled, evaluated and reported on."""
     from trained_workspace import COUNT, FAMILIES, METHODS, Recorder, Trained, tiny_config
 
+    from kinmo.config import load_config
     from kinmo.dataset.workspace import Workspace
     from kinmo.experiments.label_truth import label_truth_tables
     from kinmo.experiments.table1.ablations import AblationRows
@@ -56,7 +57,7 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Trained]:
             "eval": EvaluateShapes(
                 workspace,
                 METHODS,
-                baselines=PaperBaselines(),
+                baselines=PaperBaselines(load_config(config).refinement),
                 more_rows=AblationRows(),
                 more_tables=label_truth_tables,
                 device="cpu",
@@ -71,16 +72,17 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Trained]:
 
 @pytest.fixture(scope="session")
 def scanned(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scanned]:
-    from scan_road import made_in
+    """Objects with and without labels, scans of all of them, and supervised networks."""
+    from scanned_workspace import scanned_in
 
     with one_thread():
-        yield made_in(tmp_path_factory.mktemp("scans"))
+        yield scanned_in(tmp_path_factory.mktemp("scans"))
 
 
 @pytest.fixture
-def judged(scanned: Scanned, tmp_path: Path) -> Workspace:
+def evaluated(scanned: Scanned, tmp_path: Path) -> Workspace:
     """A copy of the workspace with scans, whose supervised networks are evaluated."""
-    from scan_road import FAMILY
+    from scanned_workspace import FAMILY
     from trained_workspace import Recorder
 
     from kinmo.dataset.workspace import Workspace

@@ -9,6 +9,7 @@ import pytest
 
 from kinmo import _core
 from kinmo.core.box import Box
+from kinmo.core.categories import canonical_category
 from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.motion_types import MotionType, motion_type
@@ -64,6 +65,14 @@ def test_joints_are_at_their_parts(name: str) -> None:
                 across = np.linalg.norm(offsets - np.outer(offsets @ unit, unit), axis=1)
                 size = np.linalg.norm(np.ptp(points, axis=0))
                 assert across.min() < 0.5 * size + 0.05, link.name
+
+
+@pytest.mark.parametrize("name", family_names())
+def test_a_family_has_a_description_and_a_canonical_category(name: str) -> None:
+    build = family_builder(name)
+    assert build.__doc__
+    category = build(spec(name, 0).draw("shape")).category
+    assert canonical_category(category) == category
 
 
 def test_all_motion_types_occur() -> None:

@@ -104,7 +104,7 @@ def test_mobility_reads_back_as_it_was_built(name: str, tmp_path: Path) -> None:
                 continue
             unit = link.motion.direction / np.linalg.norm(link.motion.direction)
             assert abs(float(unit @ body.joint.direction)) > 1 - 1e-9
-            assert (body.joint.kind is JointKind.REVOLUTE) == (link.motion.joint is JointType.HINGE)
+            assert (body.joint.kind is JointKind.REVOLUTE) == (link.motion.type is JointType.HINGE)
             assert (body.joint.kind is JointKind.SCREW) == link.motion.rotates
             if link.motion.has_position:
                 across = np.cross(body.joint.pivot - link.motion.origin, unit)

@@ -81,3 +81,11 @@ def test_a_leaf_of_no_link_is_refused() -> None:
     obj.root.add("forgotten", box((1, 1, 1)))
     with pytest.raises(ValueError, match="forgotten"):
         obj.check()
+
+
+def test_a_flat_object_has_its_base_as_the_last_node() -> None:
+    base = Link("body", [Node("body", pieces=[box((1, 1, 1))])])
+    knob = Link("knob", [Node("knob", pieces=[box((1, 1, 1))])], base, spinner((0, 0, 0), (0, 0, 1)))
+    obj = SynthObject.flat("Thing", [base, knob])
+    obj.check()
+    assert [node.name for node in obj.root.children] == ["knob", "body"]

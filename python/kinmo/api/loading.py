@@ -15,8 +15,8 @@ def load(path: Path | str, *, up: Up | None = None) -> Shape:
     """Read one shape.
 
     Args:
-        path: file or folder of the shape, in any input format (docs/reference/formats.md).
-        up: axis of the file's frame that points up: "y" with the front at +z, or "z" with the front at -y. None for the
+        path: File or folder of the shape, in any input format (docs/reference/formats.md).
+        up: Axis of the file's frame that points up: "y" with the front at +z, or "z" with the front at -y. None for the
             format's own.
 
     Returns:

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from kinmo.core.errors import InputError, did_you_mean
 from kinmo.core.joint import Joint
 from kinmo.core.kinematics import forward
+from kinmo.core.links import Link, links_of
 from kinmo.core.mobility import Mobility
-from kinmo.core.names import unique_names
 from kinmo.core.prediction import PredictionProvenance, ShapeEstimate
 from kinmo.core.shape import Shape
+from kinmo.core.wording import counted
 from kinmo.io.writers import ExportOptions, export
-from kinmo.io.writers.joints_json_writer import FILE_NAME, write_joints_json
+from kinmo.io.writers.joints_json_writer import write_joints_json
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,30 +27,30 @@ class PredictedJoint:
     """One predicted joint.
 
     Attributes:
-        name: name of the moving body, unique within the prediction: letters, digits, - and _.
-        parent: name of the body that it is attached to; None for a free one.
-        joint: kind, axis, limits and rest value, in the shape's own frame and units; angles in radians.
-        score: score of the joint in [0, 1]; for kinmo's own method a probability.
-        alternatives: other joints of the same body, with their scores, best first.
-        parts: indices into `Shape.parts` of the leaves that move.
+        name: Name of the link that moves, unique within the prediction: letters, digits, - and _. URDFs have the same names.
+        parent: Name of the link that it is attached to.
+        joint: Kind, axis, limits and rest value, in the shape's own frame and units; angles in radians.
+        score: Score in [0, 1]; for kinmo's own method a probability.
+        alternatives: Other joints of the same link with their scores, best first.
+        parts: Indices into `Shape.parts` of the leaves that form the link.
     """
 
     name: str
-    parent: str | None
+    parent: str
     joint: Joint
     score: float
     alternatives: tuple[tuple[Joint, float], ...]
     parts: tuple[int, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Prediction:
-    """Predicted bodies and joints of a shape.
+    """Predicted links and joints of a shape.
 
     Attributes:
-        shape: the shape.
-        estimate: everything that the method estimated, in the shape's own frame and units.
-        provenance: networks and settings of the method.
+        shape: The shape.
+        estimate: Everything that the method estimated, in the shape's own frame and units.
+        provenance: Networks and settings of the method.
 
     Example:
         >>> prediction = kinmo.Predictor("workspace").predict(kinmo.load("cabinet.glb"))
@@ -63,62 +64,75 @@ class Prediction:
     estimate: ShapeEstimate
     provenance: PredictionProvenance
 
+    def __repr__(self) -> str:
+        return f"Prediction({self.shape.id}: {counted(len(self.joints), 'joint')})"
+
     @property
     def mobility(self) -> Mobility:
         """Bodies and joints, in the shape's own frame and units."""
         return self.estimate.mobility
 
     @cached_property
-    def body_names(self) -> tuple[str, ...]:
-        """Unique names of all bodies, in the order of `mobility.bodies`."""
-        return tuple(unique_names(body.name for body in self.mobility.bodies))
+    def links(self) -> tuple[Link, ...]:
+        """Rigid links, the base first and every link after its parent. Bodies that are fixed to each other form one link."""
+        return links_of(self.mobility)
 
     @cached_property
     def joints(self) -> tuple[PredictedJoint, ...]:
-        """All predicted joints."""
-        names = self.body_names
+        """All predicted joints, every joint after that of its parent link."""
         found = []
-        for index, body in self.mobility.movable():
-            assert body.joint is not None, "movable bodies have a joint"
-            best, *others = self.estimate.estimates[index]
-            parent = None if body.parent is None else names[body.parent]
+        for link in self.links:
+            if link.body is None or link.joint is None or link.parent is None:  # the base
+                continue
+            best, *others = self.estimate.estimates[link.body]
             alternatives = tuple((other.joint, other.score) for other in others if other.joint is not None)
-            found.append(PredictedJoint(names[index], parent, body.joint, best.score, alternatives, body.leaves))
+            parent = self.links[link.parent].name
+            found.append(PredictedJoint(link.name, parent, link.joint, best.score, alternatives, link.leaves))
         return tuple(found)
 
     def articulate(self, values: Mapping[str, float]) -> dict[str, NDArray[np.float64]]:
-        """Compute the pose of every body for some joint values.
+        """Compute the pose of every link for some joint values.
 
         Args:
-            values: joint values by name of the joint: radians for hinges, lengths of the shape for sliders and screws. Joints
-                without a value stay as in the file.
+            values: Joint values by name of the joint: radians for hinges, lengths of the shape for sliders and screws. Joints
+                without a value stay as in the file. A screw does not turn while it slides.
 
         Returns:
-            For each body by name the transformation [4, 4] that takes its points from their place in the file to the new one,
+            For each link by name the rigid transform [4, 4] that takes its points from their place in the file to the new one,
             in the shape's own frame.
 
         Raises:
-            InputError: there is no joint of such a name.
+            InputError: There is no joint of such a name.
         """
-        places = {joint.name: self.body_names.index(joint.name) for joint in self.joints}
+        bodies = {link.name: link.body for link in self.links if link.body is not None}
         for name in values:
-            if name not in places:
-                problem = f"no joint {name}{did_you_mean(name, places)}; there are {', '.join(places) or 'none'}"
-                raise InputError("values", problem)
-        poses = forward(self.mobility, {places[name]: float(value) for name, value in values.items()})
-        return dict(zip(self.body_names, poses, strict=True))
+            if name not in bodies:
+                near, there = did_you_mean(name, bodies), ", ".join(bodies) or "none"
+                raise InputError("values", f"expected names of joints, got {name}{near}; there are {there}")
+        poses = forward(self.mobility, {bodies[name]: float(value) for name, value in values.items()})
+        return {link.name: np.eye(4) if link.body is None else poses[link.body] for link in self.links}
 
     def articulated(self, values: Mapping[str, float]) -> Shape:
-        """The shape with its bodies moved to some joint values (see `articulate`)."""
+        """Move the links of the shape.
+
+        Args:
+            values: Joint values by name of the joint, as in `articulate`.
+
+        Returns:
+            The shape with moved meshes, in its own frame. It has no annotation.
+
+        Raises:
+            InputError: There is no joint of such a name.
+        """
         poses = self.articulate(values)
         parts = list(self.shape.parts)
-        for name, body in zip(self.body_names, self.mobility.bodies, strict=True):
-            for leaf in body.leaves:
-                mesh = parts[leaf].mesh
-                assert mesh is not None, "leaves carry meshes"
-                vertices = mesh.vertices @ poses[name][:3, :3].T + poses[name][:3, 3]
-                parts[leaf] = replace(parts[leaf], mesh=replace(mesh, vertices=vertices))
-        return replace(self.shape, parts=tuple(parts))
+        for link in self.links:
+            rotation, translation = poses[link.name][:3, :3], poses[link.name][:3, 3]
+            for leaf in link.leaves:
+                mesh = self.shape.leaf_mesh(leaf)
+                moved = replace(mesh, vertices=mesh.vertices @ rotation.T + translation)
+                parts[leaf] = replace(parts[leaf], mesh=moved)
+        return replace(self.shape, parts=tuple(parts), mobility=None)
 
     def export(
         self,
@@ -127,22 +141,26 @@ class Prediction:
         *,
         name: str | None = None,
         metres_per_unit: float = 1.0,
+        overwrite: bool = False,
     ) -> dict[str, Path]:
         """Write the shape with its joints.
 
         Args:
-            folder: the folder to write; it is replaced as a whole.
-            formats: names of formats (`kinmo.io.writers.WRITERS`), such as "urdf", "joints_json" or "partnet_mobility".
-            name: name of the model; None for the folder's name.
-            metres_per_unit: length of a unit of the shape's file in metres.
+            folder: The folder to write.
+            formats: Names of formats (`kinmo.io.writers.WRITERS`), such as "urdf", "joints_json" or "partnet_mobility".
+            name: Name of the model; None for the folder's name.
+            metres_per_unit: Length of a unit of the shape's file in metres.
+            overwrite: Replace a folder with files in it, as a whole.
 
         Returns:
             Path of the main file of each format.
 
         Raises:
-            InputError: there is no such format.
+            InputError: There is no such format, or the folder has files in it.
         """
         folder = Path(folder)
+        if not overwrite and folder.is_dir() and any(folder.iterdir()):
+            raise InputError(folder, "has files in it: name another folder, or pass overwrite=True to replace all of them")
         options = ExportOptions(name or folder.name, metres_per_unit, provenance=self.provenance)
         return export(self.shape, self.estimate, folder, formats, options)
 
@@ -150,11 +168,9 @@ class Prediction:
         """Write joints.json: all joints with scores and alternatives (docs/reference/joints-json.md).
 
         Args:
-            folder: the folder to write into.
+            folder: The folder to write into. Its other files stay.
 
         Returns:
             Path of the file.
         """
-        options = ExportOptions(provenance=self.provenance)
-        write_joints_json(self.shape, self.estimate, Path(folder), options)
-        return Path(folder) / FILE_NAME
+        return write_joints_json(self.shape, self.estimate, Path(folder), ExportOptions(provenance=self.provenance))

@@ -17,10 +17,10 @@ class Predictor:
     """Predicts the joints of shapes.
 
     Args:
-        workspace: folder of a workspace with trained networks (`kinmo.train`).
+        workspace: Folder of a workspace with trained networks (`kinmo.train`).
         method: `kinmo`, or the paper's method, `paper`.
-        device: where networks run: auto, cpu, cuda, cuda:1, mps.
-        seed: seed of the sampled points.
+        device: Where networks run: auto, cpu, cuda, cuda:1, mps.
+        seed: Seed of the sampled points.
 
     Raises:
         InputError: the networks of the method are missing or cannot be read.
@@ -40,7 +40,7 @@ class Predictor:
         """Predict bodies and joints of one shape from its geometry, hierarchy and part names.
 
         Args:
-            shape: the shape, from `kinmo.load`.
+            shape: The shape, from `kinmo.load`.
 
         Returns:
             The prediction, in the shape's own frame and units.

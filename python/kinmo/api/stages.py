@@ -37,13 +37,13 @@ def prepare(
     Unchanged shapes are not prepared again.
 
     Args:
-        folder: folder with shapes in any input format.
-        workspace: folder of the workspace.
-        oracle: folders whose labels are oracle labels: nothing is trained on them.
-        seed: seed of the sampled points.
-        workers: number of processes; 0 for one per CPU core.
-        cluster: address of a Ray cluster that runs the jobs; None for this machine.
-        observer: receiver of progress and messages.
+        folder: Folder with shapes in any input format.
+        workspace: Folder of the workspace.
+        oracle: Folders whose labels are oracle labels: nothing is trained on them.
+        seed: Seed of the sampled points.
+        workers: Number of processes; 0 for one per CPU core.
+        cluster: Address of a Ray cluster that runs the jobs; None for this machine.
+        observer: Receiver of progress and messages.
 
     Returns:
         The outcome; `data` lists included, repaired and skipped shapes.
@@ -93,16 +93,16 @@ def train(
     Args:
         networks: `all` trains the motion networks, pseudo-labels unlabelled shapes, scans both, and trains networks for scans.
             `motion` trains all networks for shapes, `gnn` and `axis` some of them, `ancsh` the networks for scans.
-        workspace: folder of the workspace.
+        workspace: Folder of the workspace.
         config: `small` for a CPU, `paper` for a GPU, or the path of a TOML file.
-        category: train for this category alone; with `all`, the motion networks still see all categories.
-        method: method that gives the pseudo labels.
-        setting: labels for `ancsh` besides those of the labelled shapes.
-        start: folder of a workspace whose ranking networks the training continues from.
-        seed: seed of everything random.
-        device: where networks are trained: auto, cpu, cuda, cuda:1, mps.
-        workers: number of processes; 0 for one per CPU core.
-        observer: receiver of progress and messages.
+        category: Train for this category alone; with `all`, the motion networks still see all categories.
+        method: Method that gives the pseudo labels.
+        setting: Labels for `ancsh` besides those of the labelled shapes.
+        start: Folder of a workspace whose ranking networks the training continues from.
+        seed: Seed of everything random.
+        device: Where networks are trained: auto, cpu, cuda, cuda:1, mps.
+        workers: Number of processes; 0 for one per CPU core.
+        observer: Receiver of progress and messages.
 
     Returns:
         The outcome; `data` has epochs and validation error of every network.
@@ -175,12 +175,12 @@ def evaluate(
     """Score the trained methods on the test shapes of a workspace (paper, Table 1).
 
     Args:
-        workspace: folder of the workspace.
-        category: only shapes of this category, in any spelling.
-        methods: methods to score.
-        device: where networks run.
-        workers: number of processes; 0 for one per CPU core.
-        observer: receiver of progress and messages.
+        workspace: Folder of the workspace.
+        category: Only shapes of this category, in any spelling.
+        methods: Methods to score.
+        device: Where networks run.
+        workers: Number of processes; 0 for one per CPU core.
+        observer: Receiver of progress and messages.
 
     Returns:
         The outcome; `data` has the tables by setting (`parts_given`, `hierarchy_given`) and name.

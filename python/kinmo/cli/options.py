@@ -83,8 +83,8 @@ def with_common_options(function: Callable[..., Any], without: Sequence[str] = (
     """Turn a function of `CommonOptions` and other parameters into a function of the latter and each common option.
 
     Args:
-        function: the command; its first parameter is the `CommonOptions`.
-        without: common options that the command does not need; they keep their defaults.
+        function: The command; its first parameter is the `CommonOptions`.
+        without: Common options that the command does not need; they keep their defaults.
     """
     own = list(inspect.signature(function).parameters.values())[1:]
     hints = get_type_hints(function, include_extras=True)

@@ -23,7 +23,7 @@ class Learner(nn.Module):
     """
 
     schedule_every_step = False
-    """Whether the learning rate changes after every step, instead of after every epoch."""
+    """True if the learning rate changes after every step instead of after every epoch."""
 
     def __init__(self, training: TrainingConfig) -> None:
         super().__init__()

@@ -26,13 +26,13 @@ class LabelDecision:
     """Decision whether the prediction for a shape becomes its pseudo label.
 
     Attributes:
-        shape_id: id of the shape.
-        layout: dataset layout of the shape.
-        category: category of the shape.
-        joints: the predicted joints.
-        refusal: the reason why it gets no label; empty if it gets one.
-        doubt: largest probability that a resting part moves (`Prediction.doubt`).
-        threshold: score that every joint had to exceed.
+        shape_id: Id of the shape.
+        layout: Dataset layout of the shape.
+        category: Category of the shape.
+        joints: The predicted joints.
+        refusal: The reason why it gets no label; empty if it gets one.
+        doubt: Largest probability that a resting part moves (`Prediction.doubt`).
+        threshold: Score that every joint had to exceed.
     """
 
     shape_id: str
@@ -60,10 +60,10 @@ def decide(prediction: ShapeEstimate, layout: str, threshold: float, max_doubt: 
     A shape is accepted as a whole: a label that lacks a joint would teach that the part does not move.
 
     Args:
-        prediction: the prediction.
-        layout: dataset layout of the shape.
-        threshold: score that every joint must exceed (tau in the paper, 0.6).
-        max_doubt: largest accepted probability that a resting part moves.
+        prediction: The prediction.
+        layout: Dataset layout of the shape.
+        threshold: Score that every joint must exceed (tau in the paper, 0.6).
+        max_doubt: Largest accepted probability that a resting part moves.
 
     Returns:
         The decision, with the reason of a refusal.
@@ -136,10 +136,10 @@ def acceptance_report(
     """The acceptance report as plain data.
 
     Args:
-        decisions: the decisions on all unlabelled shapes.
-        method: the method that predicted.
-        copies: number of copies of labelled shapes, which are not labelled.
-        outdated: categories whose labels come from other networks or files than the current ones.
+        decisions: The decisions on all unlabelled shapes.
+        method: The method that predicted.
+        copies: Number of copies of labelled shapes, which are not labelled.
+        outdated: Categories whose labels come from other networks or files than the current ones.
 
     Returns:
         `text`, `ways` (thresholds and method), `copies`, `tables` (caption, header, rows) and `refused` (ids by reason).

@@ -34,7 +34,7 @@ from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods import load_method
 from kinmo.methods.method import Method
 from kinmo.pipeline.network_jobs import network_runner
-from kinmo.scans.files.scan_formats import SCAN_SUFFIXES as SCAN_ENDINGS
+from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 
 SECONDS_PER_SHAPE = 3.0
 """Estimate, for one CPU core."""
@@ -53,16 +53,16 @@ class PredictShapes:
     joints.json is in the frame and units of the shape's file. URDFs are z-up and in metres.
 
     Attributes:
-        source: a shape, or a folder with shapes.
-        out: folder for the results.
-        workspace: the workspace with the trained networks.
+        source: A shape, or a folder with shapes.
+        out: Folder for the results.
+        workspace: The workspace with the trained networks.
         method: `kinmo` or `paper`.
-        seed: seed of the sampled points.
-        device: where networks run.
-        workers: number of processes.
-        up: axis of the file's frame that points up.
-        metres_per_unit: metres per unit of the file.
-        cluster: address of a Ray cluster that runs the jobs; None for this machine.
+        seed: Seed of the sampled points.
+        device: Where networks run.
+        workers: Number of processes.
+        up: Axis of the file's frame that points up.
+        metres_per_unit: Metres per unit of the file.
+        cluster: Address of a Ray cluster that runs the jobs; None for this machine.
     """
 
     source: Path
@@ -78,8 +78,12 @@ class PredictShapes:
 
     def plan(self) -> Plan:
         """Count the shapes without an up-to-date prediction."""
+        skipped: list[InputError] = []
+        targets = self._targets(skipped.append)
+        if not skipped:
+            self._check_any(targets)
         writer, cache = self._writer(), Cache(self.out)
-        count = sum(not writer.is_done(cache, found, folder) for found, folder in self._targets())
+        count = sum(not writer.is_done(cache, found, folder) for found, folder in targets)
         step = f"predict {counted(count, 'shape')} into {self.out}"
         return Plan((step,) if count else (), count * SECONDS_PER_SHAPE / self.workers)
 
@@ -92,12 +96,8 @@ class PredictShapes:
             observer.problem(f"skipped: {error}")
 
         targets = self._targets(skip)
-        if not targets and not skipped:
-            if self.out.resolve() == self.source.resolve():
-                raise InputError("--out", "is the folder with the shapes: name another")
-            scans = sum(path.suffix.lower() in SCAN_ENDINGS for path in self.source.rglob("*"))
-            hint = f". Found {counted(scans, 'scan')}: for scans, add --category" if scans else ""
-            raise InputError(self.source, f"expected at least one shape at or below it{hint}")
+        if not skipped:
+            self._check_any(targets)
         writer = self._writer()
         with locked(self.out):
             problems = self._predict(targets, writer, observer)
@@ -122,6 +122,16 @@ class PredictShapes:
         text = f"{counted(len(documents), 'shape')}, {counted(joints, 'joint')}{repairs}, {len(skipped)} skipped"
         return Outcome(self.out, data, text, failed=len(skipped))
 
+    def _check_any(self, targets: Sequence[tuple[ShapeSource, Path]]) -> None:
+        """Raise InputError if there is no shape."""
+        if targets:
+            return
+        if self.out.resolve() == self.source.resolve():
+            raise InputError("--out", "is the folder with the shapes: name another")
+        scans = sum(path.suffix.lower() in SCAN_SUFFIXES for path in self.source.rglob("*"))
+        hint = f". Found {counted(scans, 'scan')}: for scans, add --category" if scans else ""
+        raise InputError(self.source, f"expected at least one shape at or below it (docs/reference/formats.md){hint}")
+
     def _predict(
         self, targets: Sequence[tuple[ShapeSource, Path]], writer: PredictionWriter, observer: Observer
     ) -> dict[Path, str]:
@@ -136,7 +146,7 @@ class PredictShapes:
                 problems[folder] = str(error)
                 observer.problem(f"skipped: {error}")
                 continue
-            if not writer.is_done(cache, found, folder):
+            if not _is_current(cache, folder, job.key):
                 jobs.append(job)
         done = len(targets) - len(jobs)
         for job, answer in network_runner(self.workers, self.device, self.cluster).run(writer, jobs):
@@ -182,9 +192,9 @@ def predict_shape(shape: Shape, method: Method, *, seed: int = 0) -> ShapeEstima
     """Predict the joints of one shape.
 
     Args:
-        shape: the shape, in its file's frame and units.
-        method: the trained method.
-        seed: seed of the sampled points.
+        shape: The shape, in its file's frame and units.
+        method: The trained method.
+        seed: Seed of the sampled points.
 
     Returns:
         The prediction, in the shape's own frame and units.
@@ -210,10 +220,10 @@ class PredictionWriter:
     """Predicts shapes and writes their folders, in any process.
 
     Attributes:
-        method: the trained method.
-        seed: seed of the sampled points.
-        up: axis of the file's frame that points up.
-        metres_per_unit: metres per unit of the file.
+        method: The trained method.
+        seed: Seed of the sampled points.
+        up: Axis of the file's frame that points up.
+        metres_per_unit: Metres per unit of the file.
     """
 
     method: Method
@@ -227,9 +237,9 @@ class PredictionWriter:
         return cache_key(source=_source(found), files=fingerprint(found), settings=settings)
 
     def is_done(self, cache: Cache, found: ShapeSource, folder: Path) -> bool:
-        """True if a folder has the prediction for a shape. Files that a user edited stay as they are."""
+        """True if a folder has the prediction for a shape, maybe edited by its user."""
         try:
-            return cache.is_current(folder.name, self.key(found), edited=True)
+            return _is_current(cache, folder, self.key(found))
         except InputError:
             return False
 
@@ -284,11 +294,19 @@ def _source(found: ShapeSource) -> str:
     return printable_path(found.path.absolute())
 
 
+def _is_current(cache: Cache, folder: Path, key: str) -> bool:
+    """True if a folder has all files of the prediction with a cache key, maybe edited, and its joints.json is readable."""
+    return cache.is_current(folder.name, key, edited=True) and _stated_source(folder) is not None
+
+
 def _source_in(cache: Cache, folder: Path) -> str | None:
     """Source of the prediction that a folder holds, from the cache or else from its joints.json; None if it holds none."""
     data = cache.data(folder.name)
-    if isinstance(data, dict):
-        return str(data.get("source"))
+    return str(data["source"]) if isinstance(data, dict) and "source" in data else _stated_source(folder)
+
+
+def _stated_source(folder: Path) -> str | None:
+    """Source that the joints.json of a folder states; None if there is no such file."""
     try:
         return str(json.loads((folder / FILE_NAME).read_text(encoding="utf-8"))["shape"]["source"])
     except (OSError, ValueError, KeyError, TypeError):

@@ -32,12 +32,12 @@ class Prepare:
     """Prepare every shape below a folder.
 
     Attributes:
-        root: the folder.
-        workspace: the workspace that gets the prepared shapes.
-        workers: number of processes.
-        seed: seed of the sampled points.
-        oracle: folders whose labels are oracle labels: nothing is trained on them.
-        cluster: address of a Ray cluster that runs the jobs; None for this machine.
+        root: The folder.
+        workspace: The workspace that gets the prepared shapes.
+        workers: Number of processes.
+        seed: Seed of the sampled points.
+        oracle: Folders whose labels are oracle labels: nothing is trained on them.
+        cluster: Address of a Ray cluster that runs the jobs; None for this machine.
     """
 
     root: Path

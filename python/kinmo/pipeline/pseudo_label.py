@@ -50,13 +50,13 @@ class PseudoLabel:
     are gone, or that have become labelled ones, are removed.
 
     Attributes:
-        workspace: the workspace.
-        category: only shapes of this category; None for all.
-        method: the method that predicts.
-        threshold: score that every joint must exceed; None for that of the configuration.
-        device: where networks run.
-        workers: number of processes.
-        cluster: address of a Ray cluster that runs the jobs; None for this machine.
+        workspace: The workspace.
+        category: Only shapes of this category; None for all.
+        method: The method that predicts.
+        threshold: Score that every joint must exceed; None for that of the configuration.
+        device: Where networks run.
+        workers: Number of processes.
+        cluster: Address of a Ray cluster that runs the jobs; None for this machine.
     """
 
     workspace: Workspace
@@ -222,10 +222,10 @@ class Labeller:
     """Predicts shapes and writes the accepted labels, in any process.
 
     Attributes:
-        store: folder of the prepared shapes.
-        method: the trained method.
-        threshold: score that every joint must exceed.
-        max_doubt: largest accepted probability that a resting part moves.
+        store: Folder of the prepared shapes.
+        method: The trained method.
+        threshold: Score that every joint must exceed.
+        max_doubt: Largest accepted probability that a resting part moves.
     """
 
     store: Path

@@ -35,14 +35,14 @@ class TrainAll:
     Networks for scans learn from pseudo labels where there are any, otherwise from the labelled shapes alone.
 
     Attributes:
-        workspace: the workspace.
-        config: name or path of the configuration.
-        category: label and scan this category alone; None for all, with scans of the paper's five categories.
-        method: the method that gives pseudo labels.
-        seed: seed of everything random.
-        device: where networks are trained and run.
-        workers: number of processes.
-        start: continue the motion networks from those of this workspace.
+        workspace: The workspace.
+        config: Name or path of the configuration.
+        category: Label and scan this category alone; None for all, with scans of the paper's five categories.
+        method: The method that gives pseudo labels.
+        seed: Seed of everything random.
+        device: Where networks are trained and run.
+        workers: Number of processes.
+        start: Continue the motion networks from those of this workspace.
     """
 
     workspace: Workspace

@@ -37,16 +37,16 @@ class MotionTrainingTask:
     """One network to train on some shapes and to validate on others (see `TrainingTask`).
 
     Attributes:
-        workspace: the workspace with shapes and networks.
-        model: name of the model, a key of `TRAINERS`.
-        category: the category of all shapes, for a network of its own; None for all categories.
-        training: shapes to train on.
-        validation: shapes to choose the best epoch by.
-        section: section of the configuration.
-        inputs: everything that the network depends on.
-        seed: seed of everything random.
-        device: where the network is trained.
-        start: weights to continue from; None to start anew.
+        workspace: The workspace with shapes and networks.
+        model: Name of the model, a key of `TRAINERS`.
+        category: The category of all shapes, for a network of its own; None for all categories.
+        training: Shapes to train on.
+        validation: Shapes to choose the best epoch by.
+        section: Section of the configuration.
+        inputs: Everything that the network depends on.
+        seed: Seed of everything random.
+        device: Where the network is trained.
+        start: Weights to continue from; None to start anew.
     """
 
     workspace: Workspace
@@ -122,14 +122,14 @@ class TrainMotion:
     """Train the motion networks of a group.
 
     Attributes:
-        group: networks to train, a key of `motion_models.GROUPS`.
-        workspace: the workspace.
-        config: name or path of the configuration.
-        category: train networks for this category alone, which is then predicted by them; None for all categories.
-        seed: seed of everything random.
-        device: where networks are trained.
-        workers: number of processes.
-        start: continue from the networks of this workspace, where a model can (`motion_models.CONTINUED`).
+        group: Networks to train, a key of `motion_models.GROUPS`.
+        workspace: The workspace.
+        config: Name or path of the configuration.
+        category: Train networks for this category alone, which is then predicted by them; None for all categories.
+        seed: Seed of everything random.
+        device: Where networks are trained.
+        workers: Number of processes.
+        start: Continue from the networks of this workspace, where a model can (`motion_models.CONTINUED`).
     """
 
     group: str
@@ -226,10 +226,10 @@ def weights_to_start_from(start: Workspace, workspace: Workspace, model: str, se
     """Weights of a model from which a training in another workspace can continue.
 
     Args:
-        start: the workspace with the weights.
-        workspace: the workspace of the training.
-        model: a key of `CONTINUED`.
-        section: section of the configuration.
+        start: The workspace with the weights.
+        workspace: The workspace of the training.
+        model: A key of `CONTINUED`.
+        section: Section of the configuration.
 
     Raises:
         InputError: the weights are missing, unreadable, of other sizes, or in the workspace of the training itself.

@@ -17,9 +17,9 @@ def draw_example(store: PreparedStore, example: Example, roles: Mapping[str, str
     """Draw an example.
 
     Args:
-        store: the prepared shapes.
-        example: the true joint and its predictions.
-        roles: name of the table's row for each style of axis.
+        store: The prepared shapes.
+        example: The true joint and its predictions.
+        roles: Name of the table's row for each style of axis.
 
     Returns:
         An SVG.

@@ -41,14 +41,14 @@ class Section:
     """A part of the page.
 
     Attributes:
-        title: heading.
-        text: paragraph below it.
-        tables: tables.
+        title: Heading.
+        text: Paragraph below it.
+        tables: Tables.
         charts: SVGs of `kinmo.view.training_curves`.
-        pictures: pictures.
-        more: tables that are folded away.
-        legend: role and meaning of the axes in the pictures.
-        is_folded: the whole section is folded away.
+        pictures: Pictures.
+        more: Tables that are folded away.
+        legend: Role and meaning of the axes in the pictures.
+        is_folded: The whole section is folded away.
     """
 
     title: str

@@ -41,12 +41,12 @@ def object_picture(
     A slider's axis has no position and is drawn through the middle of the moving part.
 
     Args:
-        meshes: meshes of the object's leaves.
-        moving: positions in `meshes` of the leaves to colour.
-        axes: joints to draw, in the frame of the meshes.
-        up: unit vector [3] that points up in that frame.
-        label: text for readers who do not see pictures.
-        size: width and height in pixels.
+        meshes: Meshes of the object's leaves.
+        moving: Positions in `meshes` of the leaves to colour.
+        axes: Joints to draw, in the frame of the meshes.
+        up: Unit vector [3] that points up in that frame.
+        label: Text for readers who do not see pictures.
+        size: Width and height in pixels.
 
     Returns:
         An SVG.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from scanned_workspace import CATEGORY, FAMILY, CPU, Scanned
 from typer.testing import CliRunner
 from trained_workspace import Recorder, contents
 
@@ -32,7 +32,7 @@ def test_an_example_is_the_test_scan_that_shows_all_parts_best(scanned: Scanned,
     before = contents(tmp_path / "new")
     example.run(Recorder())
     assert contents(tmp_path / "new") == before
-    found = PredictScans(example.path, tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Recorder())
+    found = PredictScans(example.path, tmp_path / "out", scanned.workspace, FAMILY, **CPU).run(Recorder())
     assert len(found.data["parts"]) == 2
     for taken in ("scan.npz", "points.npz", "scan.txt"):
         (tmp_path / taken).write_bytes(b"mine")

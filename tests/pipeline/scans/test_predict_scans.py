@@ -14,7 +14,7 @@ from kinmo.scans.files.camera_intrinsics import Intrinsics
 from kinmo.scans.object_structure import Structure
 from kinmo.scans.poses.scan_estimate import PartPoses, ScanEstimate
 from PIL import Image
-from scan_road import CATEGORY, FAMILY, HOW, Scanned
+from scanned_workspace import CATEGORY, FAMILY, CPU, Scanned
 from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 from trained_workspace import Recorder, contents
@@ -36,7 +36,7 @@ def test_a_users_scan_gives_parts_joints_and_a_picture(scanned: Scanned, tmp_pat
     points = open_scans(next((scanned.workspace.scans / CATEGORY / "test").glob("*.safetensors"))).read("points", 0)
     np.savez(tmp_path / "seen.npz", points=np.vstack([points, [[0.0, 0.0, -1.0], [0.0, 0.0, 90.0]]]))
     told = Recorder()
-    found = PredictScans(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(told)
+    found = PredictScans(tmp_path / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **CPU).run(told)
     assert told.notes == [
         f"1 of {len(points) + 2} points are left out: they are {why}"
         for why in ("not before the camera (z > 0)", "far from all others")
@@ -71,7 +71,7 @@ def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanne
     header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({10**12}, 3), }}".ljust(117) + "\n"
     (scans / "vast.npy").write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode())
     told = Recorder()
-    stage = PredictScans(scans, scans / "found", scanned.workspace, FAMILY, **HOW)
+    stage = PredictScans(scans, scans / "found", scanned.workspace, FAMILY, **CPU)
     assert "5 scans below" in stage.plan().steps[0]
     outcome = stage.run(told)
     names = [Path(document["scan"]).name for document in outcome.data["scans"]]
@@ -87,7 +87,7 @@ def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanne
     assert outcome.text.splitlines()[0].startswith("first.npz: part 1 R, state ")
     assert outcome.text.splitlines()[1].startswith("near/second.npy: part 1 R")
     assert outcome.text.splitlines()[-1] == "3 scans, 2 left out"
-    alone = PredictScans(scans / "near" / "second.npy", tmp_path / "alone", scanned.workspace, FAMILY, **HOW).run(Recorder())
+    alone = PredictScans(scans / "near" / "second.npy", tmp_path / "alone", scanned.workspace, FAMILY, **CPU).run(Recorder())
     assert alone.data == outcome.data["scans"][1]
     again = stage.run(Recorder())
     assert again.data == outcome.data, "what was found in scans is none"
@@ -105,15 +105,15 @@ def test_every_scan_of_a_folder_is_looked_at_as_if_it_were_alone(scanned: Scanne
     assert result.exit_code == 1, result.output
     said = json.loads(result.stdout)
     assert (said["scans"], len(said["left_out"])) == (outcome.data["scans"], 2)
-    around = PredictScans(scans, tmp_path, scanned.workspace, FAMILY, **HOW).run(Recorder())
+    around = PredictScans(scans, tmp_path, scanned.workspace, FAMILY, **CPU).run(Recorder())
     assert around.data["scans"] == outcome.data["scans"], "into a folder that the scans are in"
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "near").write_text("a file")
-    blocked = PredictScans(scans, tmp_path / "taken", scanned.workspace, FAMILY, **HOW).run(Recorder())
+    blocked = PredictScans(scans, tmp_path / "taken", scanned.workspace, FAMILY, **CPU).run(Recorder())
     assert [Path(document["scan"]).name for document in blocked.data["scans"]] == ["first.npz"]
     (line, *_) = [line for line in blocked.data["left_out"] if line.startswith("near/second.npy: ")]
     assert f"{tmp_path / 'taken' / 'near'} cannot be written" in line, "it is not the scan that is to blame"
-    empty = PredictScans(tmp_path / "alone", tmp_path / "none", scanned.workspace, FAMILY, **HOW)
+    empty = PredictScans(tmp_path / "alone", tmp_path / "none", scanned.workspace, FAMILY, **CPU)
     with pytest.raises(InputError, match=r"expected a scan, one of \.npz"):
         empty.plan()
 
@@ -123,7 +123,7 @@ def test_a_scan_whose_name_is_no_text_is_looked_at_like_others(scanned: Scanned,
     (tmp_path / "scans").mkdir()
     with Path(os.fsdecode(os.fsencode(tmp_path / "scans") + b"/bad\xff.npz")).open("wb") as file:
         np.savez(file, points=points)
-    found = PredictScans(tmp_path / "scans", tmp_path / "out", scanned.workspace, FAMILY, **HOW).run(Recorder())
+    found = PredictScans(tmp_path / "scans", tmp_path / "out", scanned.workspace, FAMILY, **CPU).run(Recorder())
     assert not found.failed
     assert len(list((tmp_path / "out").iterdir())) == 3
     (picture,) = (tmp_path / "out").glob("*.svg")
@@ -138,7 +138,7 @@ def test_no_two_scans_of_a_folder_have_one_name_and_a_camera_is_of_depth_images(
     np.save(scans / "a.npy", points)
     np.savez(scans / "a.npy.npz", points=points)
     camera = Intrinsics(300.0, 300.0, 159.5, 119.5)
-    found = PredictScans(scans, tmp_path / "out", scanned.workspace, FAMILY, camera, **HOW).run(Recorder())
+    found = PredictScans(scans, tmp_path / "out", scanned.workspace, FAMILY, camera, **CPU).run(Recorder())
     assert found.failed == 0, found.data["left_out"]
     assert sorted(path.stem for path in (tmp_path / "out").glob("*.json")) == ["a.npy", "a.npy.npz", "a.npz"]
 
@@ -159,7 +159,7 @@ def test_networks_that_know_a_floor_leave_its_points_out(scanned: Scanned, tmp_p
     assert header["facts"]["classes"] == known["facts"]["classes"] + 1
     example = ExampleScan(floored.workspace, FAMILY, tmp_path / "scan.npz", floored.render())
     example.run(Recorder())
-    PredictScans(example.path, tmp_path / "out", floored.workspace, FAMILY, **HOW).run(Recorder())
+    PredictScans(example.path, tmp_path / "out", floored.workspace, FAMILY, **CPU).run(Recorder())
     with np.load(tmp_path / "out" / "scan.parts.npz") as labelled:
         assert set(np.unique(labelled["parts"])) <= {NO_PART, 0, 1}
 
@@ -188,12 +188,12 @@ def test_nothing_is_replaced_but_what_was_found_in_the_same_scan(scanned: Scanne
         (tmp_path / folder).mkdir()
         np.savez(tmp_path / folder / "seen.npz", points=points)
     stages = [
-        PredictScans(tmp_path / folder / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW) for folder in "ab"
+        PredictScans(tmp_path / folder / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **CPU) for folder in "ab"
     ]
     stages[0].run(Recorder())
     stages[0].run(Recorder())
     (tmp_path / "elsewhere").symlink_to(tmp_path / "a")
-    PredictScans(tmp_path / "elsewhere" / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **HOW).plan()
+    PredictScans(tmp_path / "elsewhere" / "seen.npz", tmp_path / "out", scanned.workspace, FAMILY, **CPU).plan()
     before = contents(tmp_path / "out")
     for attempt in (stages[1].plan, lambda: stages[1].run(Recorder())):
         with pytest.raises(InputError, match=r"seen\.json: is in the way"):
@@ -209,22 +209,22 @@ def test_results_go_into_a_folder(scanned: Scanned, tmp_path: Path) -> None:
     (tmp_path / "out").write_text("a file")
     for attempt in (lambda stage: stage.plan(), lambda stage: stage.run(Recorder())):
         with pytest.raises(InputError, match="out: expected a folder: this is a file"):
-            attempt(PredictScans(tmp_path / "scan.npy", tmp_path / "out", scanned.workspace, FAMILY, **HOW))
+            attempt(PredictScans(tmp_path / "scan.npy", tmp_path / "out", scanned.workspace, FAMILY, **CPU))
         with pytest.raises(InputError, match=r"below: .*out is a file, not a folder"):
-            attempt(PredictScans(tmp_path / "scan.npy", tmp_path / "out" / "below", scanned.workspace, FAMILY, **HOW))
+            attempt(PredictScans(tmp_path / "scan.npy", tmp_path / "out" / "below", scanned.workspace, FAMILY, **CPU))
 
 
 def test_intrinsics_of_another_image_are_noted(scanned: Scanned, tmp_path: Path) -> None:
     np.save(tmp_path / "small.npy", np.random.default_rng(1).uniform(1.0, 2.0, (24, 32)))
     camera, told = Intrinsics(525.0, 525.0, 319.5, 239.5), Recorder()
-    PredictScans(tmp_path / "small.npy", tmp_path / "out", scanned.workspace, FAMILY, camera, **HOW).run(told)
+    PredictScans(tmp_path / "small.npy", tmp_path / "out", scanned.workspace, FAMILY, camera, **CPU).run(told)
     assert [note for note in told.notes if "the principal point (319.5, 239.5) is outside" in note]
 
 
 def test_what_is_no_scan_is_told_before_anything_runs(scanned: Scanned, tmp_path: Path) -> None:
     for name, problem in (("none.npz", "no such file"), (".", "expected a scan, one of")):
         with pytest.raises(InputError, match=problem):
-            PredictScans(tmp_path / name, tmp_path / "out", scanned.workspace, FAMILY, **HOW).plan()
+            PredictScans(tmp_path / name, tmp_path / "out", scanned.workspace, FAMILY, **CPU).plan()
 
 
 def test_a_category_without_networks_is_named_with_those_that_there_are(scanned: Scanned, tmp_path: Path) -> None:

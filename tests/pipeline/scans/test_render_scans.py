@@ -1,50 +1,57 @@
-"""What is scanned, in which role, and what is left out."""
+"""Scanning of objects: roles, variants, skipped objects, and runs that are interrupted or repeated."""
 
 from __future__ import annotations
 
 import json
 import math
-import shutil
 from collections import Counter
-from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import pytest
-from kinmo.pipeline.scans.refusal import REFUSED
-from scan_road import CATEGORY, FAMILY, Scanned, pseudo_labelled, smaller
+from scanned_workspace import CATEGORY, FAMILY, Scanned, with_pseudo_labels
 from trained_workspace import Recorder, contents
 
+from kinmo.config import SensorConfig
 from kinmo.core.errors import InputError
+from kinmo.dataset.cache import Cache
 from kinmo.dataset.shape_dataset import open_dataset
 from kinmo.dataset.splits import Split
-from kinmo.dataset.store import read_header
-from kinmo.dataset.workspace import Workspace
-from kinmo.pipeline.scans import render_scans as render
-from kinmo.pipeline.scans.render_scans import Render
-from kinmo.pipeline.scans.scan_dataset import LABELLED, open_scan_dataset, scans_of, unfinished
+from kinmo.dataset.store import PreparedStore, write_index
+from kinmo.pipeline.scans import render_scans
+from kinmo.pipeline.scans.scan_dataset import COMPLETE, LABELLED, open_scan_dataset, scans_folder
 from kinmo.scans.canonical.hinge_openings import hinge_opening
 from kinmo.scans.files.scan_file import ROLES, ScanFile, count_objects, open_scans
+
+SIZE, SMALLER = "size = 96", "size = 80"
+
+
+def reasons(made: Scanned, role: str) -> dict[str, object]:
+    """Results without scans in the folder of a role, by name."""
+    cache = Cache(scans_folder(made.workspace, CATEGORY, role))
+    return {name: cache.data(name) for name in cache if cache.data(name)}
 
 
 def test_every_object_has_one_role_and_its_frames(scanned: Scanned) -> None:
     dataset = open_scan_dataset(scanned.workspace, CATEGORY.lower())
     assert dataset.category == CATEGORY
     assert str(dataset.structure) == "2 parts (R on 0)"
-    for role, frames in (("train", 4), ("hidden", 4), ("unlabelled", 2), ("validation", 2), ("test", 2)):
+    for role, frames in (("train", 4), ("oracle", 4), ("unlabelled", 2), ("validation", 2), ("test", 2)):
         assert dataset.files[role], role
-        drawn = Counter[str]()
+        counts = Counter[str]()
         for file in dataset.files[role]:
-            drawn[file.id] += file.frames + sum(file.skipped.values())
-        assert set(drawn.values()) == {frames}, role
-    labelled = {file.id for role in ("train", "validation", "test") for file in dataset.files[role]}
-    assert not labelled & {file.id for file in dataset.files["hidden"]}
-    assert {file.id for file in dataset.files["hidden"]} == {file.id for file in dataset.files["unlabelled"]}
+            counts[file.id] += file.frames + sum(file.skipped.values())
+        assert set(counts.values()) == {frames}, role
+    labelled = {file.id for role in LABELLED for file in dataset.files[role]}
+    assert not labelled & {file.id for file in dataset.files["oracle"]}
+    assert {file.id for file in dataset.files["oracle"]} == {file.id for file in dataset.files["unlabelled"]}
 
 
-def test_objects_to_train_on_are_scanned_with_others_like_them_and_count_once(scanned: Scanned) -> None:
+def test_training_objects_are_scanned_in_variants_and_count_once(scanned: Scanned) -> None:
     dataset = open_scan_dataset(scanned.workspace, CATEGORY)
-    for role, count in (("train", 2), ("hidden", 2), ("unlabelled", 1), ("validation", 1), ("test", 1)):
+    for role, count in (("train", 2), ("oracle", 2), ("unlabelled", 1), ("validation", 1), ("test", 1)):
         by_object: dict[str, list[ScanFile]] = {}
         for file in dataset.files[role]:
             by_object.setdefault(file.id, []).append(file)
@@ -52,30 +59,29 @@ def test_objects_to_train_on_are_scanned_with_others_like_them_and_count_once(sc
         assert count_objects(dataset.files[role]) == len(by_object)
         if count == 2:
             assert all(not np.allclose(one.extents.sizes, other.extents.sizes) for one, other in by_object.values())
-    report = scanned.render(beside=ROLES).run(Recorder()).data["categories"][CATEGORY]
-    found = {role: count_objects(dataset.files[role]) for role in ("train", "hidden", "validation", "test")}
+    report = scanned.render(extra=ROLES).run(Recorder()).data["categories"][CATEGORY]
+    found = {role: count_objects(dataset.files[role]) for role in (*LABELLED, "oracle")}
     assert {role: report["objects"][role] for role in found} == found
 
 
-def test_objects_that_stand_in_for_validation_ones_are_seen_as_they_are(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    shutil.rmtree(tmp_path / "workspace" / "scans" / CATEGORY / "validation")
+def test_training_objects_that_become_validation_objects_have_no_variants(scanned: Scanned, tmp_path: Path) -> None:
+    made = scanned.copied(tmp_path)
+    made.remove_scans("validation")
     before = open_scan_dataset(scanned.workspace, CATEGORY)
-    dataset = open_scan_dataset(Workspace(tmp_path / "workspace"), CATEGORY)
+    dataset = open_scan_dataset(made.workspace, CATEGORY)
     (chosen,) = dataset.files["validation"]
     assert not chosen.provenance.variant
     assert {file.id for file in dataset.files["train"]} == {file.id for file in before.files["train"]} - {chosen.id}
     assert any(file.provenance.variant for file in dataset.files["train"])
 
 
-def test_in_lockstep_an_object_and_those_like_it_go_through_all_steps_together(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace, config = Workspace(tmp_path / "workspace"), tmp_path / "file.toml"
-    text = Path(scanned.config).read_text(encoding="utf-8").replace("states = 2\n", 'states = 5\nsampling = "lockstep"\n', 1)
-    config.write_text(text.replace("[scans]", "[scans]\nvariants = 2"), encoding="utf-8")
-    Render(workspace, str(config), FAMILY, beside=()).run(Recorder())
+def test_in_lockstep_an_object_and_its_variants_share_all_steps(scanned: Scanned, tmp_path: Path) -> None:
+    made = scanned.copied(tmp_path).changed(
+        tmp_path, "[scans]\nstates = 2\n", '[scans]\nvariants = 2\nstates = 5\nsampling = "lockstep"\n'
+    )
+    made.render(extra=()).run(Recorder())
     opened: dict[str, set[float]] = {}
-    for path in scans_of(workspace, CATEGORY, "train").glob("*.safetensors"):
+    for path in made.scans("train"):
         file = open_scans(path)
         (joint,) = file.joints
         assert joint.lower is not None and joint.upper is not None
@@ -85,202 +91,195 @@ def test_in_lockstep_an_object_and_those_like_it_go_through_all_steps_together(s
 
 
 def test_objects_that_are_not_closed_have_no_variants(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace, config = Workspace(tmp_path / "workspace"), tmp_path / "file.toml"
-    text = Path(scanned.config).read_text(encoding="utf-8").replace("[scans]", '[scans]\ncanonical = "file"')
-    config.write_text(text, encoding="utf-8")
-    Render(workspace, str(config), FAMILY).run(Recorder())
-    files = open_scan_dataset(workspace, CATEGORY).files
+    made = scanned.copied(tmp_path).changed(tmp_path, "[scans]", '[scans]\ncanonical = "file"')
+    made.render().run(Recorder())
+    files = open_scan_dataset(made.workspace, CATEGORY).files
     assert not any(file.provenance.variant for role in ROLES for file in files[role])
 
 
-def test_what_was_scanned_is_not_scanned_again(scanned: Scanned) -> None:
-    before, told = contents(scanned.workspace.path), Recorder()
-    plan = scanned.render(beside=ROLES).plan()
+def test_scans_that_are_up_to_date_are_not_made_again(scanned: Scanned) -> None:
+    before, observer = contents(scanned.workspace.path), Recorder()
+    plan = scanned.render(extra=ROLES).plan()
     assert (plan.steps, plan.seconds) == ((), 0.0)
-    scanned.render(beside=ROLES).run(told)
-    assert told.notes == ["scanned already"]
+    scanned.render(extra=ROLES).run(observer)
+    assert observer.notes == ["already scanned"]
     assert contents(scanned.workspace.path) == before
 
 
-def test_only_what_is_asked_for_is_scanned_beside_the_labelled_objects(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace = Workspace(tmp_path / "workspace")
-    shutil.rmtree(workspace.scans)
-    shutil.rmtree(workspace.own_scans, ignore_errors=True)
-    labelled = {"train", "validation", "test"}
-    for beside, roles in (((), labelled), (("hidden",), labelled | {"hidden"}), (("unlabelled",), {*labelled, "unlabelled"})):
-        found = Render(workspace, scanned.config, FAMILY, beside=beside).run(Recorder())
-        assert set(found.data["categories"][CATEGORY]["objects"]) == roles
-    assert open_scan_dataset(workspace, CATEGORY).files["hidden"], "what is not asked for stays"
+def test_scans_depend_on_their_own_sensor_alone(scanned: Scanned, tmp_path: Path) -> None:
+    other = scanned.changed(tmp_path, "[scans]", "[scans.noisy_sensor]\nnoise = 0.5\n[scans]")
+    assert other.render(extra=ROLES).plan().steps == ()
+    assert scanned.render(extra=ROLES, sensor=SensorConfig()).plan().steps == ()
+    (step,) = scanned.render(extra=ROLES, sensor=SensorConfig(noise=0.5)).plan().steps
+    count = sum(count_objects(files) for files in open_scan_dataset(scanned.workspace, CATEGORY).files.values())
+    assert step.startswith(f"scan {count} objects (Laptop)")
 
 
-def test_an_object_that_cannot_be_scanned_says_why_and_is_not_tried_again(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    config = tmp_path / "strict.toml"
-    config.write_text(Path(scanned.config).read_text(encoding="utf-8") + "smallest_part = 1.0\n", encoding="utf-8")
-    stage = Render(Workspace(tmp_path / "workspace"), str(config), FAMILY)
-    told = Recorder()
-    found = stage.run(told)
-    assert found.failed and told.notes == [f"{CATEGORY}: no frame of an object to train on"]
-    reasons = {role: list(by_id.values()) for role, by_id in found.data["refused"].items()}
-    assert {"train", "hidden"} <= set(reasons), "whatever role an object has"
-    assert all("no part of it moves that is large enough" in reason for own in reasons.values() for reason in own)
-    assert found.text.count("left out") == sum(map(len, reasons.values()))
-    assert not list((tmp_path / "workspace" / "scans").rglob("*/train/*.safetensors"))
-    assert list((tmp_path / "workspace" / "scans").rglob(f"*{REFUSED}"))
-    assert stage.plan().steps == ()
+def test_a_method_without_pseudo_labels_leaves_nothing_to_scan(scanned: Scanned) -> None:
+    assert scanned.render(method="paper").plan().steps == ()
+
+
+def test_only_the_roles_that_are_asked_for_are_scanned_beside_labelled_objects(scanned: Scanned, tmp_path: Path) -> None:
+    made = scanned.copied(tmp_path)
+    for role in ROLES:
+        made.remove_scans(role)
+    for extra in ((), ("oracle",), ("unlabelled",)):
+        found = made.render(extra=extra).run(Recorder())
+        assert set(found.data["categories"][CATEGORY]["objects"]) == {*LABELLED, *extra}
+    assert open_scan_dataset(made.workspace, CATEGORY).files["oracle"], "scans of roles that are not asked for stay"
+
+
+def test_an_object_that_cannot_be_scanned_has_a_reason_and_is_not_tried_again(scanned: Scanned, tmp_path: Path) -> None:
+    made, observer = scanned.copied(tmp_path).changed(tmp_path, "[scans]", "[scans]\nsmallest_part = 1.0"), Recorder()
+    found = made.render().run(observer)
+    assert found.failed and observer.notes == [f"{CATEGORY}: no frame of a training object"]
+    skipped = {role: list(by_id.values()) for role, by_id in found.data["skipped"].items()}
+    assert {"train", "oracle"} <= set(skipped), "in every role"
+    assert all("no part of it moves that is large enough" in reason for own in skipped.values() for reason in own)
+    assert found.text.count("skipped: ") == sum(map(len, skipped.values()))
+    assert not list(made.scans("train"))
+    assert reasons(made, "train")
+    assert made.render().plan().steps == ()
 
 
 def test_frames_that_show_too_little_are_counted_with_the_reason(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    config = tmp_path / "strict.toml"
-    text = Path(scanned.config).read_text(encoding="utf-8")
-    config.write_text(text.replace("least_pixels = 1\n", "least_pixels = 100000\n"), encoding="utf-8")
-    found = Render(Workspace(tmp_path / "workspace"), str(config), FAMILY, beside=()).run(Recorder())
-    refused = found.data["categories"][CATEGORY]["refused"]
-    assert sum(refused.values()) > 0
-    for reason, count in refused.items():
+    made = scanned.copied(tmp_path).changed(tmp_path, "least_pixels = 1\n", "least_pixels = 100000\n")
+    found = made.render(extra=()).run(Recorder())
+    skipped = found.data["categories"][CATEGORY]["skipped frames"]
+    assert sum(skipped.values()) > 0
+    for reason, count in skipped.items():
         assert f"{count} {reason}" in found.text and "fewer than 100000 pixels" in reason
 
 
 def test_an_object_that_cannot_be_read_now_is_scanned_once_it_can(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace = Workspace(tmp_path / "workspace")
-    shutil.rmtree(workspace.scans)
-    (entry, *_) = open_dataset(workspace, FAMILY).hidden
+    made = scanned.copied(tmp_path)
+    made.remove_scans("oracle")
+    (entry, *_) = open_dataset(made.workspace, FAMILY).oracle
     source, away = Path(entry.source), tmp_path / "away"
-    stage = Render(workspace, scanned.config, FAMILY)
     source.rename(away)
     try:
-        found = stage.run(Recorder())
-        assert stage.plan().steps == (), "nothing waits for what has gone"
+        found = made.render().run(Recorder())
+        assert made.render().plan().steps == (), "nothing waits for a shape that is gone"
     finally:
         away.rename(source)
     assert found.failed == 1
-    assert list(found.data["refused"]["hidden"]) == [entry.id] and "result.json: missing" in found.text
-    assert not list(workspace.scans.rglob(f"*{REFUSED}"))
-    assert len(stage.plan().steps) == 1
-    assert stage.run(Recorder()).failed == 0
-    assert entry.id in {file.id for file in open_scan_dataset(workspace, CATEGORY).files["hidden"]}
+    assert list(found.data["skipped"]["oracle"]) == [entry.id] and "result.json: missing" in found.text
+    assert not reasons(made, "oracle")
+    assert len(made.render().plan().steps) == 1
+    assert made.render().run(Recorder()).failed == 0
+    assert entry.id in {file.id for file in open_scan_dataset(made.workspace, CATEGORY).files["oracle"]}
 
 
-def test_scans_whose_making_was_stopped_are_not_used_until_it_is_done(
+def test_scans_of_an_interrupted_run_are_not_used_until_it_is_finished(
     scanned: Scanned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    made = Scanned(Workspace(tmp_path / "workspace"), scanned.config)
-    next((made.workspace.scans / CATEGORY / "test").glob("*.safetensors")).unlink()
+    made = scanned.copied(tmp_path)
+    next(made.scans("test")).unlink()
 
-    def stopped(*_: object) -> Iterator[object]:
+    def interrupted(*_: object) -> NoReturn:
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(render, "map_unordered", stopped)
+        patched.setattr(render_scans, "runner_for", interrupted)
         with pytest.raises(KeyboardInterrupt):
             made.render().run(Recorder())
-    for ask in (made.train("supervised").plan, lambda: open_scan_dataset(made.workspace, CATEGORY)):
-        with pytest.raises(InputError, match="scanning was stopped before all was done: run kinmo render again"):
+    for ask in (made.train().plan, lambda: open_scan_dataset(made.workspace, CATEGORY)):
+        with pytest.raises(InputError, match="scanning was interrupted: run kinmo render again"):
             ask()
     made.render().run(Recorder())
-    assert made.train("supervised").plan().steps == ()
-    unfinished(made.workspace, CATEGORY, "train").touch()  # stopped when all was done but to say so
-    assert made.render().plan().steps
+    assert made.train().plan().steps == ()
+    made.interrupt("train")  # after all scans were made
+    assert made.render().plan().steps == (f"check the scans of {CATEGORY}, which were interrupted",)
     made.render().run(Recorder())
     assert made.render().plan().steps == ()
     assert open_scan_dataset(made.workspace, CATEGORY).files["test"]
 
 
-def test_only_the_command_that_was_stopped_ends_what_it_began(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    made = Scanned(Workspace(tmp_path / "workspace"), scanned.config)
-    folder = scans_of(made.workspace, CATEGORY, "unlabelled")
-    next(folder.glob("*.safetensors")).unlink()
-    unfinished(made.workspace, CATEGORY, "unlabelled").touch()
-    shutil.rmtree(made.workspace.models)
+def test_only_the_interrupted_command_completes_its_scans(scanned: Scanned, tmp_path: Path) -> None:
+    made = scanned.copied(tmp_path)
+    next(made.scans("unlabelled")).unlink()
+    made.interrupt("unlabelled")
     assert made.render().plan().steps == ()
     made.render().run(Recorder())
     assert not open_scan_dataset(made.workspace, CATEGORY).files["unlabelled"]
-    for begin in (made.train("semi").plan, lambda: made.train("semi").run(Recorder())):
-        with pytest.raises(InputError, match="no scans of unlabelled objects of Laptop: run kinmo render --unlabelled"):
-            begin()
-    assert not made.workspace.models.exists(), "told before the networks that are to label are trained"
-    made.render(beside=("unlabelled",)).run(Recorder())
+    made.render(extra=("unlabelled",)).run(Recorder())
     assert open_scan_dataset(made.workspace, CATEGORY).files["unlabelled"]
 
 
-def test_scans_of_objects_that_have_gone_go_too(scanned: Scanned, tmp_path: Path) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace = Workspace(tmp_path / "workspace")
-    folders = [scans_of(workspace, CATEGORY, role) for role in ("train", "pseudo")]
-    strays = [folder / "gone-partnet_mobility.safetensors" for folder in folders]
-    for stray in strays:
-        stray.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(next(folders[0].glob("*.safetensors")), stray)
-    Render(workspace, scanned.config, FAMILY).run(Recorder())
-    assert not any(stray.exists() for stray in strays), "also in a role that no object has any more"
+def test_scans_of_objects_that_are_gone_are_removed(scanned: Scanned, tmp_path: Path) -> None:
+    made = scanned.copied(tmp_path)
+    folders = [scans_folder(made.workspace, CATEGORY, role) for role in ("train", "pseudo")]
+    gone = [folder / "gone-partnet_mobility.safetensors" for folder in folders]
+    for path in gone:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(next(folders[0].glob("*.safetensors")).read_bytes())
+        Cache(path.parent).store(path.stem, "old key", [path])
+    made.render().run(Recorder())
+    assert not any(path.exists() for path in gone), "in a role without objects too"
+    assert not any(path.stem in Cache(path.parent) for path in gone)
 
 
-def test_scans_stay_until_others_take_their_place(scanned: Scanned, tmp_path: Path) -> None:
-    class CutOff(Recorder):
+def test_scans_stay_until_new_ones_replace_them(scanned: Scanned, tmp_path: Path) -> None:
+    class Interrupting(Recorder):
         def progress(self, *_: object) -> None:
             raise KeyboardInterrupt
 
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    workspace = Workspace(tmp_path / "workspace")
-    before = contents(workspace.scans)
+    made = scanned.copied(tmp_path)
+    before = contents(made.workspace.scans)
     with pytest.raises(KeyboardInterrupt):
-        Render(workspace, smaller(scanned, tmp_path), FAMILY, workers=1).run(CutOff())
-    left = contents(workspace.scans)
-    marks = {str(unfinished(workspace, CATEGORY, role).relative_to(workspace.scans)) for role in (*LABELLED, "hidden")}
-    assert left.keys() - before.keys() == marks
-    assert before.keys() <= left.keys()
+        made.changed(tmp_path, SIZE, SMALLER).render(workers=1).run(Interrupting())
+    left = contents(made.workspace.scans)
+    assert left.keys() == before.keys()
+    assert all(COMPLETE not in Cache(scans_folder(made.workspace, CATEGORY, role)) for role in (*LABELLED, "oracle"))
     changed = {path for path in before if left[path] != before[path]}
-    assert len({open_scans(workspace.scans / path).object for path in changed}) == 1
-    Render(workspace, scanned.config, FAMILY, workers=1).run(Recorder())
-    assert contents(workspace.scans) == before
+    assert len({open_scans(made.workspace.scans / path).object for path in changed}) == 1
+    made.render(workers=1).run(Recorder())
+    assert contents(made.workspace.scans) == before
 
 
-def test_an_object_that_cannot_be_scanned_anew_keeps_no_scans_of_another_way(scanned: Scanned, tmp_path: Path) -> None:
-    workspace, _ = pseudo_labelled(scanned, tmp_path / "workspace")
-    Render(workspace, scanned.config, FAMILY).run(Recorder())
-    assert open_scan_dataset(workspace, CATEGORY).files["pseudo"]
-    entry = open_dataset(workspace, FAMILY).labelled[Split.TRAIN][0]
+def test_an_object_that_cannot_be_scanned_again_keeps_no_outdated_scans(scanned: Scanned, tmp_path: Path) -> None:
+    made, _ = with_pseudo_labels(scanned, tmp_path)
+    made.render().run(Recorder())
+    assert open_scan_dataset(made.workspace, CATEGORY).files["pseudo"]
+    entry = open_dataset(made.workspace, FAMILY).labelled[Split.TRAIN][0]
     source, away = Path(entry.source), tmp_path / "away"
     source.rename(away)
     try:
-        assert Render(workspace, smaller(scanned, tmp_path), FAMILY).run(Recorder()).failed == 2
+        assert made.changed(tmp_path, SIZE, SMALLER).render().run(Recorder()).failed == 2
     finally:
         away.rename(source)
-    files = open_scan_dataset(workspace, CATEGORY).files
+    files = open_scan_dataset(made.workspace, CATEGORY).files
     assert files["train"] and entry.id not in {file.id for file in files["train"]}
-    assert not files["pseudo"], "they wait for what it shows"
+    assert not files["pseudo"], "they wait for the openings of its hinges"
 
 
-def test_scans_by_a_pseudo_label_are_made_anew_when_the_label_or_the_shape_changes(scanned: Scanned, tmp_path: Path) -> None:
-    workspace, (label, *_) = pseudo_labelled(scanned, tmp_path / "workspace")
-    stage = Render(workspace, scanned.config, FAMILY)
+def test_scans_by_a_pseudo_label_change_with_the_label_and_the_shape(scanned: Scanned, tmp_path: Path) -> None:
+    made, (label, *_) = with_pseudo_labels(scanned, tmp_path)
+    stage = made.render()
     assert len(stage.plan().steps) == 1
     stage.run(Recorder())
     assert stage.plan().steps == ()
-    (entry, *_) = open_dataset(workspace, FAMILY).unlabelled
-    scanned_ids = {file.id for file in open_scan_dataset(workspace, CATEGORY).files["pseudo"]}
-    assert entry.id in scanned_ids, "whatever its folder is called"
-    label.write_text(label.read_text(encoding="utf-8") + " ", encoding="utf-8")
+    (entry, *_) = open_dataset(made.workspace, FAMILY).unlabelled
+    scanned_ids = {file.id for file in open_scan_dataset(made.workspace, CATEGORY).files["pseudo"]}
+    assert entry.id in scanned_ids, "whatever the name of its folder"
+    text = label.read_text(encoding="utf-8")
+    label.write_text(text, encoding="utf-8")
+    assert stage.plan().steps == (), "the contents are the same"
+    label.write_text(text + " ", encoding="utf-8")
     assert len(stage.plan().steps) == 1
     stage.run(Recorder())
-    prepared = workspace.prepared / entry.file
-    made_from = read_header(prepared)["provenance"]["made_from"].encode()
-    prepared.write_bytes(prepared.read_bytes().replace(made_from, b"f" * len(made_from)))
+    entries = PreparedStore(made.workspace.prepared).entries
+    write_index(made.workspace.prepared, [replace(other, key="new") if other == entry else other for other in entries])
     assert len(stage.plan().steps) == 1
 
 
-def test_scans_by_pseudo_labels_wait_for_those_that_show_how_far_hinges_open(scanned: Scanned, tmp_path: Path) -> None:
-    workspace, _ = pseudo_labelled(scanned, tmp_path / "workspace")
-    stage = Render(workspace, scanned.config, FAMILY)
-    entry = open_dataset(workspace, FAMILY).labelled[Split.TRAIN][0]
-    for path in scans_of(workspace, CATEGORY, "train").glob(f"{entry.id}-*"):
-        path.unlink()
+def test_scans_by_pseudo_labels_wait_for_labelled_objects_that_show_hinge_openings(scanned: Scanned, tmp_path: Path) -> None:
+    made, _ = with_pseudo_labels(scanned, tmp_path)
+    stage = made.render()
+    entry = open_dataset(made.workspace, FAMILY).labelled[Split.TRAIN][0]
+    for path in made.scans("train"):
+        if path.name.startswith(f"{entry.id}-"):
+            path.unlink()
     source, away = Path(entry.source), tmp_path / "away"
     source.rename(away)
     try:
@@ -288,24 +287,25 @@ def test_scans_by_pseudo_labels_wait_for_those_that_show_how_far_hinges_open(sca
     finally:
         away.rename(source)
     assert found.failed == 2
-    count = len(open_dataset(workspace, FAMILY).unlabelled)
-    assert f"{count} objects with pseudo labels: without scans of {entry.id}-partnet_mobility" in found.text
-    assert not open_scan_dataset(workspace, CATEGORY).files["pseudo"]
+    count = len(open_dataset(made.workspace, FAMILY).unlabelled)
+    missing = f"{entry.id}-partnet_mobility"
+    assert f"{count} objects with pseudo labels: skipped because scans of {missing} are missing" in found.text
+    assert not open_scan_dataset(made.workspace, CATEGORY).files["pseudo"]
     assert stage.run(Recorder()).failed == 0
-    assert open_scan_dataset(workspace, CATEGORY).files["pseudo"]
+    assert open_scan_dataset(made.workspace, CATEGORY).files["pseudo"]
     assert stage.plan().steps == ()
 
 
-def test_hinges_whose_end_a_pseudo_label_does_not_know_open_as_far_as_labelled_ones(scanned: Scanned, tmp_path: Path) -> None:
-    workspace, labels = pseudo_labelled(scanned, tmp_path / "workspace")
+def test_hinges_without_known_limits_open_as_far_as_labelled_ones(scanned: Scanned, tmp_path: Path) -> None:
+    made, labels = with_pseudo_labels(scanned, tmp_path)
     for label in labels:
         bodies = json.loads(label.read_text(encoding="utf-8"))
         for body in bodies:
             if body["joint"] == "hinge":
                 body["jointData"]["limit"] |= {"a": -90.0, "b": 90.0, "noLimit": False}
         label.write_text(json.dumps(bodies), encoding="utf-8")
-    Render(workspace, scanned.config, FAMILY).run(Recorder())
-    files = open_scan_dataset(workspace, CATEGORY).files
+    made.render().run(Recorder())
+    files = open_scan_dataset(made.workspace, CATEGORY).files
     usual = [max(hinge_opening(file.joints[0]) or 0.0, math.pi / 2) for file in files["train"]]
     assert files["pseudo"]
     for file in files["pseudo"]:

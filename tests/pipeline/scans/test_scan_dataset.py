@@ -1,50 +1,57 @@
-"""The scans that networks of a category learn from and are judged on."""
+"""Scans of a category by their use."""
 
 from __future__ import annotations
 
 import re
-import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from scan_road import CATEGORY, Scanned
+from scanned_workspace import CATEGORY, Scanned, with_pseudo_labels
+from trained_workspace import Recorder
 
 from kinmo.core.errors import InputError
-from kinmo.dataset.workspace import Workspace
-from kinmo.pipeline.scans.scan_dataset import open_scan_dataset
+from kinmo.dataset.cache import Cache
+from kinmo.io.readers import DSG_NET
+from kinmo.pipeline.scans.scan_dataset import open_scan_dataset, scans_folder
+from kinmo.scans.files.scan_file import ScanFile, count_objects
 
 
-def test_fewer_labels_are_fewer_scans_to_train_on_and_more_that_are_hidden(scanned: Scanned) -> None:
-    whole = open_scan_dataset(scanned.workspace, CATEGORY)
-    part = open_scan_dataset(Workspace(scanned.workspace.root, 0.3), CATEGORY)
-    assert part.structure == whole.structure
-    assert part.files["test"] == whole.files["test"] or [f.id for f in part.files["test"]] == [
-        f.id for f in whole.files["test"]
-    ]
-    assert 0 < len(part.files["train"]) < len(whole.files["train"])
-    ids = {role: ({f.id for f in whole.files[role]}, {f.id for f in part.files[role]}) for role in ("train", "hidden")}
-    assert ids["hidden"][1] == ids["hidden"][0] | (ids["train"][0] - ids["train"][1])
+def test_a_setting_without_labels_of_its_own_cannot_be_trained(scanned: Scanned) -> None:
+    problem = "semi-weakly: needs scans of pseudo-labelled objects with 2 parts (revolute on part 0); there are none"
+    with pytest.raises(InputError, match=re.escape(f"{problem}: run kinmo pseudo-label, then kinmo render")):
+        scanned.train("semi-weakly").plan()
 
 
-def test_a_setting_without_anything_of_its_own_is_none(scanned: Scanned) -> None:
-    for setting, objects in (("semi-weakly", "objects"), ("dsg-net", "objects in DSG-Net's layout")):
-        problem = f"{setting}: needs scans of pseudo-labelled {objects} with 2 parts (revolute on part 0), and there are none"
-        with pytest.raises(InputError, match=re.escape(f"{problem}: run kinmo pseudo-label, then kinmo render")):
-            scanned.train(setting).plan()
+def test_a_category_without_scans_is_named_with_those_that_there_are(scanned: Scanned) -> None:
+    with pytest.raises(InputError, match=r"no scans of Lapptop \(did you mean Laptop\?\); there are Laptop: run kinmo render"):
+        open_scan_dataset(scanned.workspace, "Lapptop")
 
 
-def test_objects_that_stand_in_for_validation_ones_are_the_same_for_all_shares_of_labels(
+def test_generated_shapes_are_trained_on_only_without_other_pseudo_labels(scanned: Scanned, tmp_path: Path) -> None:
+    made, labels = with_pseudo_labels(scanned, tmp_path, DSG_NET)
+    made.render().run(Recorder())
+    dataset = open_scan_dataset(made.workspace, CATEGORY)
+    assert count_objects(dataset.extra("semi-weakly")) == len(labels)
+
+    def renamed(file: ScanFile) -> ScanFile:
+        return replace(file, id=f"{file.id}-copy", provenance=replace(file.provenance, layout="partnet"))
+
+    pseudo = dataset.files["pseudo"]
+    both = replace(dataset, files={**dataset.files, "pseudo": (*pseudo, *map(renamed, pseudo[:1]))})
+    assert [file.id for file in both.extra("semi-weakly")] == [f"{pseudo[0].id}-copy"]
+    assert both.extra("supervised") == both.extra("self-training") == ()
+    assert both.extra("oracle") == dataset.files["oracle"]
+
+
+def test_pseudo_labelled_objects_of_other_structures_are_counted_if_their_layout_is_used(
     scanned: Scanned, tmp_path: Path
 ) -> None:
-    shutil.copytree(scanned.workspace.path, tmp_path / "workspace")
-    shutil.rmtree(tmp_path / "workspace" / "scans" / CATEGORY / "validation")
-    found = set()
-    for share in (1.0, 0.5, 0.1):
-        dataset = open_scan_dataset(Workspace(tmp_path / "workspace", share), CATEGORY)
-        ids = {role: {file.id for file in dataset.files[role]} for role in ("train", "validation", "hidden")}
-        assert ids["train"]
-        assert not ids["validation"] & ids["hidden"]
-        assert len(ids["train"]) == 1 or not ids["validation"] & ids["train"]
-        found.add(frozenset(ids["validation"]))
-    (same,) = found
-    assert same
+    made, _ = with_pseudo_labels(scanned, tmp_path)
+    made.render().run(Recorder())
+    cache = Cache(scans_folder(made.workspace, CATEGORY, "pseudo"))
+    for name, layout, variant in (("one", "partnet", 0), ("two", "partnet", 0), ("two.1", "partnet", 1), ("three", DSG_NET, 0)):
+        cache.store(name, "", data={"reason": "another structure", "structure": "3 parts", "layout": layout, "variant": variant})
+    dataset = open_scan_dataset(made.workspace, CATEGORY)
+    assert dataset.count_other_structures() == 2, "there are labels of other shapes than generated ones"
+    assert replace(dataset, files={**dataset.files, "pseudo": ()}).count_other_structures() == 3

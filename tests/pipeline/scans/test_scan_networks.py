@@ -1,44 +1,57 @@
-"""Trained networks, found again."""
+"""Trained networks are found again, and are used in pairs."""
 
 from __future__ import annotations
 
 import shutil
 
 import pytest
-from scan_road import CATEGORY, FAMILY
+from scanned_workspace import CATEGORY, FAMILY
 
 from kinmo.core.errors import InputError
-from kinmo.dataset.workspace import StageRecord, Workspace
-from kinmo.pipeline.scans.scan_finder import networks_for
-from kinmo.pipeline.scans.scan_networks import Cell
+from kinmo.dataset.workspace import Workspace
+from kinmo.pipeline.scans.scan_networks import ScanRun, trained_runs, unfinished_runs
+from kinmo.pipeline.scans.scan_predictor import choose_run
+
+RUN = ScanRun(CATEGORY, "supervised", 0)
 
 
-def test_networks_of_which_one_is_of_other_scans_are_none(judged: Workspace) -> None:
-    cell = Cell(CATEGORY, "supervised", 0)
-    assert cell.weights(judged)
-    record = judged.record(cell.stage("npcs"))
-    assert record is not None
-    judged.forget(cell.stage("npcs"))
-    assert cell.weights(judged) is None
-    judged.write_record(cell.stage("npcs"), StageRecord({**record.inputs, "data": "others"}))
-    assert cell.weights(judged) is None, "what the one says does not go with what the other says"
+def begin_training(workspace: Workspace, run: ScanRun) -> None:
+    """Leave what an interrupted training of a run leaves."""
+    folder = run.folder(workspace, "npcs")
+    shutil.copytree(RUN.folder(workspace, "npcs"), workspace.training / folder.relative_to(workspace.models))
 
 
-def test_networks_that_are_not_trained_to_the_end_are_said_to_be_so(judged: Workspace) -> None:
-    with pytest.raises(InputError, match=f"no networks that find a {FAMILY} in scans.*--method paper"):
-        networks_for(judged, FAMILY, "paper", 0)
-    cell = Cell(CATEGORY, "supervised", 0)
-    shutil.copytree(cell.folder(judged, "npcs"), judged.training / cell.folder(judged, "npcs").relative_to(judged.models))
-    assert networks_for(judged, FAMILY, None, 0)[1] == cell, "while others are trained those that are there answer"
-    judged.forget(cell.stage("npcs"))
-    not_done = "are not trained to the end: the same kinmo train goes on"
-    with pytest.raises(InputError, match=not_done):
-        networks_for(judged, FAMILY, None, 0)
-    with pytest.raises(InputError, match=f"no networks that find a {FAMILY} in scans.*--method paper"):
-        networks_for(judged, FAMILY, "paper", 0)
-    by_paper = judged.by("paper")
-    shutil.copytree(cell.folder(judged, "npcs"), Cell(CATEGORY, "semi-weakly", 0).folder(by_paper, "npcs"))
-    begun = Cell(CATEGORY, "semi-weakly", 0).folder(by_paper, "npcs")
-    shutil.move(begun, by_paper.training / begun.relative_to(by_paper.models))
-    with pytest.raises(InputError, match=not_done):
-        networks_for(judged, FAMILY, "paper", 0)
+def test_two_networks_that_were_trained_on_other_scans_are_no_pair(evaluated: Workspace) -> None:
+    assert RUN.weights(evaluated)
+    inputs = evaluated.inputs_of(RUN.stage("npcs"))
+    assert inputs is not None
+    assert RUN.was_trained_on(evaluated, inputs["data"])
+    evaluated.forget(RUN.stage("npcs"))
+    assert RUN.weights(evaluated) is None
+    evaluated.record(RUN.stage("npcs"), {**inputs, "data": "others"})
+    assert RUN.weights(evaluated) is None
+    assert not RUN.was_trained_on(evaluated, inputs["data"])
+
+
+def test_runs_are_found_by_their_folders(evaluated: Workspace) -> None:
+    begun = [ScanRun(CATEGORY, "semi-weakly", 3, "paper"), ScanRun(CATEGORY, "self-training", 1)]
+    for run in begun:
+        begin_training(evaluated, run)
+    assert trained_runs(evaluated) == [RUN]
+    assert set(unfinished_runs(evaluated)) == set(begun)
+
+
+def test_an_unfinished_training_is_reported(evaluated: Workspace) -> None:
+    with pytest.raises(InputError, match=r"no networks for scans of laptop that learned .*paper.*--method paper first"):
+        choose_run(evaluated, FAMILY, "paper", 0)
+    begin_training(evaluated, RUN)
+    assert choose_run(evaluated, FAMILY, None, 0) == RUN, "earlier networks are used until the training is finished"
+    evaluated.forget(RUN.stage("npcs"))
+    unfinished = "the training of networks for laptop is not finished: run the same kinmo train again"
+    with pytest.raises(InputError, match=unfinished):
+        choose_run(evaluated, FAMILY, None, 0)
+    with pytest.raises(InputError, match=r"no networks for scans of laptop that learned .*paper.*--method paper first"):
+        choose_run(evaluated, FAMILY, "paper", 0)
+    begin_training(evaluated, ScanRun(CATEGORY, "semi-weakly", 0, "paper"))
+    with pytest.raises(InputError, match=unfinished):
+        choose_run(evaluated, FAMILY, "paper", 0)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from scan_road import CATEGORY, FAMILY, HOW, SCANS, Scanned, prepared_in, pseudo_labelled
+from scanned_workspace import CATEGORY, FAMILY, CPU, SCANS, Scanned, prepared_in, pseudo_labelled
 from trained_workspace import Recorder, contents
 
 from kinmo.config import load_config
@@ -69,7 +69,7 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(
     config = tmp_path / "longer.toml"
     text = Path(scanned.config).read_text(encoding="utf-8").replace("batches_per_epoch = 2", "batches_per_epoch = 60")
     config.write_text(text.replace("learning_rate = 1e-3", "learning_rate = 1e-2"), encoding="utf-8")
-    stage = TrainAncsh(workspace, str(config), FAMILY, "semi", **HOW)
+    stage = TrainAncsh(workspace, str(config), FAMILY, "semi", **CPU)
     planned = stage.plan()
     assert [step.split(" (")[0] for step in planned.steps if step.startswith("train")] == ["train ancsh", "train npcs"] * 2
     assert [step for step in planned.steps if step.startswith("label")]
@@ -86,7 +86,7 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(
     before = contents(workspace.path)
     stage.run(Recorder())
     assert contents(workspace.path) == before
-    own, gone = SelfLabel(workspace, CATEGORY, confidence=0.0, **HOW), labelled[0].read_bytes()
+    own, gone = SelfLabel(workspace, CATEGORY, confidence=0.0, **CPU), labelled[0].read_bytes()
     assert own.plan().steps == ()
     workspace.forget(f"self-label-{CATEGORY}-0")  # as if it had been killed before the first one was done
     labelled[0].unlink()
@@ -107,12 +107,12 @@ def test_networks_that_label_scans_are_trained_first_and_their_labels_are_used(
 def test_networks_learn_from_pseudo_labels_too(scanned: Scanned, tmp_path: Path) -> None:
     workspace, _ = pseudo_labelled(scanned, tmp_path / "workspace")
     Render(workspace, scanned.config, FAMILY).run(Recorder())
-    stage = TrainAncsh(workspace, scanned.config, FAMILY, "semi-weakly", **HOW)
+    stage = TrainAncsh(workspace, scanned.config, FAMILY, "semi-weakly", **CPU)
     stage.run(Recorder())
     assert stage.plan().steps == ()
     dataset = open_scan_dataset(workspace, CATEGORY)
     config = load_config(scanned.config)
-    others = TrainAncsh(workspace, scanned.config, FAMILY, "supervised", **HOW)
+    others = TrainAncsh(workspace, scanned.config, FAMILY, "supervised", **CPU)
     budgets = [[(each.work.schedule, each.work.units) for each in one._fittings(config)] for one in (stage, others)]
     assert budgets[0] == budgets[1], "as many steps on as many frames, whatever there is to learn from"
     facts = json.loads((Cell(CATEGORY, "semi-weakly", 0).folder(workspace, "npcs") / "weights.json").read_text())["facts"]
@@ -126,7 +126,7 @@ def test_networks_learn_from_pseudo_labels_of_generated_shapes_where_there_are_n
 ) -> None:
     workspace, labels = pseudo_labelled(scanned, tmp_path / "workspace", layout="dsg_net")
     Render(workspace, scanned.config, FAMILY).run(Recorder())
-    later = TrainAll(workspace, scanned.config, FAMILY, **HOW)._later(open_dataset(workspace))
+    later = TrainAll(workspace, scanned.config, FAMILY, **CPU)._later(open_dataset(workspace))
     (training,) = (stage for stage in later if isinstance(stage, TrainAncsh))
     assert training.setting == "dsg-net"
     training.run(Recorder())
@@ -144,7 +144,7 @@ def test_each_method_has_pseudo_labels_scans_and_networks_of_its_own(scanned: Sc
     shutil.copytree(label.parent, other.pseudo / label.parent.name)
     for place in (workspace, other):
         Render(place, scanned.config, FAMILY).run(Recorder())
-        TrainAncsh(place, scanned.config, FAMILY, "semi-weakly", **HOW).run(Recorder())
+        TrainAncsh(place, scanned.config, FAMILY, "semi-weakly", **CPU).run(Recorder())
     known, others = (open_scan_dataset(place, CATEGORY).files for place in (workspace, other))
     assert count_objects(known["pseudo"]) > count_objects(others["pseudo"]) == 1
     for role in set(ROLES) - {"pseudo"}:
@@ -161,7 +161,7 @@ def test_each_method_has_pseudo_labels_scans_and_networks_of_its_own(scanned: Sc
     example.run(Recorder())
 
     def trained_for(method: str | None) -> str:
-        stage = PredictScans(example.path, tmp_path / "out", workspace, FAMILY, method=method, **HOW)
+        stage = PredictScans(example.path, tmp_path / "out", workspace, FAMILY, method=method, **CPU)
         return str(stage.run(Recorder()).data["trained"])
 
     assert trained_for(None) == trained_for("kinmo") == f"{CATEGORY}, semi-weakly, seed 0"

@@ -20,7 +20,9 @@ from kinmo.scans.files.scan_file import ScanFile
 
 @dataclass(frozen=True)
 class LabelCounts:
-    """Numbers of pseudo-labelled objects of one structure; each of `right_structure` to `right_lines` is part of the one before.
+    """Numbers of pseudo-labelled objects of one structure.
+
+    Each of the first four is part of the one before.
 
     Attributes:
         labelled: objects with this structure by their pseudo labels, and with oracle labels.

@@ -60,9 +60,8 @@ def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption, mor
     lines: list[tuple[Cell, ...]] = []
     for row in rows:
         if row.objects:
-            lines += [
-                (row.name, str(part), *_part_cells(row, part, structure, measures)) for part in range(structure.part_count)
-            ]
+            for part in range(structure.part_count):
+                lines.append((row.name, str(part), *_part_cells(row, part, structure, measures)))
         else:
             lines.append((row.name, row.absent, *([None] * (len(measures) + 1))))
         if row.printed is not None:
@@ -155,10 +154,9 @@ def over_categories(rows: Mapping[str, Mapping[str, ScanRow]], structures: Mappi
         failed = mean([failed_share(objects) for objects in scored.values()])
         absent = OUTDATED if any(row.absent == OUTDATED for row in by_category.values()) else NOT_RUN
         lines.append((title, len(scored) or absent, *_means(values, measures), failed))
-        printed = {_authors_title(row): None for row in by_category.values() if row.printed is not None}
+        printed = [printed_means(row.printed) for row in by_category.values() if row.printed is not None]
         if printed:
-            own = [printed_means(row.printed) for row in by_category.values() if row.printed is not None]
-            lines.append((*printed, len(own), *_means(own, measures), None))
+            lines.append((f"{title}, {MARK}", len(printed), *_means(printed, measures), None))
     captions = [_with_counts(caption, [by_category[category] for by_category in rows.values()]) for category in structures]
     whole = replace(caption, shapes=sum(own.shapes for own in captions), scans=sum(own.scans for own in captions))
     return Table(whole, columns, tuple(lines))

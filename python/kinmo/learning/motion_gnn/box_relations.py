@@ -121,8 +121,9 @@ def relative_poses(boxes: Boxes, edges: I64) -> F64:
         edges: Pairs of moving and reference box [E, 2].
 
     Returns:
-        Features [E, POSE_FEATURES]: the offset of the centres along the reference's axes as a length (3) and in half extents
-        of the reference (3, bounded by tanh), the rotation between the axes (9), and the bounded log ratios of sizes (3).
+        Features [E, POSE_FEATURES]. The first six are the offset of the centres along the reference's axes: as a length (3) and
+        in half extents of the reference (3, bounded by tanh). Then follow the rotation between the axes (9) and the log ratios
+        of the sizes (3, bounded by tanh).
     """
     moving, reference = edges.T
     frame = boxes.axes[reference]

@@ -70,9 +70,9 @@ def train_motion_gnn(
 class GnnLearner(Learner):
     """A motion GNN with its loss L (paper, section 3.2).
 
-    The validation error is the sum of `ERRORS`: the share of wrong types among motion edges, that among all other edges, the
-    mean direction error (undirected, ||d -+ d^||) and the mean pivot error. It has the same terms as the loss, in a form that
-    over-confident probabilities do not inflate.
+    The validation error is the sum of `ERRORS`. These are the share of wrong types among motion edges, the same share among all
+    other edges, the mean direction error (undirected, ||d -+ d^||) and the mean pivot error. The sum has the terms of the loss,
+    but over-confident probabilities do not inflate it.
 
     Args:
         config: Configuration of the network and its training.

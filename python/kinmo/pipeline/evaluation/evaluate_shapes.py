@@ -61,15 +61,15 @@ class EvaluateShapes:
     """Score the trained methods on the test shapes of a workspace, and write Table 1.
 
     Attributes:
-        workspace: the workspace.
+        workspace: The workspace.
         methods: `kinmo`, `paper` or both.
-        category: only shapes of this category; None for all.
-        baselines: rows that need no trained method.
-        more_rows: adds rows, such as ablations.
-        more_tables: adds tables.
-        device: where networks run.
-        workers: number of processes.
-        details: print all figures.
+        category: Only shapes of this category; None for all.
+        baselines: Rows that need no trained method.
+        more_rows: Adds rows, such as ablations.
+        more_tables: Adds tables.
+        device: Where networks run.
+        workers: Number of processes.
+        details: Print all figures.
     """
 
     workspace: Workspace
@@ -110,7 +110,8 @@ class EvaluateShapes:
                 with timed(self.workspace, folder.stage) as watch:
                     scored = self._scores(dataset, rows, observer)
                     with write_folder_atomically(folder.path) as draft:
-                        self._write(draft, scored, dataset.category, missing)
+                        seeds = self._models.seeds(_models_of(rows))
+                        self._write(draft, scored, dataset.category, seeds, missing)
                     watch.amount, watch.what = len(scored), f"{len(rows)} rows on {len(scored)} test shapes"
                 self.workspace.record(folder.stage, inputs, sorted(p for p in folder.path.rglob("*") if p.is_file()))
         return _outcome(folder.path, self.details)
@@ -125,8 +126,7 @@ class EvaluateShapes:
 
     def _inputs(self, category: str | None, rows: Sequence[Row]) -> dict[str, Any]:
         """Everything that the tables depend on."""
-        models = sorted({model for row in rows for model in row.method.model_names})
-        return workspace_inputs(self.workspace, category, models) | {
+        return workspace_inputs(self.workspace, category, _models_of(rows)) | {
             "rows": _settings(rows),
             "baselines": self._baseline_settings,
             "tables": self.more_tables is not None,
@@ -164,15 +164,16 @@ class EvaluateShapes:
             observer.progress("evaluating shapes", len(found), len(entries), job.entry.id)
         return [found[entry.file] for entry in entries]
 
-    def _write(self, folder: Path, scored: Sequence[ShapeScores], category: str | None, note: str) -> None:
-        """Write all tables, summaries and examples; `note` goes below the tables."""
+    def _write(
+        self, folder: Path, scored: Sequence[ShapeScores], category: str | None, seeds: tuple[int, ...], note: str
+    ) -> None:
+        """Write all tables, summaries and examples. `seeds` of the networks and `note` go below the tables."""
         if failures := sum(len(scores.failures) for scores in scored):
             note = f"{failures} predictions failed and count as missed. {note}".rstrip()
-        models = tuple(sorted({model for method in self.methods for model in METHOD_MODELS[method]}))
         data = f"{category or 'all categories'} of workspace {self.workspace.path.absolute().name}"
         for setting in SETTINGS:
             title = f"Table 1, {setting.replace('_', ' ')}"
-            caption = Caption(title, data, 0, 0, "test split by hashed id", self._models.seeds(models), note)
+            caption = Caption(title, data, 0, 0, "test split by hashed id", seeds, note)
             scores = _by_row(scored, setting)
             headline = {name: own for name, own in scores.items() if "," not in name}  # ablations have a comma
             tables = (
@@ -215,6 +216,11 @@ class ShapeScorer:
         meshes = leaf_meshes(shape, truth)
         first = self.baselines.score(truth, meshes, job.baselines) if self.baselines else ({}, {})
         return evaluate_shape(truth, meshes, entry.layout, self.rows, first).to_data()
+
+
+def _models_of(rows: Sequence[Row]) -> tuple[str, ...]:
+    """Models that the rows use, sorted."""
+    return tuple(sorted({model for row in rows for model in row.method.model_names}))
 
 
 def _settings(rows: Sequence[Row]) -> dict[str, Any]:

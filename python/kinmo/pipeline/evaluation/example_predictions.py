@@ -23,13 +23,13 @@ class ExamplePrediction:
     """One method's prediction for a true joint.
 
     Attributes:
-        type: predicted motion type, or "none".
-        direction: unit direction of the axis in the normalised frame; None without a joint.
-        pivot: point on the axis, likewise.
-        kind: kind of the joint, likewise.
-        axis_degrees: angle to the true axis; None for a missed joint.
-        line: distance from the true axis line at the part, in diagonals; None for sliders and missed joints.
-        is_ok: the joint is right (`kinmo.evaluation.metrics`).
+        type: Predicted motion type, or "none".
+        direction: Unit direction of the axis in the normalised frame; None without a joint.
+        pivot: Point on the axis, likewise.
+        kind: Kind of the joint, likewise.
+        axis_degrees: Angle to the true axis; None for a missed joint.
+        line: Distance from the true axis line at the part, in diagonals; None for sliders and missed joints.
+        is_ok: The joint is right (`kinmo.evaluation.metrics`).
     """
 
     type: str
@@ -61,13 +61,13 @@ class Example:
     """One true joint of a test shape, with the predictions of several methods, parts given.
 
     Attributes:
-        shape_id: id of the shape.
-        layout: dataset layout of the shape.
-        category: category of the shape.
-        body: index of the body that the joint moves.
-        name: name of that body.
-        true_type: true motion type.
-        predictions: predictions by name of the table's row.
+        shape_id: Id of the shape.
+        layout: Dataset layout of the shape.
+        category: Category of the shape.
+        body: Index of the body that the joint moves.
+        name: Name of that body.
+        true_type: True motion type.
+        predictions: Predictions by name of the table's row.
     """
 
     shape_id: str

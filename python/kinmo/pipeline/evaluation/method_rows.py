@@ -48,9 +48,9 @@ def method_rows(models: ModelFolder, methods: Sequence[str], device: str) -> lis
     """Rows of the methods, in the order of printing.
 
     Args:
-        models: the folder with the trained networks.
+        models: The folder with the trained networks.
         methods: `kinmo`, `paper` or both.
-        device: where networks run.
+        device: Where networks run.
 
     Raises:
         InputError: there is no such method, or one of its networks is missing or cannot be read.

@@ -34,10 +34,10 @@ class ShapeScores:
     """Scores of one shape by row.
 
     Attributes:
-        parts_given: scores with the true bodies given.
-        hierarchy_given: scores with the part hierarchy alone given.
-        examples: predictions for the report's pictures.
-        failures: messages of rows that failed.
+        parts_given: Scores with the true bodies given.
+        hierarchy_given: Scores with the part hierarchy alone given.
+        examples: Predictions for the report's pictures.
+        failures: Messages of rows that failed.
     """
 
     parts_given: dict[str, ShapeScore] = field(default_factory=dict)
@@ -91,11 +91,11 @@ def evaluate_shape(
     """Score every row on an annotated shape. A row that fails misses all joints.
 
     Args:
-        truth: the shape with its annotation.
-        meshes: meshes of its leaves, in the normalised frame.
-        layout: dataset layout of the shape.
-        rows: the rows.
-        baselines: scores of other rows, parts given and hierarchy given, that stand before them.
+        truth: The shape with its annotation.
+        meshes: Meshes of its leaves, in the normalised frame.
+        layout: Dataset layout of the shape.
+        rows: The rows.
+        baselines: Scores of other rows, parts given and hierarchy given, that stand before them.
 
     Returns:
         The scores, examples and failures.

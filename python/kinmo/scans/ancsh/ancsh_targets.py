@@ -141,8 +141,8 @@ def global_targets(extents: Extents, axes: JointAxes) -> tuple[F32, F32]:
         axes: Axes of the joints of parts 1 and up.
 
     Returns:
-        Half sides of the parts' boxes in NPCS [B, K, 3], and pivots in NAOCS [B, K - 1, 3]: the points of the axes that are
-        nearest to the middles of the moving parts.
+        Half sides of the parts' boxes in NPCS [B, K, 3], and pivots in NAOCS [B, K - 1, 3]. The pivots are the points of the
+        axes that are nearest to the middles of the moving parts.
     """
     half_sizes = np.maximum(0.5 * extents.sizes / extents.diagonals[..., None], MIN_HALF_SIZE)
     along = np.sum((extents.centers[:, 1:] - axes.pivots) * axes.directions, axis=-1, keepdims=True)

@@ -6,8 +6,8 @@ of all families find the new one. A test file in tests/synth/families checks wha
 - Take every random value from `draw`. A seed then decides the shape.
 - Build each part in the pose of joint value 0, mostly closed. A `rest` value shows a joint open in the file.
 - Use y up, +z to the front, and any length unit. Size, position, node ids and the quirks of real files come afterwards.
-- Give every leaf geometry and exactly one link (`SynthObject.check`).
-- Name `category`, and the root node, in a spelling that `kinmo.core.categories.canonical_category` maps to `category`.
+- Every leaf needs geometry and exactly one link (`SynthObject.check`).
+- Spell `category` as `kinmo.core.categories.canonical_category` does. The root node may have any spelling of it.
 """
 
 from __future__ import annotations

@@ -1,0 +1,17 @@
+"""The stage `Synth`: its plan and its result."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from kinmo.dataset.stage import SilentObserver
+from kinmo.synth.synth_stage import Synth
+
+
+def test_a_plan_has_the_shapes_that_are_missing(tmp_path: Path) -> None:
+    stage = Synth(tmp_path, 2, ("laptop",), ("partnet",))
+    assert "write 2 procedural shapes" in stage.plan().steps[0]
+    outcome = stage.run(SilentObserver())
+    assert (outcome.data["shapes"], outcome.data["written"]) == (2, 2)
+    assert stage.plan().steps == ()
+    assert Synth(tmp_path, 3, ("laptop",), ("partnet",)).run(SilentObserver()).data["written"] == 1
