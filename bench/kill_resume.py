@@ -243,7 +243,7 @@ def _kill(process: multiprocessing.process.BaseProcess) -> None:
 
 def tiny_config(folder: Path) -> Path:
     """A configuration far smaller than `small`, whose networks label every shape, however unsure."""
-    text = (files("kinmo") / "configs" / "small.toml").read_text(encoding="utf-8")
+    text = (files("kinmo.config") / "builtin" / "small.toml").read_text(encoding="utf-8")
     few = {"epochs": 4, "batches_per_epoch": 4, "points": 64, "members": 2, "states": 3, "views": 4}
     for key, value in few.items():
         text = re.sub(rf"^{key} = \d+", f"{key} = {value}", text, flags=re.MULTILINE)

@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 
 from kinmo.config import Config, builtin_configs, load_config
+from kinmo.config.reference import reference_page
 from kinmo.core.errors import InputError
 from kinmo.core.typed_tables import from_table, to_table
 
-SMALL = (files("kinmo") / "configs" / "small.toml").read_text(encoding="utf-8")
+SMALL = (files("kinmo.config") / "builtin" / "small.toml").read_text(encoding="utf-8")
 EPOCHS = next(line for line in SMALL.splitlines() if line.startswith("epochs"))
 
 
@@ -35,7 +36,7 @@ def test_the_papers_weights_and_threshold_are_the_papers() -> None:
         ("[gnn]", "[gnn]\nchild_round = 1", r"gnn.child_round: unknown key \(did you mean child_rounds\?\)"),
         (EPOCHS, 'epochs = "many"', "gnn.training.epochs: expected int, got 'many'"),
         (EPOCHS, "epochs = true", "gnn.training.epochs: expected int, got True"),
-        ('inputs = "paper"', 'inputs = "mine"', "gnn.inputs: expected one of paper, kinmo, got 'mine'"),
+        ('kind = "pointnet"', 'kind = "mine"', "gnn.leaf.kind: expected one of pointnet, dgcnn, got 'mine'"),
         ("widths = [32, 64, 128]", "widths = [32, 6.5]", r"gnn.leaf.widths\[1\]: expected int, got 6.5"),
         ("widths = [32, 64, 128]", "widths = 32", "gnn.leaf.widths: expected a list, got 32"),
         ("[gnn.leaf]", "[gnn.roots]", "gnn.roots: unknown key"),
@@ -96,7 +97,7 @@ def test_an_absent_file_is_answered_with_the_known_names() -> None:
         ("widths", "[]", "gnn.leaf.widths"),
         ("widths", "[32, -64]", r"gnn.leaf.widths\[1\]"),
         ("head_dropout", "1.5", "axis.head_dropout"),
-        ("weights", "[]", "refinement.weights"),
+        ("centers", "[]", "ancsh.centers"),
         ("members", "0", "ranking.members"),
         ("epochs", "99999999999999999999", "gnn.training.epochs"),
         ("threads", "1000000", "gnn.training.threads"),
@@ -110,3 +111,8 @@ def test_values_out_of_bounds_are_refused_by_name(key: str, value: str, field: s
     (tmp_path / "c.toml").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=f"{field}: expected"):
         load_config(tmp_path / "c.toml")
+
+
+def test_the_reference_page_is_what_python_m_kinmo_config_reference_prints() -> None:
+    page = Path(__file__).parents[1] / "docs" / "reference" / "config.md"
+    assert page.read_text(encoding="utf-8") == reference_page()

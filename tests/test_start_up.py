@@ -1,4 +1,4 @@
-"""What a command must not wait for."""
+"""Slow libraries that commands must not load without need."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 
 
 def loaded_by(script: str) -> set[str]:
-    """The slow libraries that a fresh Python has loaded once `script` is through."""
+    """Slow libraries that a fresh Python has loaded at the end of `script`."""
     watched = "print(*sorted({'torch', 'sklearn', 'pybullet'} & sys.modules.keys()))"
     process = subprocess.run(
         [sys.executable, "-c", f"import atexit, sys\natexit.register(lambda: {watched})\n{script}"],
@@ -20,7 +20,7 @@ def loaded_by(script: str) -> set[str]:
 
 def test_training_and_prediction_load_torch_and_no_other_slow_library() -> None:
     training = "import kinmo.pipeline.train_motion, kinmo.pipeline.scans.train_scans"
-    prediction = "import kinmo.experiments.table1.evaluate_table1, kinmo.pipeline.predict_shapes, kinmo.pipeline.pseudo_label"
+    prediction = "import kinmo.pipeline.evaluation.evaluate_shapes, kinmo.pipeline.predict_shapes, kinmo.pipeline.pseudo_label"
     assert loaded_by(training) == loaded_by(prediction) == {"torch"}
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from scanned_workspace import CATEGORY, FAMILY, CPU, Scanned
+from scanned_workspace import CATEGORY, CPU, FAMILY, Scanned
 from trained_workspace import MADE, Recorder, Trained, contents, undone
 
 from kinmo.dataset.stage import Stage

@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from scanned_workspace import CATEGORY, FAMILY, CPU, Scanned
-from typer.testing import CliRunner
+from scanned_workspace import CATEGORY, CPU, FAMILY, Scanned
 from trained_workspace import Recorder, contents
+from typer.testing import CliRunner
 
 from kinmo.cli.app import app
 from kinmo.core.errors import InputError

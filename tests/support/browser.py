@@ -11,9 +11,7 @@ import pytest
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 needs_browser = pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine")
-SIZES = (
-    "<script>document.title = document.documentElement.scrollWidth + '/' + document.documentElement.clientWidth</script>"
-)
+SIZES = "<script>document.title = document.documentElement.scrollWidth + '/' + document.documentElement.clientWidth</script>"
 """Writes the width of the content and of the window into the title of the page."""
 
 

@@ -10,7 +10,7 @@ from kinmo.config import AncshConfig, TrainingConfig
 from kinmo.scans.ancsh.ancsh_loss import ScanBatch
 from kinmo.scans.ancsh.scan_batches import ScanData
 from kinmo.scans.files.scan_file import ScanFile
-from kinmo.scans.preprocessing.input_frame import base_axes, initial_axes
+from kinmo.scans.preprocessing.input_frame import base_axes, manhattan_axes
 
 TINY = AncshConfig(
     training=TrainingConfig(epochs=2, learning_rate=3e-3, weight_decay=0.0, decay_epochs=0, threads=1),
@@ -22,7 +22,7 @@ TINY = AncshConfig(
     batch_frames=8,
     batches_per_epoch=3,
 )
-SCAN_ALONE = replace(TINY, normalised="scan", axes="camera")
+LIKE_RELEASE = replace(TINY, release=True)
 
 
 def two_scans(file: ScanFile) -> ScanBatch:
@@ -32,6 +32,6 @@ def two_scans(file: ScanFile) -> ScanBatch:
 def frame_with_differing_axes(file: ScanFile) -> int:
     """Frame whose input axes differ most between the first and the second pass."""
     points, parts = file.read("points"), file.read("parts")
-    first = initial_axes(points, "base")
+    first = manhattan_axes(points)
     second = base_axes(points, parts == 0, first)
     return int(np.abs(second - first).max(axis=(1, 2)).argmax())

@@ -71,7 +71,7 @@ def copy_without(trained: Trained, folder: Path, stages: Iterable[str]) -> Works
 
 def tiny_config(folder: Path) -> Path:
     """The configuration `small` with one epoch."""
-    lines = files("kinmo").joinpath("configs", "small.toml").read_text(encoding="utf-8").splitlines()
+    lines = files("kinmo.config").joinpath("builtin", "small.toml").read_text(encoding="utf-8").splitlines()
     path = folder / "tiny.toml"
     path.write_text("\n".join("epochs = 1" if line.startswith("epochs") else line for line in lines), encoding="utf-8")
     return path

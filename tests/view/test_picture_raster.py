@@ -1,4 +1,4 @@
-"""The depth buffer against casting one ray a pixel."""
+"""Shaded pictures: which part is seen, how bright it is, and where lines are."""
 
 from __future__ import annotations
 
@@ -7,75 +7,80 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kinmo.core.shape import Mesh
 from kinmo.view.picture_camera import Camera, front_left
-from kinmo.view.picture_raster import shade, visible_faces
+from kinmo.view.picture_raster import AMBIENT, LIGHT, OUTLINE, shade
 
 UP = np.array([0.0, 1.0, 0.0])
+RED, GREEN = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+SQUARE = np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]])
+FACES = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
+SIZE = 40
 
 
-def seen_by_rays(camera: Camera, triangles: np.ndarray) -> np.ndarray:
-    """The nearest triangle at every pixel centre, by Moeller and Trumbore's test along the view direction."""
-    faces = np.full((camera.size, camera.size), -1)
-    half = 0.5 * camera.size
-    for row in range(camera.size):
-        for column in range(camera.size):
-            offset = np.array([column + 0.5 - half, half - row - 0.5]) / camera.scale
-            origin = camera.center + offset @ camera.rows[:2]
-            best = -np.inf
-            for index, (a, b, c) in enumerate(triangles):
-                system = np.column_stack([b - a, c - a, -camera.rows[2]])
-                if abs(np.linalg.det(system)) < 1e-9:
-                    continue
-                u, v, t = np.linalg.solve(system, origin - a)
-                if u >= 0 and v >= 0 and u + v <= 1 and t > best:
-                    best, faces[row, column] = t, index
-    return faces
+def square(center: np.ndarray, scale: float = 1.0) -> Mesh:
+    """A square that faces +z."""
+    return Mesh(scale * SQUARE + center, FACES)
 
 
-@settings(max_examples=15)
-@given(seed=st.integers(0, 10_000), count=st.integers(1, 12))
-def test_every_pixel_shows_the_triangle_that_a_ray_meets_first(seed: int, count: int) -> None:
-    triangles = np.random.default_rng(seed).uniform(-1, 1, (count, 3, 3))
-    camera = front_left(triangles.reshape(-1, 3), UP, 24)
-    drawn, cast = visible_faces(camera, triangles), seen_by_rays(camera, triangles)
-    assert np.mean(drawn == cast) > 0.995  # a pixel centre on an edge may go either way
+def frontal(size: int = SIZE) -> Camera:
+    """A camera that looks along -z."""
+    rotation = np.diag([1.0, -1.0, -1.0])
+    return Camera(rotation, np.zeros(3), 1.0, 2.0 * size, np.full(2, 0.5 * size), size)
 
 
-@pytest.mark.parametrize("limit", [1, 50, 10_000])
-def test_what_is_seen_does_not_depend_on_how_much_is_tested_at_once(limit: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    triangles = np.random.default_rng(0).uniform(-1, 1, (20, 3, 3))
-    camera = front_left(triangles.reshape(-1, 3), UP, 40)
-    whole = visible_faces(camera, triangles)
-    monkeypatch.setattr("kinmo.view.picture_raster.SAMPLES_AT_ONCE", limit)
-    np.testing.assert_array_equal(visible_faces(camera, triangles), whole)
+@pytest.mark.parametrize("is_reversed", [False, True])
+def test_a_nearer_part_hides_a_farther_one_whatever_the_order(is_reversed: bool) -> None:
+    meshes = [square(np.array([0.0, 0.0, 0.5]), 0.5), square(np.zeros(3))]
+    colors = np.stack([RED, GREEN])
+    order = slice(None, None, -1 if is_reversed else 1)
+    picture = shade(frontal(), meshes[order], colors[order])
+    assert picture[SIZE // 2, SIZE // 2, 0] and not picture[SIZE // 2, SIZE // 2, 1], "the small square is in front"
+    edge = SIZE // 2 - int(0.8 * 2 * SIZE / 6)
+    assert picture[edge, edge, 1] and not picture[edge, edge, 0]
+
+
+@settings(max_examples=30)
+@given(seed=st.integers(0, 10_000))
+def test_brightness_follows_the_angle_to_the_light(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    camera = frontal(60)
+    slopes = rng.uniform(-1.0, 1.0, 2)
+    plane = 0.5 * SQUARE
+    plane[:, 2] = plane[:, :2] @ slopes
+    normal = np.append(-slopes, 1.0) / np.linalg.norm([*slopes, 1.0])
+    picture = shade(camera, [Mesh(plane, FACES)], np.ones((1, 3)))
+    expected = AMBIENT + (1.0 - AMBIENT) * abs(camera.rotation @ normal @ LIGHT)
+    assert picture[30, 30, :3] == pytest.approx(np.full(3, 255.0 * expected), abs=2.0)
+
+
+def test_both_sides_of_a_triangle_are_lit_alike() -> None:
+    front = Mesh(SQUARE, FACES)
+    back = Mesh(SQUARE, FACES[:, ::-1])
+    pictures = [shade(frontal(), [mesh], np.ones((1, 3))) for mesh in (front, back)]
+    np.testing.assert_array_equal(*pictures)
+
+
+def test_dark_lines_run_between_parts_but_not_within_them() -> None:
+    halves = [Mesh(SQUARE * [0.5, 1.0, 1.0] + [side, 0.0, 0.0], FACES) for side in (-0.5, 0.5)]
+    row = shade(frontal(), halves, np.ones((2, 3)))[SIZE // 2, :, 0].astype(float)
+    inside = row[SIZE // 2 - 4]
+    middle = row[SIZE // 2 - 1 : SIZE // 2 + 1]
+    assert middle.min() == pytest.approx(0.5 * (1.0 + OUTLINE) * inside, abs=2.0), "one of two samples is dark"
+    assert row[SIZE // 2 - 6 : SIZE // 2 - 2] == pytest.approx(np.full(4, inside))
 
 
 def test_degenerate_triangles_leave_the_picture_empty() -> None:
-    triangles = np.array([[[0.0, 0, 0]] * 3, [[0.0, 0, 0], [1, 1, 1], [2, 2, 2]]])
-    camera = front_left(triangles.reshape(-1, 3), UP, 16)
-    picture = shade(camera, triangles, np.ones((2, 3)), np.array([0, 1]))
+    point = Mesh(np.zeros((3, 3)), np.array([[0, 1, 2]], np.uint32))
+    line = Mesh(np.array([[0.0, 0, 0], [1, 1, 1], [2, 2, 2]]), np.array([[0, 1, 2]], np.uint32))
+    camera = front_left(np.concatenate([point.vertices, line.vertices]), UP, 16)
+    picture = shade(camera, [point, line], np.ones((2, 3)))
     assert picture.shape == (16, 16, 4)
     assert not picture[..., 3].any()
 
 
-def test_a_nearer_part_hides_a_farther_one_whatever_the_order() -> None:
-    camera = Camera(np.eye(3), np.zeros(3), 10.0, 20)
-    far = np.array([[-1.0, -1, 0], [1, -1, 0], [0, 1, 0]])
-    near = far + np.array([0, 0, 0.5])
-    assert visible_faces(camera, np.stack([far, near]))[10, 10] == 1
-    assert visible_faces(camera, np.stack([near, far]))[10, 10] == 0
-
-
-@settings(max_examples=30)
-@given(seed=st.integers(0, 10_000), z_up=st.booleans())
-def test_the_camera_sees_every_point_with_up_pointing_up(seed: int, z_up: bool) -> None:
-    rng = np.random.default_rng(seed)
-    points = rng.normal(size=(50, 3)) * rng.uniform(0.01, 100, 3) + rng.normal(size=3) * 1000
-    up = np.array([0.0, 0.0, 1.0]) if z_up else UP
-    camera = front_left(points, up, 100)
-    pixels, _ = camera.project(points)
-    assert pixels.min() >= 9.9 and pixels.max() <= 90.1
-    np.testing.assert_allclose(camera.rows @ camera.rows.T, np.eye(3), atol=1e-12)
-    foot, top = camera.project(np.stack([points[0], points[0] + up]))[0]
-    assert top[1] < foot[1]
-    assert abs(top[0] - foot[0]) < 1e-6
+def test_empty_pixels_are_transparent_and_borders_are_smooth() -> None:
+    triangle = Mesh(SQUARE, FACES[:1])
+    alpha = shade(frontal(), [triangle], np.ones((1, 3)))[..., 3]
+    assert alpha[0, 0] == 0 and alpha.max() == 255
+    assert set(np.unique(alpha)) > {0, 255}

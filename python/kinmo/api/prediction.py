@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -156,12 +157,14 @@ class Prediction:
             Path of the main file of each format.
 
         Raises:
-            InputError: There is no such format, or the folder has files in it.
+            InputError: There is no such format, the folder has files in it, or `metres_per_unit` is not positive.
         """
         folder = Path(folder)
         if not overwrite and folder.is_dir() and any(folder.iterdir()):
             raise InputError(folder, "has files in it: name another folder, or pass overwrite=True to replace all of them")
-        options = ExportOptions(name or folder.name, metres_per_unit, provenance=self.provenance)
+        if not 0.0 < metres_per_unit < math.inf:
+            raise InputError("metres_per_unit", f"expected a positive number, got {metres_per_unit}")
+        options = ExportOptions(name or folder.absolute().name, metres_per_unit, provenance=self.provenance)
         return export(self.shape, self.estimate, folder, formats, options)
 
     def save(self, folder: Path | str) -> Path:

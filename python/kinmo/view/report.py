@@ -111,7 +111,7 @@ class Report:
         categories = tuple(sorted({entry.category for entry in PreparedStore(self.workspace.prepared).entries}))
         for evaluated in evaluation_folders(self.workspace, categories):
             of = "" if evaluated.category is None else f", {evaluated.category}"
-            if not self._is_current(evaluated):
+            if not evaluated.is_current:
                 yield Section(f"Table 1{of}", OUTDATED)
                 continue
             for setting in SETTINGS:
@@ -129,15 +129,6 @@ class Report:
         files = sorted((self.workspace.evaluation / URDF_FILES).glob("*.json"))
         if files:
             yield Section("URDF files", tables=[page_table(read_table(path)) for path in files])
-
-    def _is_current(self, evaluated: EvaluationFolder) -> bool:
-        """True if the evaluation was finished with the present networks."""
-        inputs = self.workspace.inputs_of(evaluated.stage)
-        if inputs is None or "rows" not in inputs:
-            return False
-        models = ModelFolder(self.workspace.models)
-        known = {models.digest(names) for names in METHOD_MODELS.values()}
-        return any(weights in known for weights, _ in inputs["rows"].values())
 
     def _curves(self) -> Section | None:
         charts: list[str] = []
@@ -176,7 +167,7 @@ class Report:
 
     def _examples(self) -> list[Example]:
         evaluated = EvaluationFolder(self.workspace)
-        return read_examples(evaluated.path / EXAMPLES) if self._is_current(evaluated) else []
+        return read_examples(evaluated.path / EXAMPLES) if evaluated.is_current else []
 
     def _draw(
         self, store: PreparedStore, examples: Sequence[Example], row: str, beside: str | None, what: str, observer: Observer

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from kinmo.core.joint import Joint, JointKind
-from kinmo.core.shape import Mesh
+from kinmo.core.shape import Mesh, join
 from kinmo.core.vector import Vector
 from kinmo.view.picture_camera import Camera, front_left
 from kinmo.view.picture_raster import shade
@@ -51,15 +51,11 @@ def object_picture(
     Returns:
         An SVG.
     """
-    triangles = np.concatenate([mesh.vertices[mesh.faces.astype(np.int64)] for mesh in meshes])
-    parts = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
-    is_moving = np.isin(parts, sorted(moving))
-    camera = front_left(triangles.reshape(-1, 3), up, size)
-    colors = np.where(is_moving[:, None], MOVING, STILL)
-    image = _png(shade(camera, triangles, colors, parts))
-    around = triangles[is_moving] if is_moving.any() else triangles
-    diagonal = float(np.linalg.norm(np.ptp(triangles.reshape(-1, 3), axis=0)))
-    arrows = "".join(_arrow(camera, axis, around.reshape(-1, 3), OVERHANG * diagonal) for axis in axes)
+    camera = front_left(join(*meshes).corners, up, size)
+    colors = np.array([MOVING if part in moving else STILL for part in range(len(meshes))])
+    image = _png(shade(camera, meshes, colors))
+    around = join(*(meshes[part] for part in sorted(moving) or range(len(meshes)))).corners
+    arrows = "".join(_arrow(camera, axis, around, 2.0 * camera.radius * OVERHANG) for axis in axes)
     return (
         f'<svg class="object" viewBox="0 0 {size} {size}" role="img" aria-label="{escape(label, quote=True)}">'
         f'<image href="data:image/png;base64,{image}" width="{size}" height="{size}"/>{arrows}</svg>'
@@ -73,7 +69,7 @@ def _arrow(camera: Camera, axis: Axis, around: NDArray[np.float64], overhang: fl
     through = middle if joint.kind is JointKind.PRISMATIC else joint.pivot
     along = (around - through) @ joint.direction
     ends = through + np.array([along.min() - overhang, along.max() + overhang])[:, None] * joint.direction
-    (x0, y0), (x1, y1) = camera.project(ends)[0].tolist()
+    (x0, y0), (x1, y1) = camera.project(ends).tolist()
     heading = np.array([x1 - x0, y1 - y0])
     length = float(np.linalg.norm(heading))
     if length < 4.0:  # seen end on

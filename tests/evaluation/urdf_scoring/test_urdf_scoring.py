@@ -256,7 +256,7 @@ def test_pseudo_labels_hidden_folders_and_copies_are_no_truths(tmp_path, monkeyp
         "5": False,
         str(truth / "z" / "1"): True,
     }
-    assert "predicted and not annotated" in report.unreadable["5"]
+    assert "predicted, not annotated" in report.unreadable["5"]
     monkeypatch.chdir(truth / "1")
     alone = score_urdf_folder(predictions, Path())
     assert [(scored.id, scored.status) for scored in alone.objects] == [("1", "scored")]

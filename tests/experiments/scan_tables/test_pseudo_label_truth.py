@@ -1,4 +1,4 @@
-"""Pseudo labels of objects that are scanned, beside the labels that were held back."""
+"""Pseudo labels of scanned objects, compared with oracle labels."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ def named(file: ScanFile, name: str, variant: int = 0) -> ScanFile:
 
 
 def moved(file: ScanFile, part: int, direction: tuple[float, float, float], shift: float) -> ScanFile:
-    """With another axis of the joint of `part`."""
+    """The file with another axis of the joint of `part`."""
     joints = list(file.joints)
     joint = joints[part - 1]
     joints[part - 1] = replace(joint, direction=np.array(direction), pivot=joint.pivot + shift)
     return replace(file, joints=tuple(joints))
 
 
-def test_labels_count_as_right_if_all_axes_are_along_the_true_ones_and_in_their_places(tmp_path) -> None:
+def test_a_label_is_right_if_all_axes_have_the_true_directions_and_places(tmp_path) -> None:
     scans = scan_object(TARGET, ScansConfig(states=1, views=1, size=64, points=16), 0)
     write_scans(tmp_path / "a.safetensors", TARGET, scans, ScanProvenance())
     file = open_scans(tmp_path / "a.safetensors")
     kinds = [kind.value for kind in file.structure.kinds]
     door, drawer = kinds.index("R") + 1, kinds.index("P") + 1
     up, aside = (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
-    said = {
+    found = {
         "right": file,
         "reversed": moved(file, door, up, 0.0),
         "drawer elsewhere": moved(file, drawer, tuple(file.joints[drawer - 1].direction), 0.3),
@@ -42,17 +42,17 @@ def test_labels_count_as_right_if_all_axes_are_along_the_true_ones_and_in_their_
         "hinge askew": moved(file, door, aside, 0.0),
         "truly another": file,
     }
-    true = [named(file, name) for name in said if name != "truly another"] + [named(file, "not labelled")]
-    labels = [named(other, name) for name, other in said.items()]
-    originals = {label.object: label.id for label in labels}
-    assert count_labels(labels, true, originals) == LabelCounts(labelled=6, are=5, along=4, right=3, true=6)
+    true = [named(file, name) for name in found if name != "truly another"] + [named(file, "not labelled")]
+    labels = [named(other, name) for name, other in found.items()]
+    oracle_ids = {label.object: label.id for label in labels}
+    assert count_labels(labels, true, oracle_ids) == LabelCounts(labelled=6, right_structure=5, right_axes=4, right_lines=3, true=6)
     variants = [named(moved(file, door, aside, 0.0), "right", variant=2)]
-    assert count_labels([*labels, *variants], true, originals) == count_labels(labels, true, originals)
-    more = count_labels([*labels, named(file, "new")], true, originals)
-    assert more == LabelCounts(labelled=6, are=5, along=4, right=3, true=6, unknown=1), "nobody knows of that one"
-    assert str(more).endswith("Of 1 more that they give them the truth is not known.")
-    alone = count_labels([named(file, "new")], true, originals)
-    assert str(alone) == "Pseudo labels give 1 object these joints; what the truth is, is not known."
+    assert count_labels([*labels, *variants], true, oracle_ids) == count_labels(labels, true, oracle_ids)
+    more = count_labels([*labels, named(file, "new")], true, oracle_ids)
+    assert more == replace(count_labels(labels, true, oracle_ids), unknown=1)
+    assert str(more).endswith("In all, 6 truly have these joints. Another 1 have no oracle labels.")
+    alone = count_labels([named(file, "new")], true, oracle_ids)
+    assert str(alone) == "Pseudo labels give 1 object these joints; there are no oracle labels for them."
     other = {label.object: f"original of {label.id}" for label in labels}
-    renamed = [replace(one, id=f"original of {one.id}") for one in true]
-    assert count_labels(labels, renamed, other) == count_labels(labels, true, originals), "whatever a copy is called"
+    renamed = [replace(file, id=f"original of {file.id}") for file in true]
+    assert count_labels(labels, renamed, other) == count_labels(labels, true, oracle_ids), "whatever the id of a copy"

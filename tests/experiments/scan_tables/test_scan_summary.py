@@ -1,4 +1,4 @@
-"""What frames come to, and how far rows lie apart."""
+"""Means over test scans, and differences between rows."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from kinmo.scans.object_structure import Structure
 
 from kinmo.core.joint import JointKind
 from kinmo.evaluation.scan_metrics import FrameScore
 from kinmo.evaluation.scan_records import ObjectScans
-from kinmo.experiments.scan_tables.scan_summary import change, change_of_failures, gap_closed, measure_titles, summary
+from kinmo.experiments.scan_tables.scan_summary import change, change_of_failed_share, gap_closed, measure_titles, summary
+from kinmo.scans.object_structure import Structure
 
 STRUCTURE = Structure((JointKind.REVOLUTE,), (0,))
 TURN = measure_titles(STRUCTURE).index("rotation (deg)")
@@ -21,7 +21,7 @@ turns = st.lists(st.floats(0.0, 3.0), min_size=1, max_size=8)
 
 
 def objects(rotations, iou=0.5):
-    """An object a rotation, with one frame in which both parts are turned by that."""
+    """One object for each rotation, with one frame in which both parts have this rotation error."""
     one = np.array([0.1])
     frames = (FrameScore(np.full(2, turn), np.full(2, 0.1), np.full(2, iou), one, one, one, one) for turn in rotations)
     return [ObjectScans(f"object-{i}", (frame,)) for i, frame in enumerate(frames)]
@@ -36,7 +36,7 @@ def test_a_change_is_the_difference_of_both_means(before, data):
 
 
 @given(turns, st.floats(-1.0, 1.0))
-def test_what_all_objects_gain_alike_is_certain_however_far_they_lie_apart(before, gain):
+def test_an_equal_gain_of_all_objects_is_certain_whatever_their_spread(before, gain):
     found = change(objects(before), objects([turn + gain for turn in before]), STRUCTURE)[TURN]
     np.testing.assert_allclose([found.low, found.value, found.high], np.degrees(gain), atol=1e-9)
 
@@ -47,7 +47,7 @@ def test_a_change_is_over_the_objects_that_both_rows_have():
     assert change(objects([]), objects([0.1]), STRUCTURE) == [None] * len(measure_titles(STRUCTURE))
 
 
-def test_a_row_gains_nothing_by_what_it_has_not_found():
+def test_a_row_gains_nothing_from_parts_that_it_did_not_find():
     def two_frames(*rotations):
         one, half = np.array([0.1]), np.full(2, 0.5)
         frames = [FrameScore(np.array([0.0, turn]), half, half, one, one, one, one) for turn in rotations]
@@ -55,22 +55,22 @@ def test_a_row_gains_nothing_by_what_it_has_not_found():
 
     before, after = two_frames(0.1, 1.5), two_frames(0.2, np.nan)
     found = change(before, after, STRUCTURE)[TURN]
-    assert found.value == pytest.approx(np.degrees(0.1 / 3.0)), "of three parts that both have found one is worse"
-    assert change_of_failures(before, after) == pytest.approx(50.0)
+    assert found.value == pytest.approx(np.degrees(0.1 / 3.0)), "of three parts that both found, one is worse"
+    assert change_of_failed_share(before, after) == pytest.approx(50.0)
     assert gap_closed(before, after, two_frames(0.0, 0.0), STRUCTURE)[TURN] == pytest.approx(-1.0)
 
 
-def test_the_share_of_the_gap_is_how_far_errors_have_gone_from_the_worse_to_the_best():
+def test_the_closed_share_of_a_gap_is_relative_to_both_of_its_ends():
     worse, between, best = (objects([turn]) for turn in (0.4, 0.2, 0.1))
     shares = dict(zip(measure_titles(STRUCTURE), gap_closed(worse, between, best, STRUCTURE), strict=True))
     assert shares["rotation (deg)"] == pytest.approx(2.0 / 3.0)
     assert shares["3D IoU (%)"] is None, "there is no gap"
-    assert set(gap_closed(best, between, worse, STRUCTURE)) == {None}, "nothing is to be gained"
+    assert set(gap_closed(best, between, worse, STRUCTURE)) == {None}, "oracle labels would gain nothing"
     low, middle, high = (objects([0.1], iou) for iou in (0.2, 0.5, 0.6))
     assert gap_closed(low, middle, high, STRUCTURE)[BOXES] == pytest.approx(0.75)
 
 
-def test_there_is_no_share_of_a_gap_that_chance_may_have_made():
+def test_a_gap_that_may_be_chance_has_no_closed_share():
     before = [0.1, 0.5, 0.9, 0.3]
     half = objects([turn - 0.05 for turn in before])
     all_gain, some_gain = (

@@ -1,10 +1,9 @@
-"""Figures and tables of scans."""
+"""Layout of the tables of scans, with printed figures and missing rows."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from kinmo.scans.object_structure import Structure
 
 from kinmo.core.errors import InputError
 from kinmo.core.joint import JointKind
@@ -22,6 +21,7 @@ from kinmo.experiments.scan_tables.scan_table_layout import (
     over_parts,
     printed_structure,
 )
+from kinmo.scans.object_structure import Structure
 
 STRUCTURE = Structure((JointKind.REVOLUTE, JointKind.PRISMATIC), (0, 0))
 CAPTION = Caption("Table 2", "made up", 0, 0, "test", (0,))
@@ -37,32 +37,32 @@ def objects(*frames):
     return tuple(ObjectScans(f"object-{i}", tuple(own)) for i, own in enumerate(frames))
 
 
-def test_scores_come_back_as_they_were_written(tmp_path):
+def test_scores_come_back_from_their_file(tmp_path):
     path = tmp_path / "scores.jsonl"
     write_scores(path, [("b", frame()), ("a", frame(rotation=(np.nan, 0.2, 0.3))), ("b", frame(iou=(1.0, 1.0, 1.0)))])
     found = read_scores([path])
     assert [(scored.id, len(scored.frames)) for scored in found] == [("a", 1), ("b", 2)]
     np.testing.assert_array_equal(found[0].frames[0].rotation, [np.nan, 0.2, 0.3])
-    assert len(read_scores([path, path])[1].frames) == 4, "seeds are frames of the same object"
+    assert len(read_scores([path, path])[1].frames) == 4, "seeds add frames to the same object"
     path.write_text('{"id": "a"}\n')
     with pytest.raises(InputError, match=r"scores\.jsonl: expected errors of scans"):
         read_scores([path])
 
 
-def test_units_are_apart_and_what_was_not_found_is_no_zero():
+def test_units_are_never_mixed_and_missing_parts_are_no_zeros():
     lost = frame(rotation=(np.nan,) * 3, iou=(np.nan,) * 3, state=(np.nan,) * 2, axis=(np.nan,) * 2, line=(np.nan,) * 2)
     values = dict(zip(measure_titles(STRUCTURE), summary(objects([frame(), lost]), STRUCTURE), strict=True))
     assert values["rotation (deg)"].value == pytest.approx(np.degrees(0.2))
     assert values["3D IoU (%)"].value == pytest.approx(80.0)
-    assert values["state (deg)"].value == pytest.approx(np.degrees(0.2)), "of the hinge alone"
-    assert values["state (diag.)"].value == pytest.approx(0.05), "of the slider alone"
+    assert values["state (deg)"].value == pytest.approx(np.degrees(0.2)), "the hinge alone"
+    assert values["state (diag.)"].value == pytest.approx(0.05), "the slider alone"
     assert values["line"].value == pytest.approx(0.03)
     table = by_part([ScanRow("ours", objects([frame(), lost]))], STRUCTURE, CAPTION)
     failed = [column.title for column in table.columns].index("failed (%)")
     assert [row[failed] for row in table.rows] == [50.0] * 3
 
 
-def test_shares_of_parts_that_are_turned_and_placed_right_stand_beside_where_they_are_asked_for():
+def test_accuracies_are_shown_on_request():
     rotation = np.radians([4.9, 5.1, np.nan])
     scored = FrameScore(rotation, np.array([0.06, 0.04, np.nan]), *(np.zeros(n) for n in (3, 2, 2, 2, 2)))
     right = FrameScore(np.zeros(3), np.full(3, 0.04), *(np.zeros(n) for n in (3, 2, 2, 2, 2)))
@@ -73,9 +73,9 @@ def test_shares_of_parts_that_are_turned_and_placed_right_stand_beside_where_the
     assert shares == [[100.0, 50.0, 100.0, None, None, None], [50.0, 50.0, 100.0, None, None, None]]
 
 
-def test_a_row_that_was_not_run_says_so_and_the_papers_figures_stand_beside():
+def test_a_row_without_scores_says_so_and_printed_figures_follow_their_row():
     printed = [[12.0, 18.0, 21.0], [0.1, 0.7, 0.6], [73.0, 3.0, 5.0], [16.0, 0.3], [1.75, 1.78], [0.035]]
-    rows = [ScanRow("supervised", objects([frame()]), printed), ScanRow("semi", ())]
+    rows = [ScanRow("supervised", objects([frame()]), printed), ScanRow("self-training", ())]
     table = by_part(rows, STRUCTURE, CAPTION)
     text = as_text(table)
     assert "supervised, authors' data" in text
@@ -92,7 +92,7 @@ def test_a_row_that_was_not_run_says_so_and_the_papers_figures_stand_beside():
     assert NOT_RUN in as_text(over_parts(rows, STRUCTURE, CAPTION))
 
 
-def test_the_papers_figures_keep_their_units_whatever_ours_are_of():
+def test_printed_figures_keep_their_units_whatever_the_structure():
     drawers = Structure((JointKind.PRISMATIC,), (0,))
     two = np.array([0.4, 0.4])
     drawer = FrameScore(two, two, two, np.array([0.2]), np.array([np.nan]), np.array([0.1]), np.array([np.nan]))
@@ -101,8 +101,8 @@ def test_the_papers_figures_keep_their_units_whatever_ours_are_of():
     found = by_part([row], drawers, CAPTION)
     titles = [column.title for column in found.columns]
     authors = [dict(zip(titles, line, strict=True)) for line in found.rows if "authors" in str(line[0])]
-    assert [line["rotation (deg)"] for line in authors] == printed[0], "three parts, where ours has two"
-    assert [line["state (diag.)"] for line in authors] == [None] * 3, "its doors' degrees are no lengths"
+    assert [line["rotation (deg)"] for line in authors] == printed[0], "three parts, although the test objects have two"
+    assert [line["state (diag.)"] for line in authors] == [None] * 3, "the paper's doors have degrees, not lengths"
     means = over_parts([row], drawers, CAPTION)
     titles = [column.title for column in means.columns]
     (line,) = (dict(zip(titles, line, strict=True)) for line in means.rows if "authors" in str(line[0]))
@@ -110,7 +110,7 @@ def test_the_papers_figures_keep_their_units_whatever_ours_are_of():
     assert line["state (diag.)"] is None
 
 
-def test_categories_count_alike_and_only_in_what_they_have():
+def test_categories_count_equally_and_only_in_their_own_measures():
     slides = Structure((JointKind.PRISMATIC,), (0,))
     doors = objects([frame(rotation=(0.1, 0.2, 0.3))] * 3)
     two = np.array([0.4, 0.4])
@@ -134,7 +134,7 @@ def test_categories_count_alike_and_only_in_what_they_have():
     assert table.caption.scans == sum(len(scored.frames) for own in most for scored in own)
 
 
-def test_a_comparison_stands_below_the_rows_with_its_interval():
+def test_a_comparison_follows_the_rows_with_its_interval():
     before, after = (
         ScanRow(name, objects([frame(rotation=(turn,) * 3)]), seeds=(0, 2)) for name, turn in (("a", 0.3), ("b", 0.1))
     )
@@ -145,8 +145,8 @@ def test_a_comparison_stands_below_the_rows_with_its_interval():
     assert table.rows[-1][4] == "-11.46 to -11.46"
 
 
-def test_means_of_the_papers_figures_average_no_lengths_with_degrees():
-    """reference.md 0.9: the mean state that the paper prints of Table 2 has the table's .30 among the degrees."""
+def test_means_of_printed_figures_never_mix_lengths_and_degrees():
+    """The mean state that the paper prints in Table 2 has the .30 of the category Table among the degrees."""
     tables = paper_tables()["table2"]
     for name, state in (("ANCSH", 23.91), ("ANCSH (Semi)", 27.68), ("ANCSH (Semi-weakly)", 16.60)):
         by_category = {key: ScanRow("ours", (), figures[name]) for key, figures in tables["categories"].items()}
@@ -159,5 +159,5 @@ def test_means_of_the_papers_figures_average_no_lengths_with_degrees():
         assert authors["3D IoU (%)"] == pytest.approx(iou, abs=0.06)
         assert authors["axis (deg)"] == pytest.approx(axis, abs=0.006)
         assert authors["state (deg)"] == pytest.approx(state, abs=0.006)
-    (authors,) = (printed_structure(tables["categories"]["table"]["ANCSH"]).kinds,)
-    assert authors == (JointKind.PRISMATIC,)
+    (kinds,) = (printed_structure(tables["categories"]["table"]["ANCSH"]).kinds,)
+    assert kinds == (JointKind.PRISMATIC,)

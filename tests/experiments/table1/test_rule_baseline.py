@@ -7,8 +7,6 @@ from hypothesis import given, settings
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
-from kinmo.evaluation.hierarchy_given import score_hierarchy_given
-from kinmo.evaluation.parts_given import score_parts_given
 from kinmo.experiments.table1.rule_baseline import segmented_without_learning, without_learning
 
 

@@ -13,7 +13,7 @@ from small_shapes import cabinet
 
 from kinmo.config import GnnConfig, load_config
 from kinmo.learning.motion_gnn.gnn_batches import shape_graph, subsampled
-from kinmo.learning.motion_gnn.gnn_network import EDGE_CHANNELS, MotionGnn, along_box, from_box
+from kinmo.learning.motion_gnn.gnn_network import MotionGnn, along_box, from_box
 from kinmo.learning.motion_gnn.hierarchy_graph import ShapeGraph, batch_graphs
 
 PAPER, SMALL = (load_config(name).gnn for name in ("paper", "small"))
@@ -98,17 +98,6 @@ def test_boxes_of_inner_parts_matter_only_if_configured() -> None:
     for encoder, differs in ((with_boxes, True), (without, False)):
         same = torch.allclose(encoder(batch_graphs([one])), encoder(batch_graphs([moved])))
         assert same != differs
-
-
-@pytest.mark.parametrize(("inputs", "differs"), [("paper", False), ("kinmo", True)])
-def test_distance_and_contact_are_inputs_of_kinmo_only(inputs, differs: bool) -> None:
-    torch.manual_seed(0)
-    network = MotionGnn(replace(SMALL, inputs=inputs), 10).eval()
-    one = graph(3)
-    assert one.pose.shape[1] == EDGE_CHANNELS
-    apart = replace(one, pose=torch.cat([one.pose[:, :-2], 1 - one.pose[:, -2:]], 1))
-    same = torch.allclose(network(batch_graphs([one])).logits, network(batch_graphs([apart])).logits)
-    assert same != differs
 
 
 def test_an_unknown_word_is_treated_like_a_similar_known_word() -> None:

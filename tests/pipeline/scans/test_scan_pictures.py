@@ -1,9 +1,10 @@
-"""Which frames are drawn, and what stands below them."""
+"""Pictures of evaluated frames: the choice of frames, and the text below them."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,14 @@ from scanned_objects import cupboard_object, true_estimate
 from kinmo.config import ScansConfig
 from kinmo.core.errors import InputError
 from kinmo.evaluation.scan_metrics import FrameScore, score_frame
-from kinmo.pipeline.scans.scan_pictures import PICTURES, JudgedFrame, PictureBook, read_pictures, write_pictures
+from kinmo.pipeline.scans.scan_pictures import (
+    PICTURES,
+    EvaluatedFrame,
+    PictureBook,
+    common_frames,
+    read_pictures,
+    write_pictures,
+)
 from kinmo.scans.rendering.labelled_frames import scan_object
 
 TARGET = cupboard_object()
@@ -22,11 +30,11 @@ RIGHT = score_frame(TRUE, TRUE, TARGET.structure)
 WRONG = replace(RIGHT, rotation=RIGHT.rotation + np.radians(20.0))
 
 
-def frame(name: str, number: int, score: FrameScore) -> JudgedFrame:
-    return JudgedFrame(name, number, SEEN.points[0], SEEN.parts[0], SEEN.parts[0], TRUE, TRUE, score)
+def frame(name: str, number: int, score: FrameScore) -> EvaluatedFrame:
+    return EvaluatedFrame(name, number, SEEN.points[0], SEEN.parts[0], SEEN.parts[0], TRUE, TRUE, score)
 
 
-def book_of(frames: list[JudgedFrame], common: frozenset[tuple[str, int]] = frozenset()) -> PictureBook:
+def book_of(frames: list[EvaluatedFrame], common: frozenset[tuple[str, int]] = frozenset()) -> PictureBook:
     book = PictureBook(TARGET.structure, common)
     for each in frames:
         book.offer(each)
@@ -47,7 +55,7 @@ def test_a_hit_has_every_part_and_box_in_place(score: FrameScore, is_hit: bool) 
     assert frame("a", 0, score).is_hit is is_hit
 
 
-def test_hits_come_first_and_an_objects_next_frame_only_after_every_others_first() -> None:
+def test_hits_come_first_and_every_object_is_shown_once_before_any_twice() -> None:
     frames = [frame("a", number, score) for number in range(8) for score in (RIGHT, WRONG)]
     frames += [frame(name, 0, RIGHT) for name in "bcd"]
     pictures = book_of(frames).pictures()
@@ -56,13 +64,13 @@ def test_hits_come_first_and_an_objects_next_frame_only_after_every_others_first
     assert shown == [("a", 0), ("b", 0), ("c", 0), ("d", 0), ("a", 1), ("a", 2)]
 
 
-def test_frames_in_common_are_shown_whatever_came_of_them() -> None:
+def test_common_frames_are_always_shown() -> None:
     frames = [frame("a", number, RIGHT) for number in range(2 * PICTURES)]
     pictures = book_of(frames, frozenset({("a", 2 * PICTURES - 1), ("b", 0)})).pictures()
     assert [(picture.frame, picture.is_common) for picture in pictures[PICTURES - 1 :]] == [(5, False), (11, True)]
 
 
-def test_pictures_come_back_from_their_file_and_say_what_is_wrong(tmp_path: Path) -> None:
+def test_pictures_come_back_from_their_file_with_their_errors_in_words(tmp_path: Path) -> None:
     lost = replace(RIGHT, rotation=np.full_like(RIGHT.rotation, np.nan))
     pictures = book_of([frame("a", 0, WRONG), frame("b", 0, lost)]).pictures()
     write_pictures(tmp_path / "pictures.jsonl", pictures)
@@ -73,3 +81,10 @@ def test_pictures_come_back_from_their_file_and_say_what_is_wrong(tmp_path: Path
     (tmp_path / "pictures.jsonl").write_text('{"id": "a"}\n', encoding="utf-8")
     with pytest.raises(InputError, match="expected pictures of kinmo eval"):
         read_pictures(tmp_path / "pictures.jsonl")
+
+
+def test_common_frames_are_the_middle_ones_of_evenly_spread_objects() -> None:
+    files = [SimpleNamespace(id=name, frames=5) for name in "hgfedcba"]
+    assert common_frames(files) == {(name, 2) for name in "bdfh"}
+    assert common_frames(files[-1:]) == {("a", 2)}
+    assert common_frames([]) == frozenset()

@@ -22,8 +22,8 @@ def clouds(count: int, size: int, seed: int = 0) -> torch.Tensor:
     return torch.rand(count, size, 3, generator=torch.Generator().manual_seed(seed))
 
 
-def level_of(points: torch.Tensor, centers: int, radius: float = 0.5, neighbours: int = 7, power: int = 2) -> PointLevel:
-    (level,) = point_levels(points, (centers,), (radius,), (neighbours,), power)
+def level_of(points: torch.Tensor, centers: int, radius: float = 0.5, neighbours: int = 7) -> PointLevel:
+    (level,) = point_levels(points, (centers,), (radius,), (neighbours,))
     return level
 
 
@@ -96,7 +96,7 @@ def test_feature_propagation_joins_global_and_own_features() -> None:
 
 def test_every_point_has_features_in_the_order_of_the_points() -> None:
     torch.manual_seed(0)
-    network = PointNetPlusPlus((32, 8), (0.3, 0.6), (8, 6), 0.25, 2, 0.5).eval()
+    network = PointNetPlusPlus((32, 8), (0.3, 0.6), (8, 6), 0.25, 0.5).eval()
     points = clouds(2, 80)
     features, whole = network(points)
     assert whole.shape == (2, 1, network.global_features)

@@ -9,11 +9,11 @@ import pytest
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
-from tiny_ancsh import SCAN_ALONE, TINY, frame_with_differing_axes
+from tiny_ancsh import LIKE_RELEASE, TINY, frame_with_differing_axes
 
 from kinmo.scans.ancsh.scan_batches import ScanData, file_probabilities, min_trusted_share, sample_points
 from kinmo.scans.files.scan_file import Role, ScanFile
-from kinmo.scans.preprocessing.input_frame import InputFrame, initial_axes
+from kinmo.scans.preprocessing.input_frame import InputFrame
 
 
 def test_objects_with_true_labels_have_their_least_share() -> None:
@@ -48,36 +48,26 @@ def test_points_repeat_only_if_there_are_too_few(parts: list[int], count: int, b
 @pytest.mark.parametrize(("role", "min_share"), [("pseudo", 0.2), ("oracle", 0.2), ("unlabelled", 0.5)])
 def test_true_labels_have_a_greater_share_beside_labels_by_networks(file: ScanFile, role: Role, min_share: float) -> None:
     other = replace(file, provenance=replace(file.provenance, role=role))
-    assert min_trusted_share([file, other], replace(TINY, trusted=0.2, trusted_in_semi=0.5)) == min_share
+    assert min_trusted_share([file, other], replace(TINY, trusted=0.2, trusted_self_training=0.5)) == min_share
 
 
 @pytest.mark.parametrize("points", [32, 128, 256])
 def test_the_input_frame_comes_from_all_points_of_a_scan(file: ScanFile, points: int) -> None:
-    config = replace(SCAN_ALONE, points=points)
+    config = replace(LIKE_RELEASE, points=points)
     batch = ScanData([file], [file], config).batch([(file, row) for row in range(8)], np.random.default_rng(0))
     for row in range(8):
         whole = file.read("points", row)
-        seen = InputFrame.of(whole, "scan").apply(whole)
+        seen = InputFrame.of(whole, "object").apply(whole)
         each = np.abs(batch.points[row].numpy()[:, None] - seen[None]).max(axis=-1).min(axis=1)
         np.testing.assert_allclose(each, 0.0, atol=1e-6)
 
 
 def test_half_of_the_training_scans_have_the_axes_of_the_base(file: ScanFile) -> None:
     row = frame_with_differing_axes(file)
-    data = ScanData([file], [file], replace(TINY, axes="base", points=256))
+    data = ScanData([file], [file], replace(TINY, points=256))
     rng = np.random.default_rng(0)
     seen = [data.batch([(file, row)], rng).points[0].sort(dim=0).values for _ in range(40)]
     is_equal = np.array([torch.allclose(cloud, seen[0], atol=1e-5) for cloud in seen])
     assert 0.25 < is_equal.mean() < 0.75
     others = [cloud for cloud, equal in zip(seen, is_equal, strict=True) if not equal]
     assert all(torch.allclose(cloud, others[0], atol=1e-5) for cloud in others)
-
-
-def test_single_pass_networks_use_the_axes_of_the_whole_scan(file: ScanFile) -> None:
-    row = frame_with_differing_axes(file)
-    config = replace(SCAN_ALONE, axes="manhattan", points=len(file.read("points", row)))
-    batch = ScanData([file], [file], config).batch([(file, row)], np.random.default_rng(0))
-    whole = file.read("points", row)
-    (first,) = initial_axes(whole[None], "manhattan")
-    seen = InputFrame.of(whole, "scan", rotation=first).apply(whole)
-    np.testing.assert_allclose(np.sort(batch.points[0].numpy(), axis=0), np.sort(seen, axis=0), atol=1e-5)

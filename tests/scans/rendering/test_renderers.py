@@ -18,7 +18,7 @@ CAMERA = Camera(160, 120, np.array([110.0, 115.0]), np.array([77.0, 66.0]), 0.01
 
 def test_pybullet_and_the_z_buffer_give_equal_images() -> None:
     target, rng = cupboard_object(), np.random.default_rng(0)
-    states = list(sample_joint_states(target.mobility, 6, "independent", rng))
+    states = list(sample_joint_states(target.mobility, 6, rng))
     cameras = [Viewpoints(target_offset=0.0).sample(rng, np.zeros(3), 0.5, target.up) for _ in states]
     poses = np.stack([pose @ forward(target.mobility, s.values, s.turns) for s, pose in zip(states, cameras, strict=True)])
     with open_renderer("raster", target.meshes) as ours, open_renderer("pybullet", target.meshes) as theirs:

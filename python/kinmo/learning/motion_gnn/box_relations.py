@@ -24,8 +24,6 @@ GRID = 6
 """Points along each side of the grid that estimates shared volumes."""
 PAIRS_AT_ONCE = 8192
 """Number of box pairs in one batch, which bounds the memory."""
-POSE_FEATURES = 18
-"""Number of features that `relative_poses` gives for an edge."""
 _AXIS_ORDERS = np.array(list(permutations(range(3))))
 
 
@@ -111,25 +109,3 @@ def box_sides(boxes: Boxes, edges: I64) -> I64:
     faces = np.stack([faces, -faces], axis=2).reshape(-1, 6, 3)
     offset = boxes.centers[moving] - boxes.centers[reference]
     return np.asarray(np.argmin(np.linalg.norm(faces - offset[:, None], axis=-1), axis=1), np.int64)
-
-
-def relative_poses(boxes: Boxes, edges: I64) -> F64:
-    """Pose of the moving box in the frame of the reference box, for every edge.
-
-    Args:
-        boxes: N boxes from `canonical_boxes`, in the normalised frame.
-        edges: Pairs of moving and reference box [E, 2].
-
-    Returns:
-        Features [E, POSE_FEATURES]. The first six are the offset of the centres along the reference's axes: as a length (3) and
-        in half extents of the reference (3, bounded by tanh). Then follow the rotation between the axes (9) and the log ratios
-        of the sizes (3, bounded by tanh).
-    """
-    moving, reference = edges.T
-    frame = boxes.axes[reference]
-    offset = np.einsum("eij,ej->ei", frame, boxes.centers[moving] - boxes.centers[reference])
-    rotation = frame @ boxes.axes[moving].transpose(0, 2, 1)
-    smallest = 1e-3
-    relative = np.tanh(offset / (boxes.half_extents[reference] + smallest))
-    ratio = np.tanh(np.log((boxes.half_extents[moving] + smallest) / (boxes.half_extents[reference] + smallest)) / 2)
-    return np.concatenate([offset, relative, rotation.reshape(-1, 9), ratio], axis=1)

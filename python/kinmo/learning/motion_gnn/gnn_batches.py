@@ -13,14 +13,11 @@ from torch import Tensor
 
 from kinmo.config import GnnConfig
 from kinmo.features.prepared_shape import Boxes, PreparedShape
-from kinmo.learning.motion_gnn.box_relations import box_sides, box_states, canonical_boxes, object_axes, relative_poses
+from kinmo.learning.motion_gnn.box_relations import box_sides, box_states, canonical_boxes, object_axes
 from kinmo.learning.motion_gnn.hierarchy_graph import GraphBatch, ShapeGraph, batch_graphs
 from kinmo.learning.name_encoding import HIDDEN, encode_names
 
 F64 = NDArray[np.float64]
-
-DISTANCE_SCALE = 0.02
-"""Distance d between two parts becomes the feature exp(-d / DISTANCE_SCALE); in diagonals of the object."""
 
 
 def shape_graph(shape: PreparedShape, config: GnnConfig) -> ShapeGraph:
@@ -57,7 +54,7 @@ def shape_graph(shape: PreparedShape, config: GnnConfig) -> ShapeGraph:
 def transformed_graph(graph: ShapeGraph, shape: PreparedShape, config: GnnConfig, transform: F64) -> ShapeGraph:
     """Graph of a shape under a linear map, except for the leaf points, which the caller transforms.
 
-    Box states and distances stay as they are: a linear map leaves shares of volumes unchanged, and distances change little.
+    Box states stay as they are: a linear map leaves shares of volumes unchanged.
 
     Args:
         graph: Graph of the shape itself.
@@ -75,13 +72,10 @@ def _geometry(shape: PreparedShape, config: GnnConfig, used: NDArray[np.int64], 
     """Fields of a graph that a linear map changes."""
     edges, labels = shape.edges[used], shape.edge_labels
     boxes = canonical_boxes(_transformed(shape.symmetric_boxes, transform), shape.up)
-    distances = shape.edge_distances[used]
-    relation = np.stack([np.exp(-distances / DISTANCE_SCALE), distances <= config.contact], axis=1)
     zeros = np.zeros((len(edges), 3))
     return {
         "boxes": _floats(np.concatenate([boxes.centers, 2 * boxes.half_extents, boxes.axes.reshape(-1, 9)], axis=1)),
         "sides": _integers(box_sides(boxes, edges)),
-        "pose": _floats(np.concatenate([relative_poses(boxes, edges), relation], axis=1)),
         "directions": _floats(zeros if labels is None else _with_sign(labels.directions[used] @ transform.T, shape.up)),
         "pivots": _floats(zeros if labels is None else labels.pivots[used] @ transform.T),
     }

@@ -8,11 +8,9 @@ import torch
 from torch import Tensor
 from torch.nn.functional import cross_entropy
 
-from kinmo.core.errors import InputError
 from kinmo.core.joint import JointKind
 from kinmo.core.motion_types import MotionType
 from kinmo.learning.motion_gnn.gnn_network import EdgeOutput
-from kinmo.learning.network_layers import scatter_mean
 
 COARSE_OF_FINE = torch.tensor([t.coarse.value for t in MotionType])
 """Coarse class of each fine motion type [10]."""
@@ -39,7 +37,7 @@ def edge_losses(
     directions: Tensor,
     pivots: Tensor,
     class_weights: Tensor | None = None,
-    direction_loss: str = "mean",
+    undirected: bool = False,
 ) -> EdgeLosses:
     """Losses over E edges (paper, section 3.2).
 
@@ -52,8 +50,7 @@ def edge_losses(
         directions: True unit directions [E, 3].
         pivots: True pivots [E, 3].
         class_weights: Weight of each class [C] in L_cls; None for equal weights.
-        direction_loss: "mean" over motion edges, "frobenius" for one norm over all of them, or "undirected" for the mean
-            distance to the nearer of d^ and -d^.
+        undirected: Whether L_dir is the distance to the nearer of d^ and -d^.
 
     Returns:
         The three terms.
@@ -67,9 +64,9 @@ def edge_losses(
     if moves.any():
         predicted, true = output.directions[moves], directions[moves]
         norms = torch.linalg.vector_norm(predicted - true, dim=1)
-        if direction_loss == "undirected":
+        if undirected:
             norms = torch.minimum(norms, torch.linalg.vector_norm(predicted + true, dim=1))
-        direction_term = torch.linalg.vector_norm(norms) if direction_loss == "frobenius" else norms.mean()
+        direction_term = norms.mean()
     if rotates.any():
         across = torch.linalg.cross(output.pivots[rotates] - pivots[rotates], directions[rotates])
         lengths = torch.linalg.vector_norm(directions[rotates], dim=1)
@@ -77,35 +74,20 @@ def edge_losses(
     return EdgeLosses(type_loss, direction_term, pivot_term)
 
 
-def class_weights(types: Tensor, classes: int, given: tuple[float, ...], balance: float) -> Tensor | None:
-    """Weights of the classes in L_cls.
-
-    A class has its given weight, times (its share of the training edges) ** -balance. With `balance` the mean over the
-    training edges is one.
+def class_weights(types: Tensor, classes: int, balance: float) -> Tensor | None:
+    """Weights of the classes in L_cls: (share of the training edges) ** -balance, with a mean of one over the training edges.
 
     Args:
         types: Fine types of all training edges [E].
         classes: Number of classes C: 10 fine or 5 coarse ones.
-        given: Weights of the ten fine types, or empty for ones. A coarse class has the mean weight of its fine types.
         balance: Exponent; 0 ignores how frequent a class is.
 
     Returns:
         Weights [C], or None if all are one.
-
-    Raises:
-        InputError: `given` has another number of weights.
     """
-    if not given and not balance:
+    if not balance:
         return None
-    if len(given) not in (0, len(MotionType)):
-        raise InputError("gnn.class_weights", f"expected {len(MotionType)} numbers, one a motion type, got {len(given)}")
-    weights = torch.tensor(given or (1.0,) * len(MotionType))
-    if classes != len(MotionType):
-        weights, _ = scatter_mean(weights.unsqueeze(1), COARSE_OF_FINE, classes)
-        weights = weights.squeeze(1)
-    if balance:
-        targets = types if classes == len(MotionType) else COARSE_OF_FINE[types]
-        share = torch.bincount(targets, minlength=classes) / max(len(targets), 1)
-        scale = share.clamp(min=1 / max(len(targets), 1)).pow(-balance)
-        weights = weights * scale / (share * scale).sum()
-    return weights
+    targets = types if classes == len(MotionType) else COARSE_OF_FINE[types]
+    share = torch.bincount(targets, minlength=classes) / max(len(targets), 1)
+    scale = share.clamp(min=1 / max(len(targets), 1)).pow(-balance)
+    return scale / (share * scale).sum()

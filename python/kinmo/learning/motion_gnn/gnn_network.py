@@ -10,7 +10,7 @@ from torch.nn.functional import normalize
 
 from kinmo.config import GnnConfig
 from kinmo.core.motion_types import CoarseType, MotionType
-from kinmo.learning.motion_gnn.box_relations import POSE_FEATURES, SIDES, STATES
+from kinmo.learning.motion_gnn.box_relations import SIDES, STATES
 from kinmo.learning.motion_gnn.hierarchy_encoder import HierarchyEncoder, NameEmbedding, RelationEmbedding
 from kinmo.learning.motion_gnn.hierarchy_graph import GraphBatch
 from kinmo.learning.network_layers import mlp, scatter_mean
@@ -20,9 +20,6 @@ KIND = "motion_gnn"
 TypeSet = Literal["fine", "coarse"]
 CLASSES: dict[TypeSet, int] = {"fine": len(MotionType), "coarse": len(CoarseType)}
 """Number of motion types in each set."""
-
-EDGE_CHANNELS = POSE_FEATURES + 2
-"""Number of features of an edge: the relative pose of the boxes, the distance and the contact of the parts."""
 
 MIN_EXTENT_RATIO = 0.2
 """Least half extent of a box in `from_box`, as a share of its longest half extent."""
@@ -89,10 +86,9 @@ class MotionGnn(nn.Module):
     def __init__(self, config: GnnConfig, types: int) -> None:
         super().__init__()
         self.types = types
-        pose = EDGE_CHANNELS if config.inputs == "kinmo" else 0
-        self.encoder = HierarchyEncoder(config, len(STATES), len(SIDES), pose)
+        self.encoder = HierarchyEncoder(config, len(STATES), len(SIDES))
         self.names = NameEmbedding(config.name_buckets, config.name_features)
-        self.relations = RelationEmbedding(len(STATES), len(SIDES), pose, config.relation_features)
+        self.relations = RelationEmbedding(len(STATES), len(SIDES), config.relation_features)
         node, edge = config.node_features + config.name_features, self.relations.features
         rounds = []
         for _ in range(config.graph_rounds):
@@ -109,7 +105,7 @@ class MotionGnn(nn.Module):
         """Output for all E edges of a batch."""
         graph = batch.graph
         nodes = torch.cat([self.encoder(batch), self.names(graph.name_ids, graph.name_counts)], 1)
-        edges = self.relations(graph.states, graph.sides, graph.pose)
+        edges = self.relations(graph.states, graph.sides)
         for convolution in self.rounds:
             nodes, edges = convolution(nodes, edges, graph.edges)
         logits, pivots, directions = self.head(edges).split([self.types, 3, 3], 1)

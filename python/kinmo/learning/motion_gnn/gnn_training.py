@@ -84,23 +84,21 @@ class GnnLearner(Learner):
         super().__init__(config.training)
         self.config, self.classes = config, classes
         self.network = MotionGnn(config, classes)
-        weights = class_weights(labels, classes, config.class_weights, config.class_balance)
+        weights = class_weights(labels, classes, config.class_balance)
         self.class_weights: torch.Tensor | None
         self.register_buffer("class_weights", weights)
 
     def training_step(self, batch: GraphBatch) -> torch.Tensor:
         graph = batch.graph
         output = self.network(batch)
-        losses = edge_losses(
-            output, graph.types, graph.directions, graph.pivots, self.class_weights, self.config.direction_loss
-        )
+        losses = edge_losses(output, graph.types, graph.directions, graph.pivots, self.class_weights)
         self.log("training", len(graph.types), loss=losses.total)
         return losses.total
 
     def validation_step(self, batch: GraphBatch) -> None:
         graph = batch.graph
         output = self.network(batch)
-        losses = edge_losses(output, graph.types, graph.directions, graph.pivots, self.class_weights, "undirected")
+        losses = edge_losses(output, graph.types, graph.directions, graph.pivots, self.class_weights, undirected=True)
         targets = graph.types if self.classes == len(MotionType) else COARSE_OF_FINE.to(graph.types.device)[graph.types]
         wrong = (output.logits.argmax(1) != targets).float()
         moves = graph.types < MotionType.FIXED

@@ -31,28 +31,23 @@ class NameEmbedding(nn.Module):
 
 
 class RelationEmbedding(nn.Module):
-    """Embedding of the relation of two boxes: state, side and, optionally, relative pose (`box_relations`), concatenated.
+    """Embedding of the relation of two boxes: state and side (`box_relations`), concatenated.
 
     Args:
         states: Number of states.
         sides: Number of sides.
-        pose: Number of channels of the relative pose; 0 leaves the pose out.
         features: Width of each embedding. The attribute `features` is the width of the result.
     """
 
-    def __init__(self, states: int, sides: int, pose: int, features: int) -> None:
+    def __init__(self, states: int, sides: int, features: int) -> None:
         super().__init__()
         self.state = nn.Embedding(states, features)
         self.side = nn.Embedding(sides, features)
-        self.pose = mlp([pose, features], nn.ReLU) if pose else None
-        self.features = features * (3 if pose else 2)
+        self.features = 2 * features
 
-    def forward(self, states: Tensor, sides: Tensor, pose: Tensor) -> Tensor:
-        """Features [E, self.features] of E edges with `states` [E], `sides` [E] and `pose` [E, *]."""
-        pieces = [self.state(states), self.side(sides)]
-        if self.pose is not None:
-            pieces.append(self.pose(pose))
-        return torch.cat(pieces, 1)
+    def forward(self, states: Tensor, sides: Tensor) -> Tensor:
+        """Features [E, self.features] of E edges with `states` [E] and `sides` [E]."""
+        return torch.cat([self.state(states), self.side(sides)], 1)
 
 
 class ChildEncoder(nn.Module):
@@ -108,10 +103,9 @@ class HierarchyEncoder(nn.Module):
         config: Sizes of the layers.
         states: Number of states of two boxes.
         sides: Number of sides.
-        pose: Number of channels of the relative pose; 0 leaves the pose out.
     """
 
-    def __init__(self, config: GnnConfig, states: int, sides: int, pose: int) -> None:
+    def __init__(self, config: GnnConfig, states: int, sides: int) -> None:
         super().__init__()
         width = config.node_features
         self.width, self.inner_boxes = width, config.inner_boxes
@@ -119,7 +113,7 @@ class HierarchyEncoder(nn.Module):
         self.box = mlp([BOX_CHANNELS, config.box_features], nn.ReLU)
         self.leaf = mlp([self.points.features + config.box_features, width], nn.ReLU)
         self.names = NameEmbedding(config.name_buckets, 2 * config.name_features)
-        self.relations = RelationEmbedding(states, sides, pose, config.relation_features)
+        self.relations = RelationEmbedding(states, sides, config.relation_features)
         box_width = config.box_features if config.inner_boxes else 0
         self.children_encoder = ChildEncoder(
             width, 2 * config.name_features, self.relations.features, config.child_rounds, box_width
@@ -130,7 +124,7 @@ class HierarchyEncoder(nn.Module):
         graph = batch.graph
         boxes = self.box(graph.boxes)
         names = self.names(graph.name_ids, graph.name_counts)
-        edges = self.relations(graph.states, graph.sides, graph.pose)
+        edges = self.relations(graph.states, graph.sides)
         leaves = self.leaf(torch.cat([self.points(graph.leaf_points), boxes[graph.leaves]], 1))
         features: Tensor = leaves.new_zeros(len(graph.parents), self.width).index_copy(0, graph.leaves, leaves)
         for level in batch.levels:

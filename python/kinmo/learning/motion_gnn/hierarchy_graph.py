@@ -25,7 +25,6 @@ class ShapeGraph:
         edges: Moving and reference part of each edge [E, 2].
         states: Overlap of the two boxes [E] (`box_relations.STATES`).
         sides: Side of the moving box [E] (`box_relations.SIDES`).
-        pose: Relative pose, distance and contact [E, F].
         types: True motion type of each edge [E]; -1 for a shape without labels.
         directions: True unit directions [E, 3].
         pivots: True pivots [E, 3].
@@ -42,7 +41,6 @@ class ShapeGraph:
     edges: Tensor
     states: Tensor
     sides: Tensor
-    pose: Tensor
     types: Tensor
     directions: Tensor
     pivots: Tensor

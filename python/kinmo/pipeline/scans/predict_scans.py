@@ -77,7 +77,7 @@ class PredictScans:
         targets = self._targets()
         for link in self._links():
             observer.note(f"{link}: a link to a folder, which is skipped: name the folder itself")
-        if predictor.network.config.normalised == "object":
+        if predictor.network.config.release:
             observer.note("these networks expect the size of the whole object; they get the size of its visible part")
         if not self.source.is_dir():
             document = self._predict(predictor, targets[0], observer)

@@ -120,7 +120,7 @@ class ObjectRenderer:
         return articulated_object(
             shape,
             min_part_size=self.config.smallest_part,
-            closes=self.config.canonical == "closed",
+            closes=self.config.closes_objects,
             max_guessed_opening=MAX_HINGE_ANGLE if job.role == "pseudo" else None,
             variant_matrix=sample_variant_matrix(np.asarray(shape.up), self.config.stretch, rng) if job.variant else None,
         )
@@ -151,7 +151,7 @@ def count_variants(config: ScansConfig) -> int:
 
     Only closed objects have variants: an object that is stretched while open does not close any more.
     """
-    return min(config.variants, config.states) if config.canonical == "closed" else 1
+    return min(config.variants, config.states) if config.closes_objects else 1
 
 
 def by_object(jobs: Iterable[RenderJob]) -> Iterator[tuple[RenderJob, ...]]:

@@ -88,7 +88,7 @@ class PartNetwork(nn.Module):
         super().__init__()
         self.parts = parts
         self.backbone = PointNetPlusPlus(
-            config.centers, config.radii, config.neighbours, config.width, config.distance_power, config.dropout
+            config.centers, config.radii, config.neighbours, config.width, config.dropout
         )
         features = self.backbone.features
         self.part = nn.Linear(features, classes)

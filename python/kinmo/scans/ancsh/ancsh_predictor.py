@@ -22,7 +22,7 @@ from kinmo.scans.poses.category_prior import CategoryPrior
 from kinmo.scans.poses.point_predictions import GlobalPredictions, PointPredictions
 from kinmo.scans.poses.pose_fitting import PoseOptions, estimate_poses
 from kinmo.scans.poses.scan_estimate import ScanEstimate
-from kinmo.scans.preprocessing.input_frame import InputFrame, base_axes, initial_axes
+from kinmo.scans.preprocessing.input_frame import InputFrame, base_axes, manhattan_axes
 
 F64 = NDArray[np.float64]
 
@@ -75,7 +75,7 @@ class AncshPredictor:
         joints = AncshNetwork(config, structure.part_count, _class_count(loaded, structure))
         loaded.fill(joints)
         own = load_weights(part_weights, KIND)
-        if (_input_of(_config_of(own)), _structure_of(own)) != (_input_of(config), structure):
+        if (_config_of(own).release, _structure_of(own)) != (config.release, structure):
             raise InputError(part_weights, f"is for other objects than {weights}")
         parts = PartNetwork(_config_of(own), structure.part_count, _class_count(own, structure))
         own.fill(parts)
@@ -111,7 +111,7 @@ class AncshPredictor:
 
         Args:
             scans: Points [n, 3] of each scan in the camera frame. All scans have the same number of points.
-            diagonals: Diagonal of each object, for networks with `normalised = "object"`; default 1.
+            diagonals: Diagonal of each object, for networks with `release = true`; default 1.
 
         Returns:
             Predictions for each scan.
@@ -120,8 +120,10 @@ class AncshPredictor:
         if not len(scans):
             return []
         points = np.stack(scans)
-        rotations = initial_axes(points, self.config.axes)
-        if self.config.axes == "base":
+        if self.config.release:
+            rotations = np.tile(np.eye(3), (len(points), 1, 1))
+        else:
+            rotations = manhattan_axes(points)
             parts = np.concatenate([self._most_likely_parts(inputs) for inputs, _ in self._batches(scans, sizes, rotations)])
             rotations = base_axes(points, parts == 0, rotations)
         batches = self._batches(scans, sizes, rotations)
@@ -196,11 +198,6 @@ def npcs_to_naocs(npcs: F64, naocs: F64, parts: NDArray[np.integer]) -> tuple[F6
         scales[part] = np.sqrt(target.var(axis=0).sum() / max(source.var(axis=0).sum(), 1e-12))
         shifts[part] = target.mean(axis=0) - scales[part] * source.mean(axis=0)
     return scales, shifts
-
-
-def _input_of(config: AncshConfig) -> tuple[str, str]:
-    """Settings of the input frame, which both networks must share."""
-    return config.normalised, config.axes
 
 
 def _at_part(values: torch.Tensor, parts: torch.Tensor) -> torch.Tensor:

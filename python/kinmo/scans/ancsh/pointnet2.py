@@ -49,7 +49,7 @@ class PointLevel:
 
 
 def point_levels(
-    points: Tensor, centers: Sequence[int], radii: Sequence[float], neighbours: Sequence[int], power: int
+    points: Tensor, centers: Sequence[int], radii: Sequence[float], neighbours: Sequence[int]
 ) -> tuple[PointLevel, ...]:
     """Groups of points on several levels; the centers of one level are the points of the next.
 
@@ -60,7 +60,6 @@ def point_levels(
         centers: Number of centers m on each level.
         radii: Radius of the groups on each level.
         neighbours: Number of points k in a group on each level.
-        power: Weights of an interpolation are 1 / distance ** power.
 
     Returns:
         The levels, on the device of the points.
@@ -69,7 +68,7 @@ def point_levels(
     for count, radius, size in zip(centers, radii, neighbours, strict=True):
         chosen, *indices, distances = map(torch.from_numpy, _core.group_points(current.numpy(), count, radius, size))
         current = current.gather(1, chosen.unsqueeze(-1).expand(-1, -1, 3))
-        weights = distances.clamp(min=MIN_DISTANCE) ** -power
+        weights = distances.clamp(min=MIN_DISTANCE) ** -2
         weights = weights / weights.sum(-1, keepdim=True)
         levels.append(PointLevel(*(each.to(points.device) for each in (current, *indices, weights))))
     return tuple(levels)
@@ -206,7 +205,6 @@ class PointNetPlusPlus(nn.Module):
         radii: Radius of the groups on each level.
         neighbours: Number of points in a group on each level.
         width: Factor on the printed widths of all layers.
-        power: Power of the distance in the weights of interpolations.
         dropout: Share of the last features that dropout sets to zero in training.
     """
 
@@ -216,7 +214,6 @@ class PointNetPlusPlus(nn.Module):
         radii: Sequence[float],
         neighbours: Sequence[int],
         width: float,
-        power: int,
         dropout: float,
     ) -> None:
         super().__init__()
@@ -224,7 +221,7 @@ class PointNetPlusPlus(nn.Module):
         def wide(*widths: int) -> tuple[int, ...]:
             return tuple(max(1, round(width * each)) for each in widths)
 
-        self.grouping = tuple(centers), tuple(radii), tuple(neighbours), power
+        self.grouping = tuple(centers), tuple(radii), tuple(neighbours)
         near, far, whole = wide(64, 64, 128), wide(128, 128, 256), wide(256, 512, 1024)
         self.near = SetAbstraction(0, near)
         self.far = SetAbstraction(near[-1], far)

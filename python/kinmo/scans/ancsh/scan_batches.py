@@ -21,7 +21,7 @@ F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
 FIRST_PASS_SHARE = 0.5
-"""Share of training scans shown along the axes of the first pass, for networks that make two passes (`InputAxes`)."""
+"""Share of training scans shown along the axes of the first pass, which all networks but the released ones make."""
 
 
 class ScanData:
@@ -94,9 +94,9 @@ class ScanData:
 
     def _rotation(self, file: ScanFile, row: int, rng: np.random.Generator) -> F64:
         """Axes of the input frame [3, 3]."""
-        if self.config.axes == "camera":
+        if self.config.release:
             return np.eye(3)
-        is_first = self.config.axes != "base" or rng.random() < FIRST_PASS_SHARE
+        is_first = rng.random() < FIRST_PASS_SHARE
         rotation: F64 = file.read("input_axes", row)[0 if is_first else 1]
         return rotation
 
@@ -107,7 +107,7 @@ def min_trusted_share(training: Sequence[ScanFile], config: AncshConfig) -> floa
     It is higher beside scans that networks labelled: these repeat the very errors that training should remove.
     """
     is_self_training = any(file.provenance.role == "unlabelled" for file in training)
-    return config.trusted_in_semi if is_self_training else config.trusted
+    return config.trusted_self_training if is_self_training else config.trusted
 
 
 def file_probabilities(objects: Sequence[Hashable], trusted: Sequence[bool], min_trusted: float) -> F64:

@@ -15,9 +15,6 @@ F64 = NDArray[np.float64]
 
 InputScale = Literal["object", "scan"]
 """Normalisation of a scan: by the object's true diagonal, keeping its position, or by the box of the visible points."""
-InputAxes = Literal["camera", "manhattan", "base"]
-"""Axes of the input: those of the camera, those that most surfaces face (`manhattan_axes`), or those that the base faces. The
-base needs a second pass, after the networks have found it (`base_axes`)."""
 
 MIN_BASE_POINTS = 50
 """Number of base points from which on the base tells the axes better than the whole scan."""
@@ -65,21 +62,6 @@ class InputFrame:
     def undo_rotations(self, rotations: F64) -> F64:
         """Map rotations [..., 3, 3] into the input frame to rotations into the camera frame."""
         return np.asarray(self.rotation @ rotations)
-
-
-def initial_axes(points: NDArray[np.floating], axes: InputAxes) -> F64:
-    """Input axes of the first pass.
-
-    Args:
-        points: Scans [F, n, 3] in the camera frame.
-        axes: Kind of axes; `base` starts like `manhattan`.
-
-    Returns:
-        Axes as columns [F, 3, 3] in the camera frame.
-    """
-    if axes == "camera":
-        return np.tile(np.eye(3), (len(points), 1, 1))
-    return manhattan_axes(points)
 
 
 def base_axes(points: NDArray[np.floating], is_base: NDArray[np.bool_], first: F64) -> F64:

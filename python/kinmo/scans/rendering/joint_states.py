@@ -5,16 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Mobility
-
-Sampling = Literal["independent", "lockstep", "release"]
-"""Sampling of joint values: each joint alone, all joints at the same share of their ranges, or over `RELEASE_ANGLES` and
-`RELEASE_SHIFTS`."""
 
 DEFAULT_RANGE = (-0.5 * math.pi, 0.5 * math.pi)
 """Range of a hinge without limits around its rest, and of a screw's turn; rad."""
@@ -43,31 +38,31 @@ def joint_range(joint: Joint) -> tuple[float, float]:
 
 
 def sample_joint_states(
-    mobility: Mobility, count: int, sampling: Sampling, rng: np.random.Generator, subset: slice = slice(None)
+    mobility: Mobility, count: int, rng: np.random.Generator, subset: slice = slice(None), *, like_release: bool = False
 ) -> Iterator[JointStates]:
     """Sample states of all joints.
 
     Args:
         mobility: Joints in the normalised frame.
         count: Number of states.
-        sampling: `independent` draws each value from its joint's range. `lockstep` moves all joints through their ranges in
-            equal steps, as the paper's pipeline does; `release` does so over the release's fixed ranges.
         rng: Source of random numbers.
         subset: Selects some of the `count` states.
+        like_release: True to move all joints in equal steps through `RELEASE_ANGLES` and `RELEASE_SHIFTS`, False to draw each
+            value from its joint's range.
 
     Yields:
         The selected states.
     """
     joints = {index: body.joint for index, body in mobility.movable() if body.joint is not None}
     ranges = {index: joint_range(joint) for index, joint in joints.items()}
-    if sampling == "release":
+    if like_release:
         limits = {i: RELEASE_ANGLES if j.kind is JointKind.REVOLUTE else RELEASE_SHIFTS for i, j in joints.items()}
         ranges = {i: (low + joints[i].rest, high + joints[i].rest) for i, (low, high) in limits.items()}
     screws = [index for index, joint in joints.items() if joint.kind is JointKind.SCREW]
     for step in np.linspace(0.0, 1.0, count)[subset]:
 
         def sample(low: float, high: float, step: float = step) -> float:
-            share = float(rng.uniform() if sampling == "independent" else step)
+            share = float(step if like_release else rng.uniform())
             return (1.0 - share) * low + share * high
 
         values = {index: sample(*limits) for index, limits in ranges.items()}

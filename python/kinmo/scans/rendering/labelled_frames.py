@@ -72,7 +72,7 @@ def scan_object(
     skipped = Counter[str]()
     frames: list[_Frame] = []
     with open_renderer(config.renderer, target.meshes) as renderer:
-        for state in sample_joint_states(target.mobility, states, config.sampling, rng, subset):
+        for state in sample_joint_states(target.mobility, states, rng, subset, like_release=config.release):
             for frame in _frames_in_state(target, state, views, renderer, camera, config, rng, sensor_rng):
                 if isinstance(frame, str):
                     skipped[frame] += 1
@@ -103,7 +103,7 @@ def _frames_in_state(
     """Frames from `views` cameras, each one a frame or the reason to skip it."""
     moved = forward(target.mobility, state.values, state.turns)
     low, high, floor = _bounds(target, moved)
-    if config.cameras == "rest":
+    if config.release:
         low, high, _ = _bounds(target, np.broadcast_to(np.eye(4), moved.shape))
     center, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
     cameras = np.stack([VIEWPOINTS.sample(rng, center, radius, target.up) for _ in range(views)])

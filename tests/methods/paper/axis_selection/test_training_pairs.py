@@ -39,20 +39,12 @@ def hinge(direction, pivot) -> Joint:
 def test_no_edge_of_the_hinge_side_is_a_negative_of_a_door() -> None:
     half = (0.3, 0.4, 0.01)
     box = Box(np.zeros(3), np.eye(3), np.array(half))
-    config = replace(CONFIG, negatives="lines")
-    found = negative_axes(hinge(UP, (0.3, 0, 0.01)), box, points_of_box(half), config)
-    assert len(found) == 13  # 12 edges and 3 centre lines, without the two edges at the hinge
+    found = negative_axes(hinge(UP, (0.3, 0, 0.01)), box, points_of_box(half), CONFIG)
+    assert len(found) == 10  # 12 edges without the two at the hinge
     at_hinge = (np.abs(found.directions @ UP) > 0.99) & (found.pivots[:, 0] > 0.29)
     assert not at_hinge.any()
     other_side = (np.abs(found.directions @ UP) > 0.99) & (found.pivots[:, 0] < -0.29)
     assert other_side.sum() == 2
-
-
-def test_the_papers_negatives_are_edges_alone() -> None:
-    half = (0.3, 0.4, 0.01)
-    box = Box(np.zeros(3), np.eye(3), np.array(half))
-    joint = hinge(UP, (0.3, 0, 0.01))
-    assert len(negative_axes(joint, box, points_of_box(half), CONFIG)) == 10
 
 
 def test_an_axis_with_the_same_motion_of_a_round_part_is_no_negative() -> None:

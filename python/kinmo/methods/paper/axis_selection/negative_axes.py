@@ -31,7 +31,7 @@ FULL_TOLERANCE_SIZE = 6.0
 def negative_axes(joint: Joint, box: Box, part: NDArray[np.float32], config: AxisConfig) -> CandidateJoints:
     """Axes of a part's box that are infeasible for its true joint.
 
-    A hinge has the 12 edges (and with `config.negatives` = `lines` the 3 centre lines), a slider or screw the 3 centre lines.
+    A hinge has the 12 edges, a slider or screw the 3 centre lines.
     Axes within `near_angle` and `near_distance` of the true axis are left out. Axes with the same motion, to within
     `same_motion` diagonals (less for small parts), are left out too: other edges of the hinge side, axes of the same symmetry.
 
@@ -42,9 +42,7 @@ def negative_axes(joint: Joint, box: Box, part: NDArray[np.float32], config: Axi
         config: Settings of the network.
     """
     directions, pivots, is_edge = box_lines(box)
-    wanted = ~is_edge
-    if joint.kind is JointKind.REVOLUTE:
-        wanted = is_edge | (config.negatives == "lines")
+    wanted = is_edge if joint.kind is JointKind.REVOLUTE else ~is_edge
     directions, pivots = directions[wanted], pivots[wanted]
     parallel = np.abs(directions @ joint.direction) > math.cos(math.radians(config.near_angle))
     offset = pivots - joint.pivot
