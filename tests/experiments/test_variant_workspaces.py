@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinmo.dataset.shape_dataset import ShapeDataset, open_dataset
+from kinmo.dataset.shape_dataset import open_dataset
 from kinmo.dataset.splits import Split, split_of
 from kinmo.dataset.store import IndexEntry, file_name, write_index
 from kinmo.dataset.workspace import Workspace
@@ -22,7 +20,9 @@ ANNOTATED = [f"box-{i}" for i in range(60)]
 ORACLE = [f"far-{i}" for i in range(60)]
 
 
-def entry(shape_id: str, layout: str = "partnet_mobility", category: str = "Box", *, labelled: bool = True, oracle: bool = False):
+def entry(
+    shape_id: str, layout: str = "partnet_mobility", category: str = "Box", *, labelled: bool = True, oracle: bool = False
+):
     path = file_name(layout, shape_id)
     return IndexEntry(shape_id, layout, category, path, "/x", f"key {path}", shape_id, shape_id, 3, 2, 1, labelled, (), oracle)
 
@@ -34,13 +34,15 @@ ENTRIES = [
 ]
 
 
-def dataset_of(folder: Path, variant: Variant, entries: Sequence[IndexEntry] = ENTRIES, category: str | None = None) -> ShapeDataset:
+def dataset_of(
+    folder: Path, variant: Variant, entries: Sequence[IndexEntry] = ENTRIES, category: str | None = None
+) -> ShapeDataset:
     root = Workspace(folder)
     write_index(root.prepared, entries)
     return open_dataset(variant.workspace(root), category)
 
 
-def ids(entries: Sequence[IndexEntry]) -> set[str]:
+def ids(entries):
     return {entry.id for entry in entries}
 
 

@@ -154,9 +154,7 @@ def test_the_papers_settings_give_a_table(tmp_path: Path) -> None:
     sizes = SCANS.replace("batches_per_epoch = 2", "batches_per_epoch = 60")
     Path(made.config).write_text(f'extends = "paper"\n{sizes}', encoding="utf-8")
     config = load_config(made.config)
-    assert (config.scans.renderer, config.scans.canonical, config.scans.sampling) == ("pybullet", "file", "release")
-    assert (config.ancsh.axes, config.ancsh.normalised, config.ancsh.ties) == ("camera", "object", "pairs")
-    assert not (config.ancsh.maps or config.ancsh.global_head)
+    assert config.scans.release and config.ancsh.release and config.scans.renderer == "pybullet"
     made.render().run(Recorder())
     made.train().run(Recorder())
     EvaluateTrained(made.workspace, FAMILY, device="cpu").run(Recorder())

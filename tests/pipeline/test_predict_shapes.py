@@ -1,17 +1,20 @@
-"""Where what is predicted goes, and what is told of shapes for which that fails."""
+"""Prediction of users' shapes: folders and their names, edited and damaged results, and problems with single shapes."""
 
 from __future__ import annotations
 
+import json
 import os
+import re
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from datasets import write_partnet, write_partnet_mobility
-from trained_workspace import Recorder
+from trained_workspace import METHODS, Recorder, Trained, contents
 
 from kinmo import _core
 from kinmo.core.errors import InputError
@@ -22,63 +25,73 @@ from kinmo.core.prediction import JointEstimate, ShapeEstimate
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape
+from kinmo.io.readers import read_partnet
+from kinmo.io.readers.joints_json_reader import read_joints_json
 from kinmo.io.writers import WRITERS, write_urdf
-from kinmo.pipeline import predict_shapes as predict
-from kinmo.pipeline.predict_shapes import Predict
+from kinmo.pipeline import predict_shapes
+from kinmo.pipeline.predict_shapes import PredictShapes
 
 SHELF, DOOR = "棚", "扉"
-"""Three bytes each."""
+"""Names of three bytes each."""
+Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""Rotation from y up and the front at +z to z up and the front at -y."""
 
 
 @dataclass(frozen=True)
-class Stiff:
-    """Says of every shape that nothing moves."""
+class RigidMethod:
+    """A method that predicts no joints."""
 
-    method: str = "none"
+    name: str = "none"
     weights: str = ""
     config: Mapping[str, Any] = field(default_factory=dict)
 
     def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
         still, bodies = JointEstimate(None, MotionType.NONE, 1.0), (Body(0, "base", shape.leaves),)
-        return ShapeEstimate(shape.id, shape.category, Mobility(bodies), ((still,),), (still,), self.method)
+        return ShapeEstimate(shape.id, shape.category, Mobility(bodies), ((still,),), (still,), self.name)
+
+
+def source_of(folder: Path) -> str:
+    """Source that a prediction states."""
+    return str(json.loads((folder / "joints.json").read_text(encoding="utf-8"))["shape"]["source"])
 
 
 @pytest.fixture
-def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Predict:
-    monkeypatch.setattr(predict, "load_predictor", lambda *_: Stiff())
-    return Predict(tmp_path / "shapes", tmp_path / "out", Workspace(tmp_path / "workspace"), "none", device="cpu")
+def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PredictShapes:
+    """Prediction of the folder `shapes` by the method without joints."""
+    monkeypatch.setattr(predict_shapes, "load_method", lambda *_: RigidMethod())
+    return PredictShapes(tmp_path / "shapes", tmp_path / "out", Workspace(tmp_path / "workspace"), "none", device="cpu")
 
 
-def test_names_too_long_for_a_folder_are_cut_and_told_apart(stage: Predict) -> None:
+def test_names_too_long_for_a_folder_are_cut_and_stay_unique(stage: PredictShapes) -> None:
     deep = stage.source / (SHELF * 80) / (SHELF * 80) / (SHELF * 80)
     for place in (deep / DOOR / "scene", deep / f"{DOOR}{DOOR}" / "scene", stage.source / (DOOR * 84), stage.source / "door"):
         write_partnet(place)
     outcome = stage.run(Recorder())
-    assert outcome.data["left_out"] == []
+    assert outcome.data["skipped"] == []
     folders = [Path(shape["folder"]) for shape in outcome.data["shapes"]]
-    assert {path.name for path in stage.out.iterdir() if path.name != ".lock"} == {folder.name for folder in folders}
+    assert {path.name for path in stage.out.iterdir() if not path.name.startswith(".")} == {folder.name for folder in folders}
     assert sorted(folder.name.split("~")[0] for folder in folders) == ["door", DOOR * 50, SHELF * 50, SHELF * 50]
     assert all((folder / f"{folder.name}.urdf").is_file() for folder in folders)
     assert stage.plan().steps == (), "it is done"
 
 
-def test_what_cannot_be_looked_at_is_told(stage: Predict, tmp_path: Path) -> None:
+def test_folders_that_cannot_be_read_are_named(stage: PredictShapes, tmp_path: Path) -> None:
     write_partnet(stage.source / "door")
     (tmp_path / "elsewhere").mkdir()
     (stage.source / "link").symlink_to(tmp_path / "elsewhere", target_is_directory=True)
-    told = Recorder()
-    outcome = stage.run(told)
-    assert outcome.failed == len(outcome.data["left_out"]) == 1
-    assert [note for note in told.notes if note == f"left out: {outcome.data['left_out'][0]}"]
+    recorder = Recorder()
+    outcome = stage.run(recorder)
+    assert outcome.failed == len(outcome.data["skipped"]) == 1
+    assert [note for note in recorder.notes if note == f"skipped: {outcome.data['skipped'][0]}"]
 
 
 @pytest.mark.parametrize("name", ["d" * MAX_NAME_BYTES, DOOR * (MAX_NAME_BYTES // 3), "Tür"])
-def test_names_that_fit_stay_as_they_are(stage: Predict, name: str) -> None:
+def test_names_that_fit_stay_as_they_are(stage: PredictShapes, name: str) -> None:
     write_partnet(stage.source / name)
     assert [Path(shape["folder"]).name for shape in stage.run(Recorder()).data["shapes"]] == [name]
 
 
-def test_a_result_that_cannot_be_written_is_its_shape_s_problem(stage: Predict, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_result_that_cannot_be_written_stops_no_other_shape(stage: PredictShapes, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(shape: Any, prediction: Any, folder: Path, options: Any) -> Path:
         if shape.id == "b":
             raise OSError(28, os.strerror(28), str(folder / "b.urdf"))
@@ -87,48 +100,46 @@ def test_a_result_that_cannot_be_written_is_its_shape_s_problem(stage: Predict, 
     monkeypatch.setitem(WRITERS, "urdf", full)
     for name in "abc":
         write_partnet(stage.source / name)
-    told = Recorder()
-    outcome = stage.run(told)
+    recorder = Recorder()
+    outcome = stage.run(recorder)
     assert [shape["id"] for shape in outcome.data["shapes"]] == ["a", "c"]
-    (line,) = outcome.data["left_out"]
+    (line,) = outcome.data["skipped"]
     assert line.startswith(f"{stage.source / 'b'}: ") and "b.urdf: No space left on device" in line
-    assert told.notes == [f"left out: {line}"] and outcome.failed == 1
+    assert recorder.notes == [f"skipped: {line}"] and outcome.failed == 1
     assert not (stage.out / "b").exists()
 
 
-def test_a_shape_that_nobody_foresaw_does_not_keep_others_from_being_predicted(
-    stage: Predict, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_unforeseen_error_stops_no_other_shape(stage: PredictShapes, monkeypatch: pytest.MonkeyPatch) -> None:
     def unforeseen(shape: Any, **how: Any) -> PreparedShape:
         if shape.id == "b":
             raise RuntimeError("no such axis")
         return prepare_shape(shape, **how)
 
-    monkeypatch.setattr(predict, "prepare_shape", unforeseen)
+    monkeypatch.setattr(predict_shapes, "prepare_shape", unforeseen)
     for name in "abc":
         write_partnet(stage.source / name)
     outcome = stage.run(Recorder())
     assert [shape["id"] for shape in outcome.data["shapes"]] == ["a", "c"]
-    (line,) = outcome.data["left_out"]
-    assert line.startswith(f"{stage.source / 'b'}: cannot be predicted: RuntimeError at test_predict.py:")
+    (line,) = outcome.data["skipped"]
+    assert line.startswith(f"{stage.source / 'b'}: cannot be predicted: RuntimeError at test_predict_shapes.py:")
     assert line.endswith(": no such axis") and outcome.failed == 1
 
 
-def test_what_was_predicted_of_another_shape_stays(stage: Predict) -> None:
+def test_the_prediction_for_another_shape_is_not_replaced(stage: PredictShapes) -> None:
     for place in ("a", "b"):
         write_partnet(stage.source / place / "cabinet")
     assert replace(stage, source=stage.source / "a").run(Recorder()).failed == 0
     outcome = replace(stage, source=stage.source / "b").run(Recorder())
-    (line,) = outcome.data["left_out"]
+    (line,) = outcome.data["skipped"]
     assert line == (
-        f"{stage.out / 'cabinet'}: is in the way: it has what was predicted of {stage.source / 'a' / 'cabinet'}; "
+        f"{stage.out / 'cabinet'}: exists, with the prediction for {stage.source / 'a' / 'cabinet'}: "
         "name another folder by --out"
     )
-    assert predict._source(stage.out / "cabinet") == str(stage.source / "a" / "cabinet")
+    assert source_of(stage.out / "cabinet") == str(stage.source / "a" / "cabinet")
 
 
 @pytest.mark.parametrize("damaged", ["door.urdf", "joints.json", "meshes", "half of joints.json"])
-def test_a_result_that_is_not_whole_is_made_anew(stage: Predict, damaged: str) -> None:
+def test_an_incomplete_result_is_made_again(stage: PredictShapes, damaged: str) -> None:
     write_partnet(stage.source / "door")
     stage.run(Recorder())
     folder = stage.out / "door"
@@ -140,11 +151,11 @@ def test_a_result_that_is_not_whole_is_made_anew(stage: Predict, damaged: str) -
     else:
         (folder / damaged).unlink()
     outcome = stage.run(Recorder())
-    assert outcome.data["left_out"] == []
+    assert outcome.data["skipped"] == []
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
 
 
-def test_what_a_user_adds_to_a_result_stays(stage: Predict) -> None:
+def test_edits_of_a_user_stay(stage: PredictShapes) -> None:
     write_partnet(stage.source / "door")
     stage.run(Recorder())
     urdf = stage.out / "door" / "door.urdf"
@@ -153,21 +164,150 @@ def test_what_a_user_adds_to_a_result_stays(stage: Predict) -> None:
     assert urdf.read_text(encoding="utf-8").endswith("<!-- damping is to be measured -->")
 
 
-def test_of_shapes_that_share_an_id_the_annotated_one_keeps_it(stage: Predict) -> None:
+def test_an_annotated_shape_keeps_an_id_that_several_shapes_have(stage: PredictShapes) -> None:
     write_partnet_mobility(stage.source / "dataset" / "7")
     write_partnet(stage.source / "data_v0" / "7")
     stage.run(Recorder())
     names = {path.name for path in stage.out.iterdir() if path.is_dir()}
     assert names == {"7", "data_v0__7"}
-    assert predict._source(stage.out / "7") == str(stage.source / "dataset" / "7")
+    assert source_of(stage.out / "7") == str(stage.source / "dataset" / "7")
     write_partnet_mobility(stage.source / "again" / "7")
     found = replace(stage, out=stage.out.with_name("other")).run(Recorder())
     assert {Path(shape["folder"]).name for shape in found.data["shapes"]} == {"again__7", "data_v0__7", "dataset__7"}
 
 
-def test_a_folder_of_scans_is_none_of_shapes(stage: Predict) -> None:
+def test_a_folder_with_scans_alone_is_refused(stage: PredictShapes) -> None:
     stage.source.mkdir()
     for name in ("a.npz", "b.ply", "notes.txt"):
         (stage.source / name).touch()
-    with pytest.raises(InputError, match="at least one shape at or below it, and not 2 scans, of which --category says"):
-        stage.run(Recorder())
+    for call in (stage.plan, lambda: stage.run(Recorder())):
+        with pytest.raises(
+            InputError, match=r"at least one shape at or below it .*\. Found 2 scans: for scans, add --category"
+        ):
+            call()
+
+
+def test_edits_of_a_user_stay_only_while_the_shape_and_the_settings_do(stage: PredictShapes) -> None:
+    write_partnet(stage.source / "door")
+    stage.run(Recorder())
+    urdf = stage.out / "door" / "door.urdf"
+    before = urdf.read_text(encoding="utf-8")
+    urdf.write_text(f"{before}<!-- edited -->", encoding="utf-8")
+    assert stage.plan().steps == ()
+    other = replace(stage, metres_per_unit=2.0)
+    assert other.plan().steps == (f"predict 1 shape into {stage.out}",)
+    other.run(Recorder())
+    assert "edited" not in urdf.read_text(encoding="utf-8")
+    assert stage.run(Recorder()).failed == 0
+    assert urdf.read_text(encoding="utf-8") == before
+
+
+def test_a_result_without_its_cache_is_recognised_and_replaced(stage: PredictShapes) -> None:
+    write_partnet(stage.source / "door")
+    stage.run(Recorder())
+    (stage.out / ".kinmo.jsonl").unlink()
+    assert stage.plan().steps
+    assert stage.run(Recorder()).failed == 0
+    assert stage.plan().steps == ()
+
+
+def test_an_empty_folder_is_refused_in_a_dry_run_too(stage: PredictShapes) -> None:
+    stage.source.mkdir()
+    for call in (stage.plan, lambda: stage.run(Recorder())):
+        with pytest.raises(InputError, match="expected at least one shape at or below it"):
+            call()
+    assert not stage.out.exists()
+
+
+def test_a_bad_shape_stops_no_other(trained: Trained, tmp_path: Path) -> None:
+    source, out = tmp_path / "mine", tmp_path / "out"
+    some = sorted((trained.shapes / "partnet").iterdir())[:2]
+    for folder in some:
+        shutil.copytree(folder, source / folder.name)
+    (source / some[0].name / "result.json").write_text("[{", encoding="utf-8")
+    stage = PredictShapes(source, out, trained.workspace, METHODS[0], device="cpu")
+    assert stage.run(Recorder()).failed == 1
+    assert [path.parent.name for path in out.glob("*/joints.json")] == [some[1].name]
+    assert (out / some[1].name / f"{some[1].name}.urdf").exists()
+    before = contents(out)
+    assert stage.run(Recorder()).failed == 1
+    assert contents(out) == before
+
+
+def test_repairs_of_a_shape_are_noted(trained: Trained, tmp_path: Path) -> None:
+    source = next((trained.shapes / "partnet").iterdir())
+    shutil.copytree(source, tmp_path / "shapes" / source.name)
+    mesh = sorted((tmp_path / "shapes" / source.name / "objs").glob("*.obj"))[-1]
+    mesh.write_text("", encoding="utf-8")
+    recorder = Recorder()
+    found = PredictShapes(tmp_path / "shapes", tmp_path / "out", trained.workspace, METHODS[0], device="cpu").run(recorder)
+    (shape,) = found.data["shapes"]
+    assert any("no surface" in repair for repair in shape["repairs"])
+    assert recorder.notes == [f"repaired: {shape['id']}: {'; '.join(shape['repairs'])}"]
+    assert "1 repaired, 0 skipped" in found.text
+
+
+def test_a_shape_with_z_up_gets_the_joints_of_its_copy_with_y_up(trained: Trained, tmp_path: Path) -> None:
+    source = sorted((trained.shapes / "partnet").iterdir())[0]
+    standing, lying = tmp_path / "y" / source.name, tmp_path / "z" / source.name
+    for copy in (standing, lying):
+        shutil.copytree(source, copy)
+    for path in (lying / "objs").glob("*.obj"):
+        text = re.sub(r"^v (\S+) (\S+) (\S+)", with_z_up, path.read_text(encoding="utf-8"), flags=re.M)
+        path.write_text(text, encoding="utf-8")
+    predict = PredictShapes(standing, tmp_path / "out y", trained.workspace, METHODS[0], device="cpu")
+    predict.run(Recorder())
+    replace(predict, source=lying, out=tmp_path / "out z", up="z").run(Recorder())
+    wanted, found = (
+        read_joints_json(tmp_path / f"out {up}" / source.name / "joints.json", read_partnet(folder))[0]
+        for up, folder in (("y", standing), ("z", lying))
+    )
+    assert len(found.mobility.bodies) == len(wanted.mobility.bodies)
+    for body, expected in zip(found.mobility.bodies, wanted.mobility.bodies, strict=True):
+        assert body.leaves == expected.leaves and (body.joint is None) == (expected.joint is None)
+        if body.joint is not None and expected.joint is not None:
+            assert body.joint.direction == pytest.approx(Z_UP @ expected.joint.direction, abs=1e-9)
+            assert body.joint.pivot == pytest.approx(Z_UP @ expected.joint.pivot, abs=1e-9)
+            assert (body.joint.lower, body.joint.upper) == pytest.approx((expected.joint.lower, expected.joint.upper))
+    assert any(body.joint is not None for body in wanted.mobility.bodies)
+    shape = json.loads((tmp_path / "out z" / source.name / "joints.json").read_text(encoding="utf-8"))["shape"]
+    assert shape["up"] == [0.0, 0.0, 1.0]
+    assert shape["center"] == pytest.approx(Z_UP @ read_partnet(standing).center)
+
+
+def with_z_up(vertex: re.Match[str]) -> str:
+    """A vertex line of an OBJ file, rotated by `Z_UP`."""
+    x, y, z = vertex.groups()
+    return f"v {x} {-float(z)!r} {y}"
+
+
+def test_shapes_of_the_same_name_go_into_folders_named_by_their_paths(trained: Trained, tmp_path: Path) -> None:
+    some = sorted((trained.shapes / "partnet").iterdir())[:2]
+    for place, shape in zip(("kitchen", "lab"), some, strict=True):
+        shutil.copytree(shape, tmp_path / "shapes" / place / "scene")
+    stage = PredictShapes(
+        tmp_path / "shapes", tmp_path / "out", trained.workspace, METHODS[0], device="cpu", metres_per_unit=100.0
+    )
+    assert stage.plan().steps == (f"predict 2 shapes into {tmp_path / 'out'}",)
+    recorder = Recorder()
+    found = stage.run(recorder)
+    assert [Path(shape["folder"]).name for shape in found.data["shapes"]] == ["kitchen__scene", "lab__scene"]
+    for place, shape in zip(("kitchen", "lab"), found.data["shapes"], strict=True):
+        assert shape["id"] == "scene" and shape["source"] == str(tmp_path / "shapes" / place / "scene")
+        assert source_of(Path(shape["folder"])) == shape["source"]
+        size = 100.0 * shape["diagonal"]
+        assert f"scene: {size:.0f} m across: set --metres-per-unit if the file is not in metres" in recorder.notes
+        assert 'scale="100.0 100.0 100.0"' in Path(shape["urdf"]).read_text(encoding="utf-8")
+    assert stage.plan().steps == (), "it is done"
+    for call in (replace(stage, out=tmp_path / "shapes").plan, lambda: replace(stage, out=tmp_path / "shapes").run(Recorder())):
+        with pytest.raises(InputError, match="--out: is the folder with the shapes"):
+            call()
+
+
+def test_predict_replaces_no_folder_that_it_did_not_write(trained: Trained, tmp_path: Path) -> None:
+    shape = next((trained.shapes / "partnet").iterdir())
+    shutil.copytree(shape, tmp_path / shape.name)
+    before = contents(tmp_path)
+    outcome = PredictShapes(tmp_path / shape.name, tmp_path, trained.workspace, METHODS[0], device="cpu").run(Recorder())
+    assert outcome.failed == 1 and "kinmo predict did not write it" in outcome.data["skipped"][0]
+    assert contents(tmp_path) == before

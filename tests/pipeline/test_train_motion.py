@@ -76,7 +76,9 @@ def test_a_network_of_one_category_lies_beside_those_of_all(trained: Trained, tm
     assert f"axis: Laptop go by networks of their own, in {folder}" in told.notes
 
 
-def test_a_training_that_was_cut_off_goes_on_only_by_the_same_configuration(trained: Trained, tmp_path: Path, monkeypatch) -> None:
+def test_a_training_that_was_cut_off_goes_on_only_by_the_same_configuration(
+    trained: Trained, tmp_path: Path, monkeypatch
+) -> None:
     shutil.copytree(trained.workspace.path, tmp_path / "workspace", ignore=shutil.ignore_patterns("models"))
     seen: list[str] = []
 

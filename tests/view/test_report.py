@@ -97,7 +97,9 @@ def test_the_report_of_a_workspace_without_evaluation_has_no_pictures(trained: T
     assert outcome.data["sections"] == ["Data", "Runs"]
 
 
-@pytest.mark.parametrize("file", ["models/gnn_fine/metrics.json", "pseudo_labels/kinmo/acceptance.json", "prepared/report.json"])
+@pytest.mark.parametrize(
+    "file", ["models/gnn_fine/metrics.json", "pseudo_labels/kinmo/acceptance.json", "prepared/report.json"]
+)
 @pytest.mark.parametrize("text", ["{", "[1]"])
 def test_a_damaged_file_is_named(file: str, text: str, trained: Trained, tmp_path: Path) -> None:
     workspace = trained.copy(tmp_path)

@@ -75,7 +75,7 @@ class GnnConfig:
     head_features: Count = 128
     """Width of the edge heads."""
     class_balance: Amount = 0.0
-    """Exponent of class weights in the type loss: (share of the class) ** -class_balance. 0 for equal weights, as in the paper."""
+    """Exponent of the type loss's class weights, (share of the class) ** -class_balance; 0 for equal weights, as in the paper."""
     variants: NonNegative = 0
     """Further forms of each training shape: mirrored, and stretched along its axes."""
     stretch: Amount = 0.0
@@ -122,8 +122,8 @@ class AxisConfig:
 class ContinuedConfig:
     """Continued training of the ranking networks on few shapes, from weights trained on many."""
 
-    training: TrainingConfig = TrainingConfig(
-        epochs=14, learning_rate=7e-4, weight_decay=1e-2, decay_epochs=0, average=0.99, keep="last"
+    training: TrainingConfig = field(
+        default_factory=lambda: TrainingConfig(14, 7e-4, weight_decay=1e-2, decay_epochs=0, average=0.99, keep="last")
     )
     """Training."""
     batch_views: Count = 8

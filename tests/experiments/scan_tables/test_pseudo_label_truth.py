@@ -45,14 +45,16 @@ def test_a_label_is_right_if_all_axes_have_the_true_directions_and_places(tmp_pa
     true = [named(file, name) for name in found if name != "truly another"] + [named(file, "not labelled")]
     labels = [named(other, name) for name, other in found.items()]
     oracle_ids = {label.object: label.id for label in labels}
-    assert count_labels(labels, true, oracle_ids) == LabelCounts(labelled=6, right_structure=5, right_axes=4, right_lines=3, true=6)
+    assert count_labels(labels, true, oracle_ids) == LabelCounts(
+        labelled=6, right_structure=5, right_axes=4, right_lines=3, true=6
+    )
     variants = [named(moved(file, door, aside, 0.0), "right", variant=2)]
-    assert count_labels([*labels, *variants], true, oracle_ids) == count_labels(labels, true, oracle_ids)
+    assert count_labels([*labels, *variants], true, oracle_ids) == counts
     more = count_labels([*labels, named(file, "new")], true, oracle_ids)
-    assert more == replace(count_labels(labels, true, oracle_ids), unknown=1)
+    assert more == replace(counts, unknown=1)
     assert str(more).endswith("In all, 6 truly have these joints. Another 1 have no oracle labels.")
     alone = count_labels([named(file, "new")], true, oracle_ids)
     assert str(alone) == "Pseudo labels give 1 object these joints; there are no oracle labels for them."
     other = {label.object: f"original of {label.id}" for label in labels}
     renamed = [replace(file, id=f"original of {file.id}") for file in true]
-    assert count_labels(labels, renamed, other) == count_labels(labels, true, oracle_ids), "whatever the id of a copy"
+    assert count_labels(labels, renamed, other) == counts, "whatever the id of a copy"

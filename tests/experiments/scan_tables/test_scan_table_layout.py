@@ -45,7 +45,7 @@ def test_scores_come_back_from_their_file(tmp_path):
     np.testing.assert_array_equal(found[0].frames[0].rotation, [np.nan, 0.2, 0.3])
     assert len(read_scores([path, path])[1].frames) == 4, "seeds add frames to the same object"
     path.write_text('{"id": "a"}\n')
-    with pytest.raises(InputError, match=r"scores\.jsonl: expected errors of scans"):
+    with pytest.raises(InputError, match=r"scores\.jsonl: expected scores of scans"):
         read_scores([path])
 
 

@@ -29,9 +29,7 @@ def seen(request):
 
 
 def labelled(target, scans, predictions, found, confidence):
-    return self_label(
-        "one", "Cupboard", scans.points, predictions, found, structure=target.structure, confidence=confidence
-    )
+    return self_label("one", "Cupboard", scans.points, predictions, found, structure=target.structure, confidence=confidence)
 
 
 def test_perfect_predictions_give_the_true_labels(seen):

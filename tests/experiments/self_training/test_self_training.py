@@ -62,9 +62,7 @@ def test_finished_self_training_is_not_done_again(made: Scanned, stage: TrainByS
     assert contents(made.workspace.path) == before
 
 
-def test_an_interrupted_labelling_continues(
-    made: Scanned, stage: TrainBySelfTraining, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_interrupted_labelling_continues(made: Scanned, stage: TrainBySelfTraining, monkeypatch: pytest.MonkeyPatch) -> None:
     labelling, labels = SelfLabelScans(made.workspace, CATEGORY, confidence=0.0, **CPU), labels_of(made)
     before = contents(labels[0].parent)
     assert labelling.plan().steps == ()

@@ -1,4 +1,4 @@
-"""Boosted trees on features of any kind."""
+"""Boosted trees on any features."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from kinmo.core.motion_types import CoarseType
 from kinmo.experiments.table1.trees import fit_kinds, fit_rank
 
 
-def test_trees_learn_to_rank_and_to_class_what_features_show():
+def test_trees_learn_to_rank_and_to_classify():
     rng = np.random.default_rng(0)
     groups = np.repeat(np.arange(60), 8)
     right = np.zeros(480, bool)

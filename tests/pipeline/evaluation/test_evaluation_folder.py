@@ -83,7 +83,9 @@ def test_other_shapes_make_an_evaluation_outdated(is_test: bool, workspace: Work
     index = workspace.prepared / INDEX
     lines = [json.loads(line) for line in index.read_text(encoding="utf-8").splitlines()]
     tests = {path.stem.rpartition("-")[0] for path in (workspace.evaluation / "shape_scores").glob("*.json")}
-    changed = next(line for line in lines if line["is_labelled"] and (line["id"] in tests) is is_test and _is_fitted(line, is_test))
+    changed = next(
+        line for line in lines if line["is_labelled"] and (line["id"] in tests) is is_test and _is_fitted(line, is_test)
+    )
     changed["key"] = "another"
     index.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
     assert not EvaluationFolder(workspace).is_current

@@ -151,7 +151,9 @@ def test_networks_that_know_a_floor_give_its_points_to_no_part(scanned: Scanned,
     weights = ScanRun(CATEGORY, "supervised", 0).weights(floored.workspace)
     assert weights is not None
     header = json.loads(weights[0].with_suffix(".json").read_text(encoding="utf-8"))
-    known = json.loads(ScanRun(CATEGORY, "supervised", 0).folder(scanned.workspace, "ancsh").joinpath("weights.json").read_text())
+    known = json.loads(
+        ScanRun(CATEGORY, "supervised", 0).folder(scanned.workspace, "ancsh").joinpath("weights.json").read_text()
+    )
     assert header["facts"]["classes"] == known["facts"]["classes"] + 1
     example = ExampleScan(floored.workspace, FAMILY, tmp_path / "scan.npz", floored.render())
     example.run(Recorder())
@@ -233,7 +235,9 @@ def test_a_category_without_networks_is_reported_with_those_that_have_some(scann
     ):
         with pytest.raises(InputError, match=problem):
             PredictScans(tmp_path / "x.npz", tmp_path, scanned.workspace, name).run(Recorder())
-    with pytest.raises(InputError, match="no networks for scans of laptop that learned from pseudo labels of kinmo: .* --method kinmo first"):
+    with pytest.raises(
+        InputError, match=r"no networks for scans of laptop that learned from pseudo labels of kinmo: .* --method kinmo first"
+    ):
         PredictScans(tmp_path / "x.npz", tmp_path, scanned.workspace, FAMILY, method="kinmo").run(Recorder())
     with pytest.raises(InputError, match="run kinmo render first"):
         TrainScans(scanned.workspace, scanned.config, "safe").run(Recorder())

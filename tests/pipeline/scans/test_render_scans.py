@@ -75,26 +75,14 @@ def test_training_objects_that_become_validation_objects_have_no_variants(scanne
     assert any(file.provenance.variant for file in dataset.files["train"])
 
 
-def test_in_lockstep_an_object_and_its_variants_share_all_steps(scanned: Scanned, tmp_path: Path) -> None:
-    made = scanned.copied(tmp_path).changed(
-        tmp_path, "[scans]\nstates = 2\n", '[scans]\nvariants = 2\nstates = 5\nsampling = "lockstep"\n'
-    )
-    made.render(extra=()).run(Recorder())
-    opened: dict[str, set[float]] = {}
-    for path in made.scans("train"):
-        file = open_scans(path)
-        (joint,) = file.joints
-        assert joint.lower is not None and joint.upper is not None
-        shares = (file.read("values")[:, 0] - joint.lower) / (joint.upper - joint.lower)
-        opened.setdefault(file.id, set()).update(shares.round(6).tolist())
-    assert set.union(*opened.values()) == {0.0, 0.25, 0.5, 0.75, 1.0}
-
-
-def test_objects_that_are_not_closed_have_no_variants(scanned: Scanned, tmp_path: Path) -> None:
-    made = scanned.copied(tmp_path).changed(tmp_path, "[scans]", '[scans]\ncanonical = "file"')
+def test_as_in_the_release_hinges_turn_in_lockstep_and_objects_have_no_variants(scanned: Scanned, tmp_path: Path) -> None:
+    made = scanned.copied(tmp_path).changed(tmp_path, "[scans]\nstates = 2\n", "[scans]\nrelease = true\nstates = 5\n")
     made.render().run(Recorder())
     files = open_scan_dataset(made.workspace, CATEGORY).files
     assert not any(file.provenance.variant for role in ROLES for file in files[role])
+    for file in files["train"]:
+        degrees = np.degrees(np.unique(file.read("values")[:, 0].round(6)))
+        np.testing.assert_allclose(degrees - degrees[0], [0.0, 30.0, 60.0, 90.0, 120.0], atol=1e-3)
 
 
 def test_scans_that_are_up_to_date_are_not_made_again(scanned: Scanned) -> None:

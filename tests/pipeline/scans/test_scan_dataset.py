@@ -51,7 +51,9 @@ def test_pseudo_labelled_objects_of_other_structures_are_counted_if_their_layout
     made.render().run(Recorder())
     cache = Cache(scans_folder(made.workspace, CATEGORY, "pseudo"))
     for name, layout, variant in (("one", "partnet", 0), ("two", "partnet", 0), ("two.1", "partnet", 1), ("three", DSG_NET, 0)):
-        cache.store(name, "", data={"reason": "another structure", "structure": "3 parts", "layout": layout, "variant": variant})
+        cache.store(
+            name, "", data={"reason": "another structure", "structure": "3 parts", "layout": layout, "variant": variant}
+        )
     dataset = open_scan_dataset(made.workspace, CATEGORY)
     assert dataset.count_other_structures() == 2, "there are labels of other shapes than generated ones"
     assert replace(dataset, files={**dataset.files, "pseudo": ()}).count_other_structures() == 3

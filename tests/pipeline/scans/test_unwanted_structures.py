@@ -144,7 +144,9 @@ def test_joints_that_no_labelled_object_has_are_reported_with_those_that_there_a
     stage = with_joints(mixed, tmp_path, '["PR on 0", "PR on 1"]')
     outcome = stage.run(Recorder())
     assert not outcome.data["categories"][CATEGORY]["objects"]
-    with pytest.raises(InputError, match=r"labelled shape to train on; the shapes have .* not the joints of scans\.joints") as error:
+    with pytest.raises(
+        InputError, match=r"labelled shape to train on; the shapes have .* not the joints of scans\.joints"
+    ) as error:
         dataset_of(stage)
     assert str(dataset_of(mixed).structure) in str(error.value)
 

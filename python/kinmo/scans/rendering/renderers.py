@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from kinmo import _core
+from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh
 from kinmo.scans.rendering.camera import Camera
 
@@ -148,6 +149,9 @@ def _pybullet() -> ModuleType:
     try:
         os.dup2(nowhere, 2)
         import pybullet
+    except ImportError as error:
+        problem = 'PyBullet is not installed (it has wheels for Python 3.10 and 3.11 only); use "raster", the images agree'
+        raise InputError("scans.renderer", problem) from error
     finally:
         os.dup2(kept, 2)
         os.close(kept)

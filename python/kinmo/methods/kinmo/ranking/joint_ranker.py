@@ -57,7 +57,7 @@ class JointRanker:
         config = from_table(RankingConfig, loaded.config, header, "config.")
         candidate_features, group_features = (loaded.facts.get(name) for name in ("hypothesis_features", "unit_features"))
         if not (isinstance(candidate_features, int) and isinstance(group_features, int)):
-            raise InputError(header, "expected the numbers of features hypothesis_features and unit_features: train again", "facts")
+            raise InputError(header, "expected numbers hypothesis_features and unit_features: train again", "facts")
         networks = ranking_networks(config, candidate_features, group_features)
         loaded.fill(networks)
         return cls(networks, device, hide_names, not config.sees_categories)
