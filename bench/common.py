@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[1]
-REAL_OBJECTS = ROOT / "data" / "partnet" / "GenSim2"
+REAL_OBJECTS = ROOT / "data" / "partnet"
 """Default folder of the real objects (PartNet-Mobility), which are not part of this repository."""
 CACHE = ROOT / "workspace" / "bench"
 """Default folder of what is made once and used again: procedural shapes, prepared shapes and trained networks."""
@@ -39,7 +39,7 @@ def option_parser(description: str | None, quick: str) -> argparse.ArgumentParse
 def has_real_objects(folder: Path) -> bool:
     """True if a folder of real objects exists; else prints where they come from."""
     if not folder.exists():
-        print(f"No real objects at {folder}. See docs/getting-the-data.md for their source, or name a folder with --data.")
+        print(f"No real objects at {folder}. See docs/guide/data.md for their source, or name a folder with --data.")
     return folder.exists()
 
 

@@ -1,7 +1,7 @@
 """Accuracy of joint limits on real objects with the true axes given, compared with limits from the sweep alone.
 
-The range IoU is that of docs/metrics.md, over all true joints with limits. `side` is the share of one-sided ranges with their
-greater part on the true side. Real objects are needed (--data).
+The range IoU (docs/background/metrics.md) is over all true joints with limits. `side` is the share of one-sided ranges with
+their greater part on the true side. Real objects are needed (--data).
 
 Usage:
     python bench/limits.py [--data DIR] [--cache DIR] [--quick]

@@ -1,4 +1,4 @@
-"""Accuracy of the paper's method on joints of real objects, rigid bodies given (paper, Table 1; docs/metrics.md).
+"""Accuracy of the paper's method on joints of real objects, rigid bodies given (paper, Table 1; docs/background/metrics.md).
 
 Every object is tested by networks that never saw it. They are trained on procedural shapes and continued on the real objects of
 the other folds, as in bench/real_objects.py, with the same data and cache. The networks have the sizes of `small`, and the

@@ -1,4 +1,4 @@
-"""Figures of real objects for a table of rows (docs/metrics.md). A row is a list of shape scores, of all seeds together."""
+"""Figures of real objects for a table of rows (docs/background/metrics.md). A row is a list of shape scores, of all seeds."""
 
 from __future__ import annotations
 

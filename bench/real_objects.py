@@ -1,4 +1,4 @@
-"""Accuracy of the `kinmo` method on joints of real objects (docs/metrics.md).
+"""Accuracy of the `kinmo` method on joints of real objects (docs/background/metrics.md).
 
 Every object is tested by networks that never saw it. They are trained on procedural shapes and continued on the real objects of
 the other folds. Everything is kept in the cache and made once. Real objects are needed (--data).

@@ -77,7 +77,7 @@ class Shapes:
 def shapes_parser(description: str | None, quick: str, count: int) -> argparse.ArgumentParser:
     """A parser with the options of benchmarks on real objects; `count` is the default number of procedural shapes a family."""
     parser = option_parser(description, quick)
-    parser.add_argument("--data", type=Path, default=REAL_OBJECTS, help="folder of the real objects")
+    parser.add_argument("--data", type=Path, default=REAL_OBJECTS / "GenSim2", help="folder of the real objects")
     parser.add_argument("--cache", type=Path, default=CACHE, help="folder of shapes and networks, which are made once")
     parser.add_argument("--count", type=int, default=count, help="procedural shapes a family")
     parser.add_argument("--folds", type=int, default=5, help="number of folds of the real objects")

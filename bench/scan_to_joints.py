@@ -24,7 +24,7 @@ from kinmo.cli.console import QuietObserver
 from kinmo.config import load_config
 from kinmo.dataset.workspace import Workspace
 from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.scans.render_scans import Render
+from kinmo.pipeline.scans.render_scans import RenderScans
 from kinmo.pipeline.scans.scan_predictor import ScanPredictor
 from kinmo.scans.ancsh.ancsh_network import AncshNetwork, PartNetwork
 from kinmo.scans.ancsh.ancsh_predictor import AncshPredictor
@@ -41,7 +41,7 @@ def scan_refrigerators(folder: Path, count: int) -> list[ScanFile]:
     Synth(folder / "partnet", count, ("refrigerator",), ("partnet_mobility",)).run(QuietObserver())
     workspace = Workspace(folder / "workspace")
     Prepare(folder / "partnet", workspace).run(QuietObserver())
-    Render(workspace, "small", "refrigerator").run(QuietObserver())
+    RenderScans(workspace, "small", "refrigerator").run(QuietObserver())
     files = [file for path in sorted(workspace.scans.rglob("*.safetensors")) if (file := open_scans(path)).frames]
     usual, _ = Counter(file.structure for file in files).most_common(1)[0]
     return [file for file in files if file.structure == usual]

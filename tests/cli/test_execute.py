@@ -1,4 +1,4 @@
-"""What every command shares: dry runs, JSON, exit codes, and errors on one line."""
+"""Dry runs, JSON, exit codes, and errors on one line, as all commands have them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from kinmo.io.folder_lock import InUse
 
 @dataclass
 class Sample:
-    """A stage that does nothing."""
+    """A stage that does nothing but report."""
 
     failed: int = 0
     ran: bool = False
@@ -45,13 +45,13 @@ def test_the_path_of_the_result_is_the_last_line_of_stdout(capsys: pytest.Captur
     assert err == "stirring: 1/1 tea\npoured\n"
 
 
-def test_quiet_leaves_the_path_alone(capsys: pytest.CaptureFixture[str]) -> None:
+def test_quiet_prints_the_path_alone(capsys: pytest.CaptureFixture[str]) -> None:
     execute(CommonOptions(quiet=True), Sample())
     assert capsys.readouterr() == ("cup\n", "")
 
 
 @pytest.mark.parametrize("quiet", [False, True])
-def test_what_goes_wrong_is_told_however_quiet_it_is(quiet: bool, capsys: pytest.CaptureFixture[str]) -> None:
+def test_problems_are_printed_even_if_output_is_quiet(quiet: bool, capsys: pytest.CaptureFixture[str]) -> None:
     class Spills(Sample):
         def run(self, observer: Observer) -> Outcome:
             observer.problem("spilt: a cup")
@@ -68,7 +68,7 @@ def test_json_prints_the_result_itself(capsys: pytest.CaptureFixture[str]) -> No
 
 
 @pytest.mark.parametrize("dry_run", [False, True])
-def test_json_is_json_whatever_the_encoding_of_stdout(dry_run: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_json_is_valid_in_every_encoding_of_stdout(dry_run: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     @dataclass
     class Named(Sample):
         def plan(self) -> Plan:
@@ -86,14 +86,14 @@ def test_json_is_json_whatever_the_encoding_of_stdout(dry_run: bool, monkeypatch
     assert (found[0]["steps"] if dry_run else found) == ["Tür"]
 
 
-def test_a_dry_run_says_what_would_run_and_runs_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_dry_run_prints_the_plan_and_runs_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     stage = Sample()
     execute(CommonOptions(dry_run=True), stage, stage)
     assert not stage.ran
     assert capsys.readouterr().out == "stir\npour\nstir\npour\nabout 4 min\n"
 
 
-def test_what_failed_gives_exit_code_1_after_the_result(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_failure_gives_exit_code_1_after_the_result(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(Exit) as stop:
         execute(CommonOptions(), Sample(failed=2))
     assert stop.value.exit_code == 1
@@ -105,7 +105,7 @@ def test_what_failed_gives_exit_code_1_after_the_result(capsys: pytest.CaptureFi
     [
         (InputError(Path("a.json"), "expected a\nlist", "parts"), "kinmo: a.json: parts: expected a list\n", 1),
         (InUse("w", "another kinmo is writing here"), "kinmo: w: another kinmo is writing here\n", 1),
-        (KeyboardInterrupt(), "kinmo: stopped; the same command goes on from here\n", 130),
+        (KeyboardInterrupt(), "kinmo: interrupted; the same command continues from here\n", 130),
         (PermissionError(13, "Permission denied", "out"), "kinmo: out: Permission denied\n", 1),
         (ZeroDivisionError("division\nby zero"), None, 1),
     ],
@@ -136,7 +136,7 @@ def run_python(code: str) -> subprocess.Popen[str]:
     return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
-def test_a_closed_pipe_ends_without_a_word() -> None:
+def test_a_closed_pipe_ends_silently() -> None:
     code = (
         "import sys\nfrom typer import Exit\nfrom kinmo.cli.execute import one_line_errors\n"
         "try:\n  with one_line_errors():\n    sys.stdin.read()\n    print('x' * 100_000)\n"
@@ -155,10 +155,10 @@ def test_a_closed_pipe_ends_without_a_word() -> None:
 
 @pytest.mark.skipif(os.name == "nt", reason="signals differ on Windows")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_and_what_schedulers_send_say_one_line(number: signal.Signals) -> None:
+def test_ctrl_c_and_sigterm_print_one_line(number: signal.Signals) -> None:
     code = (
         "import signal, sys, time\nfrom typer import Exit\nfrom kinmo.cli.execute import one_line_errors\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # whoever started the tests may have had it ignored
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # the parent may ignore it
         "try:\n  with one_line_errors():\n    print('go', flush=True)\n    time.sleep(30)\n"
         "except Exit as stop:\n  sys.exit(stop.exit_code)\n"
     )
@@ -168,10 +168,10 @@ def test_ctrl_c_and_what_schedulers_send_say_one_line(number: signal.Signals) ->
     process.send_signal(number)
     _, err = process.communicate(timeout=30)
     assert process.returncode == 130
-    assert err == "kinmo: stopped; the same command goes on from here\n"
+    assert err == "kinmo: interrupted; the same command continues from here\n"
 
 
-def test_ctrl_c_while_the_program_is_still_imported_says_one_line_too() -> None:
+def test_ctrl_c_during_imports_prints_one_line_too() -> None:
     code = (
         "import sys\nfrom importlib.abc import MetaPathFinder\n"
         "class Interrupting(MetaPathFinder):\n"
@@ -183,4 +183,25 @@ def test_ctrl_c_while_the_program_is_still_imported_says_one_line_too() -> None:
     process = run_python(code)
     _, err = process.communicate(timeout=30)
     assert process.returncode == 130
-    assert err == "kinmo: stopped\n"
+    assert err == "kinmo: interrupted\n"
+
+
+def test_a_dry_run_names_what_is_impossible_and_what_is_up_to_date(capsys: pytest.CaptureFixture[str]) -> None:
+    class Done(Sample):
+        def plan(self) -> Plan:
+            return Plan((), 0.0)
+
+    class Stuck(Sample):
+        def plan(self) -> Plan:
+            return Plan((), 0.0, ("row 1: cannot be run",))
+
+    execute(CommonOptions(dry_run=True), Done())
+    assert capsys.readouterr().out == "nothing: everything is up to date\n"
+    execute(CommonOptions(dry_run=True), Stuck())
+    assert capsys.readouterr().out == "nothing: everything that is possible is up to date\nrow 1: cannot be run\n"
+
+
+def test_an_unforeseen_error_says_how_to_see_more(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(Exit), one_line_errors():
+        raise RuntimeError("no such axis")
+    assert capsys.readouterr().err == "kinmo: internal error: RuntimeError: no such axis (KINMO_DEBUG=1 shows where)\n"

@@ -20,9 +20,7 @@ ANNOTATED = [f"box-{i}" for i in range(60)]
 ORACLE = [f"far-{i}" for i in range(60)]
 
 
-def entry(
-    shape_id: str, layout: str = "partnet_mobility", category: str = "Box", *, labelled: bool = True, oracle: bool = False
-):
+def entry(shape_id, layout="partnet_mobility", category="Box", *, labelled=True, oracle=False):
     path = file_name(layout, shape_id)
     return IndexEntry(shape_id, layout, category, path, "/x", f"key {path}", shape_id, shape_id, 3, 2, 1, labelled, (), oracle)
 
@@ -34,9 +32,7 @@ ENTRIES = [
 ]
 
 
-def dataset_of(
-    folder: Path, variant: Variant, entries: Sequence[IndexEntry] = ENTRIES, category: str | None = None
-) -> ShapeDataset:
+def dataset_of(folder, variant, entries=ENTRIES, category=None):
     root = Workspace(folder)
     write_index(root.prepared, entries)
     return open_dataset(variant.workspace(root), category)

@@ -1,10 +1,12 @@
-"""Networks of whole shapes: one for all categories, or one each."""
+"""Training of motion networks: one for all categories or one each, and training that continues from other networks."""
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 from collections.abc import Collection
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -14,91 +16,142 @@ from kinmo.core.errors import InputError
 from kinmo.dataset.shape_dataset import open_dataset
 from kinmo.dataset.splits import Split
 from kinmo.dataset.workspace import Workspace
+from kinmo.experiments.scan_tables.make_table import MakeTable
 from kinmo.learning.model_folder import WEIGHTS, ModelFolder
 from kinmo.pipeline.motion_models import TRAINERS
 from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.train_motion import Train
+from kinmo.pipeline.train_motion import TrainMotion
 
 
-def without_shapes_to_choose_by(trained: Trained, categories: Collection[str], folder: Path) -> Train:
-    """Training of networks of which each category has its own; some categories have no validation shapes."""
-    to_choose_by = open_dataset(trained.workspace).labelled[Split.VALIDATION]
-    left_out = {entry.id for entry in to_choose_by if entry.category in categories}
-    assert left_out
-    shutil.copytree(trained.shapes, folder / "shapes", ignore=lambda _, names: [name for name in names if name in left_out])
+def without_shapes(trained: Trained, splits: Collection[Split], folder: Path) -> TrainMotion:
+    """Training in a workspace that has no labelled shapes in some splits."""
+    labelled = open_dataset(trained.workspace).labelled
+    removed = {entry.id for split in splits for entry in labelled[split]}
+    assert removed
+    shutil.copytree(trained.shapes, folder / "shapes", ignore=lambda _, names: [name for name in names if name in removed])
     Prepare(folder / "shapes", Workspace(folder / "workspace")).run(Recorder())
-    config = tiny_config(folder)
-    text = config.read_text(encoding="utf-8")
-    config.write_text(text.replace("[gnn]\n", "[gnn]\nper_category = true\n", 1), encoding="utf-8")
-    return Train("gnn", Workspace(folder / "workspace"), str(config), device="cpu")
+    return TrainMotion("gnn", Workspace(folder / "workspace"), str(tiny_config(folder)), device="cpu")
 
 
-def test_categories_with_too_few_shapes_for_networks_of_their_own_are_said(trained: Trained, tmp_path: Path) -> None:
-    stage, told = without_shapes_to_choose_by(trained, ["Stapler"], tmp_path), Recorder()
-    left_out = [
-        f"no {model} (Stapler): 2 labelled shapes of Stapler to train on and 0 to choose by, both are needed"
-        for model in ("gnn_fine", "gnn_coarse")
-    ]
-    assert stage.plan().steps[-2:] == tuple(left_out)
-    assert set(stage.run(told).data) == {"gnn_fine (Laptop)", "gnn_coarse (Laptop)"}
-    assert told.notes == left_out
+def empty_workspace(trained: Trained, folder: Path) -> Workspace:
+    """A workspace with the same prepared shapes and without networks."""
+    return Workspace(folder / "workspace", prepared=trained.workspace.prepared)
+
+
+def test_without_validation_shapes_some_training_shapes_validate(trained: Trained, tmp_path: Path) -> None:
+    stage = without_shapes(trained, [Split.VALIDATION], tmp_path)
+    count = len(open_dataset(stage.workspace).labelled[Split.TRAIN])
+    assert stage.plan().steps[0].startswith(f"train gnn_fine on {count - 1} shapes")
+    assert stage.plan().steps[0].endswith("validate on 1")
+    assert set(stage.run(Recorder()).data) == {"gnn_fine", "gnn_coarse"}
     assert stage.plan().steps == ()
 
 
-def test_of_few_shapes_some_are_kept_to_choose_by(trained: Trained, tmp_path: Path) -> None:
-    stage = without_shapes_to_choose_by(trained, ["Laptop", "Stapler"], tmp_path)
-    shared = Train("gnn", stage.workspace, str(tiny_config(tmp_path)), device="cpu")
-    count = len(open_dataset(stage.workspace).labelled[Split.TRAIN])
-    assert shared.plan().steps[0].startswith(f"train gnn_fine on {count - 1} shapes")
-    assert shared.plan().steps[0].endswith("choose by 1")
-    assert set(shared.run(Recorder()).data) == {"gnn_fine", "gnn_coarse"}
-    assert shared.plan().steps == ()
+def test_nothing_is_trained_without_training_shapes(trained: Trained, tmp_path: Path) -> None:
+    stage = without_shapes(trained, [Split.TRAIN], tmp_path)
+    for call in (stage.plan, lambda: stage.run(Recorder())):
+        with pytest.raises(
+            InputError, match=r"prepared: found 0 labelled shapes for training and \d+ for validation, expected both"
+        ):
+            call()
+    assert not stage.workspace.models.exists()
 
 
-def test_a_network_of_one_category_lies_beside_those_of_all(trained: Trained, tmp_path: Path) -> None:
-    shutil.copytree(trained.workspace.path, tmp_path / "workspace")
-    workspace, config = Workspace(tmp_path / "workspace"), str(tiny_config(tmp_path))
-    before = ModelFolder(workspace.motion.models).weights_for("axis", "Stapler")
-    assert before is not None
-    shared, told = before.read_bytes(), Recorder()
-    assert set(Train("axis", workspace, config, "laptop", device="cpu").run(told).data) == {"axis (Laptop)", "ranking (Laptop)"}
-    assert before.read_bytes() == shared
-    assert (
-        ModelFolder(workspace.motion.models).weights_for("axis", "Laptop")
-        == ModelFolder(workspace.motion.models).folder("axis", "Laptop") / WEIGHTS
-    )
-    assert ModelFolder(workspace.motion.models).seeds(("axis", "ranking")) == (0,)
-    Train("axis", workspace, config, "laptop", seed=3, device="cpu").run(told)
-    assert ModelFolder(workspace.motion.models).seeds(("axis", "ranking")) == (0, 3)
-    assert not told.notes
-    Train("axis", workspace, config, device="cpu").run(told)
-    folder = workspace.models / "axis"
-    assert f"axis: Laptop go by networks of their own, in {folder}" in told.notes
+def test_a_network_for_one_category_lies_beside_that_for_all(trained: Trained, tmp_path: Path) -> None:
+    workspace, config = trained.copy(tmp_path), str(tiny_config(tmp_path))
+    models, recorder = ModelFolder(workspace.models), Recorder()
+    shared = models.weights_for("axis", "Stapler")
+    before = shared.read_bytes()
+    outcome = TrainMotion("axis", workspace, config, "laptop", device="cpu").run(recorder)
+    assert set(outcome.data) == {"axis (Laptop)", "ranking (Laptop)"}
+    assert shared.read_bytes() == before
+    assert models.weights_for("axis", "Laptop") == models.folder("axis", "Laptop") / WEIGHTS
+    assert models.seeds(("axis", "ranking")) == (0,)
+    TrainMotion("axis", workspace, config, "laptop", seed=3, device="cpu").run(recorder)
+    assert models.seeds(("axis", "ranking")) == (0, 3)
+    assert not recorder.notes
+    TrainMotion("axis", workspace, config, device="cpu").run(recorder)
+    assert f"axis: Laptop have networks of their own in {workspace.models / 'axis'}" in recorder.notes
 
 
-def test_a_training_that_was_cut_off_goes_on_only_by_the_same_configuration(
-    trained: Trained, tmp_path: Path, monkeypatch
+def test_an_interrupted_training_continues_only_with_the_same_configuration(
+    trained: Trained, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shutil.copytree(trained.workspace.path, tmp_path / "workspace", ignore=shutil.ignore_patterns("models"))
-    seen: list[str] = []
+    fingerprints: list[str] = []
 
-    def stopped(*given: object, fingerprint: str, **more: object) -> None:
-        seen.append(fingerprint)
-        raise InputError("training", "stopped")
+    def interrupted(*given: object, fingerprint: str, **options: object) -> None:
+        fingerprints.append(fingerprint)
+        raise InputError("training", "interrupted")
 
     for model, (section, _) in TRAINERS.items():
-        monkeypatch.setitem(TRAINERS, model, (section, stopped))
-    config = tiny_config(tmp_path)
+        monkeypatch.setitem(TRAINERS, model, (section, interrupted))
+    config, workspace = tiny_config(tmp_path), empty_workspace(trained, tmp_path)
     for share in ("0.1", "0.1", "0.9"):
         text = re.sub(r"hide_names = [\d.]+", f"hide_names = {share}", config.read_text(encoding="utf-8"), count=1)
         config.write_text(text, encoding="utf-8")
-        with pytest.raises(InputError, match="stopped"):
-            Train("gnn", Workspace(tmp_path / "workspace"), str(config), device="cpu").run(Recorder())
-    assert seen[0] == seen[1] != seen[2]
+        with pytest.raises(InputError, match="interrupted"):
+            TrainMotion("gnn", workspace, str(config), device="cpu").run(Recorder())
+    assert fingerprints[0] == fingerprints[1] != fingerprints[2]
 
 
-def test_where_no_category_has_enough_shapes_nothing_is_trained(trained: Trained, tmp_path: Path) -> None:
-    stage = without_shapes_to_choose_by(trained, ["Laptop", "Stapler"], tmp_path)
-    with pytest.raises(InputError, match=r"of Laptop .* and 0 to choose by; .* of Stapler .*: both are needed"):
-        stage.run(Recorder())
-    assert not stage.workspace.models.exists()
+def test_the_ranking_continues_from_another_workspace(trained: Trained, tmp_path: Path) -> None:
+    workspace = empty_workspace(trained, tmp_path)
+    stage = TrainMotion("axis", workspace, str(tiny_config(tmp_path)), device="cpu", start=trained.workspace)
+    assert any("for 1 epoch," in step for step in stage.plan().steps if "axis" in step)
+    assert any("for 14 epochs" in step for step in stage.plan().steps if "ranking" in step)
+    stage.run(Recorder())
+    start = json.loads((trained.workspace.models / "ranking" / "weights.json").read_text(encoding="utf-8"))
+    header = json.loads((workspace.models / "ranking" / "weights.json").read_text(encoding="utf-8"))
+    assert header["facts"]["started_from"] == start["sha256"]
+    assert not stage.plan().steps
+
+
+def test_a_workspace_without_ranking_networks_cannot_be_continued_from(trained: Trained, tmp_path: Path) -> None:
+    recorder, record = Recorder(), trained.workspace.inputs_of("train-axis")
+    stage = TrainMotion("motion", trained.workspace, "small", start=Workspace(tmp_path))
+    for call in (stage.plan, lambda: stage.run(recorder)):
+        with pytest.raises(InputError, match="weights to continue from"):
+            call()
+    assert recorder.steps == [], "the error comes before hours of other trainings"
+    assert trained.workspace.inputs_of("train-axis") == record
+
+
+def test_weights_to_continue_from_are_checked_before_any_training(trained: Trained, tmp_path: Path) -> None:
+    start, recorder = Workspace(tmp_path / "start"), Recorder()
+    shutil.copytree(trained.workspace.models / "ranking", start.models / "ranking")
+    weights = start.models / "ranking" / "weights.safetensors"
+    weights.write_bytes(weights.read_bytes()[:100])
+    stage = TrainMotion("motion", trained.workspace, "small", start=start)
+    for call in (stage.plan, lambda: stage.run(recorder)):
+        with pytest.raises(InputError, match=r"weights\.safetensors: sha256"):
+            call()
+    assert recorder.steps == []
+
+
+@pytest.mark.parametrize(("size", "value"), [("members", 7), ("width", 256)])
+def test_networks_of_other_sizes_cannot_be_continued_from(trained: Trained, tmp_path: Path, size: str, value: int) -> None:
+    config, workspace, recorder = tiny_config(tmp_path), empty_workspace(trained, tmp_path), Recorder()
+    known = json.loads((trained.workspace.models / "ranking" / "weights.json").read_text(encoding="utf-8"))["config"][size]
+    lines = [line for line in config.read_text(encoding="utf-8").splitlines() if not line.startswith(f"{size} =")]
+    lines.insert(lines.index("[ranking]") + 1, f"{size} = {value}")
+    config.write_text("\n".join(lines), encoding="utf-8")
+    stages = [
+        TrainMotion("motion", workspace, str(config), device="cpu", start=trained.workspace),
+        MakeTable("2", workspace, str(config), ("kinmo",), "laptop", device="cpu", start=trained.workspace),
+    ]
+    for call in [call for stage in stages for call in (stage.plan, partial(stage.run, recorder))]:
+        with pytest.raises(InputError, match=f"--from: trained with ranking.{size} = {known}, expected {value}"):
+            call()
+    assert recorder.steps == []
+
+
+def test_a_workspace_does_not_continue_from_itself(trained: Trained) -> None:
+    path = trained.workspace.path
+    with pytest.raises(InputError, match=r"--from: .* is the workspace itself"):
+        TrainMotion("axis", trained.workspace, "small", start=Workspace(path / ".." / path.name)).plan()
+
+
+def test_networks_that_cannot_continue_from_trained_weights_name_those_that_can(trained: Trained) -> None:
+    for group, able in (("gnn", "motion or axis"), ("paper", "kinmo")):
+        with pytest.raises(InputError, match=f"--from: {group} cannot start from trained weights; use it with {able}$"):
+            TrainMotion(group, trained.workspace, "small", start=trained.workspace).plan()

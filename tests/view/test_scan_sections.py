@@ -1,4 +1,4 @@
-"""Scans in the report."""
+"""Scans in the report: tables, pictures by setting, and what is hidden once it is outdated."""
 
 from __future__ import annotations
 
@@ -11,31 +11,40 @@ from scanned_workspace import CATEGORY, pass_networks_off
 from trained_workspace import Recorder
 
 from kinmo.dataset.workspace import Workspace
-from kinmo.pipeline.scans.scan_dataset import open_scan_dataset, scans_of
-from kinmo.pipeline.scans.scan_networks import Cell, pictures_path
+from kinmo.pipeline.scans.scan_dataset import open_scan_dataset, scans_folder
+from kinmo.pipeline.scans.scan_networks import ScanRun
 from kinmo.pipeline.scans.scan_pictures import COMMON, read_pictures
+from kinmo.pipeline.scans.scan_scores import ScanScores
 from kinmo.scans.files.scan_file import count_objects
-from kinmo.view import scan_sections as report
+from kinmo.view import scan_sections
 from kinmo.view.report import Report
 from kinmo.view.scan_sections import OUTDATED, picture_sections
 
+RUN = ScanRun(CATEGORY, "supervised", 0)
 
-def test_the_report_says_that_figures_of_scans_are_outdated(evaluated: Workspace) -> None:
-    page = evaluated.report / "index.html"
-    Report(evaluated).run(Recorder())
-    assert "Table 2, poses" in page.read_text(encoding="utf-8")
-    assert OUTDATED not in page.read_text(encoding="utf-8")
-    weights, _ = Cell(CATEGORY, "supervised", 0).weights(evaluated) or pytest.fail("not trained")
+
+def page(workspace: Workspace) -> str:
+    return Report(workspace).run(Recorder()).path.read_text(encoding="utf-8")
+
+
+def test_the_report_marks_outdated_tables_of_scans(evaluated: Workspace) -> None:
+    html = page(evaluated)
+    assert "Table 2" in html and OUTDATED not in html
+    weights, _ = RUN.weights(evaluated) or pytest.fail("not trained")
     header = weights.with_suffix(".json")
     header.write_text(json.dumps(json.loads(header.read_text()) | {"sha256": "of others"}))
-    Report(evaluated).run(Recorder())
-    assert OUTDATED in page.read_text(encoding="utf-8")
+    assert OUTDATED in page(evaluated)
     shutil.rmtree(evaluated.scans)
-    Report(evaluated).run(Recorder())
-    assert OUTDATED in page.read_text(encoding="utf-8"), "also where scans are gone"
+    assert OUTDATED in page(evaluated), "also without scans"
 
 
-def test_the_report_shows_what_each_setting_makes_of_the_same_scans(evaluated: Workspace) -> None:
+def test_tables_of_scans_show_a_summary_and_fold_the_rest(evaluated: Workspace) -> None:
+    (section,) = (section for section in scan_sections.table_sections(evaluated) if section.tables)
+    assert section.title.endswith(CATEGORY)
+    assert len(section.tables) == 1 and section.more
+
+
+def test_the_report_shows_the_same_scans_by_every_setting(evaluated: Workspace) -> None:
     pass_networks_off(evaluated, "semi-weakly", 0)
     by_title = {section.title: section for section in picture_sections(evaluated)}
     pictures = by_title[f"Scans of {CATEGORY}, by setting"].pictures
@@ -46,22 +55,21 @@ def test_the_report_shows_what_each_setting_makes_of_the_same_scans(evaluated: W
     assert len(set(frames)) == min(COMMON, count_objects(open_scan_dataset(evaluated, CATEGORY).files["test"]))
 
 
-def test_the_report_shows_hits_and_failures_apart(evaluated: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
-    known = read_pictures(pictures_path(evaluated, Cell(CATEGORY, "supervised", 0)))
-    own = [replace(picture, is_hit=row % 2 == 0) for row, picture in enumerate(p for p in known if not p.is_common)]
+def test_the_report_separates_hits_from_failures(evaluated: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = [picture for picture in read_pictures(ScanScores(evaluated, RUN).pictures) if not picture.is_common]
+    own = [replace(picture, is_hit=row % 2 == 0) for row, picture in enumerate(known)]
     assert len(own) > 1
-    monkeypatch.setattr(report, "read_pictures", lambda path: own)
+    monkeypatch.setattr(scan_sections, "read_pictures", lambda path: own)
     sections = {section.title: section for section in picture_sections(evaluated)}
     for title, wanted in (("hits", own[::2]), ("failures", own[1::2])):
-        shown = sections[f"Scans of {CATEGORY}, {title} (supervised)"].pictures
-        assert [picture.title for picture in shown] == [f"{each.id}, frame {each.frame}" for each in wanted]
-        assert all("parts turned by" in picture.lines[0] for picture in shown)
-    Report(evaluated).run(Recorder())
-    page = (evaluated.report / "index.html").read_text(encoding="utf-8")
-    assert f"Scans of {CATEGORY}, hits (supervised)" in page and f"Scans of {CATEGORY}, failures (supervised)" in page
+        drawn = sections[f"Scans of {CATEGORY}, {title} (supervised)"].pictures
+        assert [picture.title for picture in drawn] == [f"{each.id}, frame {each.frame}" for each in wanted]
+        assert [picture.lines for picture in drawn] == [[each.text] for each in wanted]
+    html = page(evaluated)
+    assert f"Scans of {CATEGORY}, hits (supervised)" in html and f"Scans of {CATEGORY}, failures (supervised)" in html
 
 
-def test_the_report_shows_no_pictures_of_what_has_changed_since(evaluated: Workspace) -> None:
+def test_the_report_shows_no_outdated_pictures(evaluated: Workspace) -> None:
     assert list(picture_sections(evaluated))
-    next(scans_of(evaluated, CATEGORY, "test").glob("*.safetensors")).unlink()
+    next(scans_folder(evaluated, CATEGORY, "test").glob("*.safetensors")).unlink()
     assert not list(picture_sections(evaluated))

@@ -50,6 +50,7 @@ def evaluate(
 
         given = {
             "--method": method is not None,
+            "--details": details,
             "--ablations": ablations,
             "--hidden-names": hidden_names,
             "--protocol": protocol is not ProtocolName.KINMO,
@@ -68,14 +69,14 @@ def evaluate(
 
     shapes = EvaluateShapes(
         workspace,
-        tuple(each.value for each in MethodName) if method is None else (method.value,),
-        category,
-        PaperBaselines(ModelFolder(workspace.models).config().refinement, options.seed),
-        AblationRows(ablations, hidden_names),
-        label_truth_tables,
-        options.device,
-        options.worker_count,
-        details,
+        methods=tuple(each.value for each in MethodName) if method is None else (method.value,),
+        category=category,
+        baselines=PaperBaselines(ModelFolder(workspace.models).config().refinement, options.seed),
+        more_rows=AblationRows(ablations, hidden_names),
+        more_tables=label_truth_tables,
+        device=options.device,
+        workers=options.worker_count,
+        details=details,
     )
     scans = EvaluateTrained(workspace, category, protocol.value, options.device, details)
     execute(options, EvaluateAll(shapes, scans))

@@ -15,7 +15,7 @@ COMMON = "Options of all commands"
 
 
 class MethodName(str, Enum):
-    """Methods of `kinmo.methods`, listed here so that help needs no heavy import."""
+    """Methods of `kinmo.methods`, listed here because help must start without heavy imports."""
 
     KINMO = "kinmo"
     PAPER = "paper"

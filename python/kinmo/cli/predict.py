@@ -91,7 +91,7 @@ def predict(
         kinmo predict depth.png --category refrigerator --intrinsics 525,525,319.5,239.5 --depth-scale 1000 -o out/
     """
     from kinmo.dataset.workspace import Workspace
-    from kinmo.scans.files.scan_formats import SCAN_SUFFIXES as SCAN_ENDINGS
+    from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 
     workspace = Workspace(options.workspace)
     if category is not None:
@@ -101,18 +101,36 @@ def predict(
         from kinmo.pipeline.scans.predict_scans import PredictScans
         from kinmo.scans.files.camera_intrinsics import Intrinsics
 
-        camera = None if intrinsics is None else Intrinsics.parse(intrinsics)
-        chosen = None if method is None else method.value
-        scans = PredictScans(shape, out, workspace, category, camera, depth_scale, chosen, options.seed, options.device)
+        scans = PredictScans(
+            shape,
+            out,
+            workspace,
+            category,
+            intrinsics=None if intrinsics is None else Intrinsics.parse(intrinsics),
+            depth_scale=depth_scale,
+            method=None if method is None else method.value,
+            seed=options.seed,
+            device=options.device,
+        )
         execute(options, scans)
         return
-    if shape.is_file() and shape.suffix.lower() in SCAN_ENDINGS:
+    if shape.is_file() and shape.suffix.lower() in SCAN_SUFFIXES:
         raise BadParameter("a scan needs --category, the category of the object in it", param_hint="--category")
     for name, given in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
         if given is not None:
             raise InputError(name, "applies only to scans; give --category too")
     from kinmo.pipeline.predict_shapes import PredictShapes
 
-    by = (method or MethodName.KINMO).value
-    how = (by, options.seed, options.device, options.worker_count, up or "y", metres_per_unit or 1.0, cluster)
-    execute(options, PredictShapes(shape, out, workspace, *how))
+    shapes = PredictShapes(
+        shape,
+        out,
+        workspace,
+        method=(method or MethodName.KINMO).value,
+        seed=options.seed,
+        device=options.device,
+        workers=options.worker_count,
+        up=up or "y",
+        metres_per_unit=metres_per_unit or 1.0,
+        cluster=cluster,
+    )
+    execute(options, shapes)

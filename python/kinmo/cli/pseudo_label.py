@@ -35,6 +35,5 @@ def pseudo_label(
     from kinmo.dataset.workspace import Workspace
     from kinmo.pipeline.pseudo_label import PseudoLabel
 
-    workspace = Workspace(options.workspace)
-    how = (options.device, options.worker_count, cluster)
-    execute(options, PseudoLabel(workspace, category, method.value, threshold, *how))
+    workspace, count = Workspace(options.workspace), options.worker_count
+    execute(options, PseudoLabel(workspace, category, method.value, threshold, options.device, count, cluster))

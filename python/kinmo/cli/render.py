@@ -41,10 +41,17 @@ def render(
     from kinmo.pipeline.scans.example_scan import ExampleScan
     from kinmo.pipeline.scans.render_scans import WITH_LABELS, RenderScans
 
-    roles = (*WITH_LABELS, "unlabelled") if unlabelled else WITH_LABELS
     workspace = Workspace(options.workspace)
-    how = (category, options.seed, options.worker_count, roles, method.value)
-    rendering = RenderScans(workspace, config, *how, cluster=cluster)
+    rendering = RenderScans(
+        workspace,
+        config,
+        category,
+        seed=options.seed,
+        workers=options.worker_count,
+        extra=(*WITH_LABELS, "unlabelled") if unlabelled else WITH_LABELS,
+        method=method.value,
+        cluster=cluster,
+    )
     if example is None:
         execute(options, rendering)
     elif category is None:

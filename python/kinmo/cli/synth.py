@@ -17,7 +17,7 @@ MAX_SHAPES = 100_000
 
 
 class LayoutName(str, Enum):
-    """Layouts that can be written, listed here so that help needs no heavy import."""
+    """Layouts that can be written, listed here because help must start without heavy imports."""
 
     PARTNET_MOBILITY = "partnet_mobility"
     PARTNET = "partnet"

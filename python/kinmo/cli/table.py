@@ -13,7 +13,7 @@ from kinmo.core.errors import InputError
 
 
 class TableName(str, Enum):
-    """Tables of `kinmo.experiments.scan_tables`, listed here so that help needs no heavy import."""
+    """Tables of `kinmo.experiments.scan_tables`, listed here because help must start without heavy imports."""
 
     SETTINGS = "2"
     RATIOS = "3"
@@ -67,15 +67,15 @@ def table(
         name.value,
         Workspace(options.workspace),
         config,
-        tuple(each.value for each in MethodName) if method is None else (method.value,),
-        category,
-        seeds,
-        hours,
-        protocol.value,
-        options.seed,
-        options.device,
-        options.worker_count,
-        None if start is None else Workspace(start),
-        details,
+        methods=tuple(each.value for each in MethodName) if method is None else (method.value,),
+        category=category,
+        seeds=seeds,
+        hours=hours,
+        protocol=protocol.value,
+        seed=options.seed,
+        device=options.device,
+        workers=options.worker_count,
+        start=None if start is None else Workspace(start),
+        details=details,
     )
     execute(options, stage)

@@ -13,7 +13,7 @@ from kinmo.core.errors import InputError
 
 
 class NetworksName(str, Enum):
-    """Groups of networks of `kinmo.train`, listed here so that help needs no heavy import."""
+    """Groups of networks of `kinmo.train`, listed here because help must start without heavy imports."""
 
     ALL = "all"
     MOTION = "motion"
@@ -83,8 +83,10 @@ def train(
         from kinmo.dataset.workspace import Workspace
         from kinmo.experiments.self_training.train_by_self_training import TrainBySelfTraining
 
-        how = (category, options.seed, options.device, options.worker_count)
-        execute(options, TrainBySelfTraining(Workspace(options.workspace), config, *how))
+        if start is not None:
+            raise InputError("--from", "ancsh cannot start from trained weights; use it with all, motion or axis")
+        workspace, count = Workspace(options.workspace), options.worker_count
+        execute(options, TrainBySelfTraining(workspace, config, category, options.seed, options.device, count))
         return
     stage = train_stage(
         networks.value,

@@ -33,9 +33,9 @@ class PointEncoderConfig:
     dropout: Share = 0.0
     """Dropout in the head."""
     static: bool = False
-    """DGCNN: whether neighbours are found once, by position, instead of anew by the features of each layer."""
+    """DGCNN: neighbours found once, by position, instead of by the features of each layer."""
     factored: bool = False
-    """DGCNN: whether an EdgeConv is the faster A x_j + C x_i, with normalisation after the maximum."""
+    """DGCNN: EdgeConv as the faster A x_j + C x_i, with normalisation after the maximum."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class GnnConfig:
     contact: Amount = 0.01
     """Largest distance of parts in contact, in diagonals."""
     inner_boxes: bool = True
-    """Whether inner nodes see their boxes. The paper's do not."""
+    """Boxes of inner nodes as input. The paper has none."""
     box_features: Count = 100
     """Width of a box's features."""
     node_features: Count = 256
@@ -75,7 +75,7 @@ class GnnConfig:
     head_features: Count = 128
     """Width of the edge heads."""
     class_balance: Amount = 0.0
-    """Exponent of the type loss's class weights, (share of the class) ** -class_balance; 0 for equal weights, as in the paper."""
+    """Exponent of the class weights in the type loss: share ** -class_balance. 0 for equal weights, as in the paper."""
     variants: NonNegative = 0
     """Further forms of each training shape: mirrored, and stretched along its axes."""
     stretch: Amount = 0.0
@@ -101,9 +101,9 @@ class AxisConfig:
     articulated: Share = 0.5
     """Share of training pairs whose original cloud is first moved along the true joint."""
     focus: bool = False
-    """Whether clouds are denser near the part, centred on it, and scaled by its size."""
+    """Clouds that are denser near the part, centred on it, and scaled by its size."""
     turned: bool = False
-    """Whether training clouds are rotated and mirrored at random, so that axes stay axes."""
+    """Random rotations and mirroring of training clouds that map axes to axes."""
     near_angle: Amount = 5.0
     """Angle to the true axis below which an axis is no negative example, in degrees (with `near_distance`)."""
     near_distance: Amount = 0.05
@@ -159,7 +159,7 @@ class RankingConfig:
 
     @property
     def sees_categories(self) -> bool:
-        """Whether the networks ever see a category."""
+        """True if the networks see categories."""
         return self.hide_categories < 1.0
 
 
@@ -188,5 +188,5 @@ class RefinementConfig:
 
     @property
     def sweeps(self) -> bool:
-        """Whether the free range counts in the paper's score."""
+        """True if the free range counts in the paper's score."""
         return any(weight > 0 for weight in self.weights[3:])

@@ -20,11 +20,11 @@ class SensorConfig:
     holes: Share = 0.0
     """Share of the pixels without depth, in patches."""
     steep: bool = False
-    """Whether surfaces at a steep angle have no depth."""
+    """No depth on surfaces at a steep angle."""
     crop: Share = 0.0
     """Largest share of the object that is cut off at one side."""
     floor: bool = False
-    """Whether a floor is visible."""
+    """A visible floor."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class ScansConfig:
 
     @property
     def closes_objects(self) -> bool:
-        """Whether the canonical pose is the closed one instead of the file's."""
+        """True for the closed pose as canonical pose, False for that of the file."""
         return not self.release
 
 
@@ -107,7 +107,7 @@ class AncshConfig:
     training: TrainingConfig
     """Training."""
     release: bool = False
-    """Imitates the released code in input frames, heads, losses, norms, sampling and pose fitting (docs/background/scans.md)."""
+    """Imitates the released code in input frames, heads, losses, sampling and pose fitting (docs/background/scans.md)."""
     weights: AncshWeights = field(default_factory=AncshWeights)
     """Weights of the losses."""
     points: Count = 1024
@@ -147,12 +147,12 @@ class AncshConfig:
 
     @property
     def maps(self) -> bool:
-        """Whether NPCS are a linear map per part plus an offset per point."""
+        """True if NPCS are a linear map per part plus an offset per point."""
         return not self.release
 
     @property
     def global_head(self) -> bool:
-        """Whether the scan as a whole predicts box proportions and joint positions."""
+        """True if the scan as a whole predicts box proportions and joint positions."""
         return not self.release
 
     @property

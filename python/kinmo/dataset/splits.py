@@ -72,8 +72,8 @@ def leaks(unlabelled: Iterable[Identified], labelled: Iterable[Identified], orac
     """Find unlabelled shapes whose pseudo labels must not be trained on.
 
     These are copies (same PartNet id or same geometry hash) of labelled shapes: a copy of a validation or test shape would
-    carry it over to training, and a copy of a training shape has its label already. Copies of shapes with oracle labels are no leaks:
-    nothing is trained on those labels.
+    carry it over to training, and a copy of a training shape has its label already. Copies of shapes with oracle labels are
+    no leaks: nothing is trained on those labels.
 
     Args:
         unlabelled: the shapes to look at.

@@ -1,1 +1,1 @@
-"""Metrics, test protocols and tables of results (docs/metrics.md)."""
+"""Metrics, test protocols and tables of results (docs/background/metrics.md)."""

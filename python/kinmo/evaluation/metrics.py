@@ -1,4 +1,4 @@
-"""Errors of a predicted joint against the true one, and the criterion of an ok joint (docs/metrics.md, "One joint").
+"""Errors of a predicted joint against the true one, and the criterion of an ok joint (docs/background/metrics.md, "One joint").
 
 Both joints are in one frame and in one unit of length. Limits in diagonals need lengths over the diagonal of the object's box.
 No error changes when an axis is reversed together with its range, when a pivot slides along its axis, or when the scene moves.

@@ -1,4 +1,4 @@
-"""Errors of the parts and joints that were found in a scan (paper, section 4.2; docs/metrics.md, "Scans")."""
+"""Errors of the parts and joints that were found in a scan (paper, section 4.2; docs/background/metrics.md, "Scans")."""
 
 from __future__ import annotations
 

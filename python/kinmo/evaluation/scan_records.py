@@ -1,4 +1,4 @@
-"""Scores of the frames of test objects, the measures of the scan tables, and the files of scores (docs/metrics.md, "Scans")."""
+"""Scores of the frames of test objects, and the measures of scan tables (docs/background/metrics.md, "Scans")."""
 
 from __future__ import annotations
 

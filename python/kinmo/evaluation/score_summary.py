@@ -1,4 +1,4 @@
-"""Figures of a set of shape scores: means, shares and medians, over joints and over categories (docs/metrics.md, "Tables")."""
+"""Figures of shape scores: means, shares and medians (docs/background/metrics.md, "Tables")."""
 
 from __future__ import annotations
 

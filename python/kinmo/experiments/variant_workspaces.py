@@ -17,9 +17,9 @@ class Variant:
     """Change that makes a derived workspace. Without any change it stands for the original workspace itself.
 
     Attributes:
-        labels: share of the training labels of each category that count; the others become oracle labels.
-        generated: only shapes in DSG-Net's layout are unlabelled ones.
-        is_noisy: scans are taken with the noisy sensor. Shapes and pseudo labels are those of the original workspace.
+        labels: Share of the training labels of each category that count; the others become oracle labels.
+        generated: Only shapes in DSG-Net's layout are unlabelled ones.
+        is_noisy: Scans are taken with the noisy sensor. Shapes and pseudo labels are those of the original workspace.
     """
 
     labels: float = 1.0

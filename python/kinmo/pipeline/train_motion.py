@@ -100,24 +100,6 @@ class MotionTrainingTask:
 
 
 @dataclass(frozen=True)
-class TrainingShapes:
-    """Labelled shapes for one network: those of a `category`, or of all categories (None)."""
-
-    category: str | None
-    training: tuple[IndexEntry, ...]
-    validation: tuple[IndexEntry, ...]
-
-    @property
-    def is_enough(self) -> bool:
-        """True if there are shapes for both uses."""
-        return bool(self.training and self.validation)
-
-    def __str__(self) -> str:
-        own = f" of {self.category}" if self.category else ""
-        return f"{len(self.training)} labelled shapes{own} for training and {len(self.validation)} for validation"
-
-
-@dataclass(frozen=True)
 class TrainMotion:
     """Train the motion networks of a group.
 
@@ -152,8 +134,7 @@ class TrainMotion:
             for task in tasks
             if task in pending
         )
-        skipped = tuple(self._skipped(dataset, config)) if pending else ()
-        return Plan(steps + skipped, self._trainer.seconds([task.work for task in pending]))
+        return Plan(steps, self._trainer.seconds([task.work for task in pending]))
 
     def run(self, observer: Observer) -> Outcome:
         """Train the networks that are not trained yet."""
@@ -163,8 +144,6 @@ class TrainMotion:
             remove_leftovers(self.workspace.models)
             remove_leftovers(self.workspace.training)
             tasks = list(self._tasks(dataset, config))  # raises before anything is trained
-            for text in self._skipped(dataset, config):
-                observer.note(text)
             self._trainer.run(tasks, observer)
             for text in self._networks_of_categories(tasks):
                 observer.note(text)
@@ -181,38 +160,34 @@ class TrainMotion:
             others = (name for name, models in GROUPS.items() if CONTINUED.keys() & set(models))
             able = " or ".join(name for name in others if (name in METHOD_MODELS) is is_method)
             raise InputError("--from", f"{self.group} cannot start from trained weights; use it with {able}")
+        training, validation = _with_validation(*(tuple(dataset.labelled[split]) for split in FITTED_SPLITS))
+        if not training or not validation:
+            of = f" of {dataset.category}" if dataset.category else ""
+            problem = (
+                f"found {len(training)} labelled shapes{of} for training and {len(validation)} for validation, expected both: "
+                "prepare more shapes"
+            )
+            raise InputError(self.workspace.prepared, problem)
+        data = {"training": fingerprint(training), "validation": fingerprint(validation)}
         for model in GROUPS[self.group]:
             section = getattr(config, TRAINERS[model][0])
+            inputs = {"model": model, "config": to_table(section), "seed": self.seed, "data": data}
             start = None
             if self.start is not None and model in CONTINUED:
                 start = weights_to_start_from(self.start, self.workspace, model, section)
-            groups = _shapes_by_network(dataset, section)
-            if not any(shapes.is_enough for shapes in groups):
-                raise InputError(self.workspace.prepared, "; ".join(map(str, groups)) + ": both are needed")
-            for shapes in filter(lambda shapes: shapes.is_enough, groups):
-                data = {"training": fingerprint(shapes.training), "validation": fingerprint(shapes.validation)}
-                inputs = {"model": model, "config": to_table(section), "seed": self.seed, "data": data}
-                if start is not None:
-                    inputs["start"] = start.sha256
-                yield MotionTrainingTask(
-                    self.workspace,
-                    model,
-                    shapes.category,
-                    shapes.training,
-                    shapes.validation,
-                    section,
-                    inputs,
-                    self.seed,
-                    self.device,
-                    None if start is None else start.path,
-                )
-
-    def _skipped(self, dataset: ShapeDataset, config: Config) -> Iterator[str]:
-        """Categories without enough shapes for networks of their own."""
-        for model in GROUPS[self.group]:
-            for shapes in _shapes_by_network(dataset, getattr(config, TRAINERS[model][0])):
-                if not shapes.is_enough:
-                    yield f"no {model} ({shapes.category}): {shapes}; both are needed"
+                inputs["start"] = start.sha256
+            yield MotionTrainingTask(
+                self.workspace,
+                model,
+                dataset.category,
+                training,
+                validation,
+                section,
+                inputs,
+                self.seed,
+                self.device,
+                None if start is None else start.path,
+            )
 
     def _networks_of_categories(self, tasks: Sequence[MotionTrainingTask]) -> Iterator[str]:
         """Categories that are predicted by networks of their own, from another training."""
@@ -248,17 +223,6 @@ def weights_to_start_from(start: Workspace, workspace: Workspace, model: str, se
             problem = f"trained with {model}.{size} = {known}, expected {wanted} as in the configuration"
             raise InputError(weights, problem, "--from")
     return found
-
-
-def _shapes_by_network(dataset: ShapeDataset, section: Any) -> list[TrainingShapes]:
-    """Shapes for one network of all categories, or for one network per category."""
-    labelled = dataset.labelled
-    if getattr(section, "per_category", False):
-        return [
-            TrainingShapes(category, *(tuple(e for e in labelled[split] if e.category == category) for split in FITTED_SPLITS))
-            for category in dataset.categories()
-        ]
-    return [TrainingShapes(dataset.category, *_with_validation(*(tuple(labelled[split]) for split in FITTED_SPLITS)))]
 
 
 def _with_validation(

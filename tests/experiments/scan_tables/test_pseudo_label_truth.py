@@ -45,9 +45,8 @@ def test_a_label_is_right_if_all_axes_have_the_true_directions_and_places(tmp_pa
     true = [named(file, name) for name in found if name != "truly another"] + [named(file, "not labelled")]
     labels = [named(other, name) for name, other in found.items()]
     oracle_ids = {label.object: label.id for label in labels}
-    assert count_labels(labels, true, oracle_ids) == LabelCounts(
-        labelled=6, right_structure=5, right_axes=4, right_lines=3, true=6
-    )
+    counts = LabelCounts(labelled=6, right_structure=5, right_axes=4, right_lines=3, true=6)
+    assert count_labels(labels, true, oracle_ids) == counts
     variants = [named(moved(file, door, aside, 0.0), "right", variant=2)]
     assert count_labels([*labels, *variants], true, oracle_ids) == counts
     more = count_labels([*labels, named(file, "new")], true, oracle_ids)

@@ -76,7 +76,9 @@ def test_a_table_counts_right_pseudo_labels_where_oracle_labels_are_known(evalua
     run = ScanRun(CATEGORY, "semi-weakly", 0)
     assert "Pseudo labels (" not in write(evaluated, seeds=(0, 1))[1]
     pass_networks_off(evaluated, "semi-weakly", 0)
-    shutil.copytree(scans_folder(evaluated, CATEGORY, "oracle"), scans_folder(evaluated, CATEGORY, "pseudo"))
+    shutil.copytree(
+        scans_folder(evaluated, CATEGORY, "oracle"), scans_folder(evaluated, CATEGORY, "pseudo"), dirs_exist_ok=True
+    )
     newer = "Pseudo labels (semi-weakly) are newer than those that the networks were trained on."
     assert newer in write(evaluated, seeds=(0, 1))[1]
     dataset = open_scan_dataset(evaluated, CATEGORY)

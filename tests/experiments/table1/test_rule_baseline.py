@@ -34,7 +34,9 @@ def furniture():
 
 
 @pytest.mark.parametrize(
-    ("evaluate", "rule"), [(score_parts_given, rule_joints), (score_hierarchy_given, rule_prediction)], ids=["parts", "hierarchy"]
+    ("evaluate", "rule"),
+    [(score_parts_given, rule_joints), (score_hierarchy_given, rule_prediction)],
+    ids=["parts", "hierarchy"],
 )
 def test_the_rule_opens_plain_furniture_with_and_without_given_bodies(evaluate, rule):
     truth = prepared_from(furniture(), points=400)

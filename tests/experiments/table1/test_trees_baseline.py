@@ -1,4 +1,4 @@
-"""Boosted trees on candidate features: what they learn, and what they answer."""
+"""Boosted trees on candidate features, as a baseline."""
 
 from __future__ import annotations
 
@@ -39,23 +39,23 @@ def trees() -> TreesBaseline:
 
 def score(trees: TreesBaseline, seed: int, *, kinds_given: bool = False) -> ShapeScore:
     truth = cabinet(seed)
-    return score_parts_given(truth, trees.answers(truth, kinds_given=kinds_given))
+    return score_parts_given(truth, trees.predict(truth, kinds_given=kinds_given))
 
 
-def test_trees_learn_which_part_turns_and_about_which_side(trees):
+def test_trees_learn_the_part_that_turns_and_its_axis(trees):
     scores = [score(trees, seed) for seed in range(100, 106)]
-    assert np.mean([record.is_ok for each in scores for record in each.records]) > 0.8
-    assert not any(each.false_alarms for each in scores)
+    assert np.mean([record.is_ok for own in scores for record in own.records]) > 0.8
+    assert not any(own.false_alarms for own in scores)
 
 
-def test_with_the_kinds_given_the_axes_alone_are_asked_for(trees):
+def test_with_given_kinds_all_kinds_are_right(trees):
     for seed in range(100, 103):
         assert all(record.coarse_type_ok for record in score(trees, seed, kinds_given=True).records)
 
 
-def test_every_body_gets_an_answer_and_what_rests_has_no_joint(trees):
-    found = trees.answers(cabinet(100))
+def test_every_body_has_an_estimate_and_a_resting_one_has_no_joint(trees):
+    found = trees.predict(cabinet(100))
     assert set(found) == {0, 1, 2}
-    for answer in found.values():
-        assert (answer.joint is None) == (answer.type is MotionType.FIXED)
-        assert 0.0 <= answer.score <= 1.0
+    for estimate in found.values():
+        assert (estimate.joint is None) == (estimate.type is MotionType.FIXED)
+        assert 0.0 <= estimate.score <= 1.0

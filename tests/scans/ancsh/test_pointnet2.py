@@ -29,7 +29,7 @@ def level_of(points: torch.Tensor, centers: int, radius: float = 0.5, neighbours
 
 def test_centers_of_each_level_are_points_of_the_level_before() -> None:
     points = clouds(3, 60)
-    near, far = point_levels(points, (20, 6), (0.3, 0.6), (8, 5), 2)
+    near, far = point_levels(points, (20, 6), (0.3, 0.6), (8, 5))
     for before, level in ((points, near), (near.centers, far)):
         assert (level.centers.unsqueeze(2) == before.unsqueeze(1)).all(-1).any(-1).all()
         assert torch.equal(level.centers[:, 0], points[:, 0])

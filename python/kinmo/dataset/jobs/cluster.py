@@ -13,7 +13,7 @@ from functools import partial
 from importlib import import_module
 from typing import Any
 
-from kinmo import __version__
+from kinmo._core import __version__
 from kinmo.core.errors import InputError, KinmoError
 from kinmo.dataset.jobs.runner import Failure, Job, Result
 

@@ -12,7 +12,7 @@ from functools import lru_cache
 from importlib import import_module
 from typing import Any
 
-from kinmo import __version__
+from kinmo._core import __version__
 from kinmo.dataset.jobs.worker import THREAD_VARIABLES, Owner, attempt, owned_by
 
 

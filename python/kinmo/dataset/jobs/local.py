@@ -16,6 +16,7 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import connection, resource_tracker
+from multiprocessing.reduction import ForkingPickler
 from typing import Any, Generic
 
 from kinmo.dataset.jobs.local_worker import Kind, serve
@@ -79,8 +80,9 @@ class _Worker(Generic[Job, Result]):
         self.pipe, far_end = context.Pipe()
         self.process = context.Process(target=serve, args=(function, far_end), daemon=True)
         # an interrupt cannot cut short what another thread starts
-        with far_end, _thread_variables(threads), ThreadPoolExecutor(1, initializer=_block_interrupts) as starter:
-            starter.submit(self.process.start).result()
+        with far_end, _thread_variables(threads), _without_main_script(function):
+            with ThreadPoolExecutor(1, initializer=_block_interrupts) as starter:
+                starter.submit(self.process.start).result()
 
     def begin(self, job: Job) -> None:
         self.job, self.is_busy, self.may_be_killed = job, True, True  # an interrupt here leaves half a job in the pipe
@@ -173,6 +175,22 @@ def _block_interrupts() -> None:
     if hasattr(signal, "pthread_sigmask"):
         resource_tracker.ensure_running()  # starts with the first process, and would unblock them
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+
+@contextmanager
+def _without_main_script(function: Callable[..., Any]) -> Iterator[None]:
+    """Processes that start in the block do not import the main script, unless the function comes from there.
+
+    A script without `if __name__ == "__main__":` would otherwise run again in every worker.
+    """
+    main = sys.modules["__main__"]
+    is_needed = b"__main__" in bytes(ForkingPickler.dumps(function))
+    hidden = {} if is_needed else {name: getattr(main, name) for name in ("__spec__", "__file__") if hasattr(main, name)}
+    try:
+        vars(main).update(dict.fromkeys(hidden))
+        yield
+    finally:
+        vars(main).update(hidden)
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Figures of scored URDF files (docs/metrics.md, "URDF files")."""
+"""Figures of scored URDF files (docs/background/metrics.md, "URDF files")."""
 
 from __future__ import annotations
 

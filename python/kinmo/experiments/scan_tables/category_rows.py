@@ -28,11 +28,11 @@ class CategoryRows:
     """Rows of a table for one category.
 
     Attributes:
-        workspace: the original workspace.
-        name: name of the table.
-        category: the category.
-        inputs: inputs of the up-to-date scores.
-        protocol: definition of the errors.
+        workspace: The original workspace.
+        name: Name of the table.
+        category: The category.
+        inputs: Inputs of the up-to-date scores.
+        protocol: Definition of the errors.
     """
 
     workspace: Workspace

@@ -26,11 +26,11 @@ class EvaluateTrained:
     """Evaluate every trained network for scans, and write the tables that have a row for it.
 
     Attributes:
-        workspace: the workspace.
-        category: only this category, with all of the paper's tables that print figures for it; None for all categories.
-        protocol: definition of errors in the printed tables.
-        device: where networks run.
-        details: print the figures of every part.
+        workspace: The workspace.
+        category: Only this category, with all of the paper's tables that print figures for it; None for all categories.
+        protocol: Definition of errors in the printed tables.
+        device: Where networks run.
+        details: Print the figures of every part.
     """
 
     workspace: Workspace

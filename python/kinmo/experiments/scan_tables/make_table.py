@@ -54,19 +54,19 @@ class MakeTable:
     """Do what is missing for a table, one category and row after the other, and write it.
 
     Attributes:
-        name: name of the table, a key of `TABLES`.
-        workspace: the workspace.
-        config: name or path of the configuration.
-        methods: methods whose pseudo labels are used.
-        category: the category; None for the table's own categories.
-        seeds: number of seeds; None for three or one, depending on the category.
-        hours: begin nothing that would end later.
-        protocol: definition of errors in the printed table.
-        seed: first seed.
-        device: where networks are trained and run.
-        workers: number of processes.
-        start: continue the motion networks from those of this workspace.
-        details: print all figures.
+        name: Name of the table, a key of `TABLES`.
+        workspace: The workspace.
+        config: Name or path of the configuration.
+        methods: Methods whose pseudo labels are used.
+        category: The category; None for the table's own categories.
+        seeds: Number of seeds; None for three or one, depending on the category.
+        hours: Begin nothing that would end later.
+        protocol: Definition of errors in the printed table.
+        seed: First seed.
+        device: Where networks are trained and run.
+        workers: Number of processes.
+        start: Continue the motion networks from those of this workspace.
+        details: Print all figures.
     """
 
     name: str

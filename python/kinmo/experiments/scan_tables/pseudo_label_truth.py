@@ -25,12 +25,12 @@ class LabelCounts:
     Each of the first four is part of the one before.
 
     Attributes:
-        labelled: objects with this structure by their pseudo labels, and with oracle labels.
-        right_structure: those that truly have this structure.
-        right_axes: those with the right directions of all axes.
-        right_lines: those with all axes in the right places too.
-        true: objects with this structure by their oracle labels, pseudo-labelled or not.
-        unknown: objects with this structure by their pseudo labels, but without oracle labels.
+        labelled: Objects with this structure by their pseudo labels, and with oracle labels.
+        right_structure: Those that truly have this structure.
+        right_axes: Those with the right directions of all axes.
+        right_lines: Those with all axes in the right places too.
+        true: Objects with this structure by their oracle labels, pseudo-labelled or not.
+        unknown: Objects with this structure by their pseudo labels, but without oracle labels.
     """
 
     labelled: int
@@ -61,9 +61,9 @@ def count_labels(
     truly has another structure.
 
     Args:
-        pseudo: scans by pseudo labels.
-        oracle: scans by oracle labels.
-        oracle_ids: id of the shape with the oracle label, by `ScanFile.object` (`ScanDataset.oracle_ids`).
+        pseudo: Scans by pseudo labels.
+        oracle: Scans by oracle labels.
+        oracle_ids: Id of the shape with the oracle label, by `ScanFile.object` (`ScanDataset.oracle_ids`).
     """
     labelled = {file.object: file for file in pseudo if not file.provenance.variant}
     truths = {file.id: file for file in oracle if not file.provenance.variant}

@@ -42,9 +42,9 @@ def change(before: Sequence[ObjectScans], after: Sequence[ObjectScans], structur
     """Differences of the means of two rows, over the parts and joints of each frame that both found.
 
     Args:
-        before: scores of one row.
-        after: scores of the other row.
-        structure: structure of the objects.
+        before: Scores of one row.
+        after: Scores of the other row.
+        structure: Structure of the objects.
 
     Returns:
         `after` minus `before` for each measure that applies. Bootstrap samples have the same objects in both rows.
@@ -65,10 +65,10 @@ def gap_closed(
     """Share of the gap between two rows that a third row closes, over the parts and joints of each frame that all three found.
 
     Args:
-        less: scores at the worse end of the gap.
-        more: scores of the row in between.
-        best: scores at the better end of the gap.
-        structure: structure of the objects.
+        less: Scores at the worse end of the gap.
+        more: Scores of the row in between.
+        best: Scores at the better end of the gap.
+        structure: Structure of the objects.
 
     Returns:
         The share for each measure that applies; None if `best` is not better than `less` with 95 % confidence.

@@ -28,13 +28,13 @@ class ScanRow:
     """One row of a table, with its scores and the figures that the paper prints there.
 
     Attributes:
-        name: title of the row.
-        objects: scores of the test objects, of all seeds.
-        printed: printed figures; None if there are none.
-        seeds: seeds of the scored networks.
-        absent: text in place of missing scores.
-        trained_on: number of labelled training objects, and of others.
-        reason: reason why scores are missing; None if it is not known.
+        name: Title of the row.
+        objects: Scores of the test objects, of all seeds.
+        printed: Printed figures; None if there are none.
+        seeds: Seeds of the scored networks.
+        absent: Text in place of missing scores.
+        trained_on: Number of labelled training objects, and of others.
+        reason: Reason why scores are missing; None if it is not known.
     """
 
     name: str
@@ -50,10 +50,10 @@ def by_part(rows: Sequence[ScanRow], structure: Structure, caption: Caption, mor
     """Table with one line for each part of each row; a joint stands beside the part that it moves.
 
     Args:
-        rows: the rows. Printed figures follow below the lines of their row.
-        structure: structure of the test objects.
-        caption: caption of the table; numbers of objects and scans are filled in.
-        more: measures beside the usual ones.
+        rows: The rows. Printed figures follow below the lines of their row.
+        structure: Structure of the test objects.
+        caption: Caption of the table; numbers of objects and scans are filled in.
+        more: Measures beside the usual ones.
     """
     measures = [*measures_of(structure), *more]
     columns = (Column("trained on"), Column("part"), *_measure_columns(measures), FAILED)
@@ -84,10 +84,10 @@ def over_parts(
     """Table of means over all parts, or joints, with 95 % intervals over objects, and shares of failed frames.
 
     Args:
-        rows: the rows. Printed figures follow below their row.
-        structure: structure of the test objects.
-        caption: caption of the table; numbers of objects and scans are filled in.
-        compared: pairs of rows; lines below the rows show the difference of the second to the first (`scan_summary.change`).
+        rows: The rows. Printed figures follow below their row.
+        structure: Structure of the test objects.
+        caption: Caption of the table; numbers of objects and scans are filled in.
+        compared: Pairs of rows; lines below the rows show the difference of the second to the first (`scan_summary.change`).
     """
     columns = [Column("trained on"), Column("objects"), Column("seeds")]
     for column in _measure_columns(measures_of(structure)):
@@ -135,9 +135,9 @@ def over_categories(rows: Mapping[str, Mapping[str, ScanRow]], structures: Mappi
     A category counts in the measures that apply to its structure. Rows without scores do not count.
 
     Args:
-        rows: rows by title, then by category.
-        structures: structures by category; categories without scans have none.
-        caption: caption of the table; numbers of objects and scans are filled in.
+        rows: Rows by title, then by category.
+        structures: Structures by category; categories without scans have none.
+        caption: Caption of the table; numbers of objects and scans are filled in.
     """
     printed_rows = [row.printed for own in rows.values() for row in own.values() if row.printed is not None]
     had = {measure for structure in structures.values() for measure in measures_of(structure)}

@@ -76,8 +76,8 @@ def pseudo_labels(rows: CategoryRows, shown: Sequence[ScanRow]) -> Iterator[str]
     """Method of the pseudo labels of each row, and how many are right where oracle labels are known.
 
     Args:
-        rows: the rows.
-        shown: the same rows with their scores, in the same order.
+        rows: The rows.
+        shown: The same rows with their scores, in the same order.
     """
     titles: dict[str, list[str]] = {}
     for row, its in zip(TABLES[rows.name].rows, shown, strict=True):

@@ -28,12 +28,12 @@ class TableRow:
     """A row of a table of scans.
 
     Attributes:
-        title: title of the row.
-        setting: labels besides those of the labelled shapes.
-        variant: workspace that networks are trained in.
-        printed: name of the row in the paper; empty if it has none.
-        method: method whose pseudo labels are used.
-        tested_on: sensor of the test scans, `ideal` or `noisy`. Rows with other labels have the same test scans.
+        title: Title of the row.
+        setting: Labels besides those of the labelled shapes.
+        variant: Workspace that networks are trained in.
+        printed: Name of the row in the paper; empty if it has none.
+        method: Method whose pseudo labels are used.
+        tested_on: Sensor of the test scans, `ideal` or `noisy`. Rows with other labels have the same test scans.
     """
 
     title: str
@@ -83,11 +83,11 @@ class ScanTable:
     """A table of scans.
 
     Attributes:
-        title: title of the table.
-        categories: categories with printed figures, or else those that the table is made of.
-        rows: rows of the table.
-        compared: pairs of row titles; the difference of the second to the first is shown too.
-        note: explanation below the table.
+        title: Title of the table.
+        categories: Categories with printed figures, or else those that the table is made of.
+        rows: Rows of the table.
+        compared: Pairs of row titles; the difference of the second to the first is shown too.
+        note: Explanation below the table.
     """
 
     title: str

@@ -47,9 +47,9 @@ class WrittenTables:
     """A table of scans, for one category or several. Missing and outdated rows say so.
 
     Attributes:
-        workspace: the original workspace.
-        name: name of the table, a key of `TABLES`.
-        details: print all figures of every part.
+        workspace: The original workspace.
+        name: Name of the table, a key of `TABLES`.
+        details: Print all figures of every part.
     """
 
     workspace: Workspace
@@ -65,8 +65,8 @@ class WrittenTables:
         """Write the table by every protocol.
 
         Args:
-            seeds: seeds to show, by category.
-            shown: protocol of the printed table.
+            seeds: Seeds to show, by category.
+            shown: Protocol of the printed table.
         """
         with self.workspace.locked():
             return self._write(seeds, shown)

@@ -38,12 +38,12 @@ class SelfLabelScans:
     The labels are complete once the cache of their folder has a result `COMPLETE`.
 
     Attributes:
-        workspace: the workspace.
-        category: the category.
-        confidence: least share of each part's points that must agree on its pose.
-        seed: seed of the networks.
-        device: where networks run.
-        workers: number of processes.
+        workspace: The workspace.
+        category: The category.
+        confidence: Least share of each part's points that must agree on its pose.
+        seed: Seed of the networks.
+        device: Where networks run.
+        workers: Number of processes.
     """
 
     workspace: Workspace
@@ -155,12 +155,12 @@ class SelfLabeller:
     """Labels scans with networks, in any process.
 
     Attributes:
-        folder: folder of the labelled scans.
-        weights: weights of both networks.
-        digest: hash of the networks.
-        device: where networks run.
-        confidence: least share of each part's points that must agree on its pose.
-        seed: seed of the pose fitting.
+        folder: Folder of the labelled scans.
+        weights: Weights of both networks.
+        digest: Hash of the networks.
+        device: Where networks run.
+        confidence: Least share of each part's points that must agree on its pose.
+        seed: Seed of the pose fitting.
     """
 
     folder: Path

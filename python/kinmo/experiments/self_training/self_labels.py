@@ -26,11 +26,11 @@ class PredictedObject:
     """One object as networks predict it, to be written with its frames (`ScannedObject`).
 
     Attributes:
-        id: id of the object.
-        category: category of the object.
-        structure: structure that the networks know.
-        joints: joints of parts 1 and up, in the normalised frame.
-        part_extents: boxes of the parts, in the normalised frame.
+        id: Id of the object.
+        category: Category of the object.
+        structure: Structure that the networks know.
+        joints: Joints of parts 1 and up, in the normalised frame.
+        part_extents: Boxes of the parts, in the normalised frame.
     """
 
     id: str
@@ -67,13 +67,13 @@ def self_label(
     from the prediction for the point alone.
 
     Args:
-        shape_id: id of the object.
-        category: category of the object.
-        points: its F scans [F, n, 3], in the camera frame.
-        predictions: predictions for the points of each scan.
-        estimates: estimate for each scan.
-        structure: structure that the networks know.
-        confidence: least share of each part's points that must agree on its pose.
+        shape_id: Id of the object.
+        category: Category of the object.
+        points: Its F scans [F, n, 3], in the camera frame.
+        predictions: Predictions for the points of each scan.
+        estimates: Estimate for each scan.
+        structure: Structure that the networks know.
+        confidence: Least share of each part's points that must agree on its pose.
 
     Returns:
         The object and its labelled frames, with NaN for part poses and joint states; None if the networks are sure of no frame.

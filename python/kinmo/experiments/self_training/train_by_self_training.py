@@ -20,12 +20,12 @@ class TrainBySelfTraining:
     """Train supervised networks, label scans of unlabelled objects with them, and train networks on both.
 
     Attributes:
-        workspace: the workspace.
-        config: name or path of the configuration.
-        category: the category; None for all scanned ones.
-        seed: seed of everything random.
-        device: where networks are trained and run.
-        workers: number of processes.
+        workspace: The workspace.
+        config: Name or path of the configuration.
+        category: The category; None for all scanned ones.
+        seed: Seed of everything random.
+        device: Where networks are trained and run.
+        workers: Number of processes.
     """
 
     workspace: Workspace

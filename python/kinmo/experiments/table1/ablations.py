@@ -43,8 +43,8 @@ class AblationRows:
     """Adds rows to those of the trained methods (see `evaluate_shapes.MoreRows`).
 
     Attributes:
-        ablations: rows of OBB_fine with other weights, candidates, terms and edges.
-        hidden_names: rows with all part names hidden.
+        ablations: Rows of OBB_fine with other weights, candidates, terms and edges.
+        hidden_names: Rows with all part names hidden.
     """
 
     ablations: bool = False

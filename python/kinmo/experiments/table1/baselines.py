@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from kinmo import _core
@@ -26,6 +26,7 @@ from kinmo.experiments.table1.trees import library_version
 from kinmo.experiments.table1.trees_baseline import fit_trees
 from kinmo.experiments.table1.upper_bound import true_type_candidates, upper_bound
 from kinmo.features.prepared_shape import PreparedShape
+from kinmo.pipeline.evaluation.evaluation_folder import test_shapes
 
 UPPER_BOUND, NO_LEARNING, TREES = "upper bound", "no learning", "trees"
 """Names of the rows, or their beginnings."""
@@ -42,11 +43,11 @@ class PaperBaselines:
     """The baseline rows (see `pipeline.evaluation.shape_evaluation.Baselines`).
 
     Attributes:
-        refinement: the paper's candidates.
-        seed: seed of the trees.
+        refinement: The paper's candidates.
+        seed: Seed of the trees.
     """
 
-    refinement: RefinementConfig
+    refinement: RefinementConfig = field(default_factory=RefinementConfig)
     seed: int = 0
 
     @property
@@ -54,13 +55,13 @@ class PaperBaselines:
         """Everything but the trees' predictions that the scores depend on."""
         return {"refinement": to_table(self.refinement), "trees": library_version(), "seed": self.seed}
 
-    def prepare(self, workspace: Workspace, tests: Sequence[IndexEntry], observer: Observer) -> Mapping[str, Any]:
-        """Predictions of boosted trees for every test shape, by its file; empty without scikit-learn.
+    def prepare(self, workspace: Workspace, observer: Observer) -> Mapping[str, Any]:
+        """Predictions of boosted trees for every test shape, by its file; empty without scikit-learn or joints to learn from.
 
-        The trees are trained on the same shapes as the networks.
+        The trees are trained on the same shapes as the networks. Evaluations of single categories share the predictions.
         """
         dataset = open_dataset(workspace)
-        training = _spread(dataset.labelled[Split.TRAIN], MAX_TRAINING_SHAPES)
+        training, tests = _spread(dataset.labelled[Split.TRAIN], MAX_TRAINING_SHAPES), test_shapes(dataset)
         if not any(entry.joint_count for entry in training):
             observer.note("no row of boosted trees: no labelled training shape has a joint")
             return {}
@@ -88,9 +89,9 @@ class PaperBaselines:
         """Scores by row, parts given and hierarchy given.
 
         Args:
-            truth: the annotated shape.
-            meshes: meshes of its leaves, in the normalised frame.
-            data: predictions of the trees for the shape; None without the row.
+            truth: The annotated shape.
+            meshes: Meshes of its leaves, in the normalised frame.
+            data: Predictions of the trees for the shape; None without the row.
         """
         every = replace(self.refinement, extra=ALL_CANDIDATES, contact_pivots="revolute")
         estimates = {
@@ -108,7 +109,7 @@ class PaperBaselines:
 
 
 def _spread(entries: Sequence[IndexEntry], most: int) -> Sequence[IndexEntry]:
-    """At most so many entries, evenly spread over all."""
+    """Some of the entries, `most` or fewer, evenly spread over all."""
     return entries[:: max(1, -(-len(entries) // most))]
 
 

@@ -2,9 +2,9 @@
 
 - The largest body stands still.
 - A small body is pressed: it slides along the direction in which its contact with the rest is thinnest.
-- A panel turns about one of its edges: the edge nearest the contact where it touches along one, and else (a closed door, which
-  touches all around) the more upright pair's edge that is farther from the middle of the object.
-- Everything else slides along the box axis that points most away from the middle of the object, horizontally.
+- A panel turns about one of its edges. If its contact lies along an edge, it is that one. A closed door touches all around: of
+  its more upright pair of edges, it turns about the one farther from the middle of the object.
+- Every other body slides along the box axis that points most away from the middle of the object, horizontally.
 """
 
 from __future__ import annotations

@@ -51,11 +51,11 @@ def fit_rank(features: F64, groups: I64, right: NDArray[np.bool_], *, seed: int 
     """Fit a ranker. Every body has the same weight, however many candidates it has.
 
     Args:
-        features: features [R, F] of candidates; NaN where unknown.
-        groups: body [R] of each candidate.
+        features: Features [R, F] of candidates; NaN where unknown.
+        groups: Body [R] of each candidate.
         right: [R], True for right candidates.
-        seed: seed of the trees.
-        iterations: number of trees.
+        seed: Seed of the trees.
+        iterations: Number of trees.
     """
     _, inverse, counts = np.unique(groups, return_inverse=True, return_counts=True)
     return Ranker(

@@ -38,8 +38,8 @@ class TreesBaseline:
         """Predict the joint of every body of an annotated shape.
 
         Args:
-            shape: the shape.
-            kinds_given: use the true kinds, and predict the axes alone.
+            shape: The shape.
+            kinds_given: Use the true kinds, and predict the axes alone.
 
         Returns:
             Estimates by body, in the normalised frame.

@@ -27,8 +27,8 @@ def upper_bound(truth: PreparedShape, candidates: Mapping[int, tuple[F64, F64]])
     diagonals. It has no range.
 
     Args:
-        truth: the annotated shape.
-        candidates: unit directions [K, 3] and pivots [K, 3] by body, in the normalised frame.
+        truth: The annotated shape.
+        candidates: Unit directions [K, 3] and pivots [K, 3] by body, in the normalised frame.
 
     Returns:
         Estimates by body, in the normalised frame; a body without candidates has none.
@@ -52,9 +52,9 @@ def true_type_candidates(
     """Candidates of every movable body for its true motion type.
 
     Args:
-        truth: the annotated shape.
-        meshes: meshes of the leaves, in the normalised frame; needed for candidates beyond the paper's.
-        config: which candidates there are.
+        truth: The annotated shape.
+        meshes: Meshes of the leaves, in the normalised frame; needed for candidates beyond the paper's.
+        config: The kinds of candidates.
 
     Returns:
         Unit directions [K, 3] and pivots [K, 3] by body, in the normalised frame.

@@ -139,7 +139,7 @@ class EvaluateShapes:
     def _scores(self, dataset: ShapeDataset, rows: Sequence[Row], observer: Observer) -> list[ShapeScores]:
         """Scores of all test shapes; those that are up to date are read."""
         entries = test_shapes(dataset)
-        baselines = self.baselines.prepare(self.workspace, entries, observer) if self.baselines else {}
+        baselines = self.baselines.prepare(self.workspace, observer) if self.baselines else {}
         settings = [_settings(rows), self._baseline_settings]
         cache = Cache(self.workspace.evaluation / SHAPE_SCORES)
         found: dict[str, ShapeScores] = {}

@@ -13,7 +13,6 @@ from kinmo import _core
 from kinmo.core.normalisation import Normalisation
 from kinmo.core.prediction import JointEstimate, ShapeEstimate
 from kinmo.dataset.stage import Observer
-from kinmo.dataset.store import IndexEntry
 from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.hierarchy_given import score_hierarchy_given
 from kinmo.evaluation.joint_records import ShapeScore, failed_shape, with_edge_types
@@ -68,8 +67,8 @@ class ShapeScores:
 class Baselines(Protocol):
     """Rows that need no trained method, such as an upper bound or a simple learner (`experiments.table1`)."""
 
-    def prepare(self, workspace: Workspace, tests: Sequence[IndexEntry], observer: Observer) -> Mapping[str, Any]:
-        """Plain data for each test shape, by its file in the store, that `score` gets."""
+    def prepare(self, workspace: Workspace, observer: Observer) -> Mapping[str, Any]:
+        """Plain data for each test shape of a workspace, by its file in the store, that `score` gets."""
 
     def score(
         self, truth: PreparedShape, meshes: _core.Meshes, data: Any

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 from kinmo.core.errors import InputError
@@ -26,8 +27,8 @@ class EvaluateScans:
     """Score the networks of a run on every test scan of its category.
 
     Attributes:
-        scores: the networks, and the test scans.
-        device: where networks run.
+        scores: The networks, and the test scans.
+        device: Where networks run.
     """
 
     scores: ScanScores
@@ -49,7 +50,7 @@ class EvaluateScans:
     def run(self, observer: Observer) -> Outcome:
         """Write the scores and the pictures."""
         own, workspace, run = self.scores, self.scores.workspace, self.scores.run
-        with workspace.locked():
+        with workspace.locked(), own.scanned.locked() if own.scanned else nullcontext():
             if own.current_inputs():
                 observer.note(f"{run}: already evaluated")
                 return Outcome(own.path("kinmo"))

@@ -30,11 +30,11 @@ class ExampleScan:
     none yet.
 
     Attributes:
-        workspace: the workspace.
-        category: the category.
-        path: the file to write; only an earlier example is replaced.
-        rendering: the stage that makes scans.
-        seed: seed of the choice.
+        workspace: The workspace.
+        category: The category.
+        path: The file to write; only an earlier example is replaced.
+        rendering: The stage that makes scans.
+        seed: Seed of the choice.
     """
 
     workspace: Workspace

@@ -40,15 +40,15 @@ class PredictScans:
     like those of the scans. A problem with one scan of a folder does not stop the others.
 
     Attributes:
-        source: a scan, or a folder with scans.
-        out: folder for the results.
-        workspace: the workspace with the trained networks.
-        category: category of the objects.
-        intrinsics: camera of depth images.
-        depth_scale: number that depths are divided by.
-        method: only networks that learned from pseudo labels of this method; None for the best ones.
-        seed: seed for the choice of points.
-        device: where networks run.
+        source: A scan, or a folder with scans.
+        out: Folder for the results.
+        workspace: The workspace with the trained networks.
+        category: Category of the objects.
+        intrinsics: Camera of depth images.
+        depth_scale: Number that depths are divided by.
+        method: Only networks that learned from pseudo labels of this method; None for the best ones.
+        seed: Seed for the choice of points.
+        device: Where networks run.
     """
 
     source: Path

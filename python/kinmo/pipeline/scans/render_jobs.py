@@ -33,16 +33,16 @@ class RenderJob:
     """One object, or one variant of it, to scan.
 
     Attributes:
-        found: the shape's files.
-        category: category of the shape.
-        role: use of the scans.
-        layout: dataset layout of the original shape.
-        path: file for the scans.
-        key: cache key of the scans.
-        references: scans of the labelled objects of the category; they show how far hinges open, unlike pseudo labels.
-        openings: opening angles of the hinges in those scans, in radians.
+        found: The shape's files.
+        category: Category of the shape.
+        role: Use of the scans.
+        layout: Dataset layout of the original shape.
+        path: File for the scans.
+        key: Cache key of the scans.
+        references: Scans of the labelled objects of the category; they show how far hinges open, unlike pseudo labels.
+        openings: Opening angles of the hinges in those scans, in radians.
         variant: 0 for the object itself, otherwise the number of the variant.
-        wanted: structure that the object must have to be scanned; None for any.
+        wanted: Structure that the object must have to be scanned; None for any.
     """
 
     found: ShapeSource
@@ -86,7 +86,7 @@ class ObjectRenderer:
         """Scan one object, which is read once.
 
         Args:
-            jobs: the object, which comes first if it is among them, and its variants.
+            jobs: The object, which comes first if it is among them, and its variants.
 
         Returns:
             For each job None if its scans were written, or the reason why not. A message if the object could not be read: it

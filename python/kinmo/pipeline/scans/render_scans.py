@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
 from pathlib import Path
 from typing import Any
 from zlib import crc32
@@ -40,6 +39,7 @@ from kinmo.pipeline.scans.render_jobs import (
     count_variants,
 )
 from kinmo.pipeline.scans.render_summary import summarise, summary_text
+from kinmo.pipeline.scans.scan_caches import ScanCaches, known_openings, with_structure
 from kinmo.pipeline.scans.scan_dataset import (
     COMPLETE,
     LABELLED,
@@ -47,10 +47,8 @@ from kinmo.pipeline.scans.scan_dataset import (
     object_name,
     scanned_categories,
     scans_folder,
-    usual_structure,
 )
-from kinmo.scans.canonical.hinge_openings import hinge_opening
-from kinmo.scans.files.scan_file import FORMAT, ROLES, Role, ScanFile, open_scans
+from kinmo.scans.files.scan_file import FORMAT, ROLES, Role, open_scans
 from kinmo.scans.object_structure import Structure
 
 STAGE = "render"
@@ -71,15 +69,15 @@ class RenderScans:
     objects have, since networks know no other. Unlabelled ones are scanned as they stand. Frames that are up to date stay.
 
     Attributes:
-        workspace: the workspace.
-        config: name or path of the configuration.
-        category: the category; None for the paper's five.
-        seed: seed of views and joint states.
-        workers: number of processes.
-        extra: roles to scan besides those of labelled shapes.
-        method: the method whose pseudo labels are used.
-        sensor: sensor in place of the configuration's.
-        cluster: address of a Ray cluster that runs the jobs; None for this machine.
+        workspace: The workspace.
+        config: Name or path of the configuration.
+        category: The category; None for the paper's five.
+        seed: Seed of views and joint states.
+        workers: Number of processes.
+        extra: Roles to scan besides those of labelled shapes.
+        method: The method whose pseudo labels are used.
+        sensor: Sensor in place of the configuration's.
+        cluster: Address of a Ray cluster that runs the jobs; None for this machine.
     """
 
     workspace: Workspace
@@ -108,8 +106,8 @@ class RenderScans:
 
     def _pending(self, config: ScansConfig) -> list[RenderJob]:
         """Jobs to do, without shapes that are gone: these are reported each time, but no other stage needs to wait for them."""
-        caches = _Caches()
-        jobs = _with_structure(list(self._jobs(config)), self._named_structure(config), caches)
+        caches = ScanCaches()
+        jobs = with_structure(list(self._jobs(config)), self._named_structure(config), caches)
         return [job for job in jobs if self._is_asked(job) and not caches.is_done(job) and os.path.lexists(job.found.path)]
 
     def _scanning(self, config: ScansConfig, jobs: Sequence[RenderJob]) -> Plan:
@@ -135,9 +133,9 @@ class RenderScans:
         open_dataset(self.workspace, self.category)  # raises before anything is written
         with self.workspace.locked():
             remove_leftovers(self.workspace.scans)
-            caches = _Caches()
+            caches = ScanCaches()
             structure = self._named_structure(config)
-            every = _with_structure(list(self._jobs(config)), structure, caches)
+            every = with_structure(list(self._jobs(config)), structure, caches)
             jobs = [job for job in every if self._is_asked(job)]
             pending = [job for job in jobs if not caches.is_done(job)]
             if jobs and not pending:
@@ -160,14 +158,14 @@ class RenderScans:
                     observer.progress("scanning objects", done, max(done, total), own[0].found.id)
                 watch.amount = sum(count_frames(config, job) for job in pending)
                 watch.what = counted(count_objects_of(pending), "object")
-            self._remove_stale(_with_structure(every, structure, caches), caches)
+            self._remove_stale(with_structure(every, structure, caches), caches)
             for category in {job.category for job in every}:
                 for folder in self._folders(category):
                     caches.of(folder).store(COMPLETE, "")
             return self._outcome(jobs, failed, caches, observer)
 
     def _outcome(
-        self, jobs: Sequence[RenderJob], failed: Sequence[tuple[RenderJob, str]], caches: _Caches, observer: Observer
+        self, jobs: Sequence[RenderJob], failed: Sequence[tuple[RenderJob, str]], caches: ScanCaches, observer: Observer
     ) -> Outcome:
         files = [open_scans(job.path) for job in jobs if job.path.exists()]
         skips = [(job, skip) for job in jobs if (skip := caches.not_scanned(job)) is not None]
@@ -187,7 +185,7 @@ class RenderScans:
         return job.role in (*LABELLED, *self.extra)
 
     def _scan(
-        self, config: ScansConfig, jobs: Sequence[RenderJob], structure: Structure | None, caches: _Caches
+        self, config: ScansConfig, jobs: Sequence[RenderJob], structure: Structure | None, caches: ScanCaches
     ) -> Iterator[tuple[tuple[RenderJob, ...], list[NotScanned | None] | Failure | str]]:
         """Scan the pending jobs of one object after another.
 
@@ -200,7 +198,7 @@ class RenderScans:
             return by_object(job for job in some if not caches.is_done(job))
 
         yield from runner.run(render, pending(job for job in jobs if job.role == "train"))
-        jobs = _with_structure(jobs, structure, caches)
+        jobs = with_structure(jobs, structure, caches)
         yield from runner.run(render, pending(job for job in jobs if job.role not in ("train", "pseudo")))
         guessed = [job for job in jobs if job.role == "pseudo" and not caches.is_done(job)]
         openings: dict[tuple[Path, ...], tuple[float, ...]] = {}
@@ -211,7 +209,7 @@ class RenderScans:
                 waiting = tuple(job for job in guessed if job.references == references)
                 yield waiting, WAITING.format(counted(count_objects_of(waiting), "object"), missing[0].stem)
             else:
-                openings[references] = _openings(references)
+                openings[references] = known_openings(references)
         guessed = [replace(job, openings=openings[job.references]) for job in guessed if job.references in openings]
         yield from runner.run(render, by_object(guessed))
 
@@ -277,7 +275,7 @@ class RenderScans:
         path = folder / f"{object_name(name_on_disk(found.id), entry.layout)}.safetensors"
         return RenderJob(found, entry.category, role, entry.layout, path, key)
 
-    def _remove_stale(self, jobs: Collection[RenderJob], caches: _Caches) -> None:
+    def _remove_stale(self, jobs: Collection[RenderJob], caches: ScanCaches) -> None:
         """Remove scans in the folders of the categories at hand that belong to no finished job."""
         current = {job.path for job in jobs if caches.is_done(job)}
         for category in {job.category for job in jobs}:
@@ -288,73 +286,6 @@ class RenderScans:
                 for path in cache.folder.glob("*.safetensors"):
                     if path not in current:
                         path.unlink()
-
-
-class _Caches:
-    """The caches of all folders of scans, each read once."""
-
-    def __init__(self) -> None:
-        self._known: dict[Path, Cache] = {}
-
-    def of(self, folder: Path) -> Cache:
-        if folder not in self._known:
-            self._known[folder] = Cache(folder)
-        return self._known[folder]
-
-    def is_done(self, job: RenderJob) -> bool:
-        """True if a job's scans are up to date, or it is known that there can be none."""
-        found = self.of(job.path.parent).find(job.name)
-        if found is None or found.key != job.key:
-            return False
-        structure = (found.data or {}).get("structure")
-        return structure is None or (job.wanted is not None and structure != str(job.wanted))
-
-    def not_scanned(self, job: RenderJob) -> NotScanned | None:
-        """The reason why a job has no scans; None if it has some, or was not tried."""
-        data = self.of(job.path.parent).data(job.name) or {}
-        return NotScanned(data["reason"], data.get("structure")) if "reason" in data else None
-
-    def is_skipped(self, path: Path) -> bool:
-        """True if it is known that there can be no scans in this file."""
-        return "reason" in (self.of(path.parent).data(path.stem) or {})
-
-    def store(self, jobs: Sequence[RenderJob], results: Sequence[NotScanned | None]) -> None:
-        """Store the results of one object."""
-        for job, skip in zip(jobs, results, strict=True):
-            cache = self.of(job.path.parent)
-            if skip is None:
-                cache.store(job.name, job.key, [job.path])
-            else:
-                job.path.unlink(missing_ok=True)
-                facts = {"reason": skip.reason, "structure": skip.structure, "layout": job.layout, "variant": job.variant}
-                cache.store(job.name, job.key, data=facts)
-
-    def remove(self, jobs: Sequence[RenderJob]) -> None:
-        """Remove scans of an object that cannot be read now: they may come from other settings."""
-        for job in jobs:
-            self.of(job.path.parent).forget(job.name)
-            job.path.unlink(missing_ok=True)
-
-
-def _with_structure(jobs: Sequence[RenderJob], structure: Structure | None, caches: _Caches) -> list[RenderJob]:
-    """The jobs, each with the structure that it must have: the given one, or the usual one of the training scans so far.
-
-    Training objects must only have a given structure, and unlabelled objects none.
-    """
-    if structure is not None:
-        return [job if job.role == "unlabelled" else replace(job, wanted=structure) for job in jobs]
-    scanned: dict[str, list[ScanFile]] = {}
-    for job in jobs:
-        if job.role == "train" and caches.is_done(job) and job.path.exists():
-            scanned.setdefault(job.category, []).append(open_scans(job.path))
-    structures = {category: usual_structure(files) for category, files in scanned.items()}
-    return [job if job.role in ("train", "unlabelled") else replace(job, wanted=structures.get(job.category)) for job in jobs]
-
-
-def _openings(paths: Iterable[Path]) -> tuple[float, ...]:
-    """Known opening angles of the hinges in some scans, in radians."""
-    files = [open_scans(path) for path in paths if path.exists()]
-    return tuple(filter(None, (hinge_opening(joint) for joint in chain.from_iterable(file.joints for file in files))))
 
 
 def _is_wanted(category: str, wanted: str | None) -> bool:

@@ -17,8 +17,8 @@ def summarise(files: Sequence[ScanFile], unwanted: Sequence[tuple[str, str]]) ->
     """Count objects and frames.
 
     Args:
-        files: the scans.
-        unwanted: category and structure of each object that was not scanned because of its structure.
+        files: The scans.
+        unwanted: Category and structure of each object that was not scanned because of its structure.
 
     Returns:
         By category: objects by role, frames, objects by structure, objects not scanned by structure, skipped frames by reason.

@@ -47,11 +47,11 @@ class ScanDataset:
     """The scans of a category's objects with one structure, by role.
 
     Attributes:
-        category: the category, spelled as in the workspace.
-        structure: parts and joints of the objects; networks know no other. Scans of unlabelled objects have none.
-        files: scans by role.
-        others: number of objects that are not used, by their structure (or `NO_FRAME`, `NO_SCAN`), role and layout.
-        oracle_ids: as in `ShapeDataset`.
+        category: The category, spelled as in the workspace.
+        structure: Parts and joints of the objects; networks know no other. Scans of unlabelled objects have none.
+        files: Scans by role.
+        others: Number of objects that are not used, by their structure (or `NO_FRAME`, `NO_SCAN`), role and layout.
+        oracle_ids: Id of the shape with the oracle label, by id and layout (`ShapeDataset.oracle_ids`).
     """
 
     category: str
@@ -105,15 +105,15 @@ def open_scan_dataset(workspace: Workspace, category: str, method: str = DEFAULT
     training objects become validation objects; they are trained on too if there are no others.
 
     Args:
-        workspace: the workspace.
-        category: the category, in any spelling.
-        method: the method whose pseudo labels count.
+        workspace: The workspace.
+        category: The category, in any spelling.
+        method: The method whose pseudo labels count.
 
     Returns:
         The scans by role. A role whose scanning was interrupted has none.
 
     Raises:
-        InputError: nothing of the category was scanned, or the scanning of labelled shapes was interrupted.
+        InputError: Nothing of the category was scanned, or the scanning of labelled shapes was interrupted.
     """
     known = scanned_categories(workspace)
     spelling = next((name for name in known if same_category(name, category)), None)

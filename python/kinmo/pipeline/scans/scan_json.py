@@ -24,11 +24,11 @@ def scan_document(
     """A prediction as plain data.
 
     Args:
-        found: poses, boxes, joints and states.
-        of_points: part [n] of every point of the scan.
-        structure: parts and joints of the object.
-        source: file of the scan.
-        made_by: facts about the networks.
+        found: Poses, boxes, joints and states.
+        of_points: Part [n] of every point of the scan.
+        structure: Parts and joints of the object.
+        source: File of the scan.
+        made_by: Facts about the networks.
 
     Returns:
         Parts and joints in the frame and units of the scan (x to the right, y down, z forward); None for unknown values.

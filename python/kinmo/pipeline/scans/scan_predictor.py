@@ -34,11 +34,11 @@ class ScanPrediction:
     """Parts, joints and states found in a scan of n points.
 
     Attributes:
-        parts: part [n] of every point, int16: 0 is the base, -1 belongs to no part (the floor, outliers).
+        parts: Part [n] of every point, int16: 0 is the base, -1 belongs to no part (the floor, outliers).
         is_outlier: [n], True for points far from all others.
-        estimate: poses and boxes of the parts, joints and their states, in the frame and units of the scan.
-        seen: the points [m, 3] that the networks saw.
-        seen_parts: part [m] of these points; every other point has the part of the nearest one.
+        estimate: Poses and boxes of the parts, joints and their states, in the frame and units of the scan.
+        seen: The points [m, 3] that the networks saw.
+        seen_parts: Part [m] of these points; every other point has the part of the nearest one.
     """
 
     parts: NDArray[np.int16]
@@ -53,10 +53,10 @@ class ScanPredictor:
     """Finds objects of one category in depth scans, one scan at a time.
 
     Attributes:
-        network: the networks.
-        category: the category that they were trained for.
-        trained: the labels and the seed that they were trained with, in words.
-        weights: hash of the networks.
+        network: The networks.
+        category: The category that they were trained for.
+        trained: The labels and the seed that they were trained with, in words.
+        weights: Hash of the networks.
 
     Example:
         >>> predictor = kinmo.ScanPredictor.load("workspace", "refrigerator")
@@ -76,14 +76,17 @@ class ScanPredictor:
         """Load the networks of a category.
 
         Args:
-            workspace: the workspace, or its folder.
-            category: the category, in any spelling.
-            method: only networks that learned from pseudo labels of this method; None for the best ones.
-            seed: seed of the training, if there are several.
-            device: where networks run.
+            workspace: The workspace, or its folder.
+            category: The category, in any spelling.
+            method: Only networks that learned from pseudo labels of this method; None for the best ones.
+            seed: Seed of the training, if there are several.
+            device: Where networks run.
+
+        Returns:
+            The predictor.
 
         Raises:
-            InputError: there are no such networks, or they cannot be read.
+            InputError: There are no such networks, or they cannot be read.
         """
         place = workspace if isinstance(workspace, Workspace) else Workspace(workspace)
         run = choose_run(place, category, method, seed)
@@ -102,15 +105,15 @@ class ScanPredictor:
         The result depends on the positions of the points, not on their order, and on `seed`.
 
         Args:
-            points: points [n, 3] in the camera's frame: x to the right, y down, z forward. Placeholders for missing depths,
+            points: Points [n, 3] in the camera's frame: x to the right, y down, z forward. Placeholders for missing depths,
                 such as (0, 0, 0), must be left out.
-            seed: seed for the choice of the points that the networks see.
+            seed: Seed for the choice of the points that the networks see.
 
         Returns:
             The prediction, in the frame and units of the points.
 
         Raises:
-            ValueError: the array has another shape, is empty, holds values that are not finite, points behind the camera
+            ValueError: The array has another shape, is empty, holds values that are not finite, points behind the camera
                 (z <= 0), or fewer than 32 different positions.
         """
         points = np.asarray(points, np.float64)
@@ -145,13 +148,13 @@ def choose_run(workspace: Workspace, category: str, method: str | None, seed: in
     """Choose the networks for a category.
 
     Args:
-        workspace: the workspace.
-        category: the category, in any spelling.
-        method: only networks that learned from pseudo labels of this method; None for any.
-        seed: seed that is preferred.
+        workspace: The workspace.
+        category: The category, in any spelling.
+        method: Only networks that learned from pseudo labels of this method; None for any.
+        seed: Seed that is preferred.
 
     Raises:
-        InputError: nothing fitting is trained.
+        InputError: Nothing fitting is trained.
     """
     runs = [
         [run for run in found if method is None or (run.setting == "semi-weakly" and run.method == method)]

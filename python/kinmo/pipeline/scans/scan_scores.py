@@ -29,10 +29,10 @@ class ScanScores:
     """Scores of a run's networks on the test scans of its category.
 
     Attributes:
-        workspace: the workspace with the networks; it gets the scores.
-        run: the networks.
-        scanned: the workspace with the test scans, if it is another one.
-        title: name of these test scans, if they are those of another workspace.
+        workspace: The workspace with the networks; it gets the scores.
+        run: The networks.
+        scanned: The workspace with the test scans, if it is another one.
+        title: Name of these test scans, if they are those of another workspace.
     """
 
     workspace: Workspace
@@ -54,8 +54,8 @@ class ScanScores:
         """The test scans.
 
         Raises:
-            NoTestScans: there are none with the right structure.
-            InputError: the scans cannot be opened, or those of the other workspace have another structure.
+            NoTestScans: There are none with the right structure.
+            InputError: The scans cannot be opened, or those of the other workspace have another structure.
         """
         scanned = self.scanned or self.workspace
         dataset = open_scan_dataset(scanned, self.run.category, self.run.method)

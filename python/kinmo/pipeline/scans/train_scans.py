@@ -47,16 +47,16 @@ class ScanTrainingTask:
     """One network to train on some scans and to validate on others (see `TrainingTask`).
 
     Attributes:
-        workspace: the workspace.
-        run: category, labels and seed.
+        workspace: The workspace.
+        run: Category, labels and seed.
         network: `ancsh` (all heads) or `npcs` (parts and part coordinates).
-        training: files of scans; the first `labelled` objects are those with true labels.
-        validation: files of scans.
-        objects: numbers of objects for training and for validation.
-        labelled: number of labelled training objects.
-        section: section of the configuration.
-        inputs: everything that the network depends on.
-        device: where the network is trained.
+        training: Files of scans; the first `labelled` objects are those with true labels.
+        validation: Files of scans.
+        objects: Numbers of objects for training and for validation.
+        labelled: Number of labelled training objects.
+        section: Section of the configuration.
+        inputs: Everything that the network depends on.
+        device: Where the network is trained.
     """
 
     workspace: Workspace
@@ -116,14 +116,14 @@ class TrainScans:
     """Train both networks of a category, or of every scanned category.
 
     Attributes:
-        workspace: the workspace.
-        config: name or path of the configuration.
-        category: the category; None for all scanned ones.
-        setting: labels besides those of the labelled shapes.
-        method: the method whose pseudo labels are used, in the setting `semi-weakly`.
-        seed: seed of everything random.
-        device: where networks are trained.
-        workers: number of processes.
+        workspace: The workspace.
+        config: Name or path of the configuration.
+        category: The category; None for all scanned ones.
+        setting: Labels besides those of the labelled shapes.
+        method: The method whose pseudo labels are used, in the setting `semi-weakly`.
+        seed: Seed of everything random.
+        device: Where networks are trained.
+        workers: Number of processes.
     """
 
     workspace: Workspace

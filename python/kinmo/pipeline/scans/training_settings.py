@@ -20,11 +20,11 @@ class ExtraLabels:
     """Labels that a setting needs besides those of the labelled shapes.
 
     Attributes:
-        shapes: the shapes that it needs, in words.
-        objects: the scanned objects that it needs, in words.
-        remedy: what to do where there are none.
-        roles: roles of the objects that are scanned for it; oracle labels measure how right pseudo labels are.
-        count: number of shapes of a dataset that it can use.
+        shapes: The shapes that it needs, in words.
+        objects: The scanned objects that it needs, in words.
+        remedy: What to do where there are none.
+        roles: Roles of the objects that are scanned for it; oracle labels measure how right pseudo labels are.
+        count: Number of shapes of a dataset that it can use.
     """
 
     shapes: str
@@ -38,7 +38,7 @@ EXTRA_LABELS: Mapping[Setting, ExtraLabels] = {
     "self-training": ExtraLabels(
         "without labels",
         "objects that the supervised networks are sure of",
-        "lower ancsh.confidence if it is above 0",
+        "run kinmo train ancsh --setting self-training, or lower ancsh.confidence if it is above 0",
         ("unlabelled",),
         lambda dataset: len(dataset.unlabelled),
     ),

@@ -87,9 +87,7 @@ class PartNetwork(nn.Module):
     def __init__(self, config: AncshConfig, parts: int, classes: int) -> None:
         super().__init__()
         self.parts = parts
-        self.backbone = PointNetPlusPlus(
-            config.centers, config.radii, config.neighbours, config.width, config.dropout
-        )
+        self.backbone = PointNetPlusPlus(config.centers, config.radii, config.neighbours, config.width, config.dropout)
         features = self.backbone.features
         self.part = nn.Linear(features, classes)
         self.npcs = nn.Sequential(nn.Linear(features, features), nn.Linear(features, 3 * parts))
