@@ -24,7 +24,7 @@ def test_every_link_leads_somewhere(page: Path) -> None:
 
 @PAGE
 def test_every_path_in_the_repository_exists(page: Path) -> None:
-    for path in re.findall(r"`((?:python|rust|bench|tests|examples)/[\w./-]+)[` ]", page.read_text(encoding="utf-8")):
+    for path in re.findall(r"`((?:python|rust|docs|bench|tests|examples)/[\w./-]+)[` ]", page.read_text(encoding="utf-8")):
         assert (ROOT / path).exists(), f"{path} does not exist"
 
 
@@ -41,3 +41,9 @@ def test_every_command_and_option_exists(page: Path) -> None:
         options = {name for parameter in commands[words[1]].params for name in (*parameter.opts, *parameter.secondary_opts)}
         for word in words[2:]:
             assert not word.startswith("-") or word in options, f"kinmo {words[1]} has no option {word}"
+
+
+def test_every_page_is_in_the_index() -> None:
+    index = (ROOT / "docs" / "README.md").read_text(encoding="utf-8")
+    for page in (ROOT / "docs").rglob("*.md"):
+        assert page.name == "README.md" or f"({page.relative_to(ROOT / 'docs')})" in index, f"{page} is not in docs/README.md"

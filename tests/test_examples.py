@@ -1,0 +1,97 @@
+"""The scripts in examples/ run, with their defaults on the folders of `make demo`, and print results."""
+
+from __future__ import annotations
+
+import ast
+import runpy
+import sys
+from pathlib import Path
+
+import pytest
+from scanned_workspace import FAMILY, Scanned
+from trained_workspace import Trained, contents, tiny_config
+
+from kinmo.scans.files.scan_file import open_scans
+from kinmo.scans.files.scan_reader import write_points
+
+EXAMPLES = sorted((Path(__file__).resolve().parents[1] / "examples").glob("*.py"))
+MAX_LINES = 50
+
+
+def run(number: int, *arguments: object, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run an example as a script."""
+    (path,) = (path for path in EXAMPLES if path.name.startswith(f"{number}_"))
+    monkeypatch.setattr(sys, "argv", [str(path), *map(str, arguments)])
+    runpy.run_path(str(path), run_name="__main__")
+
+
+@pytest.fixture
+def demo(trained: Trained, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A working directory with the folders that `make demo` leaves."""
+    (tmp_path / "demo").mkdir()
+    (tmp_path / "demo" / "partnet").symlink_to(trained.shapes)
+    trained.copy(tmp_path / "demo")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_examples_are_short_and_need_only_kinmo_and_numpy(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    imported = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    imported |= {str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert "kinmo" in imported
+    assert imported <= {"argparse", "pathlib", "numpy", "kinmo"}
+    assert len(text.splitlines()) <= MAX_LINES
+    assert f"python examples/{path.name}" in (ast.get_docstring(tree) or "")
+
+
+def test_an_object_is_predicted(demo: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    run(1, monkeypatch=monkeypatch)
+    out = capsys.readouterr().out
+    assert "joints" in out and "score" in out
+    assert out.splitlines()[-1] == "predicted/joints.json"
+    assert (demo / "predicted" / "joints.json").is_file()
+
+
+def test_an_object_is_moved_and_exported(
+    demo: Path, trained: Trained, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run(2, monkeypatch=monkeypatch)
+    shape = sorted((trained.shapes / "partnet").iterdir())[-1]
+    run(2, shape, "--workspace", trained.workspace.path, "--out", demo / "mine", monkeypatch=monkeypatch)
+    out = capsys.readouterr().out
+    assert "moved by" in out and "bounding box of the open object" in out
+    assert (demo / "exported" / "exported.urdf").is_file() and (demo / "mine" / "mine.urdf").is_file()
+
+
+def test_networks_are_trained(
+    demo: Path, trained: Trained, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = contents(demo / "demo" / "workspace" / "models")
+    run(3, "--config", tiny_config(demo), monkeypatch=monkeypatch)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == f"included: {len(trained.outcomes['prepare'].data['included'])} shapes"
+    assert any(line.startswith("gnn_fine: 1 epoch") for line in lines)
+    assert lines[-1] == "demo/workspace/models"
+    assert contents(demo / "demo" / "workspace" / "models") == before, "the same training has been done"
+
+
+def test_joints_are_found_in_a_scan(
+    scanned: Scanned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    points = open_scans(next(scanned.scans("test"))).read("points", 0)
+    write_points(tmp_path / "scan.npz", points)
+    run(4, tmp_path / "scan.npz", "--category", FAMILY, "--workspace", scanned.workspace.path, monkeypatch=monkeypatch)
+    out = capsys.readouterr().out
+    assert "part 0: " in out and "joint of part 1: revolute, at " in out and " rad" in out
+
+
+@pytest.mark.usefixtures("demo")
+def test_networks_are_evaluated(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    run(5, "--category", "laptop", monkeypatch=monkeypatch)
+    lines = capsys.readouterr().out.splitlines()
+    assert "parts given" in lines and "hierarchy given" in lines
+    assert any(line.startswith("  kinmo: ") and line.endswith("joints are right") for line in lines)
+    assert lines[-1] == "demo/workspace/evaluation/laptop"
