@@ -4,7 +4,7 @@ Without a command, every stage (or those named) runs on a workspace of few proce
 once undisturbed in a copy of the workspace of the stages before it. For every trial it starts in a fresh copy, gets SIGKILL
 with all its children at a random moment, and runs again to its end. The trial is good if:
 
-1. All files are the same, byte by byte. The journal and the lock do not count.
+1. All files are the same, byte by byte. The journal, the lock and the order of cache lines do not count.
 2. No finished file is written again: records of stages, prepared shapes, labels, predictions.
 3. Training continues after the last complete epoch.
 4. A last run of the command touches no file.
@@ -38,24 +38,17 @@ from pathlib import Path
 from common import option_parser, print_claims, print_table
 
 PLACE = "{workspace}"
-IGNORED = ("journal*", ".lock")
+IGNORED = ("journal*", ".lock", ".kinmo.jsonl")
 FINISHED = (
-    "records/*",
     "prepared/*/*",
-    "pseudo/*/*",
-    "eval/judgements/*/*",
-    "eval/trees.json",
-    "eval/scans/*/*",
+    "pseudo_labels/*/*/*",
+    "evaluation/shape_scores/*",
     "scans/*/*/*.*",
-    "own-scans/*/*/*.*",
     "out/*/*",
     "shapes/*/*/*",
-    "models/*/weights.*",
-    "models/ancsh/*/*/*/*/weights.*",
 )
-"""Files that may not be written again once they are whole. Files of `models` count if the stage of the model is finished."""
-BY = "by-"
-"""Prefix of the folders of other methods."""
+"""Files that may not be written again once they are whole. Weights count too, once the workspace records their training."""
+RECORDS = ".kinmo.jsonl"
 FAMILIES = ("laptop", "stapler")
 FORK = multiprocessing.get_context("forkserver")
 FORK.set_forkserver_preload(
@@ -68,10 +61,10 @@ FORK.set_forkserver_preload(
     ]
 )
 
-SYNTH = ("synth", *(word for name in FAMILIES for word in ("--family", name)), "--held-back", "--workers", "2", "--count")
+SYNTH = ("synth", *(word for name in FAMILIES for word in ("--family", name)), "--oracle", "--workers", "2", "--count")
 STAGES: dict[str, tuple[str, ...]] = {
     "synth": (*SYNTH, "5", f"{PLACE}/shapes"),
-    "prepare": ("prepare", "{shapes}", "--hold-back", "{shapes}/held_back", "--workers", "2"),
+    "prepare": ("prepare", "{shapes}", "--oracle", "{shapes}/oracle", "--workers", "2"),
     "train gnn": ("train", "gnn", "--config", "{config}"),
     "train axis": ("train", "axis", "--config", "{config}"),
     "pseudo-label": ("pseudo-label", "--threshold", "0"),
@@ -156,17 +149,23 @@ class Experiment:
         if not process.is_alive():
             return None
         _kill(process)
-        killed, epochs = self.files(), self._epochs()
+        killed, epochs, trained = self.files(), self._epochs(), self._trained()
         self.run()
         ended = self.files()
         wrong = [f"differs: {name}" for name in sorted({*whole, *ended}) if not _same(whole, ended, name)]
-        done = [name for name, (_, when) in killed.items() if when > begun and _is_finished(name, killed)]
+        done = [name for name, (_, when) in killed.items() if when > begun and (name in trained or _is_finished(name))]
         wrong += [f"made again: {name}" for name in done if killed[name] != ended.get(name)]
         wrong += [f"epochs trained again: {what}" for what in self._repeated(epochs)]
         if again:
             self.run()
             wrong += [f"touched at last: {name}" for name, found in self.files().items() if found != ended.get(name)]
         return Trial(len(done), tuple(wrong))
+
+    def _trained(self) -> set[str]:
+        """Weights whose training the workspace records as finished."""
+        path = self.workspace / RECORDS
+        records = path.read_text(encoding="utf-8") if path.exists() else ""
+        return set(re.findall(r'"(models/[^"]+/weights\.[a-z]+)"', records))
 
     def _epochs(self) -> dict[str, int]:
         """Complete epochs by name of the network."""
@@ -187,36 +186,20 @@ def _same(one: dict[str, tuple[bytes, int]], other: dict[str, tuple[bytes, int]]
     return name in one and name in other and one[name][0] == other[name][0]
 
 
-def _is_finished(name: str, found: dict[str, tuple[bytes, int]]) -> bool:
+def _is_finished(name: str) -> bool:
     """True if a file may not be written again."""
     is_draft = any(part.startswith(".") and part.endswith("~") for part in name.split("/"))
-    place, own = _split(name)
-    if is_draft or not any(fnmatch(own, glob) for glob in FINISHED):
-        return False
-    return not own.startswith("models/") or f"{place}records/{_record(own.rsplit('/', 1)[0])}.json" in found
-
-
-def _split(name: str) -> tuple[str, str]:
-    """Folder of another method in the workspace (empty for the default one), and the name in it."""
-    first, _, rest = name.partition("/")
-    return (f"{first}/", rest) if first.startswith(BY) else ("", name)
+    return not is_draft and any(fnmatch(name, glob) for glob in FINISHED)
 
 
 def _network(folder: str) -> str:
     """Name that training prints for the network in a folder of the workspace."""
-    place, own = _split(folder)
-    _, name, *cell = own.split("/")
+    _, name, *cell = folder.split("/")
     if not cell:
         return name
-    category, setting, seed, network = cell
-    labels = f", labels by {place.removeprefix(BY)[:-1]}" if place else ""
-    return f"{network} ({category}, {setting}, seed {seed}{labels})"
-
-
-def _record(folder: str) -> str:
-    """Name of the record that the network in a folder of the workspace is finished."""
-    _, name, *cell = folder.split("/")
-    return f"train-{'-'.join([cell[-1], *cell[:-1]]) if cell else name}"
+    category, labels, seed, network = cell
+    setting = labels.removesuffix("-kinmo").removesuffix("-paper")
+    return f"{network} ({category}, {setting}, seed {seed}{', labels by paper' if labels.endswith('-paper') else ''})"
 
 
 def _kinmo(arguments: list[str], log: Path) -> None:
@@ -249,9 +232,8 @@ def tiny_config(folder: Path) -> Path:
         text = re.sub(rf"^{key} = \d+", f"{key} = {value}", text, flags=re.MULTILINE)
     # enough to find all parts of some scans, which self-training needs
     text = re.sub(r"(\nbatch_frames = )\d+(\nbatches_per_epoch = )\d+", r"\g<1>8\g<2>24", text)
-    unsure = {"[refinement]": "threshold = 0.0\nchance = 0.0\ndoubt = 1.0", "[ancsh]": "confidence = 0.0"}
-    for section, lines in unsure.items():
-        text = text.replace(f"{section}\n", f"{section}\n{lines}\n")
+    text = text.replace("[ancsh]\n", "[ancsh]\nconfidence = 0.0\n")
+    text += "\n[refinement]\nthreshold = 0.0\nchance = 0.0\ndoubt = 1.0\n"
     for section in ("[gnn.training]", "[ranking.training]"):  # fewer epochs label no laptop with the usual structure
         text = text.replace(f"{section}\nepochs = 4\n", f"{section}\nepochs = 16\n")
     path = folder / "tiny.toml"

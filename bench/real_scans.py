@@ -16,17 +16,19 @@ import json
 import os
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
+from hashlib import blake2b
 from pathlib import Path
 
 from common import Claim, option_parser, print_claims
 from kinmo.cli.console import LineObserver
 from kinmo.core.categories import canonical_category, same_category
-from kinmo.dataset.splits import Split, split_of, within_share
-from kinmo.dataset.workspace import DEFAULT_METHOD, Workspace
+from kinmo.dataset.folder_preparation import ORACLE
+from kinmo.dataset.splits import Split, split_of
+from kinmo.dataset.workspace import Workspace
 from kinmo.experiments.scan_tables.make_table import MakeTable
 from kinmo.io.discover import discover
 from kinmo.io.readers import PARTNET_MOBILITY
-from kinmo.methods import METHOD_MODELS
+from kinmo.methods import DEFAULT_METHOD, METHOD_MODELS
 from kinmo.pipeline.prepare import Prepare
 
 CATEGORIES = ("laptop", "bucket", "table", "safe", "box")
@@ -42,15 +44,20 @@ def arrange(data: Iterable[Path], categories: Iterable[str], share: float, folde
     counts = {}
     for wanted in categories:
         own = sorted(n for n in objects if same_category(category[n], wanted) and split_of(n) is Split.TRAIN)
-        kept = within_share([(name, category[name]) for name in own], share)
-        hidden |= {name for name, keeps in zip(own, kept, strict=True) if not keeps}
-        counts[wanted] = sum(kept), len(own) - sum(kept)
+        kept = set(sorted(own, key=_position)[: max(1, round(share * len(own)))])
+        hidden |= set(own) - kept
+        counts[wanted] = len(kept), len(own) - len(kept)
     for name, path in objects.items():
-        labelled = folder / "unlabelled" / "held_back" if name in hidden else folder / "labelled"
+        labelled = folder / "unlabelled" / ORACLE if name in hidden else folder / "labelled"
         _copy(path, labelled / name)
         if name in hidden:
             _copy(path, folder / "unlabelled" / name, without=JOINTS)
     return counts
+
+
+def _position(name: str) -> float:
+    """Position of an object in the order by which objects keep their joints."""
+    return int.from_bytes(blake2b(f"share:{name}".encode(), digest_size=8).digest(), "big") / 2.0**64
 
 
 def _category_of(path: Path) -> str:
@@ -93,7 +100,7 @@ def main() -> None:
         print(f"{name}: {kept} training objects with joints, {hidden} without")
     workspace, observer = Workspace(options.cache / f"workspace-{options.share:g}"), LineObserver()
     workers = os.cpu_count() or 1
-    Prepare(folder, workspace, workers=workers, hold_back=(folder / "unlabelled" / "held_back",)).run(observer)
+    Prepare(folder, workspace, workers=workers, oracle=(folder / "unlabelled" / ORACLE,)).run(observer)
     start = None if options.start is None else Workspace(options.start)
     methods = tuple(options.method or (METHODS if start is None else (DEFAULT_METHOD,)))
     if options.quick:

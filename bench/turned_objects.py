@@ -25,6 +25,6 @@ def turned_shapes(shapes: Sequence[PreparedShape], folder: Path, *, freely: bool
             about_up = Rotation.from_rotvec(shape.up * rng.uniform(-np.pi, np.pi))
             turn = (Rotation.random(rng=rng) if freely else about_up).as_matrix()
             source = ShapeSource.of(shape).read()
-            path.write_bytes(to_bytes(prepare_shape(source.rotated(turn)), {}))
+            path.write_bytes(to_bytes(prepare_shape(source.rotated(turn))))
         found.append(read_prepared(path))
     return found

@@ -2,6 +2,7 @@
 
 Run it after `make demo`:  python examples/4_find_joints_in_a_scan.py
 With your own scan:        python examples/4_find_joints_in_a_scan.py scan.npz --category refrigerator --workspace workspace
+
 The scan is an .npz file with an array `points` [n, 3] in the camera's frame: x to the right, y down, z forward.
 """
 

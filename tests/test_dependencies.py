@@ -1,4 +1,4 @@
-"""What is imported is declared."""
+"""Every imported library is a declared dependency."""
 
 from __future__ import annotations
 

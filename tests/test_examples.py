@@ -1,20 +1,29 @@
-"""The scripts in examples/ run, with their defaults on the folders of `make demo`, and print results."""
+"""The scripts in examples/ and the Python blocks of the documents run, on folders like those of `make demo`."""
 
 from __future__ import annotations
 
 import ast
+import re
 import runpy
 import sys
 from pathlib import Path
 
 import pytest
+import trimesh
 from scanned_workspace import FAMILY, Scanned
 from trained_workspace import Trained, contents, tiny_config
 
+import kinmo
 from kinmo.scans.files.scan_file import open_scans
 from kinmo.scans.files.scan_reader import write_points
 
-EXAMPLES = sorted((Path(__file__).resolve().parents[1] / "examples").glob("*.py"))
+ROOT = Path(__file__).resolve().parents[1]
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+BLOCKS = [
+    (path, number, block)
+    for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
+    for number, block in enumerate(re.findall(r"^```python\n(.*?)^```$", path.read_text(encoding="utf-8"), re.M | re.S))
+]
 MAX_LINES = 50
 
 
@@ -95,3 +104,42 @@ def test_networks_are_evaluated(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     assert "parts given" in lines and "hierarchy given" in lines
     assert any(line.startswith("  kinmo: ") and line.endswith("joints are right") for line in lines)
     assert lines[-1] == "demo/workspace/evaluation/laptop"
+
+
+def write_cabinet(path: Path) -> None:
+    """A cabinet with a door, as a .glb with named nodes."""
+    scene = trimesh.Scene()
+    for name, extents, center in (
+        ("bottom", (1.0, 0.1, 0.5), (0.0, 0.05, 0.0)),
+        ("top", (1.0, 0.1, 0.5), (0.0, 0.95, 0.0)),
+        ("left", (0.1, 0.8, 0.5), (-0.45, 0.5, 0.0)),
+        ("right", (0.1, 0.8, 0.5), (0.45, 0.5, 0.0)),
+        ("door", (1.0, 1.0, 0.05), (0.0, 0.5, 0.275)),
+    ):
+        box = trimesh.creation.box(extents, trimesh.transformations.translation_matrix(center))
+        scene.add_geometry(box, node_name=name, geom_name=name)
+    scene.export(path)
+
+
+@pytest.mark.parametrize(
+    "block", [block for _, _, block in BLOCKS], ids=[f"{path.relative_to(ROOT)}-{number}" for path, number, _ in BLOCKS]
+)
+def test_python_blocks_of_documents_run(
+    block: str, trained: Trained, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    if "ScanPredictor" in block:
+        scanned: Scanned = request.getfixturevalue("scanned")
+        write_points(Path("scan.npz"), open_scans(next(scanned.scans("test"))).read("points", 0))
+        Path("workspace").symlink_to(scanned.workspace.path)
+        block = block.replace('"dishwasher"', f'"{FAMILY}"')
+    else:
+        trained.copy(tmp_path)
+        Path("partnet").symlink_to(trained.shapes)
+        write_cabinet(Path("cabinet.glb"))
+        block = block.replace(
+            'kinmo.train("motion", "workspace")', f'kinmo.train("motion", "workspace", config="{tiny_config(tmp_path)}")'
+        )
+    if "read_joints_json(" in block:
+        kinmo.Predictor("workspace").predict(kinmo.load("cabinet.glb")).save("out/cabinet")
+    exec(compile(block, "block", "exec"), {"__name__": "block"})

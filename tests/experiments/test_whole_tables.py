@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from kinmo.experiments.scan_tables.written_tables import WrittenTables
 from kinmo.experiments.variant_workspaces import Variant
 from kinmo.io.readers import DSG_NET
 from kinmo.learning.model_folder import WEIGHTS, networks_digest
+from kinmo.pipeline.scans.evaluate_scans import EvaluateScans
 from kinmo.pipeline.scans.scan_dataset import open_scan_dataset
 from kinmo.pipeline.scans.train_scans import TrainScans
 from kinmo.pipeline.train_all import TrainAll
@@ -41,7 +43,7 @@ def make(name: str, method: str, made: Scanned) -> MakeTable:
 def sure_of_hinges(made: Scanned, folder: Path) -> Scanned:
     """The same with a ranking that is trained until it knows laptops, and all of whose predictions are accepted."""
     one = made.changed(folder, "members = 3", "members = 1")
-    every = one.changed(folder, "[refinement]\n", "[refinement]\nchance = 0.0\ndoubt = 1.0\n")
+    every = one.changed(folder, "[scans]\n", "[refinement]\nchance = 0.0\ndoubt = 1.0\n[scans]\n")
     return every.changed(folder, "[ranking.training]\nepochs = 1\n", "[ranking.training]\nepochs = 40\n")
 
 
@@ -125,9 +127,8 @@ def test_networks_with_fewer_labels_are_tested_on_the_same_scans(scanned: Scanne
     ids = [{file.id for file in dataset.files["train"]} for dataset in (whole, fewer)]
     assert ids[1] < ids[0]
     row = next(row for row in TABLES["3"].rows if row.variant == Variant(0.3))
-    assert row.scores(made.workspace, CATEGORY, 0).files() == whole.files["test"] or (
-        [file.path for file in row.scores(made.workspace, CATEGORY, 0).files()] == [file.path for file in whole.files["test"]]
-    )
+    tests = row.scores(made.workspace, CATEGORY, 0).files()
+    assert [file.path for file in tests] == [file.path for file in whole.files["test"]]
 
 
 def test_generated_shapes_are_trained_on_in_a_workspace_of_their_own(scanned: Scanned, tmp_path: Path) -> None:
@@ -137,9 +138,7 @@ def test_generated_shapes_are_trained_on_in_a_workspace_of_their_own(scanned: Sc
     assert part.workspace.pseudo_labels == made.workspace.pseudo_labels
     part.render().run(Recorder())
     TrainScans(part.workspace, made.config, FAMILY, "semi-weakly", **CPU).run(Recorder())  # type: ignore[arg-type]
-    EvaluateTrained(made.workspace, FAMILY, device="cpu").run(Recorder())
-    from kinmo.pipeline.scans.evaluate_scans import EvaluateScans
-
+    made.train().run(Recorder())
     EvaluateScans(row.scores(made.workspace, CATEGORY, 0), "cpu").run(Recorder())
     found = WrittenTables(made.workspace, "4").write({CATEGORY: [0]})
     (shown,) = (line for line in found.data[CATEGORY]["means"]["rows"] if line[0] == "generated shapes")
@@ -152,9 +151,10 @@ def test_generated_shapes_are_trained_on_in_a_workspace_of_their_own(scanned: Sc
 def test_the_papers_settings_give_a_table(tmp_path: Path) -> None:
     made = prepared_in(tmp_path, count=4)
     sizes = SCANS.replace("batches_per_epoch = 2", "batches_per_epoch = 60")
-    Path(made.config).write_text(f'extends = "paper"\n{sizes}', encoding="utf-8")
+    renderer = 'renderer = "pybullet"\n' if find_spec("pybullet") else ""
+    Path(made.config).write_text(f'extends = "paper"\n{sizes}{renderer}', encoding="utf-8")
     config = load_config(made.config)
-    assert config.scans.release and config.ancsh.release and config.scans.renderer == "pybullet"
+    assert config.scans.release and config.ancsh.release
     made.render().run(Recorder())
     made.train().run(Recorder())
     EvaluateTrained(made.workspace, FAMILY, device="cpu").run(Recorder())

@@ -76,8 +76,8 @@ def predict(
     a folder with joints.json (every joint with its score and alternatives) and a URDF with its meshes. Shapes that cannot be
     read are skipped; the exit code is then 1.
 
-    A scan is an .npz or .npy file with points or depths, a .ply file, or a depth image (.png, .tif), of one object of a
-    --category that kinmo train ancsh was run for (docs/guide/scans.md). The result has parts, boxes, poses, joints and joint
+    A scan shows one object of a --category that kinmo train ancsh was run for (docs/guide/scans.md). It is an .npz or .npy file
+    with points or depths, a .ply file, or a depth image (.png, .tif). The result has parts, boxes, poses, joints and joint
     states in the camera's frame, the part of every point, and a picture. With --category, a folder is a folder of scans.
 
     For example:

@@ -23,9 +23,9 @@ def pseudo_label(
     """Predict joints for the unlabelled prepared shapes, and keep the certain ones as labels.
 
     A shape is accepted if all its joints score above the threshold and its other parts surely rest. It is written to
-    pseudo_labels/METHOD/ID/ in PartNet-Mobility's layout. Copies of labelled shapes are skipped. acceptance.json beside the
-    labels counts shapes and joints by score, category and type, and gives the reasons of refusals. kinmo train all and kinmo
-    table use the thresholds of the configuration (refinement.chance, and refinement.threshold for paper).
+    pseudo_labels/METHOD/ID/ in PartNet-Mobility's layout. Copies of labelled shapes are skipped. The file acceptance.json
+    beside the labels counts shapes and joints by score, category and type, with the reasons of refusals. kinmo train all and
+    kinmo table use the thresholds of the configuration (refinement.chance, and refinement.threshold for paper).
 
     For example:
 

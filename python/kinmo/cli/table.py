@@ -42,11 +42,14 @@ def table(
 ) -> None:
     """Train and evaluate everything for one of the paper's tables of partial scans.
 
-    2 compares networks trained on labelled shapes alone (supervised), with self-training, with pseudo labels of unlabelled
-    shapes (semi-weakly; by kinmo's method and by the paper's), and with oracle labels. 3 uses fewer labels: 100, 80, 50 and
-    30 %. 4 uses generated shapes, in DSG-Net's layout, as the unlabelled ones. sensors, not in the paper, measures the cost of
-    a noisy depth camera, and the gain of training for it. Rows are done one after the other and kept: the same command
-    continues an interrupted run.
+    The tables are:
+
+        2         supervised, self-training, semi-weakly supervised (by both methods), and oracle labels
+        3         fewer labels: 100, 80, 50 and 30 %
+        4         generated shapes, in DSG-Net's layout, as the unlabelled ones
+        sensors   cost of a noisy depth camera, and gain of training for it (not in the paper)
+
+    Rows are done one after the other and kept. The same command continues an interrupted run.
 
     For example:
 

@@ -48,18 +48,21 @@ def train(
 ) -> None:
     """Train networks.
 
-    all trains motion on the labelled shapes of all categories, pseudo-labels the others, scans both, and trains ancsh for
-    --category, or for the paper's five categories.
+    The networks are:
 
-    motion trains gnn and axis. gnn predicts the motion between neighbouring parts, with ten and with five types. axis trains
-    the choice among candidate axes: the paper's axis selection and kinmo's ranking. contact-edges trains a gnn on edges between
-    touching parts only, for kinmo eval --ablations. With --category, these networks serve that category alone, beside those of
-    all. ancsh finds parts, poses and joints in one depth scan.
+        all             motion for all categories, then pseudo labels, scans, and ancsh
+        motion          gnn and axis
+        gnn             motion between neighbouring parts, with ten and with five types
+        axis            choice among candidate axes: the paper's, and kinmo's ranking
+        ancsh           parts, poses and joints in a depth scan
+        contact-edges   gnn on edges between touching parts, for kinmo eval --ablations
 
-    The best epoch is chosen on validation shapes; ancsh keeps its last epoch, and --from the mean of old and new weights. Test
-    shapes are never used. An interrupted training continues from its last epoch.
+    With --category, networks for shapes serve that category alone, beside those for all. With all, --category chooses the scans
+    (by default the paper's five categories).
 
-    With few annotated shapes, train on many procedural ones in another workspace, and continue from there with --from.
+    Validation shapes choose the best epoch; ancsh keeps its last one. Test shapes are never used. An interrupted training
+    continues from its last epoch. With few annotated shapes, train on many procedural ones in another workspace, and continue
+    from there with --from. The result is then the mean of old and new weights.
 
     For example:
 

@@ -26,13 +26,14 @@ from kinmo.learning.weights import processes_on
 OUTPUTS = (WEIGHTS, HEADER, METRICS, METRICS_TABLE)
 """Files of a finished training."""
 MALLOC_VARIABLE = "GLIBC_TUNABLES"
+"""Environment variable with the settings of glibc's malloc."""
 MALLOC_SETTINGS = "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=1073741824"
 """glibc's malloc uses large pages, and keeps up to 1 GiB of freed blocks below 32 MiB for the next step."""
 
 
 @dataclass(frozen=True)
 class Workload:
-    """Amount of training: every epoch of the `schedule` goes through `units`, which take `seconds_per_unit` each."""
+    """Amount of training: each epoch of the `schedule` processes `units` that take `seconds_per_unit` each."""
 
     schedule: TrainingConfig
     units: int
@@ -157,7 +158,7 @@ class NetworkTrainer:
 
 @contextmanager
 def _memory_kept() -> Iterator[None]:
-    """Let processes that start in the block keep freed memory: asking the system anew costs a tenth of their time.
+    """Let processes that start in the block keep freed memory. Otherwise they spend a tenth of their time on getting it anew.
 
     glibc reads the variable when a process starts; other C libraries ignore it.
     """
@@ -189,7 +190,7 @@ def training_outcome(workspace: Workspace, tasks: Sequence[TrainingTask]) -> Out
     """Outcome of finished trainings: epochs, the epoch that was kept, and its validation error, by network."""
     results = {task.name: _result(task.folder) for task in tasks}
     lines = [
-        f"{name}: {result['epochs']} epochs, kept {result['kept']}, error {result['error']:.4f}"
+        f"{name}: {counted(result['epochs'], 'epoch')}, kept epoch {result['kept']}, validation error {result['error']:.4f}"
         for name, result in results.items()
     ]
     return Outcome(workspace.models, results, "\n".join(lines))

@@ -1,4 +1,4 @@
-"""Anybody's URDF files against annotated shapes."""
+"""The stage `eval FILES --truth FOLDER`: it scores URDF files of any tool against annotated shapes."""
 
 from __future__ import annotations
 
@@ -19,11 +19,20 @@ from kinmo.io.readers import PARTNET_MOBILITY
 URDF_FILES = "urdf_files"
 """Folder of the scores of URDF files, below the evaluations of the workspace."""
 SECONDS_PER_SHAPE = 1.0
+"""Estimate, for one CPU core."""
 
 
 @dataclass(frozen=True)
 class ScoreUrdfs:
-    """Score the URDFs below `predictions` for the annotated shapes below `truth`, all or those of one category."""
+    """Score URDF files against annotated shapes.
+
+    Attributes:
+        predictions: Folder with the URDF files, each named after a shape or in a folder named after it.
+        truth: Folder with the annotated shapes, in PartNet-Mobility's layout.
+        workspace: The workspace that gets the scores.
+        category: Only shapes of this category; None for all.
+        workers: Number of processes.
+    """
 
     predictions: Path
     truth: Path
@@ -32,11 +41,13 @@ class ScoreUrdfs:
     workers: int = 1
 
     def plan(self) -> Plan:
+        """Count the annotated shapes."""
         count = sum(found.layout == PARTNET_MOBILITY for found in discover(self.truth))
         step = f"score the URDFs below {self.predictions} for up to {counted(count, 'shape')} below {self.truth}"
         return Plan((step,), count * SECONDS_PER_SHAPE / self.workers)
 
     def run(self, observer: Observer) -> Outcome:
+        """Score the files, and write the tables."""
         with self.workspace.locked():
             return self._run(observer)
 
@@ -49,7 +60,7 @@ class ScoreUrdfs:
             progress=lambda done, total: observer.progress("scoring URDFs", done, total),
         )
         for reason in report.unreadable.values():
-            observer.problem(f"left out: {reason}")
+            observer.problem(f"skipped: {reason}")
         for scored in report.objects:
             if scored.reason:
                 observer.problem(f"failed: {scored.id}: {scored.reason}")
@@ -63,7 +74,7 @@ class ScoreUrdfs:
         return Outcome(folder, summary, as_text(table), failed=0 if report.objects else len(report.unreadable))
 
     def _ids(self, observer: Observer) -> list[str] | None:
-        """The shapes of the category, None for all. Raises InputError if there is none."""
+        """Ids of the shapes of the category; None for all. Raises InputError if there is none."""
         if self.category is None:
             return None
         categories: dict[str, str] = {}
@@ -72,7 +83,7 @@ class ScoreUrdfs:
                 try:
                     categories[found.id] = found.read().category
                 except InputError as error:
-                    observer.problem(f"left out: {error}")
+                    observer.problem(f"skipped: {error}")
         ids = [name for name, category in categories.items() if same_category(category, self.category)]
         if not ids:
             known = sorted(set(categories.values()))

@@ -15,7 +15,14 @@ from kinmo.view.training_curves import COLOURS
 
 @dataclass(frozen=True)
 class Table:
-    """A table of text. The first column names the row; lines after the first in a cell are small; `note` stands below."""
+    """A table of text.
+
+    Attributes:
+        caption: Title of the table.
+        header: Titles of the columns.
+        rows: Cells of each row; the first one names the row. Lines after the first in a cell are small.
+        note: Text below the table.
+    """
 
     caption: str
     header: Sequence[str]

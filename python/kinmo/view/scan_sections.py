@@ -38,9 +38,9 @@ def table_sections(workspace: Workspace) -> Iterator[Section]:
 
 
 def picture_sections(workspace: Workspace) -> Iterator[Section]:
-    """For each category the same scans by the networks of every setting, then hits and failures of one of them.
+    """Pictures of each category: the same scans by the networks of every setting, then hits and failures of one setting.
 
-    Networks whose scores are outdated are left out.
+    Networks with outdated scores are skipped.
     """
     scored = [scores for run in trained_runs(workspace) if (scores := ScanScores(workspace, run)).current_inputs()]
     scored.sort(key=lambda scores: SETTINGS.index(scores.run.setting))

@@ -7,22 +7,29 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 WIDTH = 340
+"""Width of a chart. All lengths are in units of the SVG."""
 PLOT = 136
-"""Height of what the axes enclose."""
+"""Height of the area between the axes."""
 LETTER, GAP, ROW = 5.4, 12, 13
-"""Of the key: about the width of a letter, the space between two names, the height of a row."""
+"""Width of a letter in the key (roughly), space between two names, and height of a row."""
 LEFT, RIGHT, TITLE, BOTTOM = 46, 14, 15, 28
-
+"""Margins around the area between the axes; the key stands between it and the title."""
 COLOURS = 10
-"""Of series; the page says which."""
+"""Number of colours of lines; the page defines them."""
 
 Points = Sequence[tuple[float, float]]
 
 
 def line_chart(title: str, series: Mapping[str, Points], x_label: str) -> str:
-    """A chart of `series` (name -> points (x, y)), all on one pair of linear axes.
+    """Draw lines on one pair of linear axes.
 
-    Points that are not finite are left out; a series without points too. Empty if nothing is left to draw.
+    Args:
+        title: Title of the chart.
+        series: Points (x, y) by name of the line. Points that are not finite are skipped.
+        x_label: Label of the horizontal axis.
+
+    Returns:
+        An SVG; empty if no series has a point.
     """
     drawn = {name: [(x, y) for x, y in points if math.isfinite(x) and math.isfinite(y)] for name, points in series.items()}
     drawn = {name: points for name, points in drawn.items() if points}
@@ -58,7 +65,7 @@ def line_chart(title: str, series: Mapping[str, Points], x_label: str) -> str:
 
 
 def _key(names: Sequence[str]) -> list[tuple[float, int]]:
-    """Where the names of the series stand: x, and y below the title; a name that would not fit begins another row."""
+    """Positions of the names in the key: x, and y below the title. A name that does not fit begins another row."""
     places = []
     x, y = float(LEFT), ROW
     for name in names:
@@ -70,7 +77,7 @@ def _key(names: Sequence[str]) -> list[tuple[float, int]]:
 
 
 def _ticks(low: float, high: float, about: int = 4) -> list[float]:
-    """Round numbers, evenly spaced, that cover `low`..`high`; at least two."""
+    """Evenly spaced round numbers that cover the range from `low` to `high`, at least two."""
     if high - low < 1e-6 * max(abs(low), abs(high)) or high == low:
         high = low + (0.5 * abs(low) or 1.0)
     raw = (high - low) / about

@@ -268,7 +268,7 @@ def test_no_readable_truth_is_a_failure_of_the_command(tmp_path):
         (truth / name / "result.json").write_text("[")
     listener = Recorder()
     assert ScoreUrdfs(predictions, truth, Workspace(tmp_path / "w")).run(listener).failed == 4
-    assert sum(note.startswith("left out: ") for note in listener.notes) == 4
+    assert sum(note.startswith("skipped: ") for note in listener.notes) == 4
 
 
 def test_wrong_folders_and_ids_raise_input_errors(tmp_path):

@@ -119,7 +119,7 @@ def example_from_data(data: Mapping[str, Any]) -> Example:
 
 
 def spread_over_categories(examples: Iterable[Example], count: int) -> list[Example]:
-    """At most `count` examples of as many categories as possible: the first of each, then the second of each, and so on."""
+    """Choose at most `count` examples: the first of each category, then the second of each, and so on."""
     turn: dict[str, int] = {}
     ranked = []
     for example in examples:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
@@ -24,6 +24,8 @@ from kinmo.scans.rendering.labelled_frames import scan_object
 VARIED_ROLES: tuple[Role, ...] = ("train", "oracle", "pseudo")
 """Roles whose objects are scanned in variants too. Tests must not see variants."""
 EVALUATED_ROLES: tuple[Role, ...] = ("validation", "test")
+SEED_NAMES: Mapping[Role, str] = {"oracle": "hidden"}
+"""Names of roles in seeds, if they have others there: with another name all random numbers would change."""
 OPENING_STREAM, VARIANT_STREAM = 10, 11
 """Streams of random numbers; `labelled_frames` draws others from the same seed."""
 
@@ -99,7 +101,7 @@ class ObjectRenderer:
             return str(error)
         results: list[NotScanned | None] = []
         for job in jobs:
-            seed = zlib.crc32(f"{job.found.id} {job.role} {self.seed}".encode()) + job.variant
+            seed = zlib.crc32(f"{job.found.id} {SEED_NAMES.get(job.role, job.role)} {self.seed}".encode()) + job.variant
             try:
                 target = single_part_object(shape) if job.role == "unlabelled" else self._articulated(shape, job, seed)
             except ValueError as error:
