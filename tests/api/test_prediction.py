@@ -12,7 +12,7 @@ import pytest
 from trained_workspace import METHODS, Recorder, Trained
 
 import kinmo
-from kinmo.core.frames import z_up_rotation
+from kinmo.core.frames import y_up_rotation, z_up_rotation
 from kinmo.core.kinematics import forward, joint_motion
 from kinmo.core.names import unique_names
 from kinmo.io.readers import read_partnet_mobility
@@ -175,13 +175,18 @@ def test_wrong_options_of_an_export_are_named(
     assert not (tmp_path / "cabinet").exists()
 
 
-def test_the_model_is_named_after_the_folder_or_as_asked(
+def test_the_model_is_named_after_the_folder_or_as_asked(prediction: kinmo.Prediction, tmp_path: Path) -> None:
+    assert prediction.export(tmp_path / "cabinet")["urdf"].name == "cabinet.urdf"
+    assert prediction.export(tmp_path / "other", name="model")["urdf"].name == "model.urdf"
+
+
+def test_the_current_folder_cannot_be_replaced(
     prediction: kinmo.Prediction, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert prediction.export(tmp_path / "cabinet", name="model")["urdf"].name == "model.urdf"
-    (tmp_path / "here").mkdir()
-    monkeypatch.chdir(tmp_path / "here")
-    assert prediction.export(".")["urdf"].name == "here.urdf"
+    monkeypatch.chdir(tmp_path)
+    for folder in (".", tmp_path):
+        with pytest.raises(kinmo.InputError, match="is the current folder"):
+            prediction.export(folder, overwrite=True)
 
 
 def test_save_writes_joints_json_beside_other_files(prediction: kinmo.Prediction, tmp_path: Path) -> None:
@@ -207,7 +212,7 @@ def test_the_api_predicts_what_the_command_line_predicts(method: str, trained: T
 
 
 def test_a_prediction_does_not_depend_on_the_frame(trained: Trained, prediction: kinmo.Prediction) -> None:
-    rotation = z_up_rotation(np.asarray(prediction.shape.up, float))
+    rotation = y_up_rotation(np.array([0.0, 0.0, 1.0])).T  # to z up, and the front at -y
     again = kinmo.Predictor(trained.workspace.path, device="cpu").predict(prediction.shape.rotated(rotation))
     assert [joint.name for joint in again.joints] == [joint.name for joint in prediction.joints]
     for one, other in zip(again.joints, prediction.joints, strict=True):

@@ -18,6 +18,7 @@ from kinmo.dataset.shape_dataset import fingerprint, open_dataset
 from kinmo.dataset.splits import Split
 from kinmo.dataset.store import IndexEntry
 from kinmo.dataset.workspace import Workspace
+from kinmo.experiments.scan_tables.category_rows import current_scores
 from kinmo.experiments.scan_tables.evaluate_trained import EvaluateTrained
 from kinmo.experiments.scan_tables.make_table import MakeTable
 from kinmo.experiments.scan_tables.table_rows import SHARES, TABLES
@@ -27,7 +28,6 @@ from kinmo.io.readers import DSG_NET
 from kinmo.learning.model_folder import WEIGHTS, networks_digest
 from kinmo.pipeline.scans.evaluate_scans import EvaluateScans
 from kinmo.pipeline.scans.scan_dataset import open_scan_dataset
-from kinmo.pipeline.scans.train_scans import TrainScans
 from kinmo.pipeline.train_all import TrainAll
 from kinmo.scans.files.scan_file import count_objects, open_scans, write_scans
 from kinmo.scans.rendering.labelled_frames import scan_object
@@ -65,7 +65,9 @@ def test_all_networks_are_tested_on_the_scans_of_both_sensors(scanned: Scanned, 
     assert all(inputs)
     assert len({str(own) for own in inputs}) == len(rows)
     assert not (noisy.path / "pseudo_labels").exists(), "both sensors have the same pseudo labels"
-    pseudo = [{path.name for path in (place.scans / CATEGORY / "pseudo-kinmo").iterdir()} for place in (root, noisy)]
+    pseudo = [
+        {path.name for path in (place.scans / CATEGORY / "pseudo-kinmo").glob("*.safetensors")} for place in (root, noisy)
+    ]
     assert pseudo[0] == pseudo[1] != set()
     assert "table-sensors" in EvaluateTrained(root, FAMILY, device="cpu").run(Recorder()).data
     ideal = open_scans(next(made.scans("test")))
@@ -75,7 +77,7 @@ def test_all_networks_are_tested_on_the_scans_of_both_sensors(scanned: Scanned, 
     for path in made.scans("train"):  # as if other joints had been asked for
         provenance, target = open_scans(path).provenance, cupboard_object()
         write_scans(path, target, scan_object(target, ScansConfig(states=1, views=4, size=64, points=64), 0), provenance)
-    assert not any(row.scores(root, CATEGORY, 0).current_inputs() for row in rows)
+    assert set(current_scores(root, "sensors", CATEGORY, [0])[0].values()) == {None}
 
 
 def test_networks_learn_from_pseudo_labels_and_oracle_labels_of_the_same_objects(scanned: Scanned, tmp_path: Path) -> None:
@@ -83,16 +85,15 @@ def test_networks_learn_from_pseudo_labels_and_oracle_labels_of_the_same_objects
     made = sure_of_hinges(replace(scanned, workspace=Workspace(tmp_path / "workspace")), tmp_path)
     stage = MakeTable("2", made.workspace, made.config, ("kinmo",), FAMILY, 1, **CPU)  # type: ignore[arg-type]
     outcome = stage.run(Recorder())
-    assert outcome.failed == 0
+    assert outcome.failed == 1, "self-training: after such a short training, networks are sure of no scan"
     assert stage.plan().steps == ()
     trained_on = {row[0]: row[1] for row in outcome.data[CATEGORY]["means"]["rows"]}
     labelled, unlabelled = len(training_shapes(made.workspace)), len(open_dataset(made.workspace).unlabelled)
     assert trained_on["supervised"] == str(labelled)
     assert trained_on["semi-weakly"] == trained_on["oracle labels"] == f"{labelled} + {unlabelled}"
     rows = {row.title: row for row in TABLES["2"].rows}
-    titles = ("supervised", "self-training", "semi-weakly", "oracle labels")
-    trained = [rows[title].run(CATEGORY, 0).weights(made.workspace) for title in titles]
-    assert len({networks_digest(paths) for paths in trained if paths is not None}) == 4, "each has learned from other labels"
+    trained = [rows[title].run(CATEGORY, 0).weights(made.workspace) for title in ("supervised", "semi-weakly", "oracle labels")]
+    assert len({networks_digest(paths) for paths in trained if paths is not None}) == 3, "each has learned from other labels"
     whole, observer = TrainAll(made.workspace, made.config, FAMILY, **CPU), Recorder()  # type: ignore[arg-type]
     assert f"ancsh ({CATEGORY}, semi-weakly, seed 0)" in whole.run(observer).data
     assert f"ancsh ({CATEGORY}, semi-weakly, seed 0): already trained" in observer.notes, "on the same pseudo labels"
@@ -120,12 +121,15 @@ def test_each_share_of_the_labels_has_motion_networks_of_its_own(scanned: Scanne
 def test_networks_with_fewer_labels_are_tested_on_the_same_scans(scanned: Scanned, tmp_path: Path) -> None:
     made = scanned.copied(tmp_path)
     part = Scanned(Variant(0.3).workspace(made.workspace), made.config)
-    part.render(extra=()).run(Recorder())
+    part.render(extra=("oracle",)).run(Recorder())
     whole, fewer = (open_scan_dataset(own.workspace, CATEGORY) for own in (made, part))
     assert fewer.structure == whole.structure
     assert [file.id for file in fewer.files["test"]] == [file.id for file in whole.files["test"]]
-    ids = [{file.id for file in dataset.files["train"]} for dataset in (whole, fewer)]
-    assert ids[1] < ids[0]
+    (train, oracle), (fewer_train, more_oracle) = (
+        ({file.id for file in dataset.files[role]} for role in ("train", "oracle")) for dataset in (whole, fewer)
+    )
+    assert set() < fewer_train < train
+    assert more_oracle == oracle | (train - fewer_train)
     row = next(row for row in TABLES["3"].rows if row.variant == Variant(0.3))
     tests = row.scores(made.workspace, CATEGORY, 0).files()
     assert [file.path for file in tests] == [file.path for file in whole.files["test"]]
@@ -137,15 +141,16 @@ def test_generated_shapes_are_trained_on_in_a_workspace_of_their_own(scanned: Sc
     part = Scanned(row.variant.workspace(made.workspace), made.config)
     assert part.workspace.pseudo_labels == made.workspace.pseudo_labels
     part.render().run(Recorder())
-    TrainScans(part.workspace, made.config, FAMILY, "semi-weakly", **CPU).run(Recorder())  # type: ignore[arg-type]
-    made.train().run(Recorder())
+    part.train("semi-weakly").run(Recorder())
     EvaluateScans(row.scores(made.workspace, CATEGORY, 0), "cpu").run(Recorder())
     found = WrittenTables(made.workspace, "4").write({CATEGORY: [0]})
     (shown,) = (line for line in found.data[CATEGORY]["means"]["rows"] if line[0] == "generated shapes")
     labelled = count_objects(open_scan_dataset(made.workspace, CATEGORY).files["train"])
     assert shown[1] == f"{labelled} + {len(labels)}"
     text = (found.path / CATEGORY / "means.md").read_text(encoding="utf-8")
-    assert "the authors' came from DSG-Net" in " ".join(text.split())
+    text = " ".join(text.split())
+    assert "the authors' came from DSG-Net" in text
+    assert f"Of {len(labels)} objects that pseudo labels give these joints, {len(labels)} truly have them" in text
 
 
 def test_the_papers_settings_give_a_table(tmp_path: Path) -> None:

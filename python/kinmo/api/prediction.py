@@ -157,14 +157,17 @@ class Prediction:
             Path of the main file of each format.
 
         Raises:
-            InputError: There is no such format, the folder has files in it, or `metres_per_unit` is not positive.
+            InputError: There is no such format, the folder has files in it or is the current one, or `metres_per_unit` is not
+                positive.
         """
         folder = Path(folder)
+        if folder.resolve() == Path.cwd():
+            raise InputError(folder, "is the current folder, which cannot be replaced: name another one")
         if not overwrite and folder.is_dir() and any(folder.iterdir()):
             raise InputError(folder, "has files in it: name another folder, or pass overwrite=True to replace all of them")
         if not 0.0 < metres_per_unit < math.inf:
             raise InputError("metres_per_unit", f"expected a positive number, got {metres_per_unit}")
-        options = ExportOptions(name or folder.absolute().name, metres_per_unit, provenance=self.provenance)
+        options = ExportOptions(name or folder.name, metres_per_unit, provenance=self.provenance)
         return export(self.shape, self.estimate, folder, formats, options)
 
     def save(self, folder: Path | str) -> Path:

@@ -153,6 +153,7 @@ class Report:
 
     def _pictures(self, store: PreparedStore, observer: Observer) -> Iterator[Section]:
         examples = self._examples()
+        key = KEY
         for row, beside in PICTURED_TOGETHER:
             predicted = [example for example in examples if row in example.predictions]
             for title, wanted in ((f"{row}: right", True), (f"{row}: wrong", False)):
@@ -162,8 +163,9 @@ class Report:
                 if pictures:
                     legend = [("truth", "true axis"), ("refined", row), *([("network", beside)] if beside else [])]
                     counts = f"{len(own)} of {len(predicted)} true joints of the test shapes, parts given"
-                    text = f"{counts}; {counted(len(chosen), 'picture')}, by category in turn. {KEY}"
+                    text = f"{counts}; {counted(len(pictures), 'picture')}, by category in turn. {key}".rstrip()
                     yield Section(title, text, pictures=pictures, legend=legend)
+                    key = ""
 
     def _examples(self) -> list[Example]:
         evaluated = EvaluationFolder(self.workspace)

@@ -115,9 +115,17 @@ def _own_pid(number: int) -> int:
 
 def test_workers_that_cannot_start_end_the_run(tmp_path: Path) -> None:
     script = tmp_path / "unguarded.py"
-    script.write_text("from kinmo.dataset.jobs import LocalRunner\nlist(LocalRunner(2).run(abs, range(9)))\n")
+    body = "def job(number):\n    return number\nlist(LocalRunner(2).run(job, range(9)))\n"
+    script.write_text(f"from kinmo.dataset.jobs import LocalRunner\n{body}")
     owner = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60)
     assert owner.stderr.rstrip().endswith("ChildProcessError: No worker could start. See its message above.")
+
+
+def test_workers_do_not_run_a_script_that_they_do_not_need(tmp_path: Path) -> None:
+    script = tmp_path / "unguarded.py"
+    script.write_text("from kinmo.dataset.jobs import LocalRunner\nprint([r for _, r in LocalRunner(2).run(abs, [-1, -1])])\n")
+    owner = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60, check=True)
+    assert owner.stdout == "[1, 1]\n" and not owner.stderr
 
 
 def test_workers_end_with_an_owner_that_is_killed(tmp_path: Path) -> None:

@@ -28,6 +28,19 @@ def test_a_category_without_scans_is_named_with_those_that_there_are(scanned: Sc
         open_scan_dataset(scanned.workspace, "Lapptop")
 
 
+def test_without_validation_objects_some_training_objects_take_their_place(scanned: Scanned, tmp_path: Path) -> None:
+    made = scanned.copied(tmp_path)
+    made.remove_scans("validation")
+    files = open_scan_dataset(made.workspace, CATEGORY).files
+    (chosen,) = {file.id for file in files["validation"]}
+    assert chosen not in {file.id for role in ("train", "oracle", "unlabelled") for file in files[role]}
+    for path in made.scans("train"):
+        if not path.name.startswith(f"{chosen}-"):
+            path.unlink()
+    files = open_scan_dataset(made.workspace, CATEGORY).files
+    assert {file.id for file in files["train"]} == {file.id for file in files["validation"]} == {chosen}, "there are no others"
+
+
 def test_generated_shapes_are_trained_on_only_without_other_pseudo_labels(scanned: Scanned, tmp_path: Path) -> None:
     made, labels = with_pseudo_labels(scanned, tmp_path, DSG_NET)
     made.render().run(Recorder())

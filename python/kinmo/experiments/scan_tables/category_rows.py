@@ -6,11 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from kinmo.core.errors import InputError
 from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.scan_records import read_scores
 from kinmo.experiments.scan_tables.scan_table_layout import NOT_RUN, OUTDATED, ScanRow
 from kinmo.experiments.scan_tables.table_rows import TABLES, TableRow, printed_row
 from kinmo.learning.model_folder import trained_on
+from kinmo.pipeline.scans.scan_dataset import open_scan_dataset
 from kinmo.pipeline.scans.scan_scores import Protocol, ScanScores
 
 InputsBySeed = Mapping[int, Mapping[str, dict[str, Any] | None]]
@@ -18,9 +20,25 @@ InputsBySeed = Mapping[int, Mapping[str, dict[str, Any] | None]]
 
 
 def current_scores(workspace: Workspace, name: str, category: str, seeds: Sequence[int]) -> InputsBySeed:
-    """Inputs of all up-to-date scores of a table for a category."""
-    rows = TABLES[name].rows
-    return {seed: {row.title: row.scores(workspace, category, seed).current_inputs() for row in rows} for seed in seeds}
+    """Inputs of all up-to-date scores of a table for a category.
+
+    Scores of objects with another structure than those in the original workspace cannot stand beside the others: they count as
+    outdated.
+    """
+    structure = _structure(workspace, category)
+
+    def inputs(row: TableRow, seed: int) -> dict[str, Any] | None:
+        found = row.scores(workspace, category, seed).current_inputs()
+        return found if found is not None and found["structure"] == structure else None
+
+    return {seed: {row.title: inputs(row, seed) for row in TABLES[name].rows} for seed in seeds}
+
+
+def _structure(workspace: Workspace, category: str) -> str | None:
+    try:
+        return str(open_scan_dataset(workspace, category).structure)
+    except InputError:
+        return None
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -97,8 +98,8 @@ class SelfLabelScans:
                 path.unlink()
         frames = {file.path: file.frames for file in files}
         labeller = SelfLabeller(cache.folder, weights, networks_digest(weights), self.device, self.confidence, self.seed)
-        with timed(self.workspace, self._stage(dataset)) as watch:
-            labelled = network_runner(self.workers, self.device).run(labeller, pending)
+        labelling = closing(network_runner(self.workers, self.device).run(labeller, pending))
+        with timed(self.workspace, self._stage(dataset)) as watch, labelling as labelled:
             for done, (job, is_sure) in enumerate(labelled, start=1 + len(kept)):
                 if isinstance(is_sure, Failure):
                     raise InputError(job.scans, f"cannot be labelled: {is_sure.reason}")

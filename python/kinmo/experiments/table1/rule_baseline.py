@@ -1,9 +1,9 @@
-"""A rule without learning, as a baseline: joints from size, contact and position.
+"""Baseline without learning: a rule that gives joints by size, contact and position.
 
 - The largest body stands still.
 - A small body is pressed: it slides along the direction in which its contact with the rest is thinnest.
-- A panel turns about one of its edges. If its contact lies along an edge, it is that one. A closed door touches all around: of
-  its more upright pair of edges, it turns about the one farther from the middle of the object.
+- A panel turns about the edge along which its contact lies. A closed door touches all around. It turns about one of its two
+  more upright edges, the one farther from the middle of the object.
 - Every other body slides along the box axis that points most away from the middle of the object, horizontally.
 """
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -145,8 +146,9 @@ class RenderScans:
                     caches.of(folder).forget(COMPLETE)
             failed: list[tuple[RenderJob, str]] = []
             total = count_objects_of(pending)
-            with timed(self.workspace, STAGE) as watch:
-                for done, (own, answer) in enumerate(self._scan(config, jobs, structure, caches), start=1):
+            scanning = closing(self._scan(config, jobs, structure, caches))  # no job outlives the lock
+            with timed(self.workspace, STAGE) as watch, scanning as results:
+                for done, (own, answer) in enumerate(results, start=1):
                     if isinstance(answer, Failure):
                         answer = f"{own[0].found.path}: cannot be scanned: {answer.reason}"
                     if isinstance(answer, str):
@@ -186,7 +188,7 @@ class RenderScans:
 
     def _scan(
         self, config: ScansConfig, jobs: Sequence[RenderJob], structure: Structure | None, caches: ScanCaches
-    ) -> Iterator[tuple[tuple[RenderJob, ...], list[NotScanned | None] | Failure | str]]:
+    ) -> Generator[tuple[tuple[RenderJob, ...], list[NotScanned | None] | Failure | str], None, None]:
         """Scan the pending jobs of one object after another.
 
         Training objects come first: they decide on the structure that others must have. Pseudo-labelled ones come last:

@@ -72,8 +72,12 @@ class ScanScores:
 
     def inputs(self) -> dict[str, Any]:
         """Everything that the scores depend on."""
-        weights = self.run.weights(self.workspace) or ()
-        return {"test": scans_fingerprint(self.files()), "weights": networks_digest(weights)}
+        weights, files = self.run.weights(self.workspace) or (), self.files()
+        return {
+            "structure": str(files[0].structure),
+            "test": scans_fingerprint(files),
+            "weights": networks_digest(weights),
+        }
 
     def current_inputs(self) -> dict[str, Any] | None:
         """Inputs of the scores, if there are any and they are up to date; otherwise None."""
