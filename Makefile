@@ -72,8 +72,8 @@ lint-rust: $(VENV)/bin/python
 	RUSTDOCFLAGS='-D warnings' cargo doc --quiet --locked --workspace --no-deps --document-private-items
 
 lint-python: $(SETUP_STAMP)
-	$(BIN)/ruff check python tests bench
-	$(BIN)/ruff format --check python tests bench
+	$(BIN)/ruff check python tests bench examples
+	$(BIN)/ruff format --check python tests bench examples
 	$(BIN)/mypy
 
 wheel: $(SETUP_STAMP) ## build the wheel into dist/

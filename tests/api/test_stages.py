@@ -64,6 +64,10 @@ def test_networks_choose_their_stage(tmp_path: Path) -> None:
 def test_wrong_networks_are_refused(tmp_path: Path) -> None:
     with pytest.raises(kinmo.InputError, match=r"networks: expected one of all, .*, got gmn \(did you mean gnn\?\)"):
         kinmo.train("gmn", tmp_path)  # type: ignore[arg-type]
+    with pytest.raises(kinmo.InputError, match="method: expected one of kinmo, paper, got magic"):
+        kinmo.train("all", tmp_path, method="magic")
+    with pytest.raises(kinmo.InputError, match=r"setting: expected one of .*, got semi \(did you mean semi-weakly\?\)"):
+        kinmo.train("ancsh", tmp_path, setting="semi")  # type: ignore[arg-type]
     with pytest.raises(kinmo.InputError, match="--from: ancsh cannot start from trained weights"):
         kinmo.train("ancsh", tmp_path, start=tmp_path)
 

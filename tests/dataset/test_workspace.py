@@ -57,7 +57,9 @@ def test_a_workspace_may_share_folders_of_another(tmp_path):
     part = Workspace(tmp_path / "part", prepared=whole.prepared, pseudo_labels=whole.pseudo_labels, journal=whole.journal)
     assert (part.prepared, part.pseudo_labels, part.journal) == (whole.prepared, whole.pseudo_labels, whole.journal)
     assert part.models != whole.models and part.scans != whole.scans
-    assert part != Workspace(part.path, prepared=part.prepared, pseudo_labels=part.pseudo_labels, journal=part.journal, select=list)
+    assert part != Workspace(
+        part.path, prepared=part.prepared, pseudo_labels=part.pseudo_labels, journal=part.journal, select=list
+    )
     assert part != Workspace(tmp_path / "part") and Workspace(str(tmp_path)) == whole
     assert len({whole, Workspace(tmp_path), part}) == 2
 

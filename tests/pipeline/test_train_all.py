@@ -49,7 +49,7 @@ def test_everything_is_trained_once(scanned: Scanned, tmp_path: Path) -> None:
 
     stricter = tmp_path / "stricter.toml"
     text = Path(scanned.config).read_text(encoding="utf-8")
-    stricter.write_text(text.replace("[refinement]\n", "[refinement]\nchance = 0.9\n"), encoding="utf-8")
+    stricter.write_text(f"{text}\n[refinement]\nchance = 0.9\n", encoding="utf-8")
     assert any(step.startswith("label ") for step in replace(stage, config=str(stricter)).plan().steps)
 
     other = replace(stage, method="paper")

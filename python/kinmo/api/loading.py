@@ -23,7 +23,7 @@ def load(path: Path | str, *, up: Up | None = None) -> Shape:
         The shape, in the frame and units of its file. `repairs` lists what the reader had to repair.
 
     Raises:
-        InputError: there is no shape, there are several, or it cannot be read.
+        InputError: There is no shape, there are several, or it cannot be read.
 
     Example:
         >>> shape = kinmo.load("cabinet.glb")

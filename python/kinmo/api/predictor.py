@@ -23,7 +23,7 @@ class Predictor:
         seed: Seed of the sampled points.
 
     Raises:
-        InputError: the networks of the method are missing or cannot be read.
+        InputError: The networks of the method are missing or cannot be read.
 
     Example:
         >>> predictor = kinmo.Predictor("workspace")

@@ -6,7 +6,7 @@ The stages are imported inside the functions: only training, prediction and eval
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -49,7 +49,7 @@ def prepare(
         The outcome; `data` lists included, repaired and skipped shapes.
 
     Raises:
-        InputError: there is no shape.
+        InputError: There is no shape.
 
     Example:
         >>> outcome = kinmo.prepare("partnet/")
@@ -108,7 +108,7 @@ def train(
         The outcome; `data` has epochs and validation error of every network.
 
     Raises:
-        InputError: there are no such networks, there is nothing to train on, or the configuration is wrong.
+        InputError: There are no such networks, there is nothing to train on, or the configuration is wrong.
 
     Example:
         >>> kinmo.train("motion", "workspace")
@@ -141,7 +141,8 @@ def train_stage(
     device: str = "auto",
     workers: int = 0,
 ) -> Stage:
-    """The stage that `train` runs. Raises InputError for unknown networks, and for networks for scans with a `start`."""
+    """The stage that `train` runs. Raises InputError for unknown names, and for networks for scans with a `start`."""
+    _check_name("method", method, METHOD_MODELS)
     place, count = Workspace(workspace), worker_count(workers)
     origin = None if start is None else Workspace(start)
     if networks == "all":
@@ -152,14 +153,14 @@ def train_stage(
         if origin is not None:
             raise InputError("--from", "ancsh cannot start from trained weights; use it with all, motion or axis")
         from kinmo.pipeline.scans.train_scans import TrainScans
+        from kinmo.pipeline.scans.training_settings import SETTINGS
 
+        _check_name("setting", setting, SETTINGS)
         return TrainScans(place, config, category, setting, method, seed, device, count)
     from kinmo.pipeline.motion_models import GROUPS
     from kinmo.pipeline.train_motion import TrainMotion
 
-    if networks not in GROUPS:
-        known = ["all", *GROUPS, "ancsh"]
-        raise InputError("networks", f"expected one of {', '.join(known)}, got {networks}{did_you_mean(networks, known)}")
+    _check_name("networks", networks, ("all", *GROUPS, "ancsh"))
     return TrainMotion(networks, place, config, category, seed, device, count, origin)
 
 
@@ -186,7 +187,7 @@ def evaluate(
         The outcome; `data` has the tables by setting (`parts_given`, `hierarchy_given`) and name.
 
     Raises:
-        InputError: nothing is trained, or there is no test shape.
+        InputError: Nothing is trained, or there is no test shape.
 
     Example:
         >>> outcome = kinmo.evaluate("workspace")
@@ -201,6 +202,11 @@ def evaluate(
 def worker_count(workers: int) -> int:
     """Number of processes; 0 stands for the number of CPU cores that this process may use."""
     return workers or len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(os.cpu_count() or 1))
+
+
+def _check_name(argument: str, name: str, known: Collection[str]) -> None:
+    if name not in known:
+        raise InputError(argument, f"expected one of {', '.join(known)}, got {name}{did_you_mean(name, known)}")
 
 
 def _run(stage: Stage, observer: Observer | None) -> Outcome:

@@ -207,7 +207,7 @@ def weights_to_start_from(start: Workspace, workspace: Workspace, model: str, se
         section: Section of the configuration.
 
     Raises:
-        InputError: the weights are missing, unreadable, of other sizes, or in the workspace of the training itself.
+        InputError: The weights are missing, unreadable, of other sizes, or in the workspace of the training itself.
     """
     if start.path.resolve() == workspace.path.resolve():
         raise InputError("--from", f"{start.path} is the workspace itself: expected another one, whose networks stay")

@@ -25,7 +25,7 @@ def draw_example(store: PreparedStore, example: Example, roles: Mapping[str, str
         An SVG.
 
     Raises:
-        InputError: the shape is gone, is not annotated any more, or cannot be read from its source.
+        InputError: The shape is gone, is not annotated any more, or cannot be read from its source.
     """
     entry = next((e for e in store.entries if (e.id, e.layout) == (example.shape_id, example.layout)), None)
     if entry is None:

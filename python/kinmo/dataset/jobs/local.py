@@ -79,10 +79,10 @@ class _Worker(Generic[Job, Result]):
         context = multiprocessing.get_context("spawn")
         self.pipe, far_end = context.Pipe()
         self.process = context.Process(target=serve, args=(function, far_end), daemon=True)
-        # an interrupt cannot cut short what another thread starts
-        with far_end, _thread_variables(threads), _without_main_script(function):
-            with ThreadPoolExecutor(1, initializer=_block_interrupts) as starter:
-                starter.submit(self.process.start).result()
+        # another thread starts the process, so that an interrupt cannot cut the start short
+        starter = ThreadPoolExecutor(1, initializer=_block_interrupts)
+        with far_end, _thread_variables(threads), _without_main_script(function), starter:
+            starter.submit(self.process.start).result()
 
     def begin(self, job: Job) -> None:
         self.job, self.is_busy, self.may_be_killed = job, True, True  # an interrupt here leaves half a job in the pipe

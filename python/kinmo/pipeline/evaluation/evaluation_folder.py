@@ -100,7 +100,7 @@ def test_shapes(dataset: ShapeDataset) -> tuple[IndexEntry, ...]:
     """Test shapes with at least one joint.
 
     Raises:
-        InputError: there are none.
+        InputError: There are none.
     """
     entries = tuple(entry for entry in dataset.labelled[Split.TEST] if entry.joint_count)
     if not entries:

@@ -53,7 +53,7 @@ def method_rows(models: ModelFolder, methods: Sequence[str], device: str) -> lis
         device: Where networks run.
 
     Raises:
-        InputError: there is no such method, or one of its networks is missing or cannot be read.
+        InputError: There is no such method, or one of its networks is missing or cannot be read.
     """
     for name in methods:
         if name not in METHOD_MODELS:
