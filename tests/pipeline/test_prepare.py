@@ -6,9 +6,11 @@ import json
 import shutil
 from pathlib import Path
 
+import pytest
 from datasets import write_partnet
 from trained_workspace import Recorder, Trained
 
+from kinmo.core.errors import InputError
 from kinmo.dataset.folder_preparation import ORACLE, PreparationReport, ReportEntry
 from kinmo.dataset.shape_dataset import open_dataset
 from kinmo.dataset.store import PreparedStore
@@ -65,6 +67,14 @@ def test_the_stage_fails_if_no_shape_can_be_prepared(tmp_path: Path) -> None:
     recorder = Recorder()
     assert Prepare(tmp_path / "shapes", Workspace(tmp_path / "workspace")).run(recorder).failed == 1
     assert recorder.notes[0].startswith("no shape could be prepared: ")
+
+
+def test_a_folder_without_shapes_is_refused_in_a_dry_run_too(tmp_path: Path) -> None:
+    stage = Prepare(tmp_path, Workspace(tmp_path / "workspace"))
+    for call in (stage.plan, lambda: stage.run(Recorder())):
+        with pytest.raises(InputError, match="expected at least one shape at or below it"):
+            call()
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_summary_counts_repairs_by_kind_and_lists_some_skipped_shapes() -> None:

@@ -109,7 +109,7 @@ def prepare_folder(
             workspace. The index then stays as it was.
     """
     root = Path(root)
-    total = _count(root, workspace)
+    total = count_shapes(root, workspace)
     with workspace.locked():
         store = workspace.prepared
         remove_leftovers(store)
@@ -126,8 +126,19 @@ def prepare_folder(
         return run.report()
 
 
-def _count(root: Path, workspace: Workspace) -> int:
-    """Number of shapes at or below a folder, copies included. Raises InputError if there is none."""
+def count_shapes(root: Path, workspace: Workspace) -> int:
+    """Count the shapes at or below a folder, copies included.
+
+    Args:
+        root: The folder.
+        workspace: The workspace, which is skipped.
+
+    Returns:
+        The number of shapes, at least 1.
+
+    Raises:
+        InputError: There is no folder, or no shape in it.
+    """
     problems: list[InputError] = []
     total = sum(1 for _ in discover(root, skip=(workspace.path,), report=problems.append))
     if not total and (root / WORKSPACE).is_file():

@@ -10,13 +10,12 @@ from pathlib import Path
 
 from kinmo.core.errors import InputError
 from kinmo.core.wording import counted, printable_path
-from kinmo.dataset.folder_preparation import ORACLE, PreparationReport, prepare_folder
+from kinmo.dataset.folder_preparation import ORACLE, PreparationReport, count_shapes, prepare_folder
 from kinmo.dataset.journal import seconds_per_unit, timed
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.store import PreparedStore
 from kinmo.dataset.workspace import Workspace
 from kinmo.io.atomic_files import write_text_atomically
-from kinmo.io.discover import discover
 
 STAGE = "prepare"
 REPORT = "report.json"
@@ -49,7 +48,7 @@ class Prepare:
 
     def plan(self) -> Plan:
         """Count the shapes; unchanged ones are only checked."""
-        count = sum(1 for _ in discover(self.root, skip=(self.workspace.path,)))
+        count = count_shapes(self.root, self.workspace)
         each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_SHAPE / self.workers)
         step = f"check {counted(count, 'shape')} below {self.root}, and prepare new and changed ones"
         return Plan((step,), count * each)

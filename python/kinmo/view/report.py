@@ -64,6 +64,7 @@ class Report:
 
     def plan(self) -> Plan:
         """The page, with an estimate for its pictures."""
+        PreparedStore(self.workspace.prepared)  # raises if nothing is prepared
         wanted = 2 * len(PICTURED_TOGETHER) * min(MAX_PICTURES, len(self._examples()))
         return Plan((f"write {self._path}",), 1.0 + wanted * SECONDS_PER_PICTURE)
 
