@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import ast
-import re
 import runpy
 import sys
 from pathlib import Path
 
 import pytest
 import trimesh
+from documents import PAGES, ROOT, code_blocks
 from scanned_workspace import FAMILY, Scanned
 from trained_workspace import Trained, contents, tiny_config
 
@@ -17,13 +17,8 @@ import kinmo
 from kinmo.scans.files.scan_file import open_scans
 from kinmo.scans.files.scan_reader import write_points
 
-ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
-BLOCKS = [
-    (path, number, block)
-    for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
-    for number, block in enumerate(re.findall(r"^```python\n(.*?)^```$", path.read_text(encoding="utf-8"), re.M | re.S))
-]
+BLOCKS = [(page, number, block) for page in PAGES for number, block in enumerate(code_blocks(page, "python"))]
 MAX_LINES = 50
 
 

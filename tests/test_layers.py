@@ -29,7 +29,7 @@ LAYERS = (
     ("view",),
     ("cli",),
 )
-"""From top to bottom; "" is the package itself, which offers the public API."""
+"""Layers from top to bottom; "" is the package itself, which offers the public API."""
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 WITHOUT_TORCH = ("core", "config", "io", "features", "dataset", "synth", "view", "cli", "")
 """Packages that must be imported fast."""

@@ -66,7 +66,7 @@ def test_wrong_networks_are_refused(tmp_path: Path) -> None:
         kinmo.train("gmn", tmp_path)  # type: ignore[arg-type]
     with pytest.raises(kinmo.InputError, match="method: expected one of kinmo, paper, got magic"):
         kinmo.train("all", tmp_path, method="magic")
-    with pytest.raises(kinmo.InputError, match="setting: expected one of supervised, .*, got semi$"):
+    with pytest.raises(kinmo.InputError, match=r"setting: expected one of supervised, .*, got semi$"):
         kinmo.train("ancsh", tmp_path, setting="semi")  # type: ignore[arg-type]
     with pytest.raises(kinmo.InputError, match="--from: ancsh cannot start from trained weights"):
         kinmo.train("ancsh", tmp_path, start=tmp_path)

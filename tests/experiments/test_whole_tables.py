@@ -125,9 +125,8 @@ def test_networks_with_fewer_labels_are_tested_on_the_same_scans(scanned: Scanne
     whole, fewer = (open_scan_dataset(own.workspace, CATEGORY) for own in (made, part))
     assert fewer.structure == whole.structure
     assert [file.id for file in fewer.files["test"]] == [file.id for file in whole.files["test"]]
-    (train, oracle), (fewer_train, more_oracle) = (
-        ({file.id for file in dataset.files[role]} for role in ("train", "oracle")) for dataset in (whole, fewer)
-    )
+    train, oracle = ({file.id for file in whole.files[role]} for role in ("train", "oracle"))
+    fewer_train, more_oracle = ({file.id for file in fewer.files[role]} for role in ("train", "oracle"))
     assert set() < fewer_train < train
     assert more_oracle == oracle | (train - fewer_train)
     row = next(row for row in TABLES["3"].rows if row.variant == Variant(0.3))

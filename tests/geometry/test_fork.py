@@ -15,7 +15,7 @@ SECONDS = 60.0
 
 
 def _status_of_child(process: int) -> int:
-    """What a child ended with; one that takes too long is killed."""
+    """Exit status of a child; one that takes too long is killed."""
     deadline = time.monotonic() + SECONDS
     while time.monotonic() < deadline:
         ended, status = os.waitpid(process, os.WNOHANG)

@@ -1,4 +1,4 @@
-"""Which points a PointNet++ groups."""
+"""Groups of points of a PointNet++."""
 
 import numpy as np
 import pytest

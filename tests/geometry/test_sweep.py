@@ -101,7 +101,7 @@ def test_a_door_without_thickness_stops_at_a_wall_that_is_near(angle: float) -> 
 
 
 def twice(solid: trimesh.Trimesh) -> trimesh.Trimesh:
-    """With every face there for either side, as most meshes of PartNet-Mobility have it."""
+    """Mesh with every face there for either side, as in most meshes of PartNet-Mobility."""
     return trimesh.Trimesh(solid.vertices, np.concatenate([solid.faces, solid.faces[:, ::-1]]), process=False)
 
 

@@ -41,7 +41,7 @@ def _triangle_distance(p: F64, q: F64) -> float:
 
 
 def _segment_distance(a: F64, b: F64, c: F64, d: F64) -> float:
-    """By the stationary point of the squared distance where it lies inside, else by the ends."""
+    """Result from the stationary point of the squared distance if it lies inside, else from the ends."""
     u, v, w = b - a, d - c, a - c
     ends = [_to_segment(a, c, d), _to_segment(b, c, d), _to_segment(c, a, b), _to_segment(d, a, b)]
     matrix = np.array([[u @ u, -u @ v], [-u @ v, v @ v]])

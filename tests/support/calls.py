@@ -28,7 +28,7 @@ class Call:
 
 
 def arrays_of(result: object) -> list[NDArray[Any]]:
-    """What a function returned, as arrays."""
+    """Results of a function, as arrays."""
     if isinstance(result, _core.InteractionRegions):
         return [getattr(result, name) for name in ("centroids", "scored", "touching", "offsets", "samples", "weights")]
     return list(result) if isinstance(result, tuple) else [result]
@@ -70,7 +70,7 @@ def _calls() -> dict[str, Call]:
 
 
 def _scan_calls(parts: _core.Meshes) -> dict[str, Call]:
-    """Of what sees and places parts in scans: two objects of two parts each, tied by a joint."""
+    """Calls that see and place parts in scans: two objects of two parts each, tied by a joint."""
     rng = np.random.default_rng(1)
     cloud = rng.uniform(size=(80, 3))
     points: Arrays = {

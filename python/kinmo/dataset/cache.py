@@ -43,7 +43,7 @@ class Result:
     key: str
     data: Any = None
     files: Mapping[str, tuple[int, int, str]] = field(default_factory=dict)
-    """By path relative to the cache's folder: size in bytes, time of change in ns, hash of the contents."""
+    """Size in bytes, time of change in ns and hash of the contents, by path relative to the cache's folder."""
 
 
 class Cache:

@@ -200,7 +200,7 @@ class _Run:
         return is_copy
 
     def copies_instead(self) -> Iterator[ShapeSource]:
-        """For each unreadable shape one differing copy after another; removes the file if no copy can be read."""
+        """One differing copy after another, for each unreadable shape; removes the file if no copy can be read."""
         while self.unread:
             target = self.unread.pop()
             if copies := self.others.get(target):

@@ -14,7 +14,7 @@ from kinmo.dataset.jobs import allow_kill, report
 
 
 class PanicError(BaseException):
-    """As of a Rust core: no Exception."""
+    """An error like that of a Rust core: no Exception."""
 
 
 def square(number: int) -> int:
@@ -82,7 +82,7 @@ def megabytes_or_die(number: int) -> bytes:
 
 
 def die_once(path: Path) -> str:
-    """As a job that had too little memory beside others."""
+    """A job with too little memory beside others."""
     if not path.exists():
         path.touch()
         os.kill(os.getpid(), signal.SIGKILL)

@@ -18,11 +18,11 @@ from kinmo.core.errors import InputError, KinmoError
 from kinmo.dataset.jobs.runner import Failure, Job, Result
 
 ATTEMPTS = 3
-"""So often does a job run whose process or node dies."""
+"""Runs of a job whose process or node dies."""
 JOBS_PER_SLOT = 2
 """Jobs in flight for each one that can run."""
 MESSAGE_SECONDS = 0.5
-"""Between two looks for messages."""
+"""Time between two looks for messages."""
 CONNECT_SECONDS = 10
 
 

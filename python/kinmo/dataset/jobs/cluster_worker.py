@@ -1,4 +1,4 @@
-"""What a Ray worker does with a job."""
+"""Jobs in a Ray worker."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _loaded(function: Any) -> Callable[[Any], Any]:
 
 
 def _allow_kill() -> None:
-    """When Ray cancels the job, the process ends at once: also in a library, where no handler of Python runs."""
+    """End the process at once when Ray cancels the job, also in a library, where no handler of Python runs."""
     signal.signal(signal.SIGINT, lambda number, frame: None)
     _exit_on_signal()
 

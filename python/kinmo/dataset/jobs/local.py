@@ -91,7 +91,7 @@ class _Worker(Generic[Job, Result]):
         self.may_be_killed = False
 
     def receive(self) -> tuple[Kind, Any]:
-        """What the worker sends next; the result `LOST` if it is dead."""
+        """Next message of the worker; the result `LOST` if it is dead."""
         may_be_killed, self.may_be_killed = self.may_be_killed, True  # an interrupt here leaves half a message in the pipe
         kind: Kind
         try:

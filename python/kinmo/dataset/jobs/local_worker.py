@@ -1,4 +1,4 @@
-"""What a worker process of this machine does."""
+"""Worker process of this machine."""
 
 from __future__ import annotations
 

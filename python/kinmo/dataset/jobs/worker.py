@@ -1,4 +1,4 @@
-"""What a job runs in: isolation of its failures, and its connection to the owner of the run."""
+"""Surroundings of a job: isolation of its failures, and its connection to the owner of the run."""
 
 from __future__ import annotations
 
