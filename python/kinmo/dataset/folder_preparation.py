@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -115,10 +116,12 @@ def prepare_folder(
         remove_leftovers(store)
         run = _Run(store, Cache(store), points, seed, _folders(oracle))
         jobs = map(run.job, run.choose(root, workspace))
-        for job, result in runner_for(workers, cluster).run(prepare_file, jobs):
-            run.settle(job, result)
-            run.done += 1
-            on_progress(run.done, total, job.found.id)
+        results = closing(runner_for(workers, cluster).run(prepare_file, jobs))  # no job outlives the lock
+        with results as finished:
+            for job, result in finished:
+                run.settle(job, result)
+                run.done += 1
+                on_progress(run.done, total, job.found.id)
         for found in run.copies_instead():
             job = run.job(found)
             run.settle(job, attempt(prepare_file, job))

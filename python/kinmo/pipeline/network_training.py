@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -117,8 +117,10 @@ class NetworkTrainer:
         if processes > 1:
             pending = sorted(pending, key=lambda task: -task.work.seconds)
         done: set[str] = set()
-        with _memory_kept():
-            for task, answer in LocalRunner(processes, threads=0).run(partial(_fit, self), pending, on_progress):
+        # no job outlives the lock
+        running = closing(LocalRunner(processes, threads=0).run(partial(_fit, self), pending, on_progress))
+        with _memory_kept(), running as finished:
+            for task, answer in finished:
                 if isinstance(answer, Failure):
                     raise ChildProcessError(f"{task.name} could not be trained: {answer.reason}")
                 done.add(task.name)

@@ -6,6 +6,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -149,17 +150,19 @@ class PredictShapes:
             if not _is_current(cache, folder, job.key):
                 jobs.append(job)
         done = len(targets) - len(jobs)
-        for job, answer in network_runner(self.workers, self.device, self.cluster).run(writer, jobs):
-            if isinstance(answer, Failure):
-                answer = f"{printable_path(job.found.path)}: cannot be predicted: {answer.reason}"
-            if isinstance(answer, str):
-                problems[job.folder] = answer
-                observer.problem(f"skipped: {answer}")
-            else:
-                files = [job.folder / name for name in answer]
-                cache.store(job.folder.name, job.key, files, {"source": _source(job.found)})
-            done += 1
-            observer.progress("predicting joints", done, len(targets), job.found.id)
+        results = closing(network_runner(self.workers, self.device, self.cluster).run(writer, jobs))  # no job outlives the lock
+        with results as finished:
+            for job, answer in finished:
+                if isinstance(answer, Failure):
+                    answer = f"{printable_path(job.found.path)}: cannot be predicted: {answer.reason}"
+                if isinstance(answer, str):
+                    problems[job.folder] = answer
+                    observer.problem(f"skipped: {answer}")
+                else:
+                    files = [job.folder / name for name in answer]
+                    cache.store(job.folder.name, job.key, files, {"source": _source(job.found)})
+                done += 1
+                observer.progress("predicting joints", done, len(targets), job.found.id)
         return problems
 
     def _writer(self) -> PredictionWriter:

@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -175,16 +176,20 @@ class PseudoLabel:
         done = total - len(jobs)
         failures: list[str] = []
         with timed(self.workspace, stage_of(self.method)) as watch:
-            for job, decision in network_runner(self.workers, self.device, self.cluster).run(labeller, jobs):
-                if isinstance(decision, Failure):
-                    failures.append(f"{job.entry.source}: cannot be labelled: {decision.reason}")
-                elif isinstance(decision, str):
-                    failures.append(decision)
-                else:
-                    files = [job.folder / LABEL] if decision.is_accepted else []
-                    cache.store(job.folder.name, job.key, files, decision_to_data(decision))
-                done += 1
-                observer.progress("labelling shapes", done, total, job.entry.id)
+            results = closing(
+                network_runner(self.workers, self.device, self.cluster).run(labeller, jobs)
+            )  # no job outlives the lock
+            with results as finished:
+                for job, decision in finished:
+                    if isinstance(decision, Failure):
+                        failures.append(f"{job.entry.source}: cannot be labelled: {decision.reason}")
+                    elif isinstance(decision, str):
+                        failures.append(decision)
+                    else:
+                        files = [job.folder / LABEL] if decision.is_accepted else []
+                        cache.store(job.folder.name, job.key, files, decision_to_data(decision))
+                    done += 1
+                    observer.progress("labelling shapes", done, total, job.entry.id)
             watch.amount, watch.what = len(jobs), f"{counted(len(jobs), 'shape')} by {self.method}"
         if failures:
             others = f", and {len(failures) - 1} more" if len(failures) > 1 else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -153,15 +154,17 @@ class EvaluateShapes:
             else:
                 jobs.append(job)
         scorer = ShapeScorer(dataset.store.folder, tuple(rows), self.baselines)
-        for job, scored in network_runner(self.workers, self.device).run(scorer, jobs):
-            if isinstance(scored, Failure):
-                raise InputError(job.entry.source, f"cannot be evaluated: {scored.reason}")
-            write_text_atomically(job.path, json.dumps(scored, ensure_ascii=False) + "\n")
-            cache.store(job.path.stem, job.key, [job.path])
-            found[job.entry.file] = ShapeScores.from_data(scored)
-            for failure in found[job.entry.file].failures:
-                observer.note(f"failed: {failure}")
-            observer.progress("evaluating shapes", len(found), len(entries), job.entry.id)
+        results = closing(network_runner(self.workers, self.device).run(scorer, jobs))  # no job outlives the lock
+        with results as finished:
+            for job, scored in finished:
+                if isinstance(scored, Failure):
+                    raise InputError(job.entry.source, f"cannot be evaluated: {scored.reason}")
+                write_text_atomically(job.path, json.dumps(scored, ensure_ascii=False) + "\n")
+                cache.store(job.path.stem, job.key, [job.path])
+                found[job.entry.file] = ShapeScores.from_data(scored)
+                for failure in found[job.entry.file].failures:
+                    observer.note(f"failed: {failure}")
+                observer.progress("evaluating shapes", len(found), len(entries), job.entry.id)
         return [found[entry.file] for entry in entries]
 
     def _write(
