@@ -9,6 +9,7 @@ import pytest
 import torch
 from torch import nn
 
+from kinmo.config import SensorConfig
 from kinmo.core.errors import InputError
 from kinmo.learning.weights import load_weights, pick_device, save_weights
 
@@ -32,6 +33,11 @@ def test_saved_weights_load_unchanged(tmp_path: Path) -> None:
 
 def test_weights_have_the_permissions_of_other_files(saved: Path) -> None:
     assert saved.stat().st_mode == saved.with_suffix(".json").stat().st_mode
+
+
+def test_a_configuration_of_another_version_says_to_train_again(saved: Path) -> None:
+    with pytest.raises(InputError, match=r"net\.json: config\.width: unknown key.*train it again"):
+        load_weights(saved, "line").typed_config(SensorConfig)
 
 
 def test_weights_of_other_sizes_are_rejected_and_the_tensor_is_named(saved: Path) -> None:

@@ -38,7 +38,7 @@ Cluster = Annotated[
     str | None,
     Option(
         metavar="ADDRESS",
-        help="Ray cluster that runs the jobs: HOST:PORT, auto, or local (pip install 'kinmo[cluster]').",
+        help="Ray cluster that runs the jobs: HOST:PORT, auto, or local (pip install 'kinmo\\[cluster]').",
         show_default=False,
     ),
 ]

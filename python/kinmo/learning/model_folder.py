@@ -6,15 +6,20 @@ The module does not import torch, so that commands which only look up networks s
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from kinmo.config import Config, load_config
 from kinmo.core.digest import digest
 from kinmo.core.errors import InputError, expecting
 from kinmo.core.typed_tables import from_table
 
+T = TypeVar("T")
+
+OTHER_VERSION = "; if another version of kinmo trained it, train it again"
+"""Remedy at the end of messages about tensors and configurations that do not fit."""
 WEIGHTS = "weights.safetensors"
 """File with the tensors of a network, written when its training is done."""
 HEADER = "weights.json"
@@ -96,7 +101,7 @@ class ModelFolder:
             table = json.loads(path.read_text(encoding="utf-8"))
         except ValueError as error:
             raise InputError(path, f"not JSON ({error}): train again") from None
-        return from_table(Config, table, path)
+        return saved_config(Config, table, path)
 
 
 def networks_digest(weights: tuple[Path, ...]) -> str:
@@ -120,3 +125,21 @@ def trained_on(weights: Path) -> tuple[int, int]:
 def _header(path: Path) -> dict[str, Any]:
     header: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return header
+
+
+def saved_config(kind: type[T], table: Mapping[str, Any], path: Path, prefix: str = "") -> T:
+    """Configuration that an earlier training wrote.
+
+    Args:
+        kind: Dataclass of the configuration.
+        table: The configuration, as plain data.
+        path: File that it comes from, for messages.
+        prefix: Path of the table within the file, for messages.
+
+    Raises:
+        InputError: It is not a configuration of this version of kinmo.
+    """
+    try:
+        return from_table(kind, table, path, prefix)
+    except InputError as error:
+        raise InputError(path, error.problem + OTHER_VERSION, error.field) from None

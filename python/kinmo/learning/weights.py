@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import torch
 from safetensors import SafetensorError
@@ -17,6 +17,9 @@ from torch import Tensor, nn
 from kinmo._core import __version__
 from kinmo.core.errors import InputError
 from kinmo.io.atomic_files import write_bytes_atomically, write_text_atomically
+from kinmo.learning.model_folder import OTHER_VERSION, saved_config
+
+T = TypeVar("T")
 
 SCHEMA = 1
 """Version of the header's format."""
@@ -24,8 +27,6 @@ DEVICES = ("cpu", "cuda", "mps")
 """Kinds of device that kinmo computes on."""
 ACCELERATOR_PROCESSES = 4
 """Number of processes that may share an accelerator; each has its own copy of the networks there."""
-OTHER_VERSION = "; if another version of kinmo trained it, train it again"
-"""Remedy at the end of messages about tensors that do not fit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +46,14 @@ class Weights:
     config: Mapping[str, Any]
     facts: Mapping[str, Any]
     sha256: str
+
+    def typed_config(self, kind: type[T]) -> T:
+        """The configuration as a dataclass.
+
+        Raises:
+            InputError: The configuration is not one of this version of kinmo.
+        """
+        return saved_config(kind, self.config, self.path.with_suffix(".json"), "config.")
 
     def fill(self, module: nn.Module) -> None:
         """Copy the tensors into a module.

@@ -11,7 +11,6 @@ import torch
 
 from kinmo.config import GnnConfig
 from kinmo.core.motion_types import CoarseType, MotionType
-from kinmo.core.typed_tables import from_table
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions
 from kinmo.learning.motion_gnn.gnn_batches import batch_groups, shape_graph, subsampled, used_edges, without_names
@@ -54,7 +53,7 @@ class MotionGnnPredictor:
         """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
-        config = from_table(GnnConfig, loaded.config, weights.with_suffix(".json"), "config.")
+        config = loaded.typed_config(GnnConfig)
         types: TypeSet = "coarse" if loaded.facts.get("types") == "coarse" else "fine"
         network = MotionGnn(config, CLASSES[types])
         loaded.fill(network)

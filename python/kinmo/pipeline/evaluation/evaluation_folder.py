@@ -81,10 +81,11 @@ def workspace_inputs(workspace: Workspace, category: str | None, models: Iterabl
     Raises:
         InputError: There are no test shapes, or a file of the workspace cannot be read.
     """
-    folder = ModelFolder(workspace.models)
+    folder, every = ModelFolder(workspace.models), open_dataset(workspace)
+    own = every if category is None else open_dataset(workspace, category)
     return {
-        "test": fingerprint(test_shapes(open_dataset(workspace, category))),
-        "training": fingerprint(open_dataset(workspace).labelled[Split.TRAIN]),
+        "test": fingerprint(test_shapes(own)),
+        "training": fingerprint(every.labelled[Split.TRAIN]),
         "weights": {model: folder.digest((model,)) for model in models},
         "refinement": to_table(folder.config().refinement),
     }

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from kinmo.config import AncshConfig
 from kinmo.core.errors import InputError
 from kinmo.core.joint import JointKind
-from kinmo.core.typed_tables import from_table
 from kinmo.learning.weights import Weights, load_weights, pick_device
 from kinmo.scans.ancsh.ancsh_network import KIND, AncshNetwork, GlobalOutput, PartNetwork
 from kinmo.scans.ancsh.ancsh_targets import JOINT_RADIUS
@@ -70,14 +69,14 @@ class AncshPredictor:
         """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
-        config, structure = _config_of(loaded), _structure_of(loaded)
+        config, structure = loaded.typed_config(AncshConfig), _structure_of(loaded)
         prior = _prior_of(loaded, structure)
         joints = AncshNetwork(config, structure.part_count, _class_count(loaded, structure))
         loaded.fill(joints)
         own = load_weights(part_weights, KIND)
-        if (_config_of(own).release, _structure_of(own)) != (config.release, structure):
+        if (own.typed_config(AncshConfig).release, _structure_of(own)) != (config.release, structure):
             raise InputError(part_weights, f"is for other objects than {weights}")
-        parts = PartNetwork(_config_of(own), structure.part_count, _class_count(own, structure))
+        parts = PartNetwork(own.typed_config(AncshConfig), structure.part_count, _class_count(own, structure))
         own.fill(parts)
         return cls(joints.to(device).eval(), parts.to(device).eval(), config, structure, prior, device)
 
@@ -204,10 +203,6 @@ def _at_part(values: torch.Tensor, parts: torch.Tensor) -> torch.Tensor:
     """Values [B, n, 3] out of [B, n, K, 3], at `parts` [B, n]."""
     index = parts.clamp(max=values.shape[2] - 1).view(*parts.shape, 1, 1).expand(-1, -1, 1, 3)
     return torch.gather(values, 2, index).squeeze(2)
-
-
-def _config_of(loaded: Weights) -> AncshConfig:
-    return from_table(AncshConfig, loaded.config, loaded.path.with_suffix(".json"), "config.")
 
 
 def _structure_of(loaded: Weights) -> Structure:

@@ -11,7 +11,6 @@ from torch import nn
 
 from kinmo.config import RankingConfig
 from kinmo.core.errors import InputError
-from kinmo.core.typed_tables import from_table
 from kinmo.learning.weights import load_weights, pick_device
 from kinmo.methods.kinmo.ranking.ranking_batches import collate_views
 from kinmo.methods.kinmo.ranking.ranking_network import KIND, mean_log_probabilities, ranking_networks
@@ -54,7 +53,7 @@ class JointRanker:
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
         header = weights.with_suffix(".json")
-        config = from_table(RankingConfig, loaded.config, header, "config.")
+        config = loaded.typed_config(RankingConfig)
         candidate_features, group_features = (loaded.facts.get(name) for name in ("hypothesis_features", "unit_features"))
         if not (isinstance(candidate_features, int) and isinstance(group_features, int)):
             raise InputError(header, "expected numbers hypothesis_features and unit_features: train again", "facts")

@@ -11,7 +11,6 @@ import torch
 from numpy.typing import NDArray
 
 from kinmo.config import AxisConfig
-from kinmo.core.typed_tables import from_table
 from kinmo.features.candidate_joints import CandidateJoints
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.weights import load_weights, pick_device
@@ -53,7 +52,7 @@ class AxisSelector:
         """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
-        config = from_table(AxisConfig, loaded.config, weights.with_suffix(".json"), "config.")
+        config = loaded.typed_config(AxisConfig)
         network = AxisSelectionNetwork(config)
         loaded.fill(network)
         return cls(network, config, device, loaded.sha256)
