@@ -54,9 +54,9 @@ FORK = multiprocessing.get_context("forkserver")
 FORK.set_forkserver_preload(
     [
         "kinmo.cli",
-        "kinmo.view.report",
+        "kinmo.view.html_report",
         "kinmo.pipeline.predict_shapes",
-        "kinmo.pipeline.pseudo_label",
+        "kinmo.pipeline.pseudo_label_shapes",
         "kinmo.experiments.scan_tables.make_table",
     ]
 )

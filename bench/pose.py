@@ -162,7 +162,7 @@ def joint(kind: JointKind, repeats: int) -> Claim:
 
     def ours() -> F64:
         pairs, kinds = np.array([[0, 1]], np.uint32), np.array([kind.code], np.uint8)
-        return _core.tie_poses(
+        return _core.fit_constrained_poses(
             source.reshape(-1, 3), target.reshape(-1, 3), starts, pairs, kinds, direction[None], start, np.full(2, SCALE),
             np.zeros((2, 3)), frames=np.array([0, 2]), threshold=1e3,
         )[0]  # fmt: skip

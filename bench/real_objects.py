@@ -38,7 +38,7 @@ from kinmo.core.joint import Joint
 from kinmo.core.mobility import Mobility
 from kinmo.core.motion_types import motion_type
 from kinmo.core.normalisation import Normalisation
-from kinmo.core.prediction import JointEstimate, ShapeEstimate
+from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.evaluation.hierarchy_given import score_hierarchy_given
 from kinmo.evaluation.joint_records import ShapeScore
 from kinmo.evaluation.parts_given import score_parts_given

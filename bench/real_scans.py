@@ -29,7 +29,7 @@ from kinmo.experiments.scan_tables.make_table import MakeTable
 from kinmo.io.discover import discover
 from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.methods import DEFAULT_METHOD, METHOD_MODELS
-from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.prepare_shapes import Prepare
 
 CATEGORIES = ("laptop", "bucket", "table", "safe", "box")
 METHODS = tuple(METHOD_MODELS)

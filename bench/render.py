@@ -28,8 +28,8 @@ from kinmo.core.mobility import Body, Mobility
 from kinmo.core.shape import Mesh
 from kinmo.scans.canonical.articulated_object import ArticulatedObject
 from kinmo.scans.files.scan_file import ScanProvenance, write_scans
-from kinmo.scans.rendering.camera import Camera, Viewpoints
 from kinmo.scans.rendering.labelled_frames import FAR, NEAR, scan_object
+from kinmo.scans.rendering.pinhole_camera import Camera, Viewpoints
 from kinmo.scans.rendering.renderers import NO_PART, PybulletRenderer, RasterRenderer
 
 F64 = NDArray[np.float64]

@@ -23,7 +23,7 @@ from common import option_parser, print_claims, print_table, rate_claim
 from kinmo.cli.console import QuietObserver
 from kinmo.config import load_config
 from kinmo.dataset.workspace import Workspace
-from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.prepare_shapes import Prepare
 from kinmo.pipeline.scans.render_scans import RenderScans
 from kinmo.pipeline.scans.scan_predictor import ScanPredictor
 from kinmo.scans.ancsh.ancsh_network import AncshNetwork, PartNetwork

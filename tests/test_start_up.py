@@ -20,9 +20,11 @@ def loaded_by(script: str) -> set[str]:
 
 def test_training_and_prediction_load_torch_and_no_other_slow_library() -> None:
     training = "import kinmo.pipeline.train_motion, kinmo.pipeline.scans.train_scans"
-    prediction = "import kinmo.pipeline.evaluation.evaluate_shapes, kinmo.pipeline.predict_shapes, kinmo.pipeline.pseudo_label"
+    prediction = (
+        "import kinmo.pipeline.evaluation.evaluate_shapes, kinmo.pipeline.predict_shapes, kinmo.pipeline.pseudo_label_shapes"
+    )
     assert loaded_by(training) == loaded_by(prediction) == {"torch"}
 
 
 def test_the_report_needs_no_network() -> None:
-    assert not loaded_by("import kinmo.view.report")
+    assert not loaded_by("import kinmo.view.html_report")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from kinmo._core import __version__
 
 if TYPE_CHECKING:
-    from kinmo.api.loading import load
+    from kinmo.api.load import load
     from kinmo.api.prediction import PredictedJoint, Prediction
     from kinmo.api.predictor import Predictor
     from kinmo.api.stages import evaluate, prepare, train

@@ -194,9 +194,9 @@ def box_iou(centers_a: F64, axes_a: F64, half_a: F64, centers_b: F64, axes_b: F6
     0 where neither box has volume.
     """
 
-def seen_boxes(
+def adjust_amodal_boxes(
     points: F64,
-    starts: NDArray[np.int64],
+    offsets: NDArray[np.int64],
     owners: NDArray[np.int64],
     cameras: F64,
     centers: F64,
@@ -207,7 +207,7 @@ def seen_boxes(
 ) -> tuple[F64, F64, F64]:
     """The boxes of parts, their sides moved to where scans show them.
 
-    The scans of F cameras, at `cameras` [F, 3], lie one after the other in `points` [N, 3], between the numbers `starts` [F +
+    The scans of F cameras, at `cameras` [F, 3], lie one after the other in `points` [N, 3], between the numbers `offsets` [F +
     1]; of the boxes, given as in `box_intersection_volume`, those of scan f are `frames[f]` to `frames[f + 1]`, and `owners`
     [N] has the number of the one among them that a point is of (-1: of none). No point of a box is outside: its sides go out
     to the outermost. Where a side is farther out than all points, and most of the surface between would be seen and is not,
@@ -223,7 +223,7 @@ def nearest_neighbours(points: F32, count: int) -> NDArray[np.int64]:
     is looked at.
     """
 
-def largest_neighbours(features: F32, index: NDArray[np.int64]) -> NDArray[np.int64]:
+def neighbour_argmax(features: F32, index: NDArray[np.int64]) -> NDArray[np.int64]:
     """Which of the points `index` [B, m, k] of clouds with `features` [B, n, C] has the largest of each, [B, m, C].
 
     Of equal ones it is the first of `index`; NaN counts as larger than all numbers.
@@ -263,19 +263,19 @@ def render(
 Poses = tuple[F64, F64, F64]
 """Rotations [N, 3, 3], scales [N] and translations [N, 3]: target = scale * rotation @ source + translation."""
 
-def manhattan_frames(points: NDArray[np.float32], which: NDArray[np.bool_]) -> F64:
+def manhattan_frames(points: NDArray[np.float32], mask: NDArray[np.bool_]) -> F64:
     """Rotations [F, 3, 3] whose columns are the axes that most surfaces of scans [F, n, 3] face, of no order and no sign.
 
-    Of their points those count that `which` [F, n] marks. Normals are those of the twelve nearest points. What shows one flat
+    Of their points those count that `mask` [F, n] marks. Normals are those of the twelve nearest points. What shows one flat
     side alone has its other axes along the rectangle of least area about it. Straub et al., The Manhattan Frame Model, 2018.
     """
 
 def find_similarities(
-    source: F64, target: F64, starts: NDArray[np.int64], *, hypotheses: int, threshold: float, seed: int
+    source: F64, target: F64, offsets: NDArray[np.int64], *, hypotheses: int, threshold: float, seed: int
 ) -> tuple[Poses, NDArray[np.bool_]]:
     """Similarities of P parts from pairs of points of which many are wrong, and which pairs are inliers [T].
 
-    The pairs `source` [T, 3] and `target` [T, 3] from `starts[i]` up to `starts[i + 1]` are those of part i; `starts` [P + 1]
+    The pairs `source` [T, 3] and `target` [T, 3] from `offsets[i]` up to `offsets[i + 1]` are those of part i; `offsets` [P + 1]
     rises from 0 to T. Of so many fits to three pairs drawn at random the one with the smallest sum of squared residuals, each
     counted up to the squared `threshold`, is taken, and fitted anew to its inliers (residual below `threshold`) as long as that
     sum falls; and then, where there are 30 inliers or more, to all pairs, each weighed by how likely it is right, which may
@@ -284,10 +284,10 @@ def find_similarities(
     should be within 1e-18 and 1e18, and no pair farther off than a million times what the others span.
     """
 
-def tie_poses(
+def fit_constrained_poses(
     source: F64,
     target: F64,
-    starts: NDArray[np.int64],
+    offsets: NDArray[np.int64],
     pairs: U32,
     kinds: NDArray[np.uint8],
     directions: F64,
@@ -306,15 +306,15 @@ def tie_poses(
     objects. A part without inliers keeps its translation.
     """
 
-def settle_poses(
+def refine_poses(
     source: F64,
     target: F64,
-    starts: NDArray[np.int64],
+    offsets: NDArray[np.int64],
     pairs: U32,
     kinds: NDArray[np.uint8],
     directions: F64,
     ranges: F64,
-    square: NDArray[np.bool_],
+    axis_aligned: NDArray[np.bool_],
     rotations: F64,
     scales: F64,
     translations: F64,
@@ -324,19 +324,19 @@ def settle_poses(
 ) -> Poses:
     """The poses of P parts where what is known of the object leaves them, from poses near them; scales stay as they are.
 
-    Arguments as in `tie_poses`; `ranges` [J, 2] are the angles in radians between which joints turn their second part against
-    their first (NaN: not known), and `square` [P] are parts whose surfaces face their axes. A part that hangs by nothing is
-    turned, if square, so that what is seen of it does, in that of all ways that fits best. One that slides is turned as what
+    Arguments as in `fit_constrained_poses`; `ranges` [J, 2] are the angles in radians between which joints turn their second part against
+    their first (NaN: not known), and `axis_aligned` [P] are parts whose surfaces face their axes. A part that hangs by nothing is
+    turned, if axis_aligned, so that what is seen of it does, in that of all ways that fits best. One that slides is turned as what
     it slides in. One that turns is tried at all angles of its range, the best has the least sum of residuals (each counted up
-    to `threshold`), and if square it is turned about its joint, so that what is seen of it faces its axes. What pairs clearly
+    to `threshold`), and if axis_aligned it is turned about its joint, so that what is seen of it faces its axes. What pairs clearly
     tell of an angle out of the range, of one the other way round, or of no turn at all, is taken. What turns without a known
     range goes along; parts without pairs stay.
     """
 
-def find_tied_poses(
+def find_constrained_poses(
     source: F64,
     target: F64,
-    starts: NDArray[np.int64],
+    offsets: NDArray[np.int64],
     pairs: U32,
     kinds: NDArray[np.uint8],
     directions: F64,
@@ -348,7 +348,7 @@ def find_tied_poses(
 ) -> tuple[Poses, Poses]:
     """The poses of the two parts of each of J joints, looked for joint by joint, with the scales [P] of the parts.
 
-    Arguments as in `tie_poses`. Of so many fits to three pairs of either part and the joint, the one with the largest mean of
+    Arguments as in `fit_constrained_poses`. Of so many fits to three pairs of either part and the joint, the one with the largest mean of
     the two shares of inliers is taken, and fitted anew to them. NaN where nothing determines it. Li et al., Category-Level
     Articulated Object Pose Estimation, 2020, section 4.3.
     """

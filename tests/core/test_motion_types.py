@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kinmo.core.box import Box
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.motion_types import CoarseType, MotionType, motion_type
+from kinmo.core.oriented_box import Box
 
 UP = np.array([0.0, 1.0, 0.0])
 PANEL = Box(np.zeros(3), np.eye(3), np.array([0.3, 0.5, 0.02]))

@@ -14,7 +14,7 @@ from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.motion_types import CoarseType, MotionType
-from kinmo.core.prediction import JointEstimate, ShapeEstimate
+from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.evaluation.hierarchy_given import score_hierarchy_given
 from kinmo.evaluation.joint_records import failed_shape, joint_record, with_edge_types
 from kinmo.evaluation.parts_given import score_parts_given

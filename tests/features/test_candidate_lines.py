@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinmo.core.box import Box
+from kinmo.core.oriented_box import Box
 from kinmo.features.candidate_lines import LineSource, box_lines, candidate_lines, distinct_directions, merge_lines
 
 

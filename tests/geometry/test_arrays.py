@@ -203,7 +203,7 @@ def test_a_result_without_room_is_a_memory_error() -> None:
     with pytest.raises(MemoryError, match="Unable to allocate"):
         _core.nearest_neighbours(np.zeros((1, 10**7, 3), np.float32), 10**7)
     with pytest.raises(MemoryError, match="Unable to allocate"):
-        _core.largest_neighbours(np.zeros((1, 1, 10**7), np.float32), np.zeros((1, 10**7, 1), np.int64))
+        _core.neighbour_argmax(np.zeros((1, 1, 10**7), np.float32), np.zeros((1, 10**7, 1), np.int64))
 
 
 def test_no_parts_give_results_without_rows() -> None:
@@ -227,7 +227,7 @@ def test_no_parts_give_results_without_rows() -> None:
 
 
 def test_truth_values_of_any_byte_but_0_are_true() -> None:
-    call = CALLS["settle_poses"]
-    odd = (call.arrays["square"].astype(np.uint8) * 6).view(bool)
-    for expected, found in zip(call.outcome(), call.outcome(square=odd), strict=True):
+    call = CALLS["refine_poses"]
+    odd = (call.arrays["axis_aligned"].astype(np.uint8) * 6).view(bool)
+    for expected, found in zip(call.outcome(), call.outcome(axis_aligned=odd), strict=True):
         np.testing.assert_array_equal(found, expected)

@@ -44,15 +44,17 @@ calls = {
         rng.uniform(size=(20_000, 100, 3)).astype(np.float32), np.ones((20_000, 100), bool)
     ),
     "nearest_neighbours": lambda: _core.nearest_neighbours(rng.uniform(size=(20_000, 500, 3)).astype(np.float32), 8),
-    "largest_neighbours": lambda: _core.largest_neighbours(
+    "neighbour_argmax": lambda: _core.neighbour_argmax(
         np.zeros((200, 100, 1024), np.float32), np.zeros((200, 100, 256), np.int64)
     ),
     "group_points": lambda: _core.group_points(rng.uniform(size=(4_000, 1000, 3)).astype(np.float32), 300, 0.2, 32),
     "find_similarities": lambda: _core.find_similarities(cloud, cloud, rows, **search),
-    "tie_poses": lambda: _core.tie_poses(cloud, cloud[::-1].copy(), rows, *ties, *poses, frames=objects, threshold=9.0),
-    "settle_poses": lambda: _core.settle_poses(cloud, cloud, rows, *ties, *known, *poses, frames=objects, threshold=9.0),
-    "find_tied_poses": lambda: _core.find_tied_poses(cloud, cloud, rows, *ties, np.ones(parts), **search),
-    "seen_boxes": lambda: _core.seen_boxes(
+    "fit_constrained_poses": lambda: _core.fit_constrained_poses(
+        cloud, cloud[::-1].copy(), rows, *ties, *poses, frames=objects, threshold=9.0
+    ),
+    "refine_poses": lambda: _core.refine_poses(cloud, cloud, rows, *ties, *known, *poses, frames=objects, threshold=9.0),
+    "find_constrained_poses": lambda: _core.find_constrained_poses(cloud, cloud, rows, *ties, np.ones(parts), **search),
+    "adjust_amodal_boxes": lambda: _core.adjust_amodal_boxes(
         cloud, rows[::20], np.zeros(20 * parts, int), np.zeros((parts // 20, 3)), poses[2][::20] + 5.0, poses[0][::20],
         np.ones((parts // 20, 3)), frames=np.arange(parts // 20 + 1)
     ),
@@ -118,13 +120,13 @@ def outcomes() -> dict[str, str]:
         "render",
         "manhattan_frames",
         "nearest_neighbours",
-        "largest_neighbours",
+        "neighbour_argmax",
         "group_points",
         "find_similarities",
-        "tie_poses",
-        "settle_poses",
-        "find_tied_poses",
-        "seen_boxes",
+        "fit_constrained_poses",
+        "refine_poses",
+        "find_constrained_poses",
+        "adjust_amodal_boxes",
     ],
 )
 def test_ctrl_c_stops_a_long_call_while_another_thread_runs(outcomes: dict[str, str], name: str) -> None:

@@ -46,9 +46,9 @@ def test_the_largest_neighbours_are_those_of_numpy(clouds: int, size: int, width
     index = rng.integers(size, size=(clouds, 5, count))
     gathered = features[np.arange(clouds)[:, None, None], index]  # [B, m, k, C]
     expected = np.take_along_axis(index, gathered.argmax(axis=2), axis=2)
-    np.testing.assert_array_equal(_core.largest_neighbours(features, index), expected)
+    np.testing.assert_array_equal(_core.neighbour_argmax(features, index), expected)
     backwards = np.ascontiguousarray(features[..., ::-1])[..., ::-1]
-    np.testing.assert_array_equal(_core.largest_neighbours(backwards, np.asfortranarray(index)), expected)
+    np.testing.assert_array_equal(_core.neighbour_argmax(backwards, np.asfortranarray(index)), expected)
 
 
 @pytest.mark.parametrize(
@@ -64,10 +64,10 @@ def test_features_and_index_that_do_not_fit_are_refused_by_name(
     features: tuple[int, ...], index: tuple[int, ...], problem: str
 ) -> None:
     with pytest.raises(ValueError, match=problem):
-        _core.largest_neighbours(np.zeros(features, np.float32), np.zeros(index, np.int64))
+        _core.neighbour_argmax(np.zeros(features, np.float32), np.zeros(index, np.int64))
 
 
 @pytest.mark.parametrize("number", [-1, 4, 2**32])
 def test_points_that_there_are_not_are_refused(number: int) -> None:
     with pytest.raises(ValueError, match="index: expected integers from 0, below 4"):
-        _core.largest_neighbours(np.zeros((1, 4, 3), np.float32), np.full((1, 4, 2), number))
+        _core.neighbour_argmax(np.zeros((1, 4, 3), np.float32), np.full((1, 4, 2), number))

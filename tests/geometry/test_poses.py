@@ -24,7 +24,7 @@ class Problem:
 
     source: F64
     target: F64
-    starts: NDArray[np.int64]
+    offsets: NDArray[np.int64]
     pairs: NDArray[np.uint32]
     kinds: NDArray[np.uint8]
     directions: F64
@@ -34,7 +34,7 @@ class Problem:
 
     @property
     def points(self) -> tuple[F64, F64, NDArray[np.int64]]:
-        return self.source, self.target, self.starts
+        return self.source, self.target, self.offsets
 
     @property
     def ties(self) -> tuple[NDArray[np.uint32], NDArray[np.uint8], F64]:
@@ -91,7 +91,7 @@ def test_pairs_without_noise_give_the_poses_back(seed: int, parts: int) -> None:
     np.testing.assert_allclose(rotations, given_.rotations, atol=1e-9)
     np.testing.assert_allclose(scales, given_.scales, rtol=1e-9)
     np.testing.assert_allclose(translations, given_.translations, atol=1e-9)
-    tied = _core.tie_poses(
+    tied = _core.fit_constrained_poses(
         *given_.points, *given_.ties, rotations, scales, translations, frames=np.array([0, parts]), threshold=THRESHOLD
     )
     np.testing.assert_allclose(tied[0], given_.rotations, atol=1e-6)
@@ -105,7 +105,9 @@ def test_two_wrong_pairs_of_five_leave_the_poses_near_the_truth_and_joints_alike
     (rotations, scales, translations), _ = _core.find_similarities(*given_.points, hypotheses=2000, threshold=THRESHOLD, seed=1)
     assert degrees_off(rotations, given_.rotations).max() < 5.0
     frames = np.array([0, 3])
-    tied = _core.tie_poses(*given_.points, *given_.ties, rotations, scales, translations, frames=frames, threshold=THRESHOLD)
+    tied = _core.fit_constrained_poses(
+        *given_.points, *given_.ties, rotations, scales, translations, frames=frames, threshold=THRESHOLD
+    )
     assert degrees_off(tied[0], given_.rotations).max() < 5.0
     for row, (first, second) in enumerate(given_.pairs):
         seen = tied[0][[first, second]] @ given_.directions[row]
@@ -150,11 +152,11 @@ def test_with_noise_and_two_wrong_pairs_of_five_poses_are_no_worse_than_by_numpy
 
 @settings(max_examples=8)
 @given(st.integers(0, 2**32 - 1))
-def test_tied_poses_leave_no_more_residual_than_scipys_least_squares(seed: int) -> None:
+def test_constrained_poses_leave_no_more_residual_than_scipys_least_squares(seed: int) -> None:
     """The residuals of reference code: points about their middles, and the joint's direction once a point."""
     given_ = problem(seed, 2, 40, noise=0.02)
     frames = np.array([0, 2])
-    found = _core.tie_poses(
+    found = _core.fit_constrained_poses(
         *given_.points,
         *given_.ties,
         given_.rotations,
@@ -186,7 +188,7 @@ def test_tied_poses_leave_no_more_residual_than_scipys_least_squares(seed: int) 
 @given(st.integers(0, 2**32 - 1))
 def test_poses_are_also_found_joint_by_joint(seed: int) -> None:
     given_ = problem(seed, 3, 150, wrong=0.2)
-    first, second = _core.find_tied_poses(
+    first, second = _core.find_constrained_poses(
         *given_.points, *given_.ties, given_.scales, hypotheses=200, threshold=THRESHOLD, seed=5
     )
     for place, found in enumerate((first, second)):
@@ -217,8 +219,8 @@ def test_parts_that_nothing_determines_are_nan() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"starts": np.array([0, 5])}, "starts"),
-        ({"starts": np.array([0, 7, 5, 10])}, "starts"),
+        ({"offsets": np.array([0, 5])}, "offsets"),
+        ({"offsets": np.array([0, 7, 5, 10])}, "offsets"),
         ({"target": np.zeros((3, 3))}, "target"),
         ({"source": np.full((10, 3), np.nan)}, "source"),
         ({"threshold": 0.0}, "threshold"),
@@ -226,7 +228,7 @@ def test_parts_that_nothing_determines_are_nan() -> None:
     ],
 )
 def test_bad_arguments_are_refused_by_name(change: dict[str, object], message: str) -> None:
-    whole = {"source": np.zeros((10, 3)), "target": np.zeros((10, 3)), "starts": np.array([0, 10])}
+    whole = {"source": np.zeros((10, 3)), "target": np.zeros((10, 3)), "offsets": np.array([0, 10])}
     whole |= {"hypotheses": 5, "threshold": 0.1, "seed": 0} | change
     with pytest.raises(ValueError, match=message):
         _core.find_similarities(**whole)
@@ -236,7 +238,7 @@ def test_a_joint_between_two_objects_is_refused() -> None:
     given_ = problem(0, 2, 10)
     poses = given_.rotations, given_.scales, given_.translations
     with pytest.raises(ValueError, match="row 0 ties parts of two frames"):
-        _core.tie_poses(*given_.points, *given_.ties, *poses, frames=np.array([0, 1, 2]), threshold=0.1)
+        _core.fit_constrained_poses(*given_.points, *given_.ties, *poses, frames=np.array([0, 1, 2]), threshold=0.1)
 
 
 @pytest.mark.parametrize("scale", [1e-13, 1.0, 1e13])

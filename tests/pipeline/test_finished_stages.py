@@ -14,7 +14,7 @@ from kinmo.dataset.journal import runs
 from kinmo.dataset.stage import Stage
 from kinmo.dataset.workspace import Workspace
 from kinmo.pipeline.evaluation.evaluate_shapes import EvaluateShapes
-from kinmo.pipeline.pseudo_label import PseudoLabel
+from kinmo.pipeline.pseudo_label_shapes import PseudoLabel
 from kinmo.pipeline.train_motion import TrainMotion
 
 STAGES = ("synth", "prepare", "train", "pseudo-label", "eval")

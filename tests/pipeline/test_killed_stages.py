@@ -23,7 +23,7 @@ FORK = multiprocessing.get_context("forkserver")
 FORK.set_forkserver_preload(
     [
         "kinmo.pipeline.train_motion",
-        "kinmo.pipeline.pseudo_label",
+        "kinmo.pipeline.pseudo_label_shapes",
         "kinmo.pipeline.evaluation.evaluate_shapes",
         "kinmo.experiments.table1.baselines",
         "kinmo.pipeline.scans.render_scans",

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.motion_types import MotionType
-from kinmo.core.prediction import JointEstimate, ShapeEstimate
+from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.pipeline.label_acceptance import (
     SCORE_STEPS,
     acceptance_report,

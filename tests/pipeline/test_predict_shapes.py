@@ -21,7 +21,7 @@ from kinmo.core.errors import InputError
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.motion_types import MotionType
 from kinmo.core.names import MAX_NAME_BYTES
-from kinmo.core.prediction import JointEstimate, ShapeEstimate
+from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape

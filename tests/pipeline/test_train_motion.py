@@ -19,7 +19,7 @@ from kinmo.dataset.workspace import Workspace
 from kinmo.experiments.scan_tables.make_table import MakeTable
 from kinmo.learning.model_folder import WEIGHTS, ModelFolder
 from kinmo.pipeline.motion_models import TRAINERS
-from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.prepare_shapes import Prepare
 from kinmo.pipeline.train_motion import TrainMotion
 
 

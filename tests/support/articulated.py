@@ -23,7 +23,7 @@ CUBE_FACES = np.array(
     ],
     np.uint32,
 )  # fmt: skip
-"""Triangles of a cube whose corners are in the order of `kinmo.core.box.CORNER_SIGNS`."""
+"""Triangles of a cube whose corners are in the order of `kinmo.core.oriented_box.CORNER_SIGNS`."""
 
 coordinates = st.floats(-2.0, 2.0)
 vectors = st.tuples(coordinates, coordinates, coordinates).map(np.array)

@@ -76,7 +76,7 @@ def _scan_calls(parts: _core.Meshes) -> dict[str, Call]:
     points: Arrays = {
         "source": cloud,
         "target": 0.5 * cloud @ np.linalg.qr(rng.normal(size=(3, 3)))[0] + [0.0, 0.0, 2.0],
-        "starts": np.array([0, 20, 40, 60, 80]),
+        "offsets": np.array([0, 20, 40, 60, 80]),
     }
     joints: Arrays = {
         "pairs": np.array([[0, 1], [2, 3]], np.uint32),
@@ -86,7 +86,7 @@ def _scan_calls(parts: _core.Meshes) -> dict[str, Call]:
     turns = np.stack([np.eye(3)] * 4)
     poses: Arrays = {"rotations": turns, "scales": np.full(4, 0.5), "translations": rng.normal(size=(4, 3))}
     objects: Arrays = {"frames": np.array([0, 2, 4])}
-    known: Arrays = {"ranges": np.array([[0.0, 1.0], [-1.0, 0.0]]), "square": np.array([True, False, True, False])}
+    known: Arrays = {"ranges": np.array([[0.0, 1.0], [-1.0, 0.0]]), "axis_aligned": np.array([True, False, True, False])}
     search: dict[str, Any] = {"hypotheses": 50, "threshold": 0.05, "seed": 3}
     camera = np.eye(4)[None, None].repeat(2, axis=1) + np.eye(4, k=3) * [0.0, 0.0, 0.0, 1.0]
     camera[..., 2, 3] = 9.0
@@ -97,24 +97,27 @@ def _scan_calls(parts: _core.Meshes) -> dict[str, Call]:
         ),
         "manhattan_frames": Call(
             _core.manhattan_frames,
-            {"points": rng.uniform(size=(2, 30, 3)).astype(np.float32), "which": np.arange(60).reshape(2, 30) % 5 > 0},
+            {"points": rng.uniform(size=(2, 30, 3)).astype(np.float32), "mask": np.arange(60).reshape(2, 30) % 5 > 0},
         ),
         "nearest_neighbours": Call(
             lambda points: _core.nearest_neighbours(points, 5), {"points": rng.uniform(size=(2, 30, 3)).astype(np.float32)}
         ),
         "find_similarities": Call(lambda **arrays: _flat(_core.find_similarities(**arrays, **search)), points),
-        "tie_poses": Call(lambda **arrays: _core.tie_poses(**arrays, threshold=0.05), {**points, **joints, **poses, **objects}),
-        "settle_poses": Call(
-            lambda **arrays: _core.settle_poses(**arrays, threshold=0.05), {**points, **joints, **known, **poses, **objects}
+        "fit_constrained_poses": Call(
+            lambda **arrays: _core.fit_constrained_poses(**arrays, threshold=0.05), {**points, **joints, **poses, **objects}
         ),
-        "find_tied_poses": Call(
-            lambda **arrays: _flat(_core.find_tied_poses(**arrays, **search)), {**points, **joints, "scales": poses["scales"]}
+        "refine_poses": Call(
+            lambda **arrays: _core.refine_poses(**arrays, threshold=0.05), {**points, **joints, **known, **poses, **objects}
         ),
-        "seen_boxes": Call(
-            _core.seen_boxes,
+        "find_constrained_poses": Call(
+            lambda **arrays: _flat(_core.find_constrained_poses(**arrays, **search)),
+            {**points, **joints, "scales": poses["scales"]},
+        ),
+        "adjust_amodal_boxes": Call(
+            _core.adjust_amodal_boxes,
             {
                 "points": cloud,
-                "starts": np.array([0, 40, 80]),
+                "offsets": np.array([0, 40, 80]),
                 "owners": np.arange(80) // 10 % 2,
                 "cameras": np.zeros((2, 3)),
                 "centers": rng.normal(size=(4, 3)),

@@ -15,8 +15,8 @@ from kinmo.dataset.shape_dataset import open_dataset
 from kinmo.dataset.store import PreparedStore, write_index
 from kinmo.dataset.workspace import Workspace
 from kinmo.methods import DEFAULT_METHOD
-from kinmo.pipeline.prepare import Prepare
-from kinmo.pipeline.pseudo_label import LABEL, label_name, labels_folder
+from kinmo.pipeline.prepare_shapes import Prepare
+from kinmo.pipeline.pseudo_label_shapes import LABEL, label_name, labels_folder
 from kinmo.pipeline.scans.evaluate_scans import EvaluateScans
 from kinmo.pipeline.scans.render_scans import RenderScans
 from kinmo.pipeline.scans.scan_dataset import COMPLETE, scans_folder

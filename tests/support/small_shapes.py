@@ -9,12 +9,12 @@ import numpy as np
 from articulated import CUBE_FACES
 from numpy.typing import NDArray
 
-from kinmo.core.box import CORNER_SIGNS
 from kinmo.core.edge_labels import label_edges, sibling_edges
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.motion_types import motion_type
 from kinmo.core.normalisation import Normalisation
+from kinmo.core.oriented_box import CORNER_SIGNS
 from kinmo.core.shape import Mesh, Part, Shape
 from kinmo.features.prepared_shape import Boxes, PreparedShape
 

@@ -40,11 +40,11 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Trained]:
     from kinmo.experiments.table1.ablations import AblationRows
     from kinmo.experiments.table1.baselines import PaperBaselines
     from kinmo.pipeline.evaluation.evaluate_shapes import EvaluateShapes
-    from kinmo.pipeline.prepare import Prepare
-    from kinmo.pipeline.pseudo_label import PseudoLabel
+    from kinmo.pipeline.prepare_shapes import Prepare
+    from kinmo.pipeline.pseudo_label_shapes import PseudoLabel
     from kinmo.pipeline.train_motion import TrainMotion
     from kinmo.synth.synth_stage import Synth
-    from kinmo.view.report import Report
+    from kinmo.view.html_report import Report
 
     folder = tmp_path_factory.mktemp("trained")
     shapes, workspace, config = folder / "partnet", Workspace(folder / "workspace"), str(tiny_config(folder))

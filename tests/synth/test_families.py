@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from kinmo import _core
-from kinmo.core.box import Box
 from kinmo.core.categories import canonical_category
 from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.motion_types import MotionType, motion_type
+from kinmo.core.oriented_box import Box
 from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.synth.draw import Draw, ParameterRange
 from kinmo.synth.families import family_builder, family_names

@@ -17,7 +17,7 @@ from kinmo.pipeline.scans.scan_pictures import COMMON, read_pictures
 from kinmo.pipeline.scans.scan_scores import ScanScores
 from kinmo.scans.files.scan_file import count_objects
 from kinmo.view import scan_sections
-from kinmo.view.report import Report
+from kinmo.view.html_report import Report
 from kinmo.view.scan_sections import OUTDATED, picture_sections
 
 RUN = ScanRun(CATEGORY, "supervised", 0)

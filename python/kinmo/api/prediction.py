@@ -16,8 +16,8 @@ from kinmo.core.joint import Joint
 from kinmo.core.kinematics import forward
 from kinmo.core.links import Link, links_of
 from kinmo.core.mobility import Mobility
-from kinmo.core.prediction import PredictionProvenance, ShapeEstimate
 from kinmo.core.shape import Shape
+from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
 from kinmo.core.wording import counted
 from kinmo.io.writers import ExportOptions, export
 from kinmo.io.writers.joints_json_writer import write_joints_json

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from kinmo.api.prediction import Prediction
-from kinmo.core.prediction import PredictionProvenance
 from kinmo.core.shape import Shape
+from kinmo.core.shape_estimate import PredictionProvenance
 from kinmo.dataset.workspace import Workspace
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods import DEFAULT_METHOD, load_method

@@ -69,7 +69,7 @@ def prepare_stage(
     cluster: str | None = None,
 ) -> Stage:
     """The stage that `prepare` runs."""
-    from kinmo.pipeline.prepare import Prepare
+    from kinmo.pipeline.prepare_shapes import Prepare
 
     return Prepare(Path(folder), Workspace(workspace), worker_count(workers), seed, tuple(map(Path, oracle)), cluster)
 

@@ -33,7 +33,7 @@ def pseudo_label(
         kinmo pseudo-label --category refrigerator --threshold 0.8
     """
     from kinmo.dataset.workspace import Workspace
-    from kinmo.pipeline.pseudo_label import PseudoLabel
+    from kinmo.pipeline.pseudo_label_shapes import PseudoLabel
 
     workspace, count = Workspace(options.workspace), options.worker_count
     execute(options, PseudoLabel(workspace, category, method.value, threshold, options.device, count, cluster))

@@ -18,6 +18,6 @@ def report(options: CommonOptions) -> None:
         kinmo report --workspace experiments/first
     """
     from kinmo.dataset.workspace import Workspace
-    from kinmo.view.report import Report
+    from kinmo.view.html_report import Report
 
     execute(options, Report(Workspace(options.workspace)))

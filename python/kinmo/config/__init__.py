@@ -7,7 +7,7 @@ texts below the fields.
 
 from kinmo.config.bounds import Share
 from kinmo.config.config import Config
-from kinmo.config.loading import builtin_configs, load_config
+from kinmo.config.config_files import builtin_configs, load_config
 from kinmo.config.motion import (
     AxisConfig,
     ContinuedConfig,

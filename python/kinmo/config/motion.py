@@ -150,7 +150,7 @@ class RankingConfig:
     """Dropout."""
     hide_names: Share = 0.3
     """Share of training shapes whose names are hidden."""
-    hide_unit_names: Share = 0.1
+    hide_group_names: Share = 0.1
     """Share of the other parts whose names are hidden."""
     hide_categories: Share = 0.0
     """Share of training shapes whose category is hidden; 1 for networks that never see it, for unseen categories."""

@@ -14,7 +14,7 @@ from textwrap import dedent
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 from kinmo.config.config import Config
-from kinmo.config.loading import builtin_configs, load_config
+from kinmo.config.config_files import builtin_configs, load_config
 from kinmo.core.typed_tables import Within
 
 HEAD = """# Configuration

@@ -6,8 +6,8 @@ from enum import IntEnum
 
 import numpy as np
 
-from kinmo.core.box import Box
 from kinmo.core.joint import Joint, JointKind
+from kinmo.core.oriented_box import Box
 from kinmo.core.vector import Vector, distance_to_line
 
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Mobility
-from kinmo.core.prediction import JointEstimate
 from kinmo.core.shape import Mesh, Shape, bounds_of
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.core.vector import Vector
 
 _HASH_STEPS = 1e5

@@ -12,7 +12,7 @@ from scipy.optimize import linear_sum_assignment
 from kinmo.core.links import links_of
 from kinmo.core.motion_types import CoarseType
 from kinmo.core.normalisation import Normalisation
-from kinmo.core.prediction import ShapeEstimate
+from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.evaluation.joint_records import ShapeScore, false_alarm, joint_record, missed_record
 from kinmo.features.prepared_shape import PreparedShape
 

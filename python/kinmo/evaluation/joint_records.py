@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.motion_types import CoarseType, MotionType
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.evaluation import metrics
 from kinmo.features.prepared_shape import PreparedShape
 

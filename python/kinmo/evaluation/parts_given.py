@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from kinmo.core.motion_types import CoarseType
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.evaluation.joint_records import ShapeScore, false_alarm, joint_record
 from kinmo.features.prepared_shape import PreparedShape
 

@@ -12,7 +12,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.box import Box
+from kinmo.core.oriented_box import Box
 
 F64 = NDArray[np.float64]
 

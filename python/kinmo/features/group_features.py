@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.box import have_similar_size
+from kinmo.core.oriented_box import have_similar_size
 from kinmo.features.group_geometry import GroupGeometry
 from kinmo.features.shape_geometry import ShapeGeometry
 

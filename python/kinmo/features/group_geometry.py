@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
-from kinmo.core.box import Box
+from kinmo.core.oriented_box import Box
 from kinmo.features.round_pieces import RoundPieces, joint_pieces
 from kinmo.features.shape_geometry import TOUCHING, ShapeGeometry
 

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
-from kinmo.core.box import Box
 from kinmo.core.edge_labels import EdgeLabels
 from kinmo.core.errors import InputError
 from kinmo.core.mobility import Mobility
 from kinmo.core.motion_types import MotionType
 from kinmo.core.normalisation import Normalisation
+from kinmo.core.oriented_box import Box
 from kinmo.core.shape import Shape
 
 SAME_POSITION = 1e-9

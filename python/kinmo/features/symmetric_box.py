@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from kinmo import _core
-from kinmo.core.box import Box
+from kinmo.core.oriented_box import Box
 from kinmo.features.prepared_shape import PreparedShape
 
 

@@ -109,7 +109,7 @@ def neighbour_max(features: Tensor, index: Tensor) -> Tensor:
     """
     if features.is_cpu and features.dtype == torch.float32:
         # the core returns the index of each maximum, so that no tensor of the size of all pairs is made, forward or backward
-        return features.gather(1, torch.from_numpy(_core.largest_neighbours(features.detach().numpy(), index.numpy())))
+        return features.gather(1, torch.from_numpy(_core.neighbour_argmax(features.detach().numpy(), index.numpy())))
     return max_over_points(gather_points(features, index))
 
 

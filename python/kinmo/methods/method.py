@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
-from kinmo.core.prediction import ShapeEstimate
+from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from kinmo.core.prediction import ShapeEstimate
+from kinmo.core.shape_estimate import ShapeEstimate
 
 SCORE_STEPS = tuple(round(0.1 * step, 1) for step in range(10))
 """Thresholds of the columns in the acceptance report."""

@@ -16,8 +16,8 @@ import numpy as np
 from kinmo.core.errors import InputError, expecting
 from kinmo.core.frames import UP_VECTORS, Up, y_up_rotation
 from kinmo.core.names import short_name
-from kinmo.core.prediction import PredictionProvenance, ShapeEstimate
 from kinmo.core.shape import Shape
+from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
 from kinmo.core.wording import clean_text, counted, printable_path
 from kinmo.dataset.cache import Cache, cache_key
 from kinmo.dataset.jobs import Failure

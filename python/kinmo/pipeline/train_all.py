@@ -17,7 +17,7 @@ from kinmo.dataset.stage import LaterStage, Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods import DEFAULT_METHOD
-from kinmo.pipeline.pseudo_label import PseudoLabel
+from kinmo.pipeline.pseudo_label_shapes import PseudoLabel
 from kinmo.pipeline.scans.render_scans import RenderScans
 from kinmo.pipeline.scans.scan_dataset import PAPER_CATEGORIES, open_scan_dataset
 from kinmo.pipeline.scans.train_scans import TrainScans

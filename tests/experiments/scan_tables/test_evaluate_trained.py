@@ -17,7 +17,7 @@ from kinmo.experiments.scan_tables.evaluate_trained import EvaluateTrained
 from kinmo.experiments.scan_tables.scan_table_layout import NOT_RUN
 from kinmo.experiments.scan_tables.table_rows import printed_row
 from kinmo.pipeline.evaluation.evaluate_shapes import EvaluateShapes
-from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.prepare_shapes import Prepare
 from kinmo.pipeline.scans.scan_networks import NETWORKS, ScanRun, trained_runs
 from kinmo.pipeline.scans.train_scans import TrainScans
 from kinmo.synth.synth_stage import Synth

@@ -19,7 +19,7 @@ from kinmo.experiments.scan_tables.scan_table_layout import NOT_RUN
 from kinmo.experiments.scan_tables.table_rows import TABLES
 from kinmo.experiments.scan_tables.written_tables import WrittenTables
 from kinmo.io.folder_lock import InUse
-from kinmo.pipeline.prepare import Prepare
+from kinmo.pipeline.prepare_shapes import Prepare
 from kinmo.pipeline.scans.train_scans import TrainScans
 from kinmo.synth.synth_stage import Synth
 

@@ -8,7 +8,7 @@ from trained_workspace import Recorder, Trained
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.motion_types import MotionType
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.dataset.shape_dataset import open_dataset
 from kinmo.dataset.splits import Split, split_of
 from kinmo.dataset.store import IndexEntry, write_index

@@ -13,8 +13,8 @@ from datasets import BOXES, LEAVES, RESULT, tree, write_dsg_net, write_json
 from scipy.io import savemat
 from scipy.spatial.transform import Rotation
 
-from kinmo.core.box import CORNER_SIGNS
 from kinmo.core.errors import InputError
+from kinmo.core.oriented_box import CORNER_SIGNS
 from kinmo.io.readers import read_dsg_net
 from kinmo.io.readers.deformed_cube import CubeMesh
 

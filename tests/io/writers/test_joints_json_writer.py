@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from kinmo.core.errors import InputError
 from kinmo.core.mobility import Body
 from kinmo.core.motion_types import CoarseType, MotionType
-from kinmo.core.prediction import JointEstimate, PredictionProvenance, ShapeEstimate
+from kinmo.core.shape_estimate import JointEstimate, PredictionProvenance, ShapeEstimate
 from kinmo.io.readers.joints_json_reader import read_joints_json
 from kinmo.io.writers import ExportOptions, write_joints_json
 from kinmo.io.writers.joints_json_writer import joints_document, joints_schema

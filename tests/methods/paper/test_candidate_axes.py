@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from kinmo.core.box import Box
 from kinmo.core.joint import JointKind
 from kinmo.core.motion_types import CoarseType, MotionType
+from kinmo.core.oriented_box import Box
 from kinmo.methods.paper.candidate_axes import candidate_axes
 
 UP = np.array([0.0, 1.0, 0.0])

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.core.box import Box
 from kinmo.core.motion_types import CoarseType, MotionType
+from kinmo.core.oriented_box import Box
 from kinmo.features.candidate_joints import CandidateJoints
 from kinmo.features.candidate_lines import LineSource, candidate_lines
 from kinmo.methods.paper.extra_candidates import line_candidates, merge_candidates

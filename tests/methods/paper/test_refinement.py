@@ -13,7 +13,7 @@ from kinmo import _core
 from kinmo.config import RefinementConfig
 from kinmo.core.joint import JointKind
 from kinmo.core.motion_types import CoarseType, MotionType
-from kinmo.core.prediction import ShapeEstimate
+from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.features.candidate_joints import CandidateJoints
 from kinmo.features.prepared_shape import PreparedShape, leaf_meshes
 from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions

@@ -17,7 +17,7 @@ from kinmo.experiments.table1.baselines import PaperBaselines
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.pipeline.evaluation.evaluate_shapes import EvaluateShapes
 from kinmo.pipeline.evaluation.evaluation_folder import EvaluationFolder, evaluation_folders
-from kinmo.view.report import OUTDATED, RELABEL, Report
+from kinmo.view.html_report import OUTDATED, RELABEL, Report
 
 TABLE = "Table 1, parts given"
 

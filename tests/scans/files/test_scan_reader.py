@@ -16,7 +16,7 @@ from PIL import Image
 from kinmo.core.errors import InputError
 from kinmo.scans.files.camera_intrinsics import Intrinsics
 from kinmo.scans.files.scan_reader import count_distinct_points, read_scan
-from kinmo.scans.rendering.camera import Camera
+from kinmo.scans.rendering.pinhole_camera import Camera
 
 POINTS = np.random.default_rng(0).uniform(0.5, 1.5, (100, 3))
 CAMERA = Intrinsics(100.0, 110.0, 15.5, 11.5)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from kinmo.scans.preprocessing.input_frame import MIN_BASE_POINTS, InputFrame, base_axes, manhattan_axes, two_pass_axes
-from kinmo.scans.rendering.camera import Viewpoints
+from kinmo.scans.rendering.pinhole_camera import Viewpoints
 
 UP = np.array([0.0, 1.0, 0.0])
 

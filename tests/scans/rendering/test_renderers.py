@@ -9,8 +9,8 @@ from scanned_objects import UP, cupboard_object
 
 from kinmo.core.kinematics import forward
 from kinmo.core.shape import Mesh
-from kinmo.scans.rendering.camera import Camera, Viewpoints
 from kinmo.scans.rendering.joint_states import sample_joint_states
+from kinmo.scans.rendering.pinhole_camera import Camera, Viewpoints
 from kinmo.scans.rendering.renderers import NO_PART, open_renderer
 
 CAMERA = Camera(160, 120, np.array([110.0, 115.0]), np.array([77.0, 66.0]), 0.01, 10.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinmo.config import SensorConfig
-from kinmo.scans.rendering.camera import Camera
+from kinmo.scans.rendering.pinhole_camera import Camera
 from kinmo.scans.rendering.renderers import NO_PART, DepthImages
 from kinmo.scans.rendering.sensor import MIN_FACING_COSINE, apply_sensor
 

@@ -19,7 +19,7 @@ from kinmo.experiments.variant_workspaces import Variant
 from kinmo.learning.weights import pick_device
 from kinmo.methods import DEFAULT_METHOD
 from kinmo.pipeline.motion_models import CONTINUED, TRAINERS
-from kinmo.pipeline.pseudo_label import PseudoLabel
+from kinmo.pipeline.pseudo_label_shapes import PseudoLabel
 from kinmo.pipeline.scans.evaluate_scans import EvaluateScans
 from kinmo.pipeline.scans.render_scans import RenderScans
 from kinmo.pipeline.scans.scan_networks import trained_runs

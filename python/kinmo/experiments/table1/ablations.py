@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from kinmo.core.joint import JointKind
-from kinmo.core.prediction import JointEstimate, ShapeEstimate
+from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.experiments.label_truth import WEIGHTS, weighted_score
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods.kinmo.kinmo_method import KinmoMethod

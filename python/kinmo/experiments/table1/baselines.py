@@ -10,7 +10,7 @@ from kinmo import _core
 from kinmo.config import RefinementConfig
 from kinmo.core.joint import joint_from_data, joint_to_data
 from kinmo.core.motion_types import MotionType
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.core.typed_tables import to_table
 from kinmo.dataset.cache import Cache, cache_key
 from kinmo.dataset.shape_dataset import fingerprint, open_dataset

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from kinmo.core.box import Box
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.motion_types import MotionType, motion_type
 from kinmo.core.normalisation import Normalisation
-from kinmo.core.prediction import JointEstimate, ShapeEstimate
+from kinmo.core.oriented_box import Box
+from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.core.vector import Vector
 from kinmo.features.prepared_shape import PreparedShape
 

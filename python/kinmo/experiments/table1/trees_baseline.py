@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from kinmo.core.joint import KINDS, Joint
 from kinmo.core.motion_types import MotionType, motion_type
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.evaluation.metrics import MAX_AXIS_ERROR, MAX_LINE_DISTANCE
 from kinmo.experiments.table1.trees import KindClassifier, Ranker, fit_kinds, fit_rank
 from kinmo.features.candidate_features import CandidateFeatures

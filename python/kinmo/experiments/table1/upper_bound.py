@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from kinmo import _core
 from kinmo.config import RefinementConfig
 from kinmo.core.joint import Joint
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.core.vector import Vector
 from kinmo.evaluation import metrics
 from kinmo.features.prepared_shape import PreparedShape

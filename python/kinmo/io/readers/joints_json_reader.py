@@ -10,8 +10,8 @@ import numpy as np
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility, has_cycle
 from kinmo.core.motion_types import CoarseType, MotionType
-from kinmo.core.prediction import JointEstimate, PredictionProvenance, ShapeEstimate
 from kinmo.core.shape import Shape
+from kinmo.core.shape_estimate import JointEstimate, PredictionProvenance, ShapeEstimate
 from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.untrusted_files import read_json
 from kinmo.io.writers.joints_json_writer import SCHEMA_VERSION

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from kinmo.core.errors import InputError, did_you_mean
 from kinmo.core.mobility import Mobility
-from kinmo.core.prediction import ShapeEstimate
 from kinmo.core.shape import Shape
+from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.io.atomic_files import write_folder_atomically
 from kinmo.io.writers.joints_json_writer import write_joints_json
 from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility

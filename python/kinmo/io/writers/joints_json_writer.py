@@ -14,8 +14,8 @@ from kinmo._core import __version__
 from kinmo.core.errors import InputError
 from kinmo.core.joint import joint_to_data
 from kinmo.core.mobility import Mobility
-from kinmo.core.prediction import JointEstimate, PredictionProvenance, ShapeEstimate
 from kinmo.core.shape import Shape
+from kinmo.core.shape_estimate import JointEstimate, PredictionProvenance, ShapeEstimate
 from kinmo.core.wording import printable_path
 from kinmo.io.atomic_files import write_text_atomically
 from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions

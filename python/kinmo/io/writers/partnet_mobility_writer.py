@@ -21,8 +21,8 @@ from kinmo.core.frames import Y_UP_TO_Z_UP, z_up_rotation
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.links import links_of
 from kinmo.core.mobility import Mobility
-from kinmo.core.prediction import ShapeEstimate
 from kinmo.core.shape import Shape
+from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.io.readers.partnet_annotation import META_FILE, MOBILITY_FILE
 from kinmo.io.writers.obj_writer import write_obj
 from kinmo.io.writers.urdf_writer import robot_element, write_robot

@@ -20,8 +20,8 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.links import Link, links_of
 from kinmo.core.mobility import Mobility
 from kinmo.core.names import unique_names
-from kinmo.core.prediction import ShapeEstimate
 from kinmo.core.shape import Shape
+from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.core.vector import Vector
 from kinmo.io.writers.obj_writer import write_obj
 from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions, mobility_of

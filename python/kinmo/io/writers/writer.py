@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from kinmo.core.mobility import Mobility
-from kinmo.core.prediction import PredictionProvenance, ShapeEstimate
 from kinmo.core.shape import Shape
+from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
 
 
 @dataclass(frozen=True)

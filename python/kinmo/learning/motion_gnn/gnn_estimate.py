@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from kinmo.core.joint import Joint
 from kinmo.core.motion_types import CoarseType, MotionType
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions
 
 F64 = NDArray[np.float64]

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from kinmo.core.box import have_similar_size
 from kinmo.core.joint import Joint, JointKind
+from kinmo.core.oriented_box import have_similar_size
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_geometry import TOUCHING
 from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kinmo import _core
 from kinmo.core.joint import JointKind
 from kinmo.core.motion_types import MotionType
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.features.candidate_features import CandidateFeatures, compute_candidate_features
 from kinmo.features.prepared_shape import PreparedShape, leaf_groups, part_sizes
 from kinmo.features.shape_geometry import ShapeGeometry

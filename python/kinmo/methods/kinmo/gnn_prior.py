@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.box import Box
 from kinmo.core.joint import KINDS, Joint
 from kinmo.core.motion_types import MotionType, motion_type
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.oriented_box import Box
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.core.vector import Vector
 from kinmo.features.candidate_features import CandidateFeatures
 from kinmo.features.prepared_shape import PreparedShape

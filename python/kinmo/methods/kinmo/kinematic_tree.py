@@ -9,7 +9,7 @@ import numpy as np
 
 from kinmo import _core
 from kinmo.core.mobility import Body, descendants
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.features.candidate_joints import CandidateJoints
 from kinmo.features.group_geometry import CONTACT_SCALE
 from kinmo.features.joint_limits import estimate_joint_limits

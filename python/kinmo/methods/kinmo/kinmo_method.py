@@ -15,7 +15,7 @@ from typing import Any
 from kinmo import _core
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.normalisation import Normalisation
-from kinmo.core.prediction import JointEstimate, ShapeEstimate
+from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions

@@ -19,9 +19,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.box import Box
 from kinmo.core.joint import JointKind
 from kinmo.core.motion_types import CoarseType, MotionType
+from kinmo.core.oriented_box import Box
 from kinmo.features.candidate_joints import CandidateJoints
 
 F64 = NDArray[np.float64]

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from kinmo import _core
-from kinmo.core.box import Box
 from kinmo.core.joint import MAX_VERTICAL_ANGLE, JointKind
 from kinmo.core.motion_types import CoarseType, MotionType
+from kinmo.core.oriented_box import Box
 from kinmo.features.candidate_joints import CandidateJoints
 from kinmo.features.candidate_lines import CandidateLines, LineSource, candidate_lines, distinct_directions
 from kinmo.features.group_geometry import contact_weights

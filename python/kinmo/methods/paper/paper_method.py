@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.config import RefinementConfig
-from kinmo.core.prediction import ShapeEstimate
+from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.core.typed_tables import to_table
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.model_folder import ModelFolder

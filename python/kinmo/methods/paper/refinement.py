@@ -14,7 +14,7 @@ from kinmo.core.joint import Joint
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.core.normalisation import Normalisation
-from kinmo.core.prediction import JointEstimate, ShapeEstimate
+from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.features.candidate_joints import CandidateJoints
 from kinmo.features.joint_limits import JointLimits, estimate_joint_limits
 from kinmo.features.prepared_shape import PreparedShape

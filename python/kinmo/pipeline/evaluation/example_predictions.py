@@ -12,7 +12,7 @@ import numpy as np
 
 from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.evaluation.joint_records import JointRecord
 from kinmo.evaluation.score_summary import axis_degrees
 from kinmo.io.atomic_files import write_text_atomically

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from kinmo.core.errors import InputError
-from kinmo.core.prediction import ShapeEstimate
+from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.learning.motion_gnn.gnn_network import TypeSet
 from kinmo.methods import METHOD_MODELS

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.core.normalisation import Normalisation
-from kinmo.core.prediction import JointEstimate, ShapeEstimate
+from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.dataset.stage import Observer
 from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.hierarchy_given import score_hierarchy_given

@@ -33,7 +33,7 @@ def predicted_boxes(predictions: Sequence[PointPredictions], poses: Poses) -> tu
 
 
 def fitted_boxes(predictions: Sequence[PointPredictions], poses: Poses, threshold: float) -> tuple[F64, F64]:
-    """Amodal boxes with their visible sides moved to where the scan shows them (`_core.seen_boxes`).
+    """Amodal boxes with their visible sides moved to where the scan shows them (`_core.adjust_amodal_boxes`).
 
     Args:
         predictions: Predictions for some scans.
@@ -48,7 +48,7 @@ def fitted_boxes(predictions: Sequence[PointPredictions], poses: Poses, threshol
     count = len(centers) // len(predictions)
     rows = [slice(frame * count, (frame + 1) * count) for frame in range(len(predictions))]
     owners = [_owners(each, [of[row] for of in poses], threshold) for each, row in zip(predictions, rows, strict=True)]
-    moved, _, fitted = _core.seen_boxes(
+    moved, _, fitted = _core.adjust_amodal_boxes(
         np.concatenate([each.points for each in predictions]),
         np.cumsum([0, *(len(each.points) for each in predictions)], dtype=np.int64),
         np.concatenate(owners),

@@ -110,11 +110,11 @@ def _costs(
         clouds.append((source[fits], target[fits]))
     count = len(directions)
     source, target = (np.concatenate([cloud[side] for cloud in clouds] * count) for side in (0, 1))
-    starts = np.cumsum([0, *[len(own) for own, _ in clouds] * count], dtype=np.int64)
+    offsets = np.cumsum([0, *[len(own) for own, _ in clouds] * count], dtype=np.int64)
     ties = np.arange(2 * count, dtype=np.uint32).reshape(count, 2), np.full(count, kind.code, np.uint8), directions
     begin = np.tile(rotations, (count, 1, 1)), np.tile(scales, count), np.tile(translations, (count, 1))
-    tied = _core.tie_poses(
-        source, target, starts, *ties, *begin, frames=2 * np.arange(count + 1, dtype=np.int64), threshold=threshold
+    tied = _core.fit_constrained_poses(
+        source, target, offsets, *ties, *begin, frames=2 * np.arange(count + 1, dtype=np.int64), threshold=threshold
     )
     residuals = [_residuals(*clouds[pose % 2], *(values[pose] for values in tied)) for pose in range(2 * count)]
     costs = [np.minimum(each, threshold).sum() for each in residuals]

@@ -60,7 +60,7 @@ class CategoryPrior:
     def to_data(self) -> dict[str, Any]:
         """Plain data for JSON, which `from_data` reads."""
         turns = [None if np.isnan(pair).any() else [float(angle) for angle in pair] for pair in self.turn_ranges]
-        return {"turns": turns, "square": self.axis_aligned.tolist(), "along_axes": self.along_axes.tolist()}
+        return {"turn_ranges": turns, "axis_aligned": self.axis_aligned.tolist(), "along_axes": self.along_axes.tolist()}
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any], structure: Structure) -> CategoryPrior:
@@ -69,8 +69,8 @@ class CategoryPrior:
         Raises:
             KeyError, TypeError, ValueError: If the data is not a prior of objects with this structure.
         """
-        turns = [(np.nan, np.nan) if pair is None else (float(pair[0]), float(pair[1])) for pair in data["turns"]]
-        axis_aligned, along_axes = (np.array(data[name], bool) for name in ("square", "along_axes"))
+        turns = [(np.nan, np.nan) if pair is None else (float(pair[0]), float(pair[1])) for pair in data["turn_ranges"]]
+        axis_aligned, along_axes = (np.array(data[name], bool) for name in ("axis_aligned", "along_axes"))
         if not len(turns) == len(along_axes) == len(axis_aligned) - 1 == len(structure.kinds):
             raise ValueError(f"{len(turns)} joints and {len(axis_aligned)} parts, expected those of {structure.in_words}")
         return cls(np.array(turns, np.float64).reshape(-1, 2), axis_aligned, along_axes)

@@ -72,17 +72,17 @@ def estimate_poses(
         prior = CategoryPrior.uninformative(structure)
     clouds = [each.on_part(part) for each in predictions for part in range(count)]
     source, target = (np.concatenate([cloud[place] for cloud in clouds]) for place in (0, 1))
-    starts = np.cumsum([0, *(len(npcs) for npcs, _ in clouds)], dtype=np.int64)
+    offsets = np.cumsum([0, *(len(npcs) for npcs, _ in clouds)], dtype=np.int64)
     free, fits = _core.find_similarities(
-        source, target, starts, hypotheses=options.hypotheses, threshold=options.threshold, seed=options.seed
+        source, target, offsets, hypotheses=options.hypotheses, threshold=options.threshold, seed=options.seed
     )
     was_found = np.isfinite(free[1])
     inliers = np.array(
-        [fits[a:b].mean() if found else np.nan for found, (a, b) in zip(was_found, pairwise(starts), strict=True)]
+        [fits[a:b].mean() if found else np.nan for found, (a, b) in zip(was_found, pairwise(offsets), strict=True)]
     )
     voted = [predicted_joints(each, structure) for each in predictions]
     directions = snap_directions(predictions, [own for own, _ in voted], free, structure, prior, options.threshold)
-    tied = _tie_poses(free, source, target, starts, directions, structure, options, prior)
+    tied = _fit_constrained_poses(free, source, target, offsets, directions, structure, options, prior)
     if options.boxes == "fitted":
         centers, half_extents = fitted_boxes(predictions, tied, options.threshold)
     else:
@@ -102,11 +102,11 @@ def _in_camera(frame: InputFrame, rotations: F64, scales: F64, translations: F64
     return PartPoses(frame.undo_rotations(rotations), scales / frame.scale, frame.undo(translations))
 
 
-def _tie_poses(
+def _fit_constrained_poses(
     free: Poses,
     source: F64,
     target: F64,
-    starts: I64,
+    offsets: I64,
     directions: Sequence[F64],
     structure: Structure,
     options: PoseOptions,
@@ -132,21 +132,21 @@ def _tie_poses(
         lost = ~np.isfinite(scales)
         rotations[lost], scales[lost], translations[lost] = np.eye(3), 1.0, 0.0
         frames = np.arange(len(directions) + 1, dtype=np.int64) * count
-        tied = _core.tie_poses(
-            source, target, starts, *ties, rotations, scales, translations, frames=frames, threshold=options.threshold
+        tied = _core.fit_constrained_poses(
+            source, target, offsets, *ties, rotations, scales, translations, frames=frames, threshold=options.threshold
         )
-        tied = _core.settle_poses(
-            source, target, starts, *ties, np.array(turn_ranges).reshape(-1, 2),
+        tied = _core.refine_poses(
+            source, target, offsets, *ties, np.array(turn_ranges).reshape(-1, 2),
             np.tile(prior.axis_aligned, len(directions)) & ~lost, *tied, frames=frames, threshold=options.threshold,
         )  # fmt: skip
         for values in tied:
             values[lost] = np.nan
         return tied
     known = np.where(np.isfinite(scales), scales, 1.0)
-    both = _core.find_tied_poses(
+    both = _core.find_constrained_poses(
         source,
         target,
-        starts,
+        offsets,
         *ties,
         known,
         hypotheses=options.pair_hypotheses,

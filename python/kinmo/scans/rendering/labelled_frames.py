@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from kinmo.config import ScansConfig
 from kinmo.core.kinematics import forward
 from kinmo.scans.canonical.articulated_object import ArticulatedObject
-from kinmo.scans.rendering.camera import Camera, Viewpoints
 from kinmo.scans.rendering.joint_states import JointStates, sample_joint_states
+from kinmo.scans.rendering.pinhole_camera import Camera, Viewpoints
 from kinmo.scans.rendering.renderers import NO_PART, DepthImages, Renderer, open_renderer
 from kinmo.scans.rendering.sensor import apply_sensor
 

@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 from kinmo import _core
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh
-from kinmo.scans.rendering.camera import Camera
+from kinmo.scans.rendering.pinhole_camera import Camera
 
 F64 = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from scipy.ndimage import gaussian_filter
 
 from kinmo.config import SensorConfig
 from kinmo.core.vector import Vector
-from kinmo.scans.rendering.camera import Camera
+from kinmo.scans.rendering.pinhole_camera import Camera
 from kinmo.scans.rendering.renderers import NO_PART, DepthImages
 
 F32 = NDArray[np.float32]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.box import CORNER_SIGNS
+from kinmo.core.oriented_box import CORNER_SIGNS
 from kinmo.core.shape import Mesh
 from kinmo.synth.primitives.swept_surfaces import grid_faces, lathe
 from kinmo.synth.primitives.transforms import ORIGIN, Point, along, move

@@ -1,4 +1,4 @@
-//! `seen_boxes`: predicted boxes adjusted to scans.
+//! `adjust_amodal_boxes`: predicted boxes adjusted to scans.
 
 use std::ops::Range;
 
@@ -15,16 +15,16 @@ use crate::batches::map_in_batches;
 use crate::errors::value_error;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(seen_boxes, module)?)
+    module.add_function(wrap_pyfunction!(adjust_amodal_boxes, module)?)
 }
 
 #[pyfunction]
-#[pyo3(signature = (points, starts, owners, cameras, centers, axes, half, *, frames))]
+#[pyo3(signature = (points, offsets, owners, cameras, centers, axes, half, *, frames))]
 #[allow(clippy::too_many_arguments)]
-fn seen_boxes<'py>(
+fn adjust_amodal_boxes<'py>(
     py: Python<'py>,
     points: Array<'py, f64>,
-    starts: Array<'py, i64>,
+    offsets: Array<'py, i64>,
     owners: Array<'py, i64>,
     cameras: Array<'py, f64>,
     centers: Array<'py, f64>,
@@ -34,7 +34,7 @@ fn seen_boxes<'py>(
 ) -> PyResult<Boxes<'py>> {
     let predicted = boxes_of("", &centers, &axes, &half).map_err(value_error)?;
     let frames = ranges_of("frames", &frames, predicted.len()).map_err(value_error)?;
-    let scans = scans_of(&points, &starts, &owners, &cameras, &frames).map_err(value_error)?;
+    let scans = scans_of(&points, &offsets, &owners, &cameras, &frames).map_err(value_error)?;
     let adjusted = map_in_batches(py, scans.into_iter().zip(frames), |(scan, frame)| scan.adjust(&predicted[frame]))?;
     to_arrays(py, &adjusted.into_iter().flatten().collect::<Vec<_>>())
 }
@@ -59,7 +59,7 @@ impl Scan {
 
 fn scans_of(
     points: &Array<'_, f64>,
-    starts: &Array<'_, i64>,
+    offsets: &Array<'_, i64>,
     owners: &Array<'_, i64>,
     cameras: &Array<'_, f64>,
     frames: &[Range<usize>],
@@ -69,10 +69,10 @@ fn scans_of(
     let cameras = points_of("cameras", cameras.view(), frames.len())?;
     check_shape("owners", &owners.view(), &[count])?;
     let owners: Vec<Option<usize>> = owners.view().iter().map(|owner| usize::try_from(*owner).ok()).collect();
-    let ranges = ranges_of("starts", starts, count)?;
+    let ranges = ranges_of("offsets", offsets, count)?;
     if ranges.len() != frames.len() {
         let problem = format!("{} scans, but frames has {}", ranges.len(), frames.len());
-        return Err(GeometryError::new("starts", problem));
+        return Err(GeometryError::new("offsets", problem));
     }
     let scan = |((range, camera), frame): ((Range<usize>, Point3<f64>), &Range<usize>)| {
         let own = &owners[range.clone()];

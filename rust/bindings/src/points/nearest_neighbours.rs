@@ -1,4 +1,4 @@
-//! `nearest_neighbours` and `largest_neighbours`: neighbours in small point clouds, and the maximum of their features.
+//! `nearest_neighbours` and `neighbour_argmax`: neighbours in small point clouds, and the maximum of their features.
 
 use kinmo_geometry::points::nearest_neighbours::nearest_neighbours as nearest_of_rows;
 use numpy::{PyArrayDyn, PyArrayMethods};

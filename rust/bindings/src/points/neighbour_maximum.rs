@@ -1,7 +1,7 @@
-//! `largest_neighbours`: feature-wise maximum over neighbours.
+//! `neighbour_argmax`: feature-wise maximum over neighbours.
 
 use kinmo_geometry::GeometryError;
-use kinmo_geometry::points::neighbour_maximum::largest_neighbours as largest_of_rows;
+use kinmo_geometry::points::neighbour_maximum::neighbour_argmax as largest_of_rows;
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -10,11 +10,11 @@ use crate::batches::map_in_batches;
 use crate::errors::value_error;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(largest_neighbours, module)?)
+    module.add_function(wrap_pyfunction!(neighbour_argmax, module)?)
 }
 
 #[pyfunction]
-fn largest_neighbours<'py>(
+fn neighbour_argmax<'py>(
     py: Python<'py>,
     features: Array<'py, f32>,
     index: Array<'py, i64>,

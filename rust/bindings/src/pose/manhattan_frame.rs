@@ -18,16 +18,16 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 fn manhattan_frames<'py>(
     py: Python<'py>,
     points: Array<'py, f32>,
-    which: Array<'py, bool>,
+    mask: Array<'py, bool>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let points = points.view();
     check_finite("points", &points).map_err(value_error)?;
     let scans = stacks_of("points", points, 3).map_err(value_error)?;
     let (frames, count) = (scans.len_of(Axis(0)), scans.len_of(Axis(1)));
-    let which = flags_of("which", &which, &[frames, count])?;
+    let mask = flags_of("mask", &mask, &[frames, count])?;
     let clouds = (0..frames).map(|frame| {
         let scan = scans.index_axis(Axis(0), frame);
-        let counted = scan.rows().into_iter().zip(&which[frame * count..]).filter(|(_, counts)| **counts);
+        let counted = scan.rows().into_iter().zip(&mask[frame * count..]).filter(|(_, counts)| **counts);
         counted.map(|(row, _)| Point3::new(row[0], row[1], row[2]).cast::<f64>()).collect::<Vec<_>>()
     });
     let frames = map_in_batches(py, clouds, |points| manhattan_frame(&points))?;

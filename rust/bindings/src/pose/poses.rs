@@ -1,9 +1,9 @@
-//! `find_similarities`, `tie_poses`, `find_tied_poses` and `settle_poses`: poses of parts from point pairs.
+//! `find_similarities`, `fit_constrained_poses`, `find_constrained_poses` and `refine_poses`: poses of parts from point pairs.
 
 use std::ops::Range;
 
 use kinmo_geometry::pose::articulated_pose::{self, JointConstraint};
-use kinmo_geometry::pose::pose_refinement::refine_poses;
+use kinmo_geometry::pose::pose_refinement::refine_poses as refine;
 use kinmo_geometry::pose::similarity::Similarity;
 use kinmo_geometry::pose::similarity::{PointPair, is_inlier};
 use kinmo_geometry::pose::similarity_ransac::{self, RansacOptions};
@@ -28,27 +28,27 @@ const MAX_ANGLE: f64 = 1000.0;
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(find_similarities, module)?)?;
-    module.add_function(wrap_pyfunction!(tie_poses, module)?)?;
-    module.add_function(wrap_pyfunction!(find_tied_poses, module)?)?;
-    module.add_function(wrap_pyfunction!(settle_poses, module)?)
+    module.add_function(wrap_pyfunction!(fit_constrained_poses, module)?)?;
+    module.add_function(wrap_pyfunction!(find_constrained_poses, module)?)?;
+    module.add_function(wrap_pyfunction!(refine_poses, module)?)
 }
 
 /// Rotations `[N, 3, 3]`, scales `[N]` and translations `[N, 3]`.
 type Poses<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
 #[pyfunction]
-#[pyo3(signature = (source, target, starts, *, hypotheses, threshold, seed))]
+#[pyo3(signature = (source, target, offsets, *, hypotheses, threshold, seed))]
 #[allow(clippy::too_many_arguments)]
 fn find_similarities<'py>(
     py: Python<'py>,
     source: Array<'py, f64>,
     target: Array<'py, f64>,
-    starts: Array<'py, i64>,
+    offsets: Array<'py, i64>,
     hypotheses: Bound<'py, PyAny>,
     #[pyo3(from_py_with = float)] threshold: f64,
     seed: Bound<'py, PyAny>,
 ) -> PyResult<(Poses<'py>, Bound<'py, PyArray1<bool>>)> {
-    let parts = PartPairs::of(&source, &target, &starts).map_err(value_error)?;
+    let parts = PartPairs::of(&source, &target, &offsets).map_err(value_error)?;
     let options = options_of(&hypotheses, threshold, &seed)?;
     let found = map_in_batches(py, (0..parts.len()).map(|part| parts.pairs(part)), |pairs| {
         similarity_ransac::find_similarity(pairs, &options)
@@ -61,13 +61,13 @@ fn find_similarities<'py>(
 }
 
 #[pyfunction]
-#[pyo3(signature = (source, target, starts, pairs, kinds, directions, rotations, scales, translations, *, frames, threshold))]
+#[pyo3(signature = (source, target, offsets, pairs, kinds, directions, rotations, scales, translations, *, frames, threshold))]
 #[allow(clippy::too_many_arguments)]
-fn tie_poses<'py>(
+fn fit_constrained_poses<'py>(
     py: Python<'py>,
     source: Array<'py, f64>,
     target: Array<'py, f64>,
-    starts: Array<'py, i64>,
+    offsets: Array<'py, i64>,
     pairs: Array<'py, u32>,
     kinds: Array<'py, u8>,
     directions: Array<'py, f64>,
@@ -78,7 +78,7 @@ fn tie_poses<'py>(
     #[pyo3(from_py_with = float)] threshold: f64,
 ) -> PyResult<Poses<'py>> {
     check_threshold(threshold).map_err(value_error)?;
-    let parts = PartPairs::of(&source, &target, &starts).map_err(value_error)?;
+    let parts = PartPairs::of(&source, &target, &offsets).map_err(value_error)?;
     let constraints = constraints_of(parts.len(), &pairs, &kinds, &directions).map_err(value_error)?;
     let poses = poses_of(parts.len(), &rotations, &scales, &translations).map_err(value_error)?;
     let frames = ranges_of("frames", &frames, parts.len()).map_err(value_error)?;
@@ -91,13 +91,13 @@ fn tie_poses<'py>(
 }
 
 #[pyfunction]
-#[pyo3(signature = (source, target, starts, pairs, kinds, directions, scales, *, hypotheses, threshold, seed))]
+#[pyo3(signature = (source, target, offsets, pairs, kinds, directions, scales, *, hypotheses, threshold, seed))]
 #[allow(clippy::too_many_arguments)]
-fn find_tied_poses<'py>(
+fn find_constrained_poses<'py>(
     py: Python<'py>,
     source: Array<'py, f64>,
     target: Array<'py, f64>,
-    starts: Array<'py, i64>,
+    offsets: Array<'py, i64>,
     pairs: Array<'py, u32>,
     kinds: Array<'py, u8>,
     directions: Array<'py, f64>,
@@ -106,7 +106,7 @@ fn find_tied_poses<'py>(
     #[pyo3(from_py_with = float)] threshold: f64,
     seed: Bound<'py, PyAny>,
 ) -> PyResult<(Poses<'py>, Poses<'py>)> {
-    let parts = PartPairs::of(&source, &target, &starts).map_err(value_error)?;
+    let parts = PartPairs::of(&source, &target, &offsets).map_err(value_error)?;
     let options = options_of(&hypotheses, threshold, &seed)?;
     let constraints = constraints_of(parts.len(), &pairs, &kinds, &directions).map_err(value_error)?;
     let scales = positive_of("scales", &scales, parts.len()).map_err(value_error)?;
@@ -121,19 +121,19 @@ fn find_tied_poses<'py>(
 
 #[pyfunction]
 #[pyo3(signature = (
-    source, target, starts, pairs, kinds, directions, ranges, square, rotations, scales, translations, *, frames, threshold
+    source, target, offsets, pairs, kinds, directions, ranges, axis_aligned, rotations, scales, translations, *, frames, threshold
 ))]
 #[allow(clippy::too_many_arguments)]
-fn settle_poses<'py>(
+fn refine_poses<'py>(
     py: Python<'py>,
     source: Array<'py, f64>,
     target: Array<'py, f64>,
-    starts: Array<'py, i64>,
+    offsets: Array<'py, i64>,
     pairs: Array<'py, u32>,
     kinds: Array<'py, u8>,
     directions: Array<'py, f64>,
     ranges: Array<'py, f64>,
-    square: Array<'py, bool>,
+    axis_aligned: Array<'py, bool>,
     rotations: Array<'py, f64>,
     scales: Array<'py, f64>,
     translations: Array<'py, f64>,
@@ -141,17 +141,17 @@ fn settle_poses<'py>(
     #[pyo3(from_py_with = float)] threshold: f64,
 ) -> PyResult<Poses<'py>> {
     check_threshold(threshold).map_err(value_error)?;
-    let parts = PartPairs::of(&source, &target, &starts).map_err(value_error)?;
+    let parts = PartPairs::of(&source, &target, &offsets).map_err(value_error)?;
     let constraints = constraints_of(parts.len(), &pairs, &kinds, &directions).map_err(value_error)?;
     let ranges = angles_of(constraints.len(), &ranges).map_err(value_error)?;
-    let square = flags_of("square", &square, &[parts.len()])?;
+    let axis_aligned = flags_of("axis_aligned", &axis_aligned, &[parts.len()])?;
     let poses = poses_of(parts.len(), &rotations, &scales, &translations).map_err(value_error)?;
     let frames = ranges_of("frames", &frames, parts.len()).map_err(value_error)?;
     let by_frame = constraints_by_frame(&frames, &constraints).map_err(value_error)?;
     let found = map_in_batches(py, frames.into_iter().zip(&by_frame), |(frame, rows)| {
         let (own, constraints) = (parts.of_frame(&frame), own_constraints(&constraints, rows, frame.start));
         let ranges: Vec<_> = rows.iter().map(|row| ranges[*row]).collect();
-        refine_poses(&own, &constraints, &ranges, &square[frame.clone()], &poses[frame], threshold)
+        refine(&own, &constraints, &ranges, &axis_aligned[frame.clone()], &poses[frame], threshold)
     })?;
     to_arrays(py, &found.into_iter().flatten().map(Some).collect::<Vec<_>>())
 }
@@ -184,12 +184,12 @@ struct PartPairs {
 }
 
 impl PartPairs {
-    fn of(source: &Array<'_, f64>, target: &Array<'_, f64>, starts: &Array<'_, i64>) -> Result<Self> {
+    fn of(source: &Array<'_, f64>, target: &Array<'_, f64>, offsets: &Array<'_, i64>) -> Result<Self> {
         let (source, target) = (source.view(), target.view());
         let count = source.shape().first().copied().unwrap_or(0);
         let sources = triples_of("source", &source, count)?;
         let targets = triples_of("target", &target, count)?;
-        let ranges = ranges_of("starts", starts, count)?;
+        let ranges = ranges_of("offsets", offsets, count)?;
         let pairs = sources.iter().zip(targets.iter()).map(|(a, b)| (Point3::from(*a), Point3::from(*b))).collect();
         Ok(Self { pairs, ranges })
     }

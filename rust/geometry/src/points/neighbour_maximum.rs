@@ -10,7 +10,7 @@ use crate::points::point_columns::BLOCK;
 /// # Panics
 ///
 /// If `index` names a row that does not exist.
-pub fn largest_neighbours(features: &[f32], width: usize, index: &[u32], count: usize, found: &mut [i64]) {
+pub fn neighbour_argmax(features: &[f32], width: usize, index: &[u32], count: usize, found: &mut [i64]) {
     // Indices as wide as features: wider ones would halve the number of comparisons at a time.
     let mut row = vec![0; width];
     for (named, found) in index.chunks_exact(count.max(1)).zip(found.chunks_exact_mut(width.max(1))) {
@@ -60,7 +60,7 @@ mod tests {
             index in prop::collection::vec(0..4u32, 15),
         ) {
             let mut found = [-1; 9];
-            largest_neighbours(&values, 3, &index, 5, &mut found);
+            neighbour_argmax(&values, 3, &index, 5, &mut found);
             for (named, row) in index.chunks(5).zip(found.chunks(3)) {
                 for (column, &at) in row.iter().enumerate() {
                     let of = |number: u32| values[number as usize * 3 + column];

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from cabinet_geometry import DOOR, UP, cabinet_geometry
 
-from kinmo.core.box import Box
 from kinmo.core.joint import Joint, JointKind
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.oriented_box import Box
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.features.candidate_features import compute_candidate_features
 from kinmo.methods.kinmo.ranking.ranked_joints import agreement, rank_joints, same_joint
 from kinmo.methods.kinmo.ranking.ranking_targets import candidate_costs

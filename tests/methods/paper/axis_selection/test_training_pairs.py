@@ -10,8 +10,8 @@ import torch
 from small_shapes import box_surface, cabinet
 
 from kinmo.config import load_config
-from kinmo.core.box import Box
 from kinmo.core.joint import Joint, JointKind
+from kinmo.core.oriented_box import Box
 from kinmo.methods.paper.axis_selection.negative_axes import motion_difference, negative_axes
 from kinmo.methods.paper.axis_selection.training_pairs import PairData, joint_samples, random_axis_permutation
 from kinmo.methods.paper.axis_selection.transformed_clouds import MIN_SHARE, labelled_cloud

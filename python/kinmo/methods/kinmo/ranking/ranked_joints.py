@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.box import Box
 from kinmo.core.joint import KINDS, Joint, JointKind
 from kinmo.core.motion_types import MotionType, motion_type
-from kinmo.core.prediction import JointEstimate
+from kinmo.core.oriented_box import Box
+from kinmo.core.shape_estimate import JointEstimate
 from kinmo.features.candidate_features import CandidateFeatures
 
 F64 = NDArray[np.float64]

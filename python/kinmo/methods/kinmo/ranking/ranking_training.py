@@ -143,7 +143,7 @@ class RankingData:
                 [self.training[i] for i in some],
                 rng=rng,
                 hide_view=self.config.hide_names,
-                hide_group=self.config.hide_unit_names,
+                hide_group=self.config.hide_group_names,
                 hide_category=self.config.hide_categories,
             )
 

@@ -10,8 +10,8 @@ from scipy.spatial import cKDTree
 
 from kinmo import _core
 from kinmo.config import AxisConfig
-from kinmo.core.box import Box
 from kinmo.core.joint import Joint, JointKind
+from kinmo.core.oriented_box import Box
 from kinmo.features.candidate_joints import CandidateJoints
 from kinmo.features.candidate_lines import box_lines
 from kinmo.methods.paper.axis_selection.transformed_clouds import SCREW_SLIDES, SCREW_TURN, SLIDES

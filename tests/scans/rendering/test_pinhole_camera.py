@@ -8,7 +8,7 @@ from articulated import directions, vectors
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinmo.scans.rendering.camera import Camera, Viewpoints, look_at
+from kinmo.scans.rendering.pinhole_camera import Camera, Viewpoints, look_at
 
 
 def test_back_projected_points_project_to_their_pixels() -> None:

@@ -11,7 +11,7 @@ from kinmo.synth.draw import Draw
 from kinmo.synth.hierarchy_style import is_nested
 from kinmo.synth.synth_object import Link, Motion, SynthObject
 from kinmo.synth.writers.node_numbering import Numbering, number
-from kinmo.synth.writers.partnet_writer import write_hierarchy, write_merged
+from kinmo.synth.writers.partnet_layout import write_hierarchy, write_merged
 from kinmo.synth.writers.text_files import rounded, write_json
 
 LINK_NAME_SHARE = 0.25

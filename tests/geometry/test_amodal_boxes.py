@@ -33,7 +33,7 @@ def scan(turn: float = 0.6) -> tuple[F64, F64]:
 def arguments(points: F64, axes: F64, half: F64, copies: int = 1) -> dict[str, Any]:
     return {
         "points": np.tile(points, (copies, 1)),
-        "starts": np.arange(copies + 1) * len(points),
+        "offsets": np.arange(copies + 1) * len(points),
         "owners": np.zeros(copies * len(points), np.int64),
         "cameras": np.zeros((copies, 3)),
         "centers": np.tile(MIDDLE, (copies, 1)),
@@ -48,7 +48,7 @@ def test_a_box_that_is_seen_from_a_corner_is_the_one_that_it_is_but_for_its_far_
     points, axes = scan(turn=0.2)
     far, too_far = -np.sign(-axes[2] @ MIDDLE), max(factor - 1.0, 0.0) * HALF[2]
     for copies in (1, 3):
-        centers, same, half = _core.seen_boxes(**arguments(points, axes, factor * HALF, copies))
+        centers, same, half = _core.adjust_amodal_boxes(**arguments(points, axes, factor * HALF, copies))
         np.testing.assert_allclose(centers, np.tile(MIDDLE + 0.5 * far * too_far * axes[2], (copies, 1)), atol=1e-9)
         np.testing.assert_allclose(half, np.tile(HALF + [0.0, 0.0, 0.5 * too_far], (copies, 1)), atol=1e-9)
         np.testing.assert_allclose(same, np.tile(axes, (copies, 1, 1)))
@@ -58,7 +58,7 @@ def test_points_that_are_of_no_box_move_none() -> None:
     points, axes = scan()
     told = arguments(points, axes, 2.0 * HALF)
     told["owners"][:] = -1
-    centers, _, half = _core.seen_boxes(**told)
+    centers, _, half = _core.adjust_amodal_boxes(**told)
     np.testing.assert_array_equal(centers, [MIDDLE])
     np.testing.assert_array_equal(half, [2.0 * HALF])
 
@@ -66,7 +66,7 @@ def test_points_that_are_of_no_box_move_none() -> None:
 def test_without_scans_there_are_no_boxes() -> None:
     none = np.zeros((0, 3))
     start = np.zeros(1, np.int64)
-    found = _core.seen_boxes(none, start, np.zeros(0, np.int64), none, none, np.zeros((0, 3, 3)), none, frames=start)
+    found = _core.adjust_amodal_boxes(none, start, np.zeros(0, np.int64), none, none, np.zeros((0, 3, 3)), none, frames=start)
     assert [values.shape for values in found] == [(0, 3), (0, 3, 3), (0, 3)]
 
 
@@ -75,7 +75,7 @@ def test_without_scans_there_are_no_boxes() -> None:
     [
         ("owners", np.full(3 * SIDES**2, 1), r"owners: row 0 is no box of its scan, which has 1"),
         ("owners", np.zeros(2, np.int64), r"owners: shape \[2\], expected \[2700\]"),
-        ("starts", np.array([0, 7, 2700]), r"starts: 2 scans, but frames has 1"),
+        ("offsets", np.array([0, 7, 2700]), r"offsets: 2 scans, but frames has 1"),
         ("frames", np.array([0, 2]), r"frames: expected numbers that rise from 0 to 1"),
         ("cameras", np.zeros((2, 3)), r"cameras: shape \[2, 3\], expected \[1, 3\]"),
         ("axes", 2.0 * np.eye(3)[None], r"axes: row 0 is not orthonormal"),
@@ -85,4 +85,4 @@ def test_without_scans_there_are_no_boxes() -> None:
 def test_what_does_not_go_together_is_refused_by_name(name: str, value: NDArray[Any], problem: str) -> None:
     points, axes = scan()
     with pytest.raises(ValueError, match=problem):
-        _core.seen_boxes(**arguments(points, axes, HALF) | {name: value})
+        _core.adjust_amodal_boxes(**arguments(points, axes, HALF) | {name: value})

@@ -15,7 +15,7 @@ from kinmo.dataset.folder_preparation import ORACLE, PreparationReport, ReportEn
 from kinmo.dataset.shape_dataset import open_dataset
 from kinmo.dataset.store import PreparedStore
 from kinmo.dataset.workspace import Workspace
-from kinmo.pipeline.prepare import MAX_LINES, REPORT, Prepare, summary
+from kinmo.pipeline.prepare_shapes import MAX_LINES, REPORT, Prepare, summary
 from kinmo.synth.synth_stage import Synth
 
 

@@ -29,7 +29,7 @@ from kinmo.pipeline.evaluation.evaluation_folder import (
     evaluation_folders,
 )
 from kinmo.pipeline.evaluation.example_predictions import Example, read_examples, spread_over_categories
-from kinmo.pipeline.prepare import REPORT
+from kinmo.pipeline.prepare_shapes import REPORT
 from kinmo.pipeline.pseudo_label_files import REPORT as ACCEPTANCE
 from kinmo.pipeline.pseudo_label_files import labels_folder, stage_of
 from kinmo.pipeline.scans.scan_networks import MODEL as SCAN_MODELS

@@ -20,8 +20,8 @@ from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.readers import read_partnet_mobility
 from kinmo.learning.model_folder import CONFIG, ModelFolder
 from kinmo.methods import load_method
-from kinmo.pipeline.pseudo_label import PseudoLabel
 from kinmo.pipeline.pseudo_label_files import LABEL, REPORT, label_name, labels_folder
+from kinmo.pipeline.pseudo_label_shapes import PseudoLabel
 
 
 def labels_of(workspace: Workspace) -> Path:

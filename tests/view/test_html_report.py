@@ -16,7 +16,7 @@ from kinmo.dataset.store import INDEX
 from kinmo.dataset.workspace import Workspace
 from kinmo.learning.model_folder import METRICS
 from kinmo.pipeline.evaluation.example_predictions import read_examples
-from kinmo.view.report import MAX_PICTURES, PICTURED_TOGETHER, Report
+from kinmo.view.html_report import MAX_PICTURES, PICTURED_TOGETHER, Report
 
 
 def html_of(trained: Trained) -> str:

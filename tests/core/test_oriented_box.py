@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from kinmo.core.box import have_similar_size
+from kinmo.core.oriented_box import have_similar_size
 
 SIZES = arrays(float, 3, elements=st.floats(0.01, 1.0))
 
