@@ -48,7 +48,7 @@ __all__ = [
 ]
 
 _MODULES = {
-    "api.loading": ("load",),
+    "api.load": ("load",),
     "api.prediction": ("PredictedJoint", "Prediction"),
     "api.predictor": ("Predictor",),
     "api.stages": ("evaluate", "prepare", "train"),
