@@ -1,13 +1,23 @@
 """Geometry of articulated objects, in Rust.
 
-Every function takes and returns NumPy arrays, in any memory layout, runs without the GIL on all threads of rayon
-(`RAYON_NUM_THREADS` bounds them), looks for Ctrl-C about every twentieth of a second (between two items of the batch, where one
-takes longer), and gives the same result for a seed whatever the number of threads. A process forked from one that has used them
-goes on with one thread. It raises ValueError, its text starting with the argument's name, for NaN, numbers beyond 1e60 and
-counts out of range, empty meshes, indices out of range and wrong shapes; TypeError for another type of value; MemoryError where
-the result would not fit. Lengths below 1e-100 may count as none.
-P is the number of meshes, G of groups.
-A group is a list of indices of meshes taken as one part; `groups=None` takes every mesh by itself.
+Conventions of all functions:
+
+- Arrays are NumPy arrays of the stated dtype, in any memory layout. Results are new arrays in C order.
+- Lengths are in the units of the input, angles in radians. Results are in the frame of the input.
+- Work runs without the GIL on all threads. The variable RAYON_NUM_THREADS limits their number.
+- Results do not depend on the number of threads. A `seed` is an integer from 0 to 2**64 - 1.
+- Ctrl-C stops the work within about 0.05 seconds, or after the current item of the batch if that takes longer.
+- A process that was forked from one that has used this module works with one thread.
+
+Errors of all functions:
+
+- ValueError: An argument has a wrong shape or value. The message begins with the name of the argument. Unless stated otherwise,
+  numbers must be finite and at most 1e60 in size, and counts at least 1. Lengths below 1e-100 may count as zero.
+- TypeError: An argument has another type or dtype.
+- MemoryError: The result does not fit into memory.
+
+P is the number of meshes and G the number of groups. A group is a list of mesh indices that count as one part. It may not be
+empty. `groups=None` makes every mesh a group of its own, so that G = P.
 """
 
 from collections.abc import Sequence
@@ -24,9 +34,17 @@ Groups = Sequence[Sequence[int]] | None
 __version__: str
 
 class Meshes:
-    """The triangle meshes of the parts of one shape, checked once.
+    """Triangle meshes of the parts of one shape, checked once and copied.
 
-    `vertices[i]` [V, 3] float64, `faces[i]` [F, 3] uint32. Vertices that no face uses are ignored.
+    Faces may be degenerate, repeated or inverted. Vertices that no face uses are dropped.
+
+    Args:
+        vertices: Vertices of each mesh, float64 [V, 3].
+        faces: Vertex indices of the faces of each mesh, uint32 [F, 3].
+
+    Raises:
+        ValueError: The two lists differ in length, a mesh has no face, or an index or coordinate is out of range. The message
+            begins with the list and the number of the mesh, such as `faces[3]`.
     """
 
     def __init__(self, vertices: Sequence[F64], faces: Sequence[U32]) -> None: ...
@@ -35,118 +53,220 @@ class Meshes:
         """Surface area [P] of every mesh."""
 
 def sample_surface(meshes: Meshes, count: int, seed: int = 0, *, blue_noise: bool = False) -> tuple[F32, F32, U32]:
-    """Points on every mesh, uniform by area: points [P, count, 3], unit normals [P, count, 3], face indices [P, count].
+    """Sample points on every mesh, uniformly by area.
 
-    The order within a mesh is random, so that every prefix is uniform too. The draws are stratified by area. A mesh without
-    area is sampled along its edges by length (one without length at its vertices), with unit normals perpendicular to them.
-    The samples of a mesh depend on the mesh and `seed` alone. With `blue_noise` they are evenly spaced (Yuksel 2015, weighted
-    sample elimination). `count` is at most 1e7, evenly spaced 1e5, and 1e8 for all meshes together. ValueError if a coordinate
-    does not fit single precision.
+    The points of a mesh are in random order, so the first n of them are uniform too. They do not depend on the other meshes.
+    The draws are stratified: each is from another piece of the surface, and all pieces have the same area. A mesh without
+    area is sampled along its edges, by length. A mesh without length is sampled at its vertices.
+
+    Args:
+        meshes: The meshes.
+        count: Number of points on each mesh: at most 1e7, or 1e5 with `blue_noise`, and at most 1e8 on all meshes together.
+        seed: Seed of the draws.
+        blue_noise: Space the points evenly, by weighted sample elimination.
+
+    Returns:
+        Points [P, count, 3], unit normals [P, count, 3] and face indices [P, count]. Without area, a normal is some unit
+        vector perpendicular to the edge.
+
+    Raises:
+        ValueError: A coordinate does not fit float32, or `count` is out of range.
+
+    Source: Yuksel, Sample Elimination for Generating Poisson Disk Sample Sets, 2015.
     """
 
 def fit_boxes(meshes: Meshes, groups: Groups = None) -> tuple[F64, F64, F64]:
-    """Boxes of minimum volume: centers [G, 3], axes [G, 3, 3] (unit rows, right-handed), half extents [G, 3].
+    """Fit the box of minimum volume to every group.
 
-    Axes are ordered by descending extent; the first two point towards positive coordinates (by their largest component). Of
-    boxes of equal volume (to 1e-5) the one most aligned with the coordinate axes is taken. Flat and line-like parts have half
-    extents of about zero (at most the rounding of their coordinates) in the missing directions.
+    Among boxes whose volumes agree to 1e-5, the one most aligned with the coordinate axes wins. A flat or line-like part has
+    half extents of about zero in the missing directions.
+
+    Args:
+        meshes: The meshes.
+        groups: Meshes of each part.
+
+    Returns:
+        Centers [G, 3], axes [G, 3, 3] and half extents [G, 3]. The rows of `axes` are unit vectors, right-handed, by descending
+        extent. The largest component of each of the first two is positive.
     """
 
 def fit_symmetric_boxes(
     meshes: Meshes, groups: Groups = None, *, seed: int = 0, samples: int = 100, tolerance: float = 1e-4
 ) -> tuple[F64, F64, F64, NDArray[np.uint8]]:
-    """Boxes of Fish et al. 2014: centers, axes, half extents as of `fit_boxes`, and the number [G] of symmetric planes.
+    """Fit a box that follows the symmetries of the part to every group (Fish et al. 2014).
 
-    Of the box of minimum volume and those on the facets of the convex hull, the one of least volume among those with three
-    symmetric middle planes, or else two, or else one, or else of all. A plane is symmetric if the 90th percentile of the
-    squared distances of `samples` mirrored surface samples to the surface, over the squared diagonal of the part, is below
-    `tolerance`.
+    Candidates are the box of minimum volume and the best boxes along facet normals of the convex hull. The one with the most
+    symmetric middle planes wins, and among equals the smallest.
+
+    A plane is symmetric if its error is below `tolerance`. The function mirrors surface samples in the plane and measures their
+    distances to the surface. The error is the 90th percentile of the squared distances, over the squared diagonal of the part.
+
+    Args:
+        meshes: The meshes.
+        groups: Meshes of each part.
+        seed: Seed of the samples.
+        samples: Number of samples of each part, at most 1e6.
+        tolerance: Limit of the error, above 0. Unlike that of `find_symmetries`, it applies to squares.
+
+    Returns:
+        Centers, axes and half extents, as by `fit_boxes`, and the number of symmetric planes [G], from 0 to 3.
     """
 
 def fit_aligned_boxes(meshes: Meshes, frame: F64, groups: Groups = None) -> tuple[F64, F64, F64]:
-    """Boxes along the rows of `frame` [3, 3] (orthonormal, right-handed), kept in their order: as `fit_boxes`."""
+    """Fit the smallest box along given axes to every group.
+
+    Args:
+        meshes: The meshes.
+        frame: Axes of the boxes as rows [3, 3], orthonormal and right-handed.
+        groups: Meshes of each part.
+
+    Returns:
+        Centers [G, 3], axes [G, 3, 3] and half extents [G, 3]. Axes and extents are in the order of `frame`.
+    """
 
 def find_symmetries(
     meshes: Meshes, groups: Groups = None, *, seed: int = 0, samples: int = 100, tolerance: float = 0.01
 ) -> tuple[U32, NDArray[np.uint8], U32, F64, F64, F64]:
-    """Mirror planes and rotation axes of every part, as K rows in the order of the groups.
+    """Find mirror planes and rotation axes of every group.
 
-    Returns the group [K], the kind [K] (0 reflection, 1 rotation), the order [K] (of a rotation the largest of 2, 3, 4, 5, 6
-    and 8 that holds, 0 if any angle does; 2 for reflections), a point [K, 3] and the unit direction [K, 3] of the axis, or
-    normal of the plane, and the error [K]: the 90th percentile of the distances of mapped surface samples to the surface over
-    the part's diagonal, which is below `tolerance`.
+    The error of a symmetry is the 90th percentile of the distances of mapped surface samples to the surface, over the diagonal
+    of the part. Symmetries with an error below `tolerance` are reported. Of nearly parallel ones of a kind, only the best is.
+
+    Args:
+        meshes: The meshes.
+        groups: Meshes of each part.
+        seed: Seed of the samples.
+        samples: Number of samples of each part, at most 1e6.
+        tolerance: Limit of the error, above 0.
+
+    Returns:
+        Six arrays with a row for each of the K symmetries, by group and then mirror planes first:
+
+        - groups [K]: Number of the group.
+        - kinds [K]: 0 for a mirror plane, 1 for a rotation axis.
+        - orders [K]: 2 for mirror planes. For axes, the largest of 2, 3, 4, 5, 6 and 8 that holds, or 0 if any angle does.
+        - points [K, 3]: A point on the plane or axis.
+        - directions [K, 3]: Unit normal of the plane, or unit direction of the axis.
+        - errors [K]: Error of the symmetry.
     """
 
 def find_round_pieces(
     meshes: Meshes, *, seed: int = 0, samples: int = 100, tolerance: float = 0.02
 ) -> tuple[U32, F64, F64, F64, F64]:
-    """Connected pieces of the meshes that may be turned about a line by any angle: pins, barrels, axles, knobs. Balls are none.
+    """Find connected pieces of the meshes that are solids of revolution, such as pins, barrels, axles and knobs.
 
-    Returns, of K pieces in the order of the meshes, the mesh [K], the middle [K, 3] of the piece on its line, the line's unit
-    direction [K, 3], and how far the piece reaches from the line and, along it, from the middle [K], in the lengths of the
-    meshes. `samples` and `tolerance` are those of `find_symmetries`, of a piece by itself.
+    Balls are left out, because they are round about any axis. So are pieces with fewer than 9 faces.
+
+    Args:
+        meshes: The meshes.
+        seed: Seed of the samples.
+        samples: Number of samples of each piece, as in `find_symmetries`.
+        tolerance: Limit of the error of a rotation about the axis, as in `find_symmetries`.
+
+    Returns:
+        Five arrays with a row for each of the K pieces, in the order of the meshes:
+
+        - meshes [K]: Index of the mesh.
+        - middles [K, 3]: Point on the axis halfway between the ends of the piece.
+        - directions [K, 3]: Unit direction of the axis.
+        - radii [K]: Largest distance of the piece from its axis.
+        - half_lengths [K]: Half of the length of the piece along its axis.
     """
 
 def part_distances(
     meshes: Meshes, groups: Groups = None, pairs: U32 | None = None, *, max_distance: float = float("inf")
 ) -> tuple[U32, F64, F64, F64]:
-    """Exact distances between the surfaces of parts, with the points at which they are taken.
+    """Measure the exact distances between the surfaces of pairs of groups.
 
-    `pairs` [E, 2] holds indices of groups; None takes all unordered pairs. Pairs farther apart than `max_distance` are
-    left out. Returns `(pairs [E', 2], distances [E'], witness_a [E', 3], witness_b [E', 3])` in the order of `pairs`, in
-    the lengths of the meshes. The distance is 0 where surfaces touch or cross; it is a distance of *surfaces*: a closed
-    part wholly inside another is as far away as the other's surface is.
+    The distance is 0 where surfaces touch or cross. Surfaces have no inside: the distance of a part within a closed part is
+    that to the surface around it.
+
+    Args:
+        meshes: The meshes.
+        groups: Meshes of each part.
+        pairs: Indices of two different groups [E, 2]; None for all unordered pairs.
+        max_distance: Largest distance, at least 0. Pairs farther apart are left out.
+
+    Returns:
+        Four arrays with a row for each remaining pair, in the order of `pairs`: the pair [E', 2], its distance [E'], and the
+        nearest points [E', 3] on its first and on its second group.
     """
 
 class InteractionRegions:
-    """Interaction regions of E pairs: the samples that see the other part, and how much.
+    """Interaction regions of E pairs of parts: the samples that face the other part, with their scores.
 
-    The samples of pair e are the rows `offsets[e]:offsets[e + 1]` of `samples` and `weights`.
+    The samples of pair e are the rows `offsets[e]` to `offsets[e + 1] - 1` of `samples` and `weights`.
     """
 
     @property
     def centroids(self) -> F64:
-        """Mean [E, 3] of the moving part's samples, weighted by score."""
+        """Mean [E, 3] of the moving part's samples, weighted by score, in the frame of the samples."""
     @property
     def scored(self) -> NDArray[np.bool_]:
-        """[E]: False where no sample of the moving part has a score; the centroid then is the mean of the nearest pairs."""
+        """True [E] if a sample of the moving part has a score. If not, the centroid is the mean of the nearest cross pairs."""
     @property
     def touching(self) -> NDArray[np.bool_]:
-        """[E]: whether the nearest samples of the two parts are within a hundredth of the diagonal of their box."""
+        """True [E] if the nearest samples of the two parts are within a hundredth of the diagonal of all samples."""
     @property
     def offsets(self) -> NDArray[np.int64]:
-        """[E + 1]."""
+        """First row [E + 1] of each pair in `samples` and `weights`; the last entry is S."""
     @property
     def samples(self) -> U32:
-        """[S, 2]: mesh and number of the sample within it."""
+        """Mesh index, and number of the sample in its mesh [S, 2]."""
     @property
     def weights(self) -> F64:
-        """[S]: scores, all positive; areas over the squared diagonal of the pair's box."""
+        """Scores [S], all positive. They are areas over the squared diagonal of the pair, so they do not depend on scale."""
 
 def interaction_regions(points: F64 | F32, pairs: U32, groups: Groups = None) -> InteractionRegions:
-    """Interaction regions of pairs of parts, by the interaction bisector surface (IBS) of Hu et al. 2015.
+    """Find interaction regions of pairs of parts, by the interaction bisector surface (IBS).
 
-    `points` [P, n, 3] are n surface samples of every mesh; `pairs` [E, 2] are the groups (moving, reference). The IBS is
-    what separates, in the Voronoi diagram of the samples of both parts and of 20 x 40 points of a sphere of radius 2/3
-    diagonal around them, samples of different parts. Each ridge falls into the triangles between its mean corner and its
-    edges. With D the diagonal of the box of all samples of the pair, d the distance of a triangle's centroid to the two
-    samples of its ridge and alpha the angle there between the ridge's normal and the direction to a sample, a triangle
-    gives both samples `area (1 - d / (D / 2))^20 (1 - alpha / (pi / 3))`, 0 where a factor is negative. The score of a
-    sample is the sum over its triangles. Ridges so far away that the base of the power is below 0.8 times that of the
-    nearest pair of samples (about 1 % of its weight) are left out, and where the parts are nearer than 0.05 D, 4 x 8 points
-    stand for the sphere, which then bounds ridges of next to no weight. Where no sample of the moving part has a score,
-    the centroid is the mean of the 10 nearest cross pairs from either side, and `scored` is False.
+    The IBS is part of a Voronoi diagram. The diagram is that of the samples of both parts and of 20 x 40 points on a sphere
+    around them, with a radius of 2/3 D. D is the diagonal of the box of all samples. The IBS consists of the ridges between
+    samples of different parts. Each ridge is divided into the triangles between its mean corner and its edges.
+
+    Each triangle adds this score to both samples of its ridge, or 0 where a factor is negative:
+
+        area * (1 - d / (D / 2)) ** 20 * (1 - alpha / (pi / 3))
+
+    Here d is the distance of the triangle's centroid to the two samples. alpha is the angle at the centroid between the normal
+    of the ridge and the direction to a sample.
+
+    Two shortcuts hardly change the scores. Far ridges are left out: the base of their power is below 0.8 times that of the
+    nearest pair of samples, so they weigh about 1 % of it or less. If the parts are nearer than 0.05 D, the sphere has only
+    4 x 8 points.
+
+    If no sample of the moving part has a score, the centroid is the mean of the 10 nearest cross pairs of either part.
+
+    Args:
+        points: Surface samples [P, n, 3], the same number n for every mesh.
+        pairs: Indices of groups [E, 2]: the moving part and the reference part.
+        groups: Meshes of each part.
+
+    Returns:
+        The regions, in the order of `pairs`.
+
+    Source: Hu et al., Interaction Context (ICON), 2015.
     """
 
 def move_points(
     points: F32, kinds: NDArray[np.uint8], directions: F64, pivots: F64, angles: F64, shifts: F64, *, out: F32 | None = None
 ) -> F32:
-    """Points [N, 3] moved along C candidate joints by D displacements each: [C, D, N, 3], written to `out` if given.
+    """Move points along candidate joints.
 
-    `out` is contiguous in the order of C and overlaps no input.
-    `kinds` [C]: 0 revolute, 1 prismatic, 2 screw; `directions` [C, 3], of length 1; `pivots` [C, 3]; `angles` [C, D] in
-    radians, which prismatic joints ignore together with the pivot; `shifts` [C, D] in lengths, which revolute ones ignore.
-    ValueError if points can leave single precision.
+    Args:
+        points: Points [N, 3].
+        kinds: Kind of each of C joints [C]: 0 revolute, 1 prismatic, 2 screw.
+        directions: Unit direction of each joint [C, 3].
+        pivots: A point on the axis of each joint [C, 3]. Prismatic joints ignore it.
+        angles: Rotation of each of D displacements [C, D], in radians. Prismatic joints ignore it.
+        shifts: Translation along the direction [C, D]. Revolute joints ignore it.
+        out: Array to write to, float32 [C, D, N, 3] in C order. It may not overlap an input.
+
+    Returns:
+        Moved points [C, D, N, 3]; `out` itself if it is given.
+
+    Raises:
+        ValueError: Moved points may not fit float32, or `out` cannot be written to.
     """
 
 def sweep(
@@ -165,33 +285,69 @@ def sweep(
     tolerance: float = 0.01,
     ignored_share: float = 0.005,
 ) -> tuple[F64, F64, F64]:
-    """How far a part can travel along each of C candidate joints before it runs into something.
+    """Measure how far a part can travel along each of C candidate joints before it collides.
 
-    The meshes `moving` move as one among the meshes `obstacles`. Joints are given as in `move_points`; `lower` [C] (at
-    most 0) and `upper` [C] (at least 0) are the travels to try, radians for revolute and screw joints, lengths for
-    prismatic ones; `pitches` [C] is the length per radian of screws (None: 0).
+    Contact and small overlaps at rest are no collisions. Each body is represented by probes: surface samples, moved inwards by
+    `tolerance`. In a thinner wall they are moved to its middle. Probes that are inside the other body at rest are not used. A
+    probe collides where its path crosses the surface of the other body.
 
-    Contact and small overlaps at rest are no collision: both bodies are stood for by `probes` surface samples moved inwards
-    by `tolerance` diagonals of the moving part (in thinner walls to the middle), those that are inside the other body at
-    rest are not used, and a probe collides where its path, in `steps` steps a direction, crosses the other body's surface.
-    Meshes get probes as the roots of their areas: a knob can be in the way like a wall. The obstacles' probes are spread over
-    what any of the candidates can reach, so travels may change a little with the candidates that are asked for together.
+    A mesh gets probes in proportion to the square root of its area, so that a small knob counts too. Probes are spread over the
+    region that any of the candidates can reach. Results may therefore change a little with the other candidates of the call.
 
-    Returns `(free_lower [C], free_upper [C], penetration [C, 2])`: the travel up to which at most `ignored_share` of the
-    probes of either body have collided (the limit tried if nothing is in the way), too long by up to `tolerance` diagonals
-    where the body starts in contact; and the share of the probes that collide on the whole way, downwards and upwards.
+    Args:
+        meshes: The meshes.
+        moving: Indices of the meshes that move, as one body.
+        obstacles: Indices of the meshes that stay, as the other body. The two lists share no mesh.
+        kinds: Kind of each joint [C]: 0 revolute, 1 prismatic, 2 screw.
+        directions: Unit direction of each joint [C, 3].
+        pivots: A point on the axis of each joint [C, 3].
+        lower: Travel to try downwards [C], at most 0: radians, or a length for prismatic joints.
+        upper: Travel to try upwards [C], at least 0, in the same units.
+        pitches: Length per radian of screws [C]; None for 0.
+        probes: Largest number of probes of each body, at most 1e5.
+        steps: Largest number of steps in each direction, at most 1e5. Paths are straight within a step.
+        tolerance: Overlap at rest that is no collision, over the diagonal of the moving part. At least 0, below 1.
+        ignored_share: Share of the probes of either body that may collide before the travel ends. At least 0, below 1.
+
+    Returns:
+        Three arrays:
+
+        - free_lower [C]: Free travel downwards, or `lower` if nothing is in the way.
+        - free_upper [C]: Free travel upwards, or `upper` if nothing is in the way.
+        - penetration [C, 2]: Share of the probes that collide on the whole way, downwards and upwards. It is that of the body
+          with the larger share.
+
+        Free travel may be too long by about `tolerance` diagonals, because probes lie inside the surfaces.
     """
 
 def box_intersection_volume(centers_a: F64, axes_a: F64, half_a: F64, centers_b: F64, axes_b: F64, half_b: F64) -> F64:
-    """Exact volumes [B] of the intersections of B pairs of oriented boxes.
+    """Compute the exact intersection volume of B pairs of oriented boxes.
 
-    `centers` [B, 3], `axes` [B, 3, 3] with the unit axes as rows, `half` [B, 3] half of the extents along them.
+    Args:
+        centers_a: Centers of the first boxes [B, 3].
+        axes_a: Their axes as rows [B, 3, 3], orthonormal. They may be left-handed.
+        half_a: Their half extents along the axes [B, 3], at least 0.
+        centers_b: Centers of the second boxes [B, 3].
+        axes_b: Their axes.
+        half_b: Their half extents.
+
+    Returns:
+        Volumes [B].
     """
 
 def box_iou(centers_a: F64, axes_a: F64, half_a: F64, centers_b: F64, axes_b: F64, half_b: F64) -> F64:
-    """Exact intersection over union [B] of B pairs of oriented boxes, given as in `box_intersection_volume`.
+    """Compute the exact intersection over union of B pairs of oriented boxes.
 
-    0 where neither box has volume.
+    Args:
+        centers_a: Centers of the first boxes [B, 3].
+        axes_a: Their axes as rows [B, 3, 3], orthonormal. They may be left-handed.
+        half_a: Their half extents along the axes [B, 3], at least 0.
+        centers_b: Centers of the second boxes [B, 3].
+        axes_b: Their axes.
+        half_b: Their half extents.
+
+    Returns:
+        Ratios [B], from 0 to 1; 0 for a pair without volume.
     """
 
 def adjust_amodal_boxes(
@@ -205,83 +361,166 @@ def adjust_amodal_boxes(
     *,
     frames: NDArray[np.int64],
 ) -> tuple[F64, F64, F64]:
-    """The boxes of parts, their sides moved to where scans show them.
+    """Adjust predicted amodal boxes of parts to F scans.
 
-    The scans of F cameras, at `cameras` [F, 3], lie one after the other in `points` [N, 3], between the numbers `offsets` [F +
-    1]; of the boxes, given as in `box_intersection_volume`, those of scan f are `frames[f]` to `frames[f + 1]`, and `owners`
-    [N] has the number of the one among them that a point is of (-1: of none). No point of a box is outside: its sides go out
-    to the outermost. Where a side is farther out than all points, and most of the surface between would be seen and is not,
-    it goes in to the outermost. What is hidden, seen too flatly, or too thin to tell, stays, as do boxes with fewer than 10
-    points, and axes.
-    Returns `(centers, axes, half_extents)`.
+    A box keeps its axes. Each of its six sides follows these rules:
+
+    - A side moves out to the outermost point of the part, so that no point is outside.
+    - A side beyond all points of the part moves in to the outermost one, if most of the surface between should be visible and
+      is not.
+    - A side stays if that surface is occluded, seen at a grazing angle, or too close to tell.
+
+    A box with fewer than 10 points stays as it is.
+
+    Args:
+        points: Points of all scans [N, 3], scan after scan, in the frame of the boxes.
+        offsets: Bounds of the scans in `points` [F + 1], from 0 to N. Scan f has the points `offsets[f]` to
+            `offsets[f + 1] - 1`.
+        owners: Number of the box of each point [N], counted within its scan; negative for a point of no box.
+        cameras: Position of the camera of each scan [F, 3].
+        centers: Centers of the boxes [B, 3], scan after scan.
+        axes: Axes of the boxes as rows [B, 3, 3], orthonormal.
+        half: Half extents of the boxes [B, 3].
+        frames: Bounds of the scans in the boxes [F + 1], from 0 to B.
+
+    Returns:
+        Centers, axes and half extents of the adjusted boxes.
     """
 
 def nearest_neighbours(points: F32, count: int) -> NDArray[np.int64]:
-    """Indices [B, n, min(count, n)] of the nearest points of each point of clouds [B, n, 3], itself among them, nearest first.
+    """Find the nearest neighbours of every point of B clouds.
 
-    Of points that are equally far those with lower indices come first. Meant for clouds of some hundreds of points: every pair
-    is looked at.
+    All pairs are compared, which is fast for clouds of some hundreds of points.
+
+    Args:
+        points: Clouds [B, n, 3].
+        count: Number of neighbours, at least 1. The point itself counts as one.
+
+    Returns:
+        Indices into the cloud [B, n, min(count, n)], nearest first. Among equally far points the lower index comes first.
     """
 
 def neighbour_argmax(features: F32, index: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Which of the points `index` [B, m, k] of clouds with `features` [B, n, C] has the largest of each, [B, m, C].
+    """Find the neighbour with the largest value of each feature, as in max pooling.
 
-    Of equal ones it is the first of `index`; NaN counts as larger than all numbers.
+    Args:
+        features: Features of the points of B clouds [B, n, C]. NaN counts as larger than all numbers.
+        index: Indices of the k neighbours of m points [B, m, k], from 0 to n - 1. k is at least 1.
+
+    Returns:
+        Index of the point with the largest value [B, m, C]. Among equal values the first neighbour wins.
     """
 
 def group_points(
     points: F32, centers: int, radius: float, members: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], F32]:
-    """How a PointNet++ groups the points of clouds [B, n, 3] (Qi et al., 2017), about m `centers`, or fewer of fewer points.
+    """Sample centers of B clouds and group points around them, for a PointNet++.
 
-    Returns `(chosen [B, m], groups [B, m, k], nearest [B, n, i], distances [B, n, i])`, all but the last indices. The first
-    point is the first center `chosen`, and every other one is farthest from those before. `groups` are the first k points,
-    `members` if there are as many, within `radius` of each center; where there are fewer, the first one is repeated. `nearest`
-    are the three centers (or all, if there are fewer) that are nearest to every point, the nearest first, indices into
-    `chosen`.
+    Args:
+        points: Clouds [B, n, 3].
+        centers: Number of centers. m is this number, or n if it is smaller.
+        radius: Radius of a group.
+        members: Number of points of a group. k is this number, or n if it is smaller.
+
+    Returns:
+        Four arrays; i is the smaller of 3 and m:
+
+        - chosen [B, m]: Indices of the centers. The first is point 0. Each other one is farthest from all before it.
+        - groups [B, m, k]: Indices of the first k points within `radius` of each center. If there are fewer, the first one is
+          repeated.
+        - nearest [B, n, i]: The centers nearest to every point, nearest first, as indices into `chosen`.
+        - distances [B, n, i]: Distances to these centers.
+
+    Source: Qi et al., PointNet++, 2017, section 3.
     """
 
 def closest_points(meshes: Meshes, group: Sequence[int], points: F64) -> tuple[F64, F64, F64]:
-    """Where the surfaces of the meshes `group` are nearest to points [N, 3].
+    """Find the nearest point on the surface of a part, for each of N points.
 
-    Returns `(distances [N], places [N, 3], normals [N, 3])`: the nearest places and the unit normals of their triangles (zero
-    for a triangle without area).
+    Args:
+        meshes: The meshes.
+        group: Indices of the meshes of the part.
+        points: The points [N, 3].
+
+    Returns:
+        Distances [N], nearest points [N, 3], and the unit normals of their triangles [N, 3]. The normal of a triangle without
+        area is zero.
     """
 
 def render(
     meshes: Meshes, transforms: F64, size: tuple[int, int], focal: F64, center: F64, *, near: float, far: float
 ) -> tuple[F32, NDArray[np.int32]]:
-    """What a pinhole camera sees: depths [F, height, width] (0 where nothing is), and parts (-1 where nothing is).
+    """Render depth images and part images with a pinhole camera.
 
-    `transforms` [F, P, 4, 4] bring every mesh into the camera's frame, once a picture: x to the right, y down, z forward.
-    `size` is width and height, `focal` [2] and `center` [2] are in pixels; the point (x, y, z) is seen at column focal[0] x /
-    z + center[0] and row focal[1] y / z + center[1], and the middle of the pixel (i, j) is at (i + 1/2, j + 1/2). Depths are
-    distances along z, in single precision, and what is nearer than `near` or farther than `far` is not seen. Both sides of a
-    triangle are.
+    In the frame of the camera, x points to the right, y down, and z forward. The point (x, y, z) appears at column
+    `focal[0] * x / z + center[0]` and row `focal[1] * y / z + center[1]`. The middle of pixel (column i, row j) is at
+    (i + 1/2, j + 1/2). Both sides of a triangle are visible. Among meshes at the same depth, the first one is visible.
+
+    Args:
+        meshes: The meshes.
+        transforms: Affine transforms into the frame of the camera, for every image and mesh [F, P, 4, 4].
+        size: Width and height in pixels, at most 16384.
+        focal: Focal lengths in pixels [2], above 0.
+        center: Column and row of the optical axis in pixels [2].
+        near: Smallest visible depth, above 0.
+        far: Largest visible depth, above `near`.
+
+    Returns:
+        Depths along z [F, height, width], 0 where nothing is visible, and mesh indices [F, height, width], -1 there.
     """
 
 Poses = tuple[F64, F64, F64]
-"""Rotations [N, 3, 3], scales [N] and translations [N, 3]: target = scale * rotation @ source + translation."""
+"""Poses of N parts: rotations [N, 3, 3], scales [N] and translations [N, 3].
+
+A pose maps source points: target = scale * rotation @ source + translation.
+"""
 
 def manhattan_frames(points: NDArray[np.float32], mask: NDArray[np.bool_]) -> F64:
-    """Rotations [F, 3, 3] whose columns are the axes that most surfaces of scans [F, n, 3] face, of no order and no sign.
+    """Find the three perpendicular directions that most of the surface in each of F scans faces.
 
-    Of their points those count that `mask` [F, n] marks. Normals are those of the twelve nearest points. What shows one flat
-    side alone has its other axes along the rectangle of least area about it. Straub et al., The Manhattan Frame Model, 2018.
+    Surface normals are estimated from the twelve nearest neighbours of each point. If a scan shows a single flat side, the
+    other two axes are those of the rectangle of least area around it. A scan without points gives the identity.
+
+    Args:
+        points: Points of the scans [F, n, 3].
+        mask: True for points that count [F, n].
+
+    Returns:
+        Rotations [F, 3, 3] with the axes as columns. The axes have no order and no sign.
+
+    Source: Straub et al., The Manhattan Frame Model, 2018.
     """
 
 def find_similarities(
     source: F64, target: F64, offsets: NDArray[np.int64], *, hypotheses: int, threshold: float, seed: int
 ) -> tuple[Poses, NDArray[np.bool_]]:
-    """Similarities of P parts from pairs of points of which many are wrong, and which pairs are inliers [T].
+    """Find the similarity transform of each of P parts from point pairs with many outliers, by RANSAC.
 
-    The pairs `source` [T, 3] and `target` [T, 3] from `offsets[i]` up to `offsets[i + 1]` are those of part i; `offsets` [P + 1]
-    rises from 0 to T. Of so many fits to three pairs drawn at random the one with the smallest sum of squared residuals, each
-    counted up to the squared `threshold`, is taken, and fitted anew to its inliers (residual below `threshold`) as long as that
-    sum falls; and then, where there are 30 inliers or more, to all pairs, each weighed by how likely it is right, which may
-    raise the sum by a tenth. What is drawn depends on `seed` and the number of pairs alone. NaN for a part that nothing drawn
-    determines: of fewer than three pairs, or all on a line, or nearly all the same. Compared in single precision: lengths
-    should be within 1e-18 and 1e18, and no pair farther off than a million times what the others span.
+    The cost of a transform is the sum of its squared residuals, each capped at the squared `threshold`. The search has three
+    steps:
+
+    1. Fit random triples of pairs, and keep the fit of least cost.
+    2. Fit again to the inliers, as long as the cost falls.
+    3. If there are at least 30 inliers, fit to all pairs, weighted by their probability of being inliers. Drop this fit if the
+       cost rises by more than a tenth, or if more than half of the inliers are lost.
+
+    Draws depend only on `seed` and the number of pairs. Costs are computed in single precision. Lengths should therefore be
+    between 1e-18 and 1e18, and outliers at most a million times as far away as the other pairs extend.
+
+    Args:
+        source: Source points of all pairs [T, 3], part after part.
+        target: Their target points [T, 3].
+        offsets: Bounds of the parts in the pairs [P + 1], from 0 to T. Part i has the pairs `offsets[i]` to
+            `offsets[i + 1] - 1`.
+        hypotheses: Number of random triples for each part, at most 1e7.
+        threshold: Largest residual of an inlier: a length in the frame of `target`, above 0.
+        seed: Seed of the draws.
+
+    Returns:
+        Poses of the parts, and True for each pair that is an inlier [T]. A pose is NaN if no draw determines it. This is the
+        case for fewer than three pairs, and for points on a line or all in one place.
+
+    Source: Torr and Zisserman, MLESAC, 2000.
     """
 
 def fit_constrained_poses(
@@ -298,12 +537,28 @@ def fit_constrained_poses(
     frames: NDArray[np.int64],
     threshold: float,
 ) -> Poses:
-    """The poses of P parts that fit their inliers and their joints best, from poses near them; scales stay as they are.
+    """Fit the poses of P parts to their inliers and to their joints, in least squares, from given poses near them.
 
-    Pairs of points as in `find_similarities`. Joint j ties the parts `pairs[j]` [J, 2]; by its kind [J] (0 revolute, 1
-    prismatic, 2 screw) both turn its direction [J, 3] (unit, where no part has moved) alike, or all directions. It weighs as
-    much as the smaller number of inliers. Parts from `frames[f]` up to `frames[f + 1]` are one object; no joint ties two
-    objects. A part without inliers keeps its translation.
+    Both parts of a revolute or screw joint should rotate its direction alike; those of a prismatic joint, all directions. A
+    joint weighs as much as the smaller number of inliers of its parts. Inliers are selected again after each fit, until they
+    stay the same. Scales are kept. A part without inliers keeps its translation.
+
+    Args:
+        source: Source points of all pairs [T, 3], part after part.
+        target: Their target points [T, 3].
+        offsets: Bounds of the parts in the pairs [P + 1], as in `find_similarities`.
+        pairs: Indices of the two parts of each joint [J, 2], both of the same object.
+        kinds: Kind of each joint [J]: 0 revolute, 1 prismatic, 2 screw.
+        directions: Unit direction of each joint [J, 3], in the frame of `source`.
+        rotations: Rotations to start from [P, 3, 3].
+        scales: Scales [P], above 0.
+        translations: Translations to start from [P, 3].
+        frames: Bounds of the objects in the parts [F + 1], from 0 to P. Object f has the parts `frames[f]` to
+            `frames[f + 1] - 1`.
+        threshold: Largest residual of an inlier: a length in the frame of `target`, above 0.
+
+    Returns:
+        Poses of the parts.
     """
 
 def refine_poses(
@@ -322,15 +577,38 @@ def refine_poses(
     frames: NDArray[np.int64],
     threshold: float,
 ) -> Poses:
-    """The poses of P parts where what is known of the object leaves them, from poses near them; scales stay as they are.
+    """Refine the poses of P parts with joint ranges and axis-aligned parts.
 
-    Arguments as in `fit_constrained_poses`; `ranges` [J, 2] are the angles in radians between which joints turn their second part against
-    their first (NaN: not known), and `axis_aligned` [P] are parts whose surfaces face their axes. A part that hangs by nothing is
-    turned, if axis_aligned, so that what is seen of it does, in that of all ways that fits best. One that slides is turned as what
-    it slides in. One that turns is tried at all angles of its range, the best has the least sum of residuals (each counted up
-    to `threshold`), and if axis_aligned it is turned about its joint, so that what is seen of it faces its axes. What pairs clearly
-    tell of an angle out of the range, of one the other way round, or of no turn at all, is taken. What turns without a known
-    range goes along; parts without pairs stay.
+    The cost of a pose is the sum of its residuals, each capped at `threshold`. The rules, from the root parts outwards:
+
+    - A root part is the second part of no joint. If it is axis-aligned, it gets the rotation of least cost that aligns its
+      observed surface with its axes. If that costs too much, its rotation is only corrected slightly.
+    - The second part of a prismatic joint gets the rotation of the first.
+    - The second part of a revolute or screw joint with a range gets the angle of least cost within the range. Three
+      alternatives win only if they cost clearly less: an angle outside the range, an angle about the opposite direction, and
+      the given rotation. If the part is axis-aligned, it is then aligned by a small rotation about the joint.
+    - The second part of a revolute or screw joint without a range follows the rotation of the first.
+
+    Scales are kept. A part without pairs keeps its pose.
+
+    Args:
+        source: Source points of all pairs [T, 3], part after part.
+        target: Their target points [T, 3].
+        offsets: Bounds of the parts in the pairs [P + 1], as in `find_similarities`.
+        pairs: Indices of the two parts of each joint [J, 2], both of the same object.
+        kinds: Kind of each joint [J]: 0 revolute, 1 prismatic, 2 screw.
+        directions: Unit direction of each joint [J, 3], in the frame of `source`.
+        ranges: Smallest and largest angle of the second part against the first [J, 2], in radians and at most 1000 in size.
+            Both are NaN for an unknown range.
+        axis_aligned: True for a part whose surface mostly faces the axes of `source` [P].
+        rotations: Rotations to start from [P, 3, 3].
+        scales: Scales [P], above 0.
+        translations: Translations to start from [P, 3].
+        frames: Bounds of the objects in the parts [F + 1], as in `fit_constrained_poses`.
+        threshold: Cap on residuals, and limit of the residuals of inliers: a length in the frame of `target`, above 0.
+
+    Returns:
+        Poses of the parts.
     """
 
 def find_constrained_poses(
@@ -346,9 +624,25 @@ def find_constrained_poses(
     threshold: float,
     seed: int,
 ) -> tuple[Poses, Poses]:
-    """The poses of the two parts of each of J joints, looked for joint by joint, with the scales [P] of the parts.
+    """Find the poses of the two parts of each of J joints by RANSAC, joint by joint, with given scales.
 
-    Arguments as in `fit_constrained_poses`. Of so many fits to three pairs of either part and the joint, the one with the largest mean of
-    the two shares of inliers is taken, and fitted anew to them. NaN where nothing determines it. Li et al., Category-Level
-    Articulated Object Pose Estimation, 2020, section 4.3.
+    Each hypothesis fits three random pairs of either part, and the joint. The hypothesis with the largest mean share of inliers
+    of the two parts wins. It is then fitted to its inliers, as by `fit_constrained_poses`.
+
+    Args:
+        source: Source points of all pairs [T, 3], part after part.
+        target: Their target points [T, 3].
+        offsets: Bounds of the parts in the pairs [P + 1], as in `find_similarities`.
+        pairs: Indices of the two parts of each joint [J, 2].
+        kinds: Kind of each joint [J]: 0 revolute, 1 prismatic, 2 screw.
+        directions: Unit direction of each joint [J, 3], in the frame of `source`.
+        scales: Scales of the parts [P], above 0.
+        hypotheses: Number of hypotheses for each joint, at most 1e7.
+        threshold: Largest residual of an inlier: a length in the frame of `target`, above 0.
+        seed: Seed of the draws.
+
+    Returns:
+        Poses of the first parts [J] and of the second parts [J]. Both are NaN if no draw determines them.
+
+    Source: Li et al., Category-Level Articulated Object Pose Estimation, 2020, section 4.3.
     """
