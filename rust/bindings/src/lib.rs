@@ -6,6 +6,7 @@
 /// Checked arguments of Python functions.
 mod arguments {
     pub mod arrays;
+    pub mod articulated_parts;
     pub mod boxes;
     pub mod groups;
     pub mod joints;

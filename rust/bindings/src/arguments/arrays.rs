@@ -9,7 +9,7 @@ use kinmo_geometry::{GeometryError, Result};
 use nalgebra::{Matrix3, Point3, Vector3};
 use numpy::ndarray::{ArrayView1, ArrayView2, ArrayView3, ArrayViewD, Ix1, Ix2, Ix3};
 use numpy::{
-    Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
+    Element, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
     PyUntypedArrayMethods, dtype,
 };
 use pyo3::exceptions::PyTypeError;
@@ -76,6 +76,24 @@ pub fn zeros<'py, T: Element>(py: Python<'py>, shape: &[usize]) -> PyResult<Boun
     Ok(array.cast_into()?)
 }
 
+/// A new array `[len, N]` of rows.
+pub fn array_of_rows<'py, T: Element, const N: usize>(
+    py: Python<'py>,
+    rows: impl IntoIterator<Item = [T; N]>,
+) -> PyResult<Bound<'py, PyArray2<T>>> {
+    let values: Vec<T> = rows.into_iter().flatten().collect();
+    let count = values.len() / N;
+    PyArray1::from_vec(py, values).reshape([count, N])
+}
+
+/// A new array `[len, 3]` of vectors.
+pub fn array_of_vectors<'py>(
+    py: Python<'py>,
+    vectors: impl IntoIterator<Item = Vector3<f64>>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    array_of_rows(py, vectors.into_iter().map(<[f64; 3]>::from))
+}
+
 /// Error for a wrong shape. `expected` is written as in the documentation, such as `[N, 3]`.
 pub fn shape_error<T>(name: &str, array: &ArrayViewD<'_, T>, expected: &str) -> GeometryError {
     GeometryError::new(name, format!("shape {:?}, expected {expected}", array.shape()))
@@ -108,12 +126,18 @@ pub fn rows_of<'a, T>(name: &str, array: ArrayViewD<'a, T>, columns: usize) -> R
     array.into_dimensionality::<Ix2>().map_err(|error| GeometryError::new(name, error.to_string()))
 }
 
-/// Checked view of a stack of matrices with `columns` columns each.
-pub fn stacks_of<'a, T>(name: &str, array: ArrayViewD<'a, T>, columns: usize) -> Result<ArrayView3<'a, T>> {
-    if array.ndim() != 3 || array.shape()[2] != columns {
-        return Err(shape_error(name, &array, &format!("[F, N, {columns}]")));
+/// Checked view of point clouds `[F, N, 3]` with finite coordinates.
+pub fn clouds_of<'a>(name: &str, array: ArrayViewD<'a, f32>) -> Result<ArrayView3<'a, f32>> {
+    if array.ndim() != 3 || array.shape()[2] != 3 {
+        return Err(shape_error(name, &array, "[F, N, 3]"));
     }
+    check_finite(name, &array)?;
     array.into_dimensionality::<Ix3>().map_err(|error| GeometryError::new(name, error.to_string()))
+}
+
+/// Rows of a point cloud `[N, 3]`.
+pub fn triples_of_cloud(cloud: ArrayView2<'_, f32>) -> Vec<[f32; 3]> {
+    cloud.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect()
 }
 
 /// Checked view of a vector of `len` finite values.

@@ -3,10 +3,10 @@
 use kinmo_geometry::fit::oriented_box::OrientedBox;
 use kinmo_geometry::{GeometryError, Result};
 use nalgebra::Matrix3;
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use numpy::{PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arguments::arrays::{Array, matrices_of, points_of, vectors_of};
+use crate::arguments::arrays::{Array, array_of_vectors, matrices_of, points_of, vectors_of};
 
 /// Largest deviation of `axes * axes^T` from the identity.
 const ORTHONORMAL: f64 = 1e-6;
@@ -16,11 +16,10 @@ pub type Boxes<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>, Bou
 
 /// Converts boxes to arrays.
 pub fn to_arrays<'py>(py: Python<'py>, boxes: &[OrientedBox]) -> PyResult<Boxes<'py>> {
-    let count = boxes.len();
-    let centers = PyArray1::from_iter(py, boxes.iter().flat_map(|b| b.center.coords.data.0[0]));
-    let axes = PyArray1::from_iter(py, boxes.iter().flat_map(|b| b.axes).flat_map(|axis| axis.data.0[0]));
-    let half_extents = PyArray1::from_iter(py, boxes.iter().flat_map(|b| b.half_extents.data.0[0]));
-    Ok((centers.reshape([count, 3])?, axes.reshape([count, 3, 3])?, half_extents.reshape([count, 3])?))
+    let centers = array_of_vectors(py, boxes.iter().map(|b| b.center.coords))?;
+    let axes = array_of_vectors(py, boxes.iter().flat_map(|b| b.axes))?;
+    let half_extents = array_of_vectors(py, boxes.iter().map(|b| b.half_extents))?;
+    Ok((centers, axes.reshape([boxes.len(), 3, 3])?, half_extents))
 }
 
 /// Checked boxes from three arrays. The argument names are `centers`, `axes` and `half`, each followed by `ending`.
@@ -49,6 +48,11 @@ pub fn boxes_of(
 }
 
 /// True if the rows are orthonormal.
-pub fn is_orthonormal(axes: &Matrix3<f64>) -> bool {
+fn is_orthonormal(axes: &Matrix3<f64>) -> bool {
     (axes * axes.transpose() - Matrix3::identity()).amax() <= ORTHONORMAL
+}
+
+/// True if the rows are orthonormal and right-handed.
+pub fn is_rotation(axes: &Matrix3<f64>) -> bool {
+    is_orthonormal(axes) && axes.determinant() >= 0.0
 }

@@ -3,11 +3,11 @@
 use kinmo_geometry::GeometryError;
 use kinmo_geometry::contact::interaction_region::interaction_region;
 use nalgebra::Point3;
-use numpy::ndarray::{Array2, ArrayViewD};
-use numpy::{Element, IntoPyArray, PyArray1, PyArray2};
+use numpy::ndarray::ArrayViewD;
+use numpy::{Element, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arguments::arrays::{Array, check_finite};
+use crate::arguments::arrays::{Array, array_of_rows, array_of_vectors, check_finite};
 use crate::arguments::groups::{groups_of, pairs_of};
 use crate::arguments::numbers::Index;
 use crate::batches::map_in_batches;
@@ -84,19 +84,17 @@ fn interaction_regions<'py>(
         let meshes = [&groups[moving][..], &groups[reference]].concat();
         for &(sample, weight) in &region.samples {
             let sample = sample as usize;
-            chosen.extend([meshes[sample / points.of_each] as u32, (sample % points.of_each) as u32]);
+            chosen.push([meshes[sample / points.of_each] as u32, (sample % points.of_each) as u32]);
             weights.push(weight);
         }
         offsets.push(weights.len() as i64);
     }
-    let samples = Array2::from_shape_fn((weights.len(), 2), |(row, side)| chosen[2 * row + side]);
-    let centroids = Array2::from_shape_fn((regions.len(), 3), |(row, axis)| regions[row].centroid[axis]);
     Ok(InteractionRegions {
-        centroids: centroids.into_pyarray(py).unbind(),
+        centroids: array_of_vectors(py, regions.iter().map(|region| region.centroid.coords))?.unbind(),
         scored: PyArray1::from_iter(py, regions.iter().map(|region| region.scored)).unbind(),
         touching: PyArray1::from_iter(py, regions.iter().map(|region| region.touching)).unbind(),
         offsets: PyArray1::from_vec(py, offsets).unbind(),
-        samples: samples.into_pyarray(py).unbind(),
+        samples: array_of_rows(py, chosen)?.unbind(),
         weights: PyArray1::from_vec(py, weights).unbind(),
     })
 }

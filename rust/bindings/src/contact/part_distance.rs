@@ -1,13 +1,11 @@
 //! `part_distances`: exact distances between parts.
 
 use kinmo_geometry::GeometryError;
-use kinmo_geometry::contact::part_distance::{PartBvh, PartDistance};
-use nalgebra::Point3;
-use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use kinmo_geometry::contact::part_distance::PartBvh;
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arguments::arrays::Array;
+use crate::arguments::arrays::{Array, array_of_rows, array_of_vectors};
 use crate::arguments::groups::{groups_of, pairs_of};
 use crate::arguments::numbers::{Index, float};
 use crate::batches::{filter_map_in_batches, map_in_batches};
@@ -43,15 +41,11 @@ fn part_distances<'py>(
         Some(pairs) => filter_map_in_batches(py, pairs, measure)?,
         None => filter_map_in_batches(py, unordered_pairs(parts.len()), measure)?,
     };
-    let witnesses = |of: fn(&PartDistance) -> Point3<f64>| {
-        Array2::from_shape_fn((found.len(), 3), |(row, axis)| of(&found[row].1)[axis]).into_pyarray(py)
-    };
     Ok((
-        Array2::from_shape_fn((found.len(), 2), |(row, side)| <[usize; 2]>::from(found[row].0)[side] as u32)
-            .into_pyarray(py),
+        array_of_rows(py, found.iter().map(|((a, b), _)| [*a as u32, *b as u32]))?,
         PyArray1::from_iter(py, found.iter().map(|(_, distance)| distance.distance)),
-        witnesses(|distance| distance.witness_a),
-        witnesses(|distance| distance.witness_b),
+        array_of_vectors(py, found.iter().map(|(_, distance)| distance.witness_a.coords))?,
+        array_of_vectors(py, found.iter().map(|(_, distance)| distance.witness_b.coords))?,
     ))
 }
 

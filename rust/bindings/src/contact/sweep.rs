@@ -3,11 +3,10 @@
 use kinmo_geometry::contact::collision_probes::BodyMesh;
 use kinmo_geometry::contact::sweep::{CandidateJoint, SweepOptions, SweepScene, Travel};
 use kinmo_geometry::{GeometryError, Result};
-use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arguments::arrays::{Array, values_of};
+use crate::arguments::arrays::{Array, array_of_rows, values_of};
 use crate::arguments::groups::members_of;
 use crate::arguments::joints::joints_of;
 use crate::arguments::numbers::{Index, count_of, float, integer};
@@ -61,11 +60,10 @@ fn sweep<'py>(
     let (moving, obstacles) = (solids(&moving), solids(&obstacles));
     let scene = py.detach(|| SweepScene::new(&moving, &obstacles, &candidates, options));
     let travels: Vec<Travel> = map_in_batches(py, &candidates, |candidate| scene.travel(candidate))?;
-    let penetration = Array2::from_shape_fn((travels.len(), 2), |(row, side)| travels[row].penetration[side]);
     Ok((
         PyArray1::from_iter(py, travels.iter().map(|travel| travel.free[0])),
         PyArray1::from_iter(py, travels.iter().map(|travel| travel.free[1])),
-        penetration.into_pyarray(py),
+        array_of_rows(py, travels.iter().map(|travel| travel.penetration))?,
     ))
 }
 

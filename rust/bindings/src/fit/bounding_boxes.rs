@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector3};
 use pyo3::prelude::*;
 
 use crate::arguments::arrays::{Array, matrix_of};
-use crate::arguments::boxes::{Boxes, is_orthonormal, to_arrays};
+use crate::arguments::boxes::{Boxes, is_rotation, to_arrays};
 use crate::arguments::groups::groups_of;
 use crate::arguments::numbers::Index;
 use crate::batches::map_in_batches;
@@ -53,7 +53,7 @@ fn fit_each<'py>(
 
 fn right_handed_rows(frame: &Array<'_, f64>) -> Result<[Vector3<f64>; 3], GeometryError> {
     let rows = matrix_of("frame", frame.view())?;
-    if !is_orthonormal(&rows) || rows.determinant() < 0.0 {
+    if !is_rotation(&rows) {
         return Err(GeometryError::new("frame", "rows are not orthonormal and right-handed"));
     }
     Ok([0, 1, 2].map(|axis| rows.row(axis).transpose()))

@@ -7,9 +7,10 @@ use kinmo_geometry::fit::symmetric_box::symmetric_box;
 use kinmo_geometry::fit::symmetry_detection::{Symmetry, SymmetryKind, find_symmetries};
 use kinmo_geometry::fit::symmetry_test::TestOptions;
 use kinmo_geometry::mesh::part_surface::PartSurface;
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 
+use crate::arguments::arrays::array_of_vectors;
 use crate::arguments::boxes::to_arrays;
 use crate::arguments::groups::groups_of;
 use crate::arguments::numbers::{Index, count_of, float, integer, seed};
@@ -69,14 +70,13 @@ fn py_find_symmetries<'py>(
     let found = test_each_part(py, meshes, groups, seed, samples, tolerance, find_symmetries)?;
     let rows: Vec<(u32, Symmetry)> =
         (0..).zip(found).flat_map(|(group, list)| list.into_iter().map(move |s| (group, s))).collect();
-    let count = rows.len();
     let kinds = rows.iter().map(|(_, s)| kind_and_order(s.kind));
     Ok((
         PyArray1::from_iter(py, rows.iter().map(|(group, _)| *group)),
         PyArray1::from_iter(py, kinds.clone().map(|(kind, _)| kind)),
         PyArray1::from_iter(py, kinds.map(|(_, order)| order)),
-        PyArray1::from_iter(py, rows.iter().flat_map(|(_, s)| s.point.coords.data.0[0])).reshape([count, 3])?,
-        PyArray1::from_iter(py, rows.iter().flat_map(|(_, s)| s.direction.data.0[0])).reshape([count, 3])?,
+        array_of_vectors(py, rows.iter().map(|(_, s)| s.point.coords))?,
+        array_of_vectors(py, rows.iter().map(|(_, s)| s.direction))?,
         PyArray1::from_iter(py, rows.iter().map(|(_, s)| s.error)),
     ))
 }
@@ -102,11 +102,10 @@ fn find_round_pieces<'py>(
     let options = options_of(seed, samples, tolerance)?;
     let found = map_in_batches(py, &meshes.parts, |mesh| round_pieces(mesh, &options))?;
     let rows: Vec<_> = (0..).zip(found).flat_map(|(mesh, list)| list.into_iter().map(move |p| (mesh, p))).collect();
-    let count = rows.len();
     Ok((
         PyArray1::from_iter(py, rows.iter().map(|(mesh, _)| *mesh)),
-        PyArray1::from_iter(py, rows.iter().flat_map(|(_, p)| p.middle.coords.data.0[0])).reshape([count, 3])?,
-        PyArray1::from_iter(py, rows.iter().flat_map(|(_, p)| p.direction.data.0[0])).reshape([count, 3])?,
+        array_of_vectors(py, rows.iter().map(|(_, p)| p.middle.coords))?,
+        array_of_vectors(py, rows.iter().map(|(_, p)| p.direction))?,
         PyArray1::from_iter(py, rows.iter().map(|(_, p)| p.radius)),
         PyArray1::from_iter(py, rows.iter().map(|(_, p)| p.half_length)),
     ))

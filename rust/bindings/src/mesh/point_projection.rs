@@ -1,12 +1,11 @@
 //! `closest_points`: nearest points on the surface of a part.
 
 use kinmo_geometry::mesh::point_projection::{NearestPoint, nearest_point};
-use nalgebra::{Point3, Vector3};
-use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use nalgebra::Point3;
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arguments::arrays::{Array, points_of, rows_of};
+use crate::arguments::arrays::{Array, array_of_vectors, points_of, rows_of};
 use crate::arguments::groups::members_of;
 use crate::arguments::numbers::Index;
 use crate::batches::map_in_batches;
@@ -38,12 +37,9 @@ fn closest_points<'py>(
         chunk.iter().filter_map(|point| nearest_point(&surfaces, point)).collect::<Vec<_>>()
     })?;
     let found: Vec<NearestPoint> = chunks.concat();
-    let rows = |of: fn(&NearestPoint) -> Vector3<f64>| {
-        Array2::from_shape_fn((found.len(), 3), |(row, axis)| of(&found[row])[axis]).into_pyarray(py)
-    };
     Ok((
         PyArray1::from_iter(py, found.iter().map(|nearest| nearest.distance)),
-        rows(|nearest| nearest.point.coords),
-        rows(|nearest| nearest.normal),
+        array_of_vectors(py, found.iter().map(|nearest| nearest.point.coords))?,
+        array_of_vectors(py, found.iter().map(|nearest| nearest.normal))?,
     ))
 }

@@ -7,7 +7,7 @@ use numpy::ndarray::Axis;
 use numpy::{BorrowError, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arguments::arrays::{Array, check_finite, check_shape, rows_of, zeros};
+use crate::arguments::arrays::{Array, check_finite, check_shape, rows_of, triples_of_cloud, zeros};
 use crate::arguments::joints::joints_of;
 use crate::batches::map_in_batches;
 use crate::errors::value_error;
@@ -34,7 +34,7 @@ fn move_points<'py>(
 ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
     check_finite("points", &points.view()).map_err(value_error)?;
     let rows = rows_of("points", points.view(), 3).map_err(value_error)?;
-    let points: Vec<[f32; 3]> = rows.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
+    let points = triples_of_cloud(rows);
     if points.iter().flatten().any(|x| f64::from(x.abs()) > MAX_COORDINATE) {
         return Err(value_error(GeometryError::new("points", format!("beyond {MAX_COORDINATE:e}"))));
     }

@@ -1,10 +1,11 @@
-//! `nearest_neighbours` and `neighbour_argmax`: neighbours in small point clouds, and the maximum of their features.
+//! `nearest_neighbours`: nearest neighbours of every point of small clouds.
 
 use kinmo_geometry::points::nearest_neighbours::nearest_neighbours as nearest_of_rows;
+use numpy::ndarray::Axis;
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arguments::arrays::{Array, check_finite, stacks_of, zeros};
+use crate::arguments::arrays::{Array, clouds_of, triples_of_cloud, zeros};
 use crate::arguments::numbers::{count_of, integer};
 use crate::batches::map_in_batches;
 use crate::errors::value_error;
@@ -23,16 +24,14 @@ fn nearest_neighbours<'py>(
     #[pyo3(from_py_with = integer)] count: i64,
 ) -> PyResult<Bound<'py, PyArrayDyn<i64>>> {
     let count = count_of("count", count, MAX_NEIGHBOURS).map_err(value_error)?;
-    let points = points.view();
-    check_finite("points", &points).map_err(value_error)?;
-    let clouds = stacks_of("points", points, 3).map_err(value_error)?;
-    let [batch, size, _] = *clouds.shape() else { unreachable!("a stack has three axes") };
+    let clouds = clouds_of("points", points.view()).map_err(value_error)?;
+    let (batch, size) = (clouds.len_of(Axis(0)), clouds.len_of(Axis(1)));
     let nearest = zeros(py, &[batch, size, count.min(size)])?;
     {
         let mut found = nearest.readwrite();
         let rows = clouds
             .outer_iter()
-            .map(|cloud| cloud.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>())
+            .map(triples_of_cloud)
             .zip(found.as_slice_mut()?.chunks_mut((size * count.min(size)).max(1)));
         map_in_batches(py, rows, |(points, found)| nearest_of_rows(&points, count, found))?;
     }

@@ -2,10 +2,11 @@
 
 use kinmo_geometry::GeometryError;
 use kinmo_geometry::points::pointnet_grouping::{ball_query, farthest_point_sampling, nearest_centers};
+use numpy::ndarray::Axis;
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arguments::arrays::{Array, check_finite, stacks_of, zeros};
+use crate::arguments::arrays::{Array, clouds_of, triples_of_cloud, zeros};
 use crate::arguments::numbers::{count_of, float, integer};
 use crate::batches::map_in_batches;
 use crate::errors::value_error;
@@ -41,10 +42,8 @@ fn group_points<'py>(
         return Err(value_error(GeometryError::new("radius", format!("{radius}, expected 0 to {}", f32::MAX))));
     }
     let radius = radius as f32;
-    let points = points.view();
-    check_finite("points", &points).map_err(value_error)?;
-    let clouds = stacks_of("points", points, 3).map_err(value_error)?;
-    let [batch, size, _] = *clouds.shape() else { unreachable!("a stack has three axes") };
+    let clouds = clouds_of("points", points.view()).map_err(value_error)?;
+    let (batch, size) = (clouds.len_of(Axis(0)), clouds.len_of(Axis(1)));
     let (centers, members) = (centers.min(size), members.min(size));
     let near = INTERPOLATED.min(centers);
     let chosen = zeros(py, &[batch, centers])?;
@@ -56,7 +55,7 @@ fn group_points<'py>(
         let (mut to_nearest, mut to_distances) = (nearest.readwrite(), distances.readwrite());
         let rows = clouds
             .outer_iter()
-            .map(|cloud| cloud.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>())
+            .map(triples_of_cloud)
             .zip(to_chosen.as_slice_mut()?.chunks_mut(centers))
             .zip(to_groups.as_slice_mut()?.chunks_mut(centers * members))
             .zip(to_nearest.as_slice_mut()?.chunks_mut(size * near))
