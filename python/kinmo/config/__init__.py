@@ -1,13 +1,11 @@
 """Typed configurations, read from TOML.
 
 `paper` has the sizes of the paper and its released code, `small` those that train on two CPU cores. A user's file has the same
-keys, or extends one of these and changes single keys. docs/reference/config.md describes every field; it is generated from the
-texts below the fields.
+keys, or extends one of these and changes single keys. docs/reference/config.md describes every field. It is generated from the
+texts below the fields, by `tests/support/config_page.py`.
 """
 
-from kinmo.config.bounds import Share
-from kinmo.config.config import Config
-from kinmo.config.config_files import builtin_configs, load_config
+from kinmo.config.config import Config, builtin_configs, load_config
 from kinmo.config.motion import (
     AxisConfig,
     ContinuedConfig,
@@ -16,13 +14,12 @@ from kinmo.config.motion import (
     RankingConfig,
     RefinementConfig,
 )
-from kinmo.config.scans import AncshConfig, AncshNetworkName, AncshWeights, MeanOver, ScansConfig, SensorConfig
+from kinmo.config.scans import AncshConfig, AncshNetworkName, MeanOver, ScansConfig, SensorConfig
 from kinmo.config.training import Precision, TrainingConfig
 
 __all__ = [
     "AncshConfig",
     "AncshNetworkName",
-    "AncshWeights",
     "AxisConfig",
     "Config",
     "ContinuedConfig",
@@ -34,7 +31,6 @@ __all__ = [
     "RefinementConfig",
     "ScansConfig",
     "SensorConfig",
-    "Share",
     "TrainingConfig",
     "builtin_configs",
     "load_config",
