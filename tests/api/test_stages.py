@@ -53,10 +53,10 @@ def test_train_has_nothing_to_do_after_the_command(trained: Trained) -> None:
 
 
 def test_networks_choose_their_stage(tmp_path: Path) -> None:
-    assert isinstance(train_stage("all", tmp_path, category="door", method="paper"), TrainAll)
-    scans = train_stage("ancsh", tmp_path, setting="supervised")
+    assert isinstance(train_stage("all", tmp_path, "small", "door", "paper", "semi-weakly", None, 0, "cpu", 1), TrainAll)
+    scans = train_stage("ancsh", tmp_path, "small", None, "kinmo", "supervised", None, 0, "cpu", 1)
     assert isinstance(scans, TrainScans) and scans.setting == "supervised"
-    motion = train_stage("axis", tmp_path, start=tmp_path / "other", workers=3)
+    motion = train_stage("axis", tmp_path, "small", None, "kinmo", "semi-weakly", tmp_path / "other", 0, "cpu", 3)
     assert isinstance(motion, TrainMotion)
     assert (motion.group, motion.workers, motion.start) == ("axis", 3, Workspace(tmp_path / "other"))
 

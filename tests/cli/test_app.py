@@ -137,6 +137,7 @@ def test_absurd_scales_are_refused(option: str, value: str) -> None:
 
 def test_choices_of_options_equal_those_of_the_program() -> None:
     """The command line lists choices a second time because help must start without heavy imports."""
+    from kinmo.api.stages import Networks
     from kinmo.cli.options import MethodName, ProtocolName
     from kinmo.cli.synth import MAX_SHAPES, LayoutName
     from kinmo.cli.table import TableName
@@ -150,11 +151,11 @@ def test_choices_of_options_equal_those_of_the_program() -> None:
     from kinmo.synth.writers import WRITERS
 
     assert {each.value for each in LayoutName} == WRITERS.keys()
-    assert {each.value for each in MethodName} == METHOD_MODELS.keys()
-    assert {each.value for each in NetworksName} == GROUPS.keys() - METHOD_MODELS.keys() | {"all", "ancsh"}
-    assert {each.value for each in SettingName} == set(get_args(Setting))
-    assert {each.value for each in TableName} == TABLES.keys()
-    assert {each.value for each in ProtocolName} == set(PROTOCOLS)
+    assert set(get_args(MethodName)) == METHOD_MODELS.keys()
+    assert set(get_args(NetworksName)) == set(get_args(Networks)) == GROUPS.keys() - METHOD_MODELS.keys() | {"all", "ancsh"}
+    assert set(get_args(SettingName)) == set(get_args(Setting))
+    assert set(get_args(TableName)) == TABLES.keys()
+    assert set(get_args(ProtocolName)) == set(PROTOCOLS)
     assert MAX_SHAPES == generate.MAX_SHAPES
 
 

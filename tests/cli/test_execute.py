@@ -88,9 +88,9 @@ def test_json_is_valid_in_every_encoding_of_stdout(dry_run: bool, monkeypatch: p
 
 def test_a_dry_run_prints_the_plan_and_runs_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     stage = Sample()
-    execute(CommonOptions(dry_run=True), stage, stage)
+    execute(CommonOptions(dry_run=True), stage)
     assert not stage.ran
-    assert capsys.readouterr().out == "stir\npour\nstir\npour\nabout 4 min\n"
+    assert capsys.readouterr().out == "stir\npour\nabout 2 min\n"
 
 
 def test_a_failure_gives_exit_code_1_after_the_result(capsys: pytest.CaptureFixture[str]) -> None:

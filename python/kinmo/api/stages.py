@@ -55,23 +55,11 @@ def prepare(
         >>> outcome = kinmo.prepare("partnet/")
         >>> len(outcome.data["included"])
     """
-    stage = prepare_stage(folder, workspace, oracle=oracle, seed=seed, workers=workers, cluster=cluster)
-    return _run(stage, observer)
-
-
-def prepare_stage(
-    folder: Path | str,
-    workspace: Path | str,
-    *,
-    oracle: Sequence[Path | str] = (),
-    seed: int = 0,
-    workers: int = 0,
-    cluster: str | None = None,
-) -> Stage:
-    """The stage that `prepare` runs."""
     from kinmo.pipeline.prepare_shapes import Prepare
 
-    return Prepare(Path(folder), Workspace(workspace), worker_count(workers), seed, tuple(map(Path, oracle)), cluster)
+    folders = tuple(map(Path, oracle))
+    stage = Prepare(Path(folder), Workspace(workspace), worker_count(workers), seed, folders, cluster)
+    return stage.run(observer or SilentObserver())
 
 
 def train(
@@ -113,33 +101,21 @@ def train(
     Example:
         >>> kinmo.train("motion", "workspace")
     """
-    stage = train_stage(
-        networks,
-        workspace,
-        config=config,
-        category=category,
-        method=method,
-        setting=setting,
-        start=start,
-        seed=seed,
-        device=device,
-        workers=workers,
-    )
-    return _run(stage, observer)
+    stage = train_stage(networks, workspace, config, category, method, setting, start, seed, device, workers)
+    return stage.run(observer or SilentObserver())
 
 
 def train_stage(
     networks: Networks,
     workspace: Path | str,
-    *,
-    config: str = "small",
-    category: str | None = None,
-    method: str = DEFAULT_METHOD,
-    setting: Setting = "semi-weakly",
-    start: Path | str | None = None,
-    seed: int = 0,
-    device: str = "auto",
-    workers: int = 0,
+    config: str,
+    category: str | None,
+    method: str,
+    setting: Setting,
+    start: Path | str | None,
+    seed: int,
+    device: str,
+    workers: int,
 ) -> Stage:
     """The stage that `train` runs. Raises InputError for unknown names, and for networks for scans with a `start`."""
     _check_name("method", method, METHOD_MODELS)
@@ -195,8 +171,8 @@ def evaluate(
     """
     from kinmo.pipeline.evaluation.evaluate_shapes import EvaluateShapes
 
-    place = Workspace(workspace)
-    return _run(EvaluateShapes(place, tuple(methods), category, device=device, workers=worker_count(workers)), observer)
+    stage = EvaluateShapes(Workspace(workspace), tuple(methods), category, device=device, workers=worker_count(workers))
+    return stage.run(observer or SilentObserver())
 
 
 def worker_count(workers: int) -> int:
@@ -207,7 +183,3 @@ def worker_count(workers: int) -> int:
 def _check_name(argument: str, name: str, known: Collection[str]) -> None:
     if name not in known:
         raise InputError(argument, f"expected one of {', '.join(known)}, got {name}{did_you_mean(name, known)}")
-
-
-def _run(stage: Stage, observer: Observer | None) -> Outcome:
-    return stage.run(observer or SilentObserver())

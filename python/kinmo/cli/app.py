@@ -6,7 +6,6 @@ import inspect
 import os
 import sys
 from collections.abc import Callable, Sequence
-from functools import wraps
 from typing import Annotated, Any
 
 from typer import Exit, Option, Typer
@@ -14,7 +13,7 @@ from typer import Exit, Option, Typer
 from kinmo.cli import eval as evaluation
 from kinmo.cli import predict, prepare, pseudo_label, render, report, synth, table, train
 from kinmo.cli.execute import one_line_errors
-from kinmo.cli.options import with_common_options
+from kinmo.cli.options import CommonOptions
 
 HELP = """Joints for 3D objects.
 
@@ -67,14 +66,19 @@ def program(
 
 
 def _register(name: str, function: Callable[..., None], without: Sequence[str] = ()) -> None:
-    command = with_common_options(function, without)
+    """Add a command. Its function takes `CommonOptions` and its own options; common options `without` keep their defaults."""
+    own = list(inspect.signature(function, eval_str=True).parameters.values())[1:]
+    common = [p for p in inspect.signature(CommonOptions, eval_str=True).parameters.values() if p.name not in without]
 
-    @wraps(command)
-    def guarded(**values: Any) -> None:
+    def command(**values: Any) -> None:
         with one_line_errors():
-            command(**values)
+            options = CommonOptions(**{p.name: values.pop(p.name) for p in common})
+            function(options, **values)
 
-    app.command(name, help=_for_rich(inspect.cleandoc(function.__doc__ or "")))(guarded)
+    parameters = [p.replace(kind=p.KEYWORD_ONLY) for p in own + common]
+    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    command.__annotations__ = {p.name: p.annotation for p in parameters}
+    app.command(name, help=_for_rich(inspect.cleandoc(function.__doc__ or "")))(command)
 
 
 _register("synth", synth.synth)

@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import sys
 import time
-from types import TracebackType
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from kinmo.dataset.stage import Observer, SilentObserver
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
 
 SECONDS_BETWEEN_LINES = 10.0
 
 
-class QuietObserver:
+class QuietObserver(SilentObserver):
     """Shows problems alone."""
-
-    def __enter__(self) -> QuietObserver:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        pass
-
-    def progress(self, what: str, done: int, total: int, detail: str = "") -> None:
-        pass
-
-    def note(self, text: str) -> None:
-        pass
 
     def problem(self, text: str) -> None:
         print(text, file=sys.stderr, flush=True)
@@ -44,32 +39,17 @@ class LineObserver(QuietObserver):
         print(text, file=sys.stderr, flush=True)
 
 
-class BarObserver(QuietObserver):
+class BarObserver(Observer):
     """Shows a bar for each thing in progress, for terminals."""
 
-    def __init__(self) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
-        self._bars = Progress(
-            TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn(),
-            TextColumn("{task.fields[detail]}", markup=False), console=Console(stderr=True), refresh_per_second=4,
-        )  # fmt: skip
-        self._tasks: dict[str, int] = {}
-
-    def __enter__(self) -> BarObserver:
-        self._bars.start()
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self._bars.stop()
+    def __init__(self, bars: Progress) -> None:
+        self._bars = bars
+        self._tasks: dict[str, TaskID] = {}
 
     def progress(self, what: str, done: int, total: int, detail: str = "") -> None:
-        from rich.progress import TaskID
-
         if what not in self._tasks:
-            self._tasks[what] = int(self._bars.add_task(what, total=total, detail=""))
-        self._bars.update(TaskID(self._tasks[what]), completed=done, total=total, detail=detail)
+            self._tasks[what] = self._bars.add_task(what, total=total, detail="")
+        self._bars.update(self._tasks[what], completed=done, total=total, detail=detail)
 
     def note(self, text: str) -> None:
         self._bars.console.print(text, markup=False, highlight=False, soft_wrap=True)
@@ -78,8 +58,17 @@ class BarObserver(QuietObserver):
         self.note(text)
 
 
-def observer(quiet: bool) -> QuietObserver:
+@contextmanager
+def observer(quiet: bool) -> Iterator[Observer]:
     """Observer for the kind of stderr."""
-    if quiet:
-        return QuietObserver()
-    return BarObserver() if sys.stderr.isatty() else LineObserver()
+    if quiet or not sys.stderr.isatty():
+        yield QuietObserver() if quiet else LineObserver()
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    with Progress(
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn(),
+        TextColumn("{task.fields[detail]}", markup=False), console=Console(stderr=True), refresh_per_second=4,
+    ) as bars:  # fmt: skip
+        yield BarObserver(bars)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, get_args
 
 from typer import Argument, BadParameter, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions, MethodName, ProtocolName
-from kinmo.core.errors import InputError
+from kinmo.cli.options import Category, CommonOptions, Details, MethodName, ProtocolName, refuse
 
 
 def evaluate(
@@ -18,14 +17,14 @@ def evaluate(
     truth: Annotated[
         Path | None, Option(help="Folder of PartNet-Mobility shapes to score the URDF files against.", show_default=False)
     ] = None,
-    category: Annotated[str | None, Option(help="Only shapes of this category, in any spelling.", show_default=False)] = None,
+    category: Category = None,
     method: Annotated[MethodName | None, Option(help="Table 1: only rows of this method.", show_default="all")] = None,
-    details: Annotated[bool, Option("--details", help="Print all figures, with intervals and notes.")] = False,
+    details: Details = False,
     ablations: Annotated[bool, Option("--ablations", help="Add rows with other candidates, terms and edges.")] = False,
     hidden_names: Annotated[bool, Option("--hidden-names", help="Add rows with all part names hidden.")] = False,
     protocol: Annotated[
         ProtocolName, Option(help="Errors of scans as kinmo defines them, or as ANCSH's public code computes them.")
-    ] = ProtocolName.KINMO,
+    ] = "kinmo",
 ) -> None:
     """Print the paper's tables for the test shapes and scans.
 
@@ -48,15 +47,9 @@ def evaluate(
     if files is not None and truth is not None:
         from kinmo.pipeline.score_urdfs import ScoreUrdfs
 
-        given = {
-            "--method": method is not None,
-            "--details": details,
-            "--ablations": ablations,
-            "--hidden-names": hidden_names,
-            "--protocol": protocol is not ProtocolName.KINMO,
-        }
-        for name in (name for name, is_given in given.items() if is_given):
-            raise InputError(name, "applies only to the workspace's own shapes and scans, not to FILES")
+        given = {"--method": method, "--details": details, "--ablations": ablations, "--hidden-names": hidden_names}
+        given |= {"--protocol": protocol != "kinmo"}
+        refuse(given, "applies only to the workspace's own shapes and scans, not to FILES")
         execute(options, ScoreUrdfs(files, truth, workspace, category, options.worker_count))
         return
     from kinmo.experiments.evaluate_all import EvaluateAll
@@ -69,7 +62,7 @@ def evaluate(
 
     shapes = EvaluateShapes(
         workspace,
-        methods=tuple(each.value for each in MethodName) if method is None else (method.value,),
+        methods=get_args(MethodName) if method is None else (method,),
         category=category,
         baselines=PaperBaselines(ModelFolder(workspace.models).config().refinement, options.seed),
         more_rows=AblationRows(ablations, hidden_names),
@@ -78,5 +71,5 @@ def evaluate(
         workers=options.worker_count,
         details=details,
     )
-    scans = EvaluateTrained(workspace, category, protocol.value, options.device, details)
+    scans = EvaluateTrained(workspace, category, protocol, options.device, details)
     execute(options, EvaluateAll(shapes, scans))

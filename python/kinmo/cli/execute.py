@@ -20,52 +20,40 @@ from kinmo.core.errors import KinmoError
 from kinmo.core.wording import duration
 
 if TYPE_CHECKING:
-    from kinmo.dataset.stage import Outcome, Plan, Stage
+    from kinmo.dataset.stage import Plan, Stage
 
 FAILED, INTERRUPTED = 1, 130
 
 
-def execute(options: CommonOptions, *stages: Stage) -> None:
-    """Run stages one after the other and print their results; with --dry-run print their plans.
+def execute(options: CommonOptions, stage: Stage) -> None:
+    """Run a stage and print its result; with --dry-run print its plan.
 
     Raises:
         Exit: with code 1, if something that the user asked for failed.
     """
     if options.dry_run:
-        _print_plans([stage.plan() for stage in stages], as_json=options.json)
+        _print_plan(stage.plan(), options.json)
         return
-    outcomes = []
     with observer(options.quiet) as shown:
-        for stage in stages:
-            outcomes.append(stage.run(shown))
-    _print_outcomes(outcomes, options)
-    if any(outcome.failed for outcome in outcomes):
+        outcome = stage.run(shown)
+    if options.json:
+        print(json.dumps(outcome.data, indent=1))
+    else:
+        if outcome.text and not options.quiet:
+            print(outcome.text)
+        print(outcome.path)
+    if outcome.failed:
         raise Exit(FAILED)
 
 
-def _print_plans(plans: list[Plan], as_json: bool) -> None:
+def _print_plan(plan: Plan, as_json: bool) -> None:
     if as_json:
-        print(json.dumps([asdict(plan) for plan in plans], indent=1))
+        print(json.dumps([asdict(plan)], indent=1))
         return
-    steps = [step for plan in plans for step in plan.steps]
-    impossible = [line for plan in plans for line in plan.impossible]
-    if not steps:
-        steps = ["nothing: everything that is possible is up to date" if impossible else "nothing: everything is up to date"]
-    for line in steps + impossible:
-        print(line)
-    seconds = sum(plan.seconds for plan in plans)
-    if seconds:
-        print(f"about {duration(seconds)}")
-
-
-def _print_outcomes(outcomes: list[Outcome], options: CommonOptions) -> None:
-    if options.json:
-        print(json.dumps(outcomes[-1].data if len(outcomes) == 1 else [o.data for o in outcomes], indent=1))
-        return
-    for outcome in outcomes:
-        if outcome.text and not options.quiet:
-            print(outcome.text)
-    print(outcomes[-1].path)
+    nothing = "nothing: everything that is possible is up to date" if plan.impossible else "nothing: everything is up to date"
+    print(*(plan.steps or [nothing]), *plan.impossible, sep="\n")
+    if plan.seconds:
+        print(f"about {duration(plan.seconds)}")
 
 
 @contextmanager
@@ -74,34 +62,29 @@ def one_line_errors() -> Iterator[None]:
     if os.environ.get("KINMO_DEBUG"):
         yield
         return
-    _end_as_by_ctrl_c()
+    if threading.current_thread() is threading.main_thread():  # SIGTERM, which schedulers send, does what Ctrl-C does
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    code = FAILED
     try:
         yield
         sys.stdout.flush()
+        return
     except (Exit, BadParameter):
         raise
-    except KinmoError as error:
-        print(f"kinmo: {error}", file=sys.stderr)
-        raise Exit(FAILED) from None
     except KeyboardInterrupt:
-        print("kinmo: interrupted; the same command continues from here", file=sys.stderr)
-        raise Exit(INTERRUPTED) from None
+        problem, code = "interrupted; the same command continues from here", INTERRUPTED
     except BrokenPipeError:
         # The reader of the output is gone: nothing more can be written, not even by Python's final flush.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise Exit(FAILED) from None
+    except KinmoError as error:
+        problem = str(error)
     except (OSError, MemoryError) as error:
-        print(f"kinmo: {_sentence(error)}", file=sys.stderr)
-        raise Exit(FAILED) from None
+        problem = _sentence(error)
     except Exception as error:
-        print(f"kinmo: internal error: {type(error).__name__}: {_sentence(error)} (KINMO_DEBUG=1 shows where)", file=sys.stderr)
-        raise Exit(FAILED) from None
-
-
-def _end_as_by_ctrl_c() -> None:
-    """Let SIGTERM, which schedulers send, do what Ctrl-C does."""
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        problem = f"internal error: {type(error).__name__}: {_sentence(error)} (KINMO_DEBUG=1 shows where)"
+    print(f"kinmo: {problem}", file=sys.stderr)
+    raise Exit(code)
 
 
 def _sentence(error: BaseException) -> str:

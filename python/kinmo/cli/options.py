@@ -1,39 +1,30 @@
-"""Options that every command has, and the decorator that adds them."""
+"""Options that several commands have. Choices are listed here, because help must start without heavy imports."""
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Sequence
-from dataclasses import MISSING, dataclass, fields
-from enum import Enum
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Literal
 
 from typer import Option
 
+from kinmo.core.errors import InputError
+
 COMMON = "Options of all commands"
 
+MethodName = Literal["kinmo", "paper"]
+"""Methods of `kinmo.methods`."""
+ProtocolName = Literal["kinmo", "ancsh"]
+"""Protocols of `kinmo.pipeline.scans.scan_scores`."""
 
-class MethodName(str, Enum):
-    """Methods of `kinmo.methods`, listed here because help must start without heavy imports."""
-
-    KINMO = "kinmo"
-    PAPER = "paper"
-
-
-class ProtocolName(str, Enum):
-    """Protocols of `kinmo.pipeline.scans.scan_scores`, listed here for the same reason."""
-
-    KINMO = "kinmo"
-    ANCSH = "ancsh"
-
-
+Config = Annotated[str, Option("--config", "-c", help="small (a CPU), paper (a GPU), or a TOML file.")]
+Category = Annotated[str | None, Option(help="Only shapes of this category, in any spelling.", show_default=False)]
+Details = Annotated[bool, Option("--details", help="Print all figures, with intervals and notes.")]
 Start = Annotated[
     Path | None,
     Option("--from", help="Workspace whose trained networks to continue from (kinmo's own method).", show_default=False),
 ]
-
-
 Cluster = Annotated[
     str | None,
     Option(
@@ -79,28 +70,8 @@ class CommonOptions:
         return worker_count(self.workers)
 
 
-def with_common_options(function: Callable[..., Any], without: Sequence[str] = ()) -> Callable[..., Any]:
-    """Turn a function of `CommonOptions` and other parameters into a function of the latter and each common option.
-
-    Args:
-        function: The command; its first parameter is the `CommonOptions`.
-        without: Common options that the command does not need; they keep their defaults.
-    """
-    own = list(inspect.signature(function).parameters.values())[1:]
-    hints = get_type_hints(function, include_extras=True)
-    common = get_type_hints(CommonOptions, include_extras=True)
-    keyword = inspect.Parameter.KEYWORD_ONLY
-    parameters = [p.replace(kind=keyword, annotation=hints[p.name]) for p in own]
-    given = [entry for entry in fields(CommonOptions) if entry.name not in without]
-    for entry in given:
-        assert entry.default is not MISSING
-        parameters.append(inspect.Parameter(entry.name, keyword, default=entry.default, annotation=common[entry.name]))
-
-    def call(**values: Any) -> Any:
-        options = CommonOptions(**{entry.name: values.pop(entry.name) for entry in given})
-        return function(options, **values)
-
-    call.__name__, call.__doc__, call.__module__ = function.__name__, function.__doc__, function.__module__
-    call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    call.__annotations__ = {p.name: p.annotation for p in parameters}
-    return call
+def refuse(options: Mapping[str, object], problem: str) -> None:
+    """Raise InputError for the first of some options that is given, by its name."""
+    for name, value in options.items():
+        if value not in (None, False):
+            raise InputError(name, problem)

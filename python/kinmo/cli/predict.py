@@ -8,12 +8,9 @@ from typing import Annotated, Literal
 from typer import Argument, BadParameter, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import Cluster, CommonOptions, MethodName
-from kinmo.core.errors import InputError
+from kinmo.cli.options import Cluster, CommonOptions, MethodName, refuse
 
 SCANS = "Options for scans"
-MIN_SCALE = 1e-9
-"""Smallest factor for lengths; its inverse is the largest."""
 
 
 def predict(
@@ -39,10 +36,7 @@ def predict(
     metres_per_unit: Annotated[
         float | None,
         Option(
-            min=MIN_SCALE,
-            max=1.0 / MIN_SCALE,
-            help="Length of a unit of the shape's file in metres; 0.001 for millimetres.",
-            show_default="1",
+            min=1e-9, max=1e9, help="Length of a unit of the shape's file in metres; 0.001 for millimetres.", show_default="1"
         ),
     ] = None,
     cluster: Cluster = None,
@@ -52,18 +46,13 @@ def predict(
     ] = None,
     intrinsics: Annotated[
         str | None,
-        Option(
-            metavar="FX,FY,CX,CY",
-            help="Camera of depth images, in pixels.",
-            show_default=False,
-            rich_help_panel=SCANS,
-        ),
+        Option(metavar="FX,FY,CX,CY", help="Camera of depth images, in pixels.", show_default=False, rich_help_panel=SCANS),
     ] = None,
     depth_scale: Annotated[
         float | None,
         Option(
-            min=MIN_SCALE,
-            max=1.0 / MIN_SCALE,
+            min=1e-9,
+            max=1e9,
             help="Number that depths are divided by; 1000 for millimetres.",
             show_default="1",
             rich_help_panel=SCANS,
@@ -95,9 +84,8 @@ def predict(
 
     workspace = Workspace(options.workspace)
     if category is not None:
-        for option, value in (("--up", up), ("--metres-per-unit", metres_per_unit), ("--cluster", cluster)):
-            if value is not None:
-                raise InputError(option, "applies only to shapes; remove it, or remove --category")
+        only_shapes = {"--up": up, "--metres-per-unit": metres_per_unit, "--cluster": cluster}
+        refuse(only_shapes, "applies only to shapes; remove it, or remove --category")
         from kinmo.pipeline.scans.predict_scans import PredictScans
         from kinmo.scans.files.camera_intrinsics import Intrinsics
 
@@ -108,7 +96,7 @@ def predict(
             category,
             intrinsics=None if intrinsics is None else Intrinsics.parse(intrinsics),
             depth_scale=depth_scale,
-            method=None if method is None else method.value,
+            method=method,
             seed=options.seed,
             device=options.device,
         )
@@ -116,16 +104,14 @@ def predict(
         return
     if shape.is_file() and shape.suffix.lower() in SCAN_SUFFIXES:
         raise BadParameter("a scan needs --category, the category of the object in it", param_hint="--category")
-    for name, given in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
-        if given is not None:
-            raise InputError(name, "applies only to scans; give --category too")
+    refuse({"--intrinsics": intrinsics, "--depth-scale": depth_scale}, "applies only to scans; give --category too")
     from kinmo.pipeline.predict_shapes import PredictShapes
 
     shapes = PredictShapes(
         shape,
         out,
         workspace,
-        method=(method or MethodName.KINMO).value,
+        method=method or "kinmo",
         seed=options.seed,
         device=options.device,
         workers=options.worker_count,

@@ -32,9 +32,8 @@ def prepare(
         kinmo prepare partnet/ --oracle partnet/oracle
         kinmo prepare partnet/ --json > prepared.json
     """
-    from kinmo.api.stages import prepare_stage
+    from kinmo.dataset.workspace import Workspace
+    from kinmo.pipeline.prepare_shapes import Prepare
 
-    stage = prepare_stage(
-        folder, options.workspace, oracle=oracle or (), seed=options.seed, workers=options.workers, cluster=cluster
-    )
-    execute(options, stage)
+    workspace, count = Workspace(options.workspace), options.worker_count
+    execute(options, Prepare(folder, workspace, count, options.seed, tuple(oracle or ()), cluster))

@@ -7,13 +7,13 @@ from typing import Annotated
 from typer import Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import Cluster, CommonOptions, MethodName
+from kinmo.cli.options import Category, Cluster, CommonOptions, MethodName
 
 
 def pseudo_label(
     options: CommonOptions,
-    category: Annotated[str | None, Option(help="Only shapes of this category, in any spelling.", show_default=False)] = None,
-    method: Annotated[MethodName, Option(help="Method that predicts the labels.")] = MethodName.KINMO,
+    category: Category = None,
+    method: Annotated[MethodName, Option(help="Method that predicts the labels.")] = "kinmo",
     threshold: Annotated[
         float | None,
         Option(min=0.0, max=1.0, help="Score that every joint of a shape must exceed.", show_default="0.3; of paper 0.6"),
@@ -36,4 +36,4 @@ def pseudo_label(
     from kinmo.pipeline.pseudo_label_shapes import PseudoLabel
 
     workspace, count = Workspace(options.workspace), options.worker_count
-    execute(options, PseudoLabel(workspace, category, method.value, threshold, options.device, count, cluster))
+    execute(options, PseudoLabel(workspace, category, method, threshold, options.device, count, cluster))

@@ -20,7 +20,7 @@ def render(
         Path | None,
         Option(help="Write one test scan to this .npz file, to try kinmo predict on.", show_default=False),
     ] = None,
-    method: Annotated[MethodName, Option(help="Method whose pseudo labels are used.")] = MethodName.KINMO,
+    method: Annotated[MethodName, Option(help="Method whose pseudo labels are used.")] = "kinmo",
     unlabelled: Annotated[bool, Option("--unlabelled", help="Scan shapes without joints too, as they stand.")] = False,
     cluster: Cluster = None,
 ) -> None:
@@ -49,7 +49,7 @@ def render(
         seed=options.seed,
         workers=options.worker_count,
         extra=(*WITH_LABELS, "unlabelled") if unlabelled else WITH_LABELS,
-        method=method.value,
+        method=method,
         cluster=cluster,
     )
     if example is None:

@@ -17,7 +17,7 @@ MAX_SHAPES = 100_000
 
 
 class LayoutName(str, Enum):
-    """Layouts that can be written, listed here because help must start without heavy imports."""
+    """Layouts of `kinmo.synth.writers`. Typer takes no lists of literals."""
 
     PARTNET_MOBILITY = "partnet_mobility"
     PARTNET = "partnet"
@@ -50,7 +50,7 @@ def synth(
     """
     from kinmo.synth.synth_stage import Synth
 
-    layouts = tuple(name.value for name in layout or ())
-    if oracle and layouts and LayoutName.PARTNET.value not in layouts:
+    families, layouts = tuple(family or ()), tuple(name.value for name in layout or ())
+    if oracle and layouts and "partnet" not in layouts:
         raise InputError("--oracle", "applies only to --layout partnet")
-    execute(options, Synth(folder, count, tuple(family or ()), layouts, None, oracle, options.seed, options.worker_count))
+    execute(options, Synth(folder, count, families, layouts, None, oracle, options.seed, options.worker_count))

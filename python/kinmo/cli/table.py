@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-from enum import Enum
-from typing import Annotated
+from typing import Annotated, Literal, get_args
 
 from typer import Argument, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions, MethodName, ProtocolName, Start
+from kinmo.cli.options import CommonOptions, Config, Details, MethodName, ProtocolName, Start
 from kinmo.core.errors import InputError
 
-
-class TableName(str, Enum):
-    """Tables of `kinmo.experiments.scan_tables`, listed here because help must start without heavy imports."""
-
-    SETTINGS = "2"
-    RATIOS = "3"
-    GENERATED = "4"
-    SENSORS = "sensors"
+TableName = Literal["2", "3", "4", "sensors"]
+"""Tables of `kinmo.experiments.scan_tables`."""
 
 
 def table(
     options: CommonOptions,
     name: Annotated[TableName, Argument(help="Table of the paper, or sensors.", show_default=False)],
-    config: Annotated[str, Option("--config", "-c", help="small (a CPU), paper (a GPU), or a TOML file.")] = "small",
+    config: Config = "small",
     category: Annotated[str | None, Option(help="Only this category.", show_default="the table's own")] = None,
     start: Start = None,
     seeds: Annotated[
@@ -37,8 +30,8 @@ def table(
     ] = None,
     protocol: Annotated[
         ProtocolName, Option(help="Errors as kinmo defines them, or as ANCSH's public code computes them.")
-    ] = ProtocolName.KINMO,
-    details: Annotated[bool, Option("--details", help="Print all figures, with intervals and notes.")] = False,
+    ] = "kinmo",
+    details: Details = False,
 ) -> None:
     """Train and evaluate everything for one of the paper's tables of partial scans.
 
@@ -60,21 +53,21 @@ def table(
     from kinmo.dataset.workspace import Workspace
     from kinmo.experiments.scan_tables.make_table import MakeTable
 
-    if name is TableName.SENSORS and method is MethodName.PAPER:
+    if name == "sensors" and method == "paper":
         raise InputError("--method", "sensors has no rows with pseudo labels of paper")
     if start is not None:  # networks of the paper's method cannot continue
-        if method is MethodName.PAPER:
+        if method == "paper":
             raise InputError("--from", "paper cannot start from trained weights; use it with kinmo")
-        method = MethodName.KINMO
+        method = "kinmo"
     stage = MakeTable(
-        name.value,
+        name,
         Workspace(options.workspace),
         config,
-        methods=tuple(each.value for each in MethodName) if method is None else (method.value,),
+        methods=get_args(MethodName) if method is None else (method,),
         category=category,
         seeds=seeds,
         hours=hours,
-        protocol=protocol.value,
+        protocol=protocol,
         seed=options.seed,
         device=options.device,
         workers=options.worker_count,

@@ -2,41 +2,25 @@
 
 from __future__ import annotations
 
-from enum import Enum
-from typing import Annotated
+from typing import Annotated, Literal
 
 from typer import Argument, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions, MethodName, Start
+from kinmo.cli.options import Category, CommonOptions, Config, MethodName, Start
 from kinmo.core.errors import InputError
 
-
-class NetworksName(str, Enum):
-    """Groups of networks of `kinmo.train`, listed here because help must start without heavy imports."""
-
-    ALL = "all"
-    MOTION = "motion"
-    GNN = "gnn"
-    AXIS = "axis"
-    ANCSH = "ancsh"
-    CONTACT_EDGES = "contact-edges"
-
-
-class SettingName(str, Enum):
-    """Settings of `kinmo.pipeline.scans.training_settings`, listed here for the same reason."""
-
-    SUPERVISED = "supervised"
-    SELF_TRAINING = "self-training"
-    SEMI_WEAKLY = "semi-weakly"
-    ORACLE = "oracle"
+NetworksName = Literal["all", "motion", "gnn", "axis", "ancsh", "contact-edges"]
+"""Groups of networks of `kinmo.train`."""
+SettingName = Literal["supervised", "self-training", "semi-weakly", "oracle"]
+"""Settings of `kinmo.pipeline.scans.training_settings`."""
 
 
 def train(
     options: CommonOptions,
     networks: Annotated[NetworksName, Argument(help="Networks to train.", show_default=False)],
-    config: Annotated[str, Option("--config", "-c", help="small (a CPU), paper (a GPU), or a TOML file.")] = "small",
-    category: Annotated[str | None, Option(help="Only shapes of this category, in any spelling.", show_default=False)] = None,
+    config: Config = "small",
+    category: Category = None,
     start: Start = None,
     setting: Annotated[
         SettingName | None,
@@ -75,14 +59,14 @@ def train(
     """
     from kinmo.api.stages import train_stage
 
-    if setting is not None and networks is not NetworksName.ANCSH:
+    if setting is not None and networks != "ancsh":
         raise InputError("--setting", "applies only to kinmo train ancsh")
-    if method is not None and networks not in (NetworksName.ALL, NetworksName.ANCSH):
+    if method is not None and networks not in ("all", "ancsh"):
         raise InputError("--method", "applies only to kinmo train all and ancsh")
-    chosen = setting or SettingName.SEMI_WEAKLY
-    if method is not None and networks is NetworksName.ANCSH and chosen is not SettingName.SEMI_WEAKLY:
-        raise InputError("--method", f"applies only to the setting semi-weakly, not to {chosen.value}")
-    if networks is NetworksName.ANCSH and chosen is SettingName.SELF_TRAINING:
+    setting = setting or "semi-weakly"
+    if method is not None and networks == "ancsh" and setting != "semi-weakly":
+        raise InputError("--method", f"applies only to the setting semi-weakly, not to {setting}")
+    if setting == "self-training":
         from kinmo.dataset.workspace import Workspace
         from kinmo.experiments.self_training.train_by_self_training import TrainBySelfTraining
 
@@ -91,16 +75,5 @@ def train(
         workspace, count = Workspace(options.workspace), options.worker_count
         execute(options, TrainBySelfTraining(workspace, config, category, options.seed, options.device, count))
         return
-    stage = train_stage(
-        networks.value,
-        options.workspace,
-        config=config,
-        category=category,
-        method=(method or MethodName.KINMO).value,
-        setting=chosen.value,
-        start=start,
-        seed=options.seed,
-        device=options.device,
-        workers=options.workers,
-    )
-    execute(options, stage)
+    place, method, device, workers = options.workspace, method or "kinmo", options.device, options.workers
+    execute(options, train_stage(networks, place, config, category, method, setting, start, options.seed, device, workers))
