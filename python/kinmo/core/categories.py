@@ -1,8 +1,7 @@
 """One spelling for the names of object categories.
 
-PartNet-Mobility writes `StorageFurniture` and `Door`. PartNet's hierarchies write `storage_furniture` and `door_set`. The
-tables of the paper mix both. `canonical_category` converts every spelling of a known category to that of PartNet-Mobility.
-Unknown categories are written in lower case with underscores, as in PartNet. The result is a valid folder name.
+PartNet-Mobility writes `StorageFurniture` and `Door`, PartNet's hierarchies write `storage_furniture` and `door_set`, and the
+tables of the paper mix both.
 """
 
 from __future__ import annotations
@@ -34,22 +33,14 @@ def _words(name: str) -> list[str]:
     return "".join(letter if unicodedata.category(letter)[0] in _WORD_CHARACTERS else " " for letter in apart).split()
 
 
-def _key(name: str) -> str:
-    return "".join(_words(name))
-
-
-_SPELLING = {_key(name): name for name in (*_KNOWN, *_PROCEDURAL)} | _ALIASES
+_SPELLING = {"".join(_words(name)): name for name in (*_KNOWN, *_PROCEDURAL)} | _ALIASES
 
 
 def canonical_category(name: str) -> str:
-    """The one spelling of a category that kinmo uses.
+    """The one spelling of a category that kinmo uses, which is a valid folder name.
 
-    Args:
-        name: the category in any spelling.
-
-    Returns:
-        The spelling of PartNet-Mobility for a known category, else lower-case words joined by underscores. A name without
-        letters and digits gives a dash.
+    A known category is spelled as in PartNet-Mobility. Any other gives its lower-case words joined by underscores, as in
+    PartNet, and a name without letters and digits gives a dash.
 
     Example:
         >>> canonical_category("door_set"), canonical_category("GardenGnome")

@@ -45,13 +45,7 @@ def sibling_edges(shape: Shape) -> NDArray[np.int64]:
 def carriers_of(leaf_sets: Sequence[Sequence[int]], mobility: Mobility) -> tuple[int | None, ...]:
     """The body that each set of leaves moves along with.
 
-    Args:
-        leaf_sets: sets of leaves, such as the leaves below each part.
-        mobility: the bodies.
-
-    Returns:
-        For each set the index of the topmost body that owns one of its leaves, if all its other leaves move along with that
-        body. Otherwise None.
+    It is the topmost body that owns one of the leaves. It is None if other leaves of the set do not move along with that body.
     """
     body_of = {leaf: index for index, body in enumerate(mobility.bodies) for leaf in body.leaves}
     moved_along = [set(mobility.descendants(index)) for index in range(len(mobility.bodies))]
@@ -64,22 +58,13 @@ def carriers_of(leaf_sets: Sequence[Sequence[int]], mobility: Mobility) -> tuple
 
 
 def label_edges(shape: Shape, mobility: Mobility, edges: NDArray[np.int64], body_types: dict[int, MotionType]) -> EdgeLabels:
-    """Label edges between parts by the joints of a mobility.
+    """Labels of edges [E, 2] from moving to reference parts (indices into `shape.parts`), from the joints of a mobility.
 
-    Args:
-        shape: the part hierarchy.
-        mobility: the true bodies and joints.
-        edges: [E, 2] indices into `shape.parts`: the moving part and the reference part.
-        body_types: motion type of every movable body, by index of the body (see `motion_type`).
-
-    Returns:
-        One label per edge.
+    `body_types` has the motion type of every movable body, by index of the body (see `motion_type`).
     """
     carriers = carriers_of(shape.leaves_below, mobility)
-    count = len(edges)
-    labels = EdgeLabels(
-        np.full(count, MotionType.NONE, np.int64), np.full(count, -1, np.int64), np.zeros((count, 3)), np.zeros((count, 3))
-    )
+    types, bodies = (np.full(len(edges), value, np.int64) for value in (MotionType.NONE, -1))
+    labels = EdgeLabels(types, bodies, np.zeros((len(edges), 3)), np.zeros((len(edges), 3)))
     for edge, (moving, reference) in enumerate(edges.tolist()):
         carrier, other = carriers[moving], carriers[reference]
         if carrier is None or other is None:

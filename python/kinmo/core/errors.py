@@ -33,15 +33,7 @@ class InputError(KinmoError, ValueError):
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A suggestion to append to a message about an unknown name.
-
-    Args:
-        name: the unknown name.
-        known: all names that are known.
-
-    Returns:
-        `" (did you mean x?)"` with the most similar known name, or an empty text if none is similar.
-    """
+    """`" (did you mean x?)"` with the known name most similar to an unknown one; empty if none is similar."""
     spelled = {each.lower(): each for each in known}
     near = get_close_matches(name.lower(), spelled, n=1)
     return f" (did you mean {spelled[near[0]]}?)" if near else ""
@@ -49,11 +41,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 @contextmanager
 def expecting(what: str, where: Path | str) -> Iterator[None]:
-    """Convert errors about the form of data into an InputError.
-
-    Args:
-        what: the expected form, for the message.
-        where: the file that the data come from.
+    """Convert errors about the form of the data in file `where` into an InputError that names the expected form `what`.
 
     Raises:
         InputError: the block raised ValueError, TypeError, KeyError, IndexError or AttributeError.

@@ -25,56 +25,38 @@ UP_VECTORS: dict[Up, tuple[float, float, float]] = {"y": (0.0, 1.0, 0.0), "z": (
 
 
 def y_up_rotation(up: Vector) -> NDArray[np.float64]:
-    """Rotation from a frame with a given up direction to the y-up frame that models see.
+    """Rotation [3, 3] from a frame with the unit vector `up` [3] to the y-up frame that models see.
 
     A y-up shape stays as it is. A z-up shape is rotated so that its front at -y comes to +z. Any other `up` is rotated to y by
     the smallest angle.
-
-    Args:
-        up: [3], unit vector in the frame of the shape.
-
-    Returns:
-        Rotation matrix [3, 3].
     """
     for axis, vector in UP_VECTORS.items():
         if np.allclose(up, vector, atol=1e-9):
             return TO_Y_UP[axis]
-    return _shortest_rotation(np.asarray(up, float), np.array([0.0, 1.0, 0.0]))
+    return _rotation_to_y(np.asarray(up, float))
 
 
 def z_up_rotation(up: Vector) -> NDArray[np.float64]:
-    """Rotation from a frame with a given up direction to the z-up frame of exports.
+    """Rotation [3, 3] from a frame with the unit vector `up` [3] to the z-up frame of exports.
 
     A y-up shape is rotated as in PartNet-Mobility's own URDF files. A z-up shape stays as it is. Any other `up` is first
     rotated to y by the smallest angle.
-
-    Args:
-        up: [3], unit vector in the frame of the shape.
-
-    Returns:
-        Rotation matrix [3, 3].
     """
     if np.allclose(up, UP_VECTORS["z"], atol=1e-9):
         return np.eye(3)
-    return np.asarray(Y_UP_TO_Z_UP @ _shortest_rotation(np.asarray(up, float), np.array([0.0, 1.0, 0.0])))
+    return np.asarray(Y_UP_TO_Z_UP @ _rotation_to_y(np.asarray(up, float)))
 
 
-def _shortest_rotation(start: Vector, end: Vector) -> NDArray[np.float64]:
-    """Rotation [3, 3] of the unit vector `start` to the y axis `end` by the smallest angle; a half turn is about x."""
-    axis = np.cross(start, end)
-    sine, cosine = float(np.linalg.norm(axis)), float(np.dot(start, end))
+def _rotation_to_y(up: Vector) -> NDArray[np.float64]:
+    """Rotation [3, 3] of the unit vector `up` to the y axis by the smallest angle; a half turn is about x."""
+    y_axis = np.array([0.0, 1.0, 0.0])
+    axis = np.cross(up, y_axis)
+    sine, cosine = float(np.linalg.norm(axis)), float(np.dot(up, y_axis))
     if sine < 1e-9:
         return np.diag([1.0, np.sign(cosine), np.sign(cosine)])
     return np.asarray(Rotation.from_rotvec(axis / sine * np.arctan2(sine, cosine)).as_matrix())
 
 
 def roll_pitch_yaw(rotation: NDArray[np.float64]) -> Vector:
-    """Angles about the fixed axes x, y, z, as URDF writes a rotation.
-
-    Args:
-        rotation: rotation matrix [3, 3].
-
-    Returns:
-        Roll, pitch and yaw [3] in radians.
-    """
+    """Roll, pitch and yaw [3] in radians of a rotation [3, 3]: angles about the fixed axes x, y, z, as URDF writes them."""
     return np.asarray(Rotation.from_matrix(rotation).as_euler("xyz"))

@@ -93,20 +93,9 @@ def joint_to_data(joint: Joint) -> dict[str, Any]:
 def joint_from_data(data: Mapping[str, Any]) -> Joint:
     """The inverse of `joint_to_data`.
 
-    Args:
-        data: what `joint_to_data` returned.
-
-    Returns:
-        The joint.
-
     Raises:
         KeyError, TypeError, ValueError: the data have another form.
     """
-    return Joint(
-        JointKind(data["kind"]),
-        np.array(data["direction"], np.float64),
-        np.array(data["pivot"], np.float64),
-        data["lower"],
-        data["upper"],
-        data["rest"],
-    )
+    kind = JointKind(data["kind"])
+    direction, pivot = (np.array(data[name], np.float64) for name in ("direction", "pivot"))
+    return Joint(kind, direction, pivot, data["lower"], data["upper"], data["rest"])

@@ -23,40 +23,30 @@ def rotation_about(joint: Joint, angle: float) -> Pose:
     return pose
 
 
-def translation_along(joint: Joint, distance: float) -> Pose:
-    """Translation [4, 4] by `distance` along the direction of the joint."""
-    pose = np.eye(4)
-    pose[:3, 3] = distance * joint.direction
-    return pose
-
-
 def joint_motion(joint: Joint, value: float, screw_angle: float = 0.0) -> Pose:
-    """Motion of a joint from the pose of the file to a joint value.
+    """Motion [4, 4] of a joint from the pose of the file (`joint.rest`) to a joint value, in the frame of the joint.
 
     Args:
-        joint: the joint. The file shows its body at `joint.rest`.
+        joint: the joint.
         value: the joint value, an angle in radians (REVOLUTE) or a length (PRISMATIC, SCREW).
         screw_angle: rotation of a SCREW in radians, which is independent of its translation. Other kinds ignore it.
-
-    Returns:
-        Rigid transform [4, 4] in the frame of the joint.
     """
     if joint.kind is JointKind.REVOLUTE:
         return rotation_about(joint, value - joint.rest)
-    slide = translation_along(joint, value - joint.rest)
+    slide = np.eye(4)
+    slide[:3, 3] = (value - joint.rest) * joint.direction
     return slide @ rotation_about(joint, screw_angle) if joint.kind is JointKind.SCREW else slide
 
 
 def forward(mobility: Mobility, values: Mapping[int, float], screw_angles: Mapping[int, float] | None = None) -> Pose:
-    """Poses of all bodies at given joint values. Every body moves along with its parent.
+    """Poses [B, 4, 4] of all bodies at given joint values, as transforms from the pose of the file in the shape's frame.
+
+    Every body moves along with its parent.
 
     Args:
         mobility: B bodies.
         values: joint values by index of the body (see `joint_motion`). A joint without a value stays at rest.
         screw_angles: rotations of screws in radians, by index of the body.
-
-    Returns:
-        Rigid transforms [B, 4, 4] from the pose of the file, in the frame of the shape.
     """
     angles = screw_angles or {}
     poses: dict[int, Pose] = {}

@@ -34,15 +34,9 @@ class Link:
 
 
 def links_of(mobility: Mobility) -> tuple[Link, ...]:
-    """The links of a mobility as one tree.
+    """The links of a mobility as one tree, the base first and every link after its parent.
 
     The base holds all root bodies. It is empty if there is none. Every link also holds the bodies that are fixed to it.
-
-    Args:
-        mobility: bodies with any number of roots.
-
-    Returns:
-        The links, the base first and every link after its parent.
     """
     bodies = mobility.bodies
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from graphlib import CycleError, TopologicalSorter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,15 +71,7 @@ class Mobility:
 
 
 def descendants(parents: Sequence[int | None], index: int) -> tuple[int, ...]:
-    """All nodes at or below a node of a forest.
-
-    Args:
-        parents: the parent of each node, None for roots.
-        index: the node.
-
-    Returns:
-        Indices in breadth-first order, `index` first.
-    """
+    """Node `index` of a forest and all below it, breadth first. `parents` holds the parent of each node, None for roots."""
     found = [index]
     for node in found:
         found += [i for i, parent in enumerate(parents) if parent == node]
@@ -95,16 +88,8 @@ def path_to_root(parents: Mapping[int, int], index: int) -> Iterator[int]:
 
 def has_cycle(parents: Sequence[int | None]) -> bool:
     """True if a node is its own ancestor. `parents` holds the parent of each node, None for roots."""
-    state = [0] * len(parents)
-    for start in range(len(parents)):
-        path = []
-        node: int | None = start
-        while node is not None and state[node] == 0:
-            state[node] = 1
-            path.append(node)
-            node = parents[node]
-        if node is not None and state[node] == 1:
-            return True
-        for visited in path:
-            state[visited] = 2
+    try:
+        TopologicalSorter({node: () if parent is None else (parent,) for node, parent in enumerate(parents)}).prepare()
+    except CycleError:
+        return True
     return False

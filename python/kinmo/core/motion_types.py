@@ -65,18 +65,10 @@ class CoarseType(IntEnum):
 
 
 def motion_type(joint: Joint, box: Box, up: Vector) -> MotionType:
-    """The fine motion type of a joint.
+    """The fine motion type of the joint of a moving part, from the part's oriented box and the unit vector `up` [3].
 
     The axis is vertical (V) within 45 degrees of `up`, else horizontal (H). A revolute axis is central (C) if the centre of the
     box is nearer to it than every corner, else at a side (S).
-
-    Args:
-        joint: the joint of the moving part.
-        box: the oriented box of the moving part, in the frame of the joint.
-        up: [3], unit vector in the same frame.
-
-    Returns:
-        A type other than FIXED and NONE.
     """
     orientation = "V" if joint.is_vertical(up) else "H"
     if joint.kind is not JointKind.REVOLUTE:

@@ -13,40 +13,20 @@ MAX_NAME_BYTES = 150
 
 
 def name_on_disk(text: str) -> str:
-    """A valid name for a file or folder, without ending. Different texts give different names.
-
-    Args:
-        text: any text, such as the id of a shape.
-
-    Returns:
-        The text, percent-encoded and cut to `MAX_NAME_BYTES`.
-    """
+    """Any text, such as the id of a shape, as a valid name for a file or folder. Different texts give different names."""
     return short_name(quote(text, safe=" "), text)
 
 
 def short_name(name: str, text: str) -> str:
-    """Shorten a name for a file or folder to `MAX_NAME_BYTES`.
-
-    Args:
-        name: the name.
-        text: the full text that the name stands for. Its hash keeps shortened names apart.
-
-    Returns:
-        `name` if it is short enough, else its beginning followed by `~` and the hash.
-    """
+    """`name` if it has at most `MAX_NAME_BYTES`, else its beginning, `~`, and the hash of the full text it stands for."""
     encoded = name.encode()
     return name if len(encoded) <= MAX_NAME_BYTES else f"{encoded[:MAX_NAME_BYTES].decode(errors='ignore')}~{digest(text)}"
 
 
-def unique_names(names: Iterable[str], fallback: str = "part") -> list[str]:
-    """Convert names to unique identifiers of letters, digits, `-` and `_`.
+def unique_names(names: Iterable[str]) -> list[str]:
+    """Convert names to identifiers of letters, digits, `-` and `_` that differ even if case is ignored.
 
-    Args:
-        names: any texts.
-        fallback: the name for texts without a valid character.
-
-    Returns:
-        One name for each text, all different even if case is ignored. A repeated name gets a number.
+    A repeated name gets a number, and a name without a valid character becomes `part`.
 
     Example:
         >>> unique_names(["top door", "top/door", ""])
@@ -55,7 +35,7 @@ def unique_names(names: Iterable[str], fallback: str = "part") -> list[str]:
     taken: set[str] = set()
     result = []
     for name in names:
-        stem = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_") or fallback
+        stem = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_") or "part"
         candidate, number = stem, 2
         while candidate.lower() in taken:
             candidate, number = f"{stem}_{number}", number + 1

@@ -86,16 +86,13 @@ def _rescaled(joint: Joint, pivot: Vector, scale: float) -> Joint:
 
 
 def geometry_hash(meshes: Iterable[Mesh]) -> str:
-    """Hash of a shape's surface, to recognise copies of a shape.
+    """Hash of a shape's surface, to recognise copies of a shape: 32 hexadecimal digits.
 
     The hash covers the set of used vertices, rounded to 1e-5 diagonals. It does not depend on position, size, segmentation, or
     the order of parts, vertices and faces. Rounding errors at the border between two steps change it.
 
     Args:
         meshes: all parts of the shape, in the normalised frame.
-
-    Returns:
-        32 hexadecimal digits.
     """
     vertices = np.concatenate([mesh.corners for mesh in meshes])
     steps = np.round(vertices * _HASH_STEPS).astype(np.int64) + _HASH_RANGE // 2

@@ -41,15 +41,11 @@ class Box:
 
 
 def have_similar_size(half_extents: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Compare the size of one box with the sizes of others, whatever the order of their axes and their positions.
+    """True for every box whose sorted extents match those of one box within `SIZE_TOLERANCE`.
 
     Args:
         half_extents: [3], in diagonals of the shape.
         others: [..., 3], in diagonals of the shape.
-
-    Returns:
-        [...], True for every box whose sorted extents match within `SIZE_TOLERANCE`.
     """
     here, there = np.sort(half_extents)[::-1] + MIN_EXTENT, np.sort(others, axis=-1)[..., ::-1] + MIN_EXTENT
-    similar: NDArray[np.bool_] = np.asarray((np.abs(np.log(there / here)) < SIZE_TOLERANCE).all(axis=-1))
-    return similar
+    return np.asarray((np.abs(np.log(there / here)) < SIZE_TOLERANCE).all(axis=-1))

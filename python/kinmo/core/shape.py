@@ -66,14 +66,7 @@ def join(*meshes: Mesh) -> Mesh:
 
 
 def bounds_of(meshes: Iterable[Mesh]) -> tuple[Vector, Vector]:
-    """Axis-aligned bounding box of some meshes.
-
-    Args:
-        meshes: at least one mesh with a face. Vertices that no face uses are ignored.
-
-    Returns:
-        The smallest and the largest corner [3].
-    """
+    """Smallest and largest corner [3] of the axis-aligned bounding box of the faces of some meshes (at least one face)."""
     used = [mesh.corners for mesh in meshes]
     return np.min([v.min(axis=0) for v in used], axis=0), np.max([v.max(axis=0) for v in used], axis=0)
 

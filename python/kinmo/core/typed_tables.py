@@ -29,13 +29,9 @@ class Within:
 
 
 def to_table(record: Any) -> dict[str, Any]:
-    """Convert a dataclass to plain data for JSON.
+    """A dataclass as nested dictionaries and lists for JSON, which `from_table` reads.
 
-    Args:
-        record: the dataclass. Its fields hold numbers, texts, tuples, dictionaries and dataclasses.
-
-    Returns:
-        Nested dictionaries with lists for tuples. `from_table` reads them.
+    Its fields hold numbers, texts, tuples, dictionaries and dataclasses.
     """
 
     def plain(value: Any) -> Any:
@@ -54,9 +50,6 @@ def from_table(kind: type[T], table: Mapping[str, Any], where: Path | str, prefi
         table: the values by field name.
         where: the file, for messages.
         prefix: the path of the table within the file, for messages.
-
-    Returns:
-        The dataclass.
 
     Raises:
         InputError: a key is unknown or missing, or a value has the wrong type or is out of bounds.

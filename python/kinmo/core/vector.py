@@ -10,16 +10,7 @@ Vector = NDArray[np.float64]
 
 
 def distance_to_line(points: NDArray[np.float64], pivot: Vector, direction: Vector) -> NDArray[np.float64]:
-    """Distances of points from a line.
-
-    Args:
-        points: [N, 3].
-        pivot: [3], a point of the line.
-        direction: [3], the unit direction of the line.
-
-    Returns:
-        Distances [N], in the length unit of the points.
-    """
+    """Distances [N] of points [N, 3] from the line through `pivot` along the unit vector `direction`."""
     offsets = points - pivot
     along = offsets @ direction
     squared: NDArray[np.float64] = np.sum(offsets * offsets, axis=-1) - along * along
