@@ -41,7 +41,7 @@ def test_merging_keeps_one_of_equal_lines_and_all_their_sources(seed: int) -> No
 def test_two_equal_boxes_add_no_candidates() -> None:
     box = Box(np.zeros(3), np.eye(3), np.array([0.5, 0.3, 0.1]))
     contact = np.array([[0.5, -0.3, 0.1], [0.5, 0.3, 0.1]])
-    lines = candidate_lines(box, box, contact, np.ones(2) / 2)
+    lines = candidate_lines(box, box, contact, np.ones(2) / 2, {})
     edges = lines.sources[:, LineSource.MINIMUM_BOX_EDGE]
     assert edges.sum() == 12
     assert lines.sources[edges][:, LineSource.ALIGNED_BOX_EDGE].all()

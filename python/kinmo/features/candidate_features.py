@@ -12,11 +12,11 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.features.candidate_lines import LineSource, candidate_lines
-from kinmo.features.group_features import named_group_features
-from kinmo.features.group_geometry import group_geometries
+from kinmo.core.joint import KINDS, JointKind
+from kinmo.core.oriented_box import have_similar_size
+from kinmo.features.candidate_lines import CENTRAL_SOURCES, CandidateLines, LineSource, candidate_lines, distinct_directions
+from kinmo.features.group_geometry import GroupGeometry, group_geometries
 from kinmo.features.line_features import line_features
-from kinmo.features.motion_features import candidate_motions, motion_features
 from kinmo.features.shape_geometry import ShapeGeometry
 
 F64 = NDArray[np.float64]
@@ -34,10 +34,6 @@ class CandidateFeatures:
         features ([C, F] float32): Features of the candidates.
         centers ([U, 3] float64): Centres of the groups' boxes.
         group_features ([U, G] float32): Features of the groups.
-
-    Example:
-        >>> features = CandidateFeatures.of(prepared.candidate_features)
-        >>> features.directions[features.rows(0)]  # axes of the candidate joints of the first group
     """
 
     offsets: NDArray[np.int64]
@@ -54,10 +50,7 @@ class CandidateFeatures:
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """The arrays by name, as `PreparedShape.candidate_features` keeps them, with float64 rounded to float32."""
-        return {
-            name: value.astype(np.float32) if value.dtype == np.float64 else value
-            for name, value in ((field.name, getattr(self, field.name)) for field in fields(self))
-        }
+        return {name: value.astype(np.float32) if value.dtype == np.float64 else value for name, value in vars(self).items()}
 
     @classmethod
     def of(cls, arrays: Mapping[str, NDArray[np.generic]]) -> CandidateFeatures:
@@ -70,12 +63,9 @@ class CandidateFeatures:
 
     def joined(self, others: CandidateFeatures) -> CandidateFeatures:
         """These groups, followed by those of `others`."""
-        arrays = {
-            field.name: np.concatenate([getattr(self, field.name), getattr(others, field.name)])
-            for field in fields(self)
-            if field.name != "offsets"
-        }
-        return CandidateFeatures(np.concatenate([self.offsets, self.offsets[-1] + others.offsets[1:]]), **arrays)
+        arrays = {name: np.concatenate([own, getattr(others, name)]) for name, own in vars(self).items()}
+        arrays["offsets"] = np.concatenate([self.offsets, self.offsets[-1] + others.offsets[1:]])
+        return CandidateFeatures(**arrays)
 
     def rows(self, group: int) -> slice:
         """Rows of one group's candidates."""
@@ -98,29 +88,100 @@ def compute_candidate_features(
             among. Parts of the hierarchy do not depend on which leaves form a body. None: the sizes of the groups.
     """
     geometries = group_geometries(shape, groups)
-    kinds, directions, pivots, features, counts = [], [], [], [], []
+    found = []
     for group in geometries:
         round_lines = {
             LineSource.OWN_ROUND_PIECE: group.own_round.lines,
             LineSource.NEIGHBOUR_ROUND_PIECE: group.neighbour_round.lines,
         }
         lines = candidate_lines(group.minimum, group.aligned, group.contact, group.contact_weights, round_lines)
-        kind, line = candidate_motions(lines)
-        kinds.append(kind)
-        directions.append(lines.directions[line])
-        pivots.append(lines.pivots[line])
-        motions = motion_features(group, kind, directions[-1], pivots[-1])
-        features.append(np.column_stack([line_features(shape, group, lines)[line], motions]))
-        counts.append(len(kind))
+        kind, line = _motions(lines)
+        motion = kind, lines.directions[line], lines.pivots[line]
+        features = np.column_stack([line_features(shape, group, lines)[line], _motion_features(group, *motion)])
+        found.append((*motion, features.astype(np.float32)))
     if part_sizes is None:
         part_sizes = np.array([group.minimum.half_extents for group in geometries])
-    whole = [np.concatenate(list(named_group_features(shape, group, part_sizes).values())) for group in geometries]
-    return CandidateFeatures(
-        np.concatenate([[0], np.cumsum(counts)]),
-        np.concatenate(kinds),
-        np.concatenate(directions),
-        np.concatenate(pivots),
-        np.concatenate(features).astype(np.float32),
-        np.array([group.aligned.center for group in geometries]),
-        np.array(whole, np.float32),
-    )
+    offsets = np.concatenate([[0], np.cumsum([len(kinds) for kinds, *_ in found])])
+    kinds, directions, pivots, all_features = (np.concatenate(values) for values in zip(*found, strict=True))
+    centers = np.array([group.aligned.center for group in geometries])
+    whole = np.array([_group_features(shape, group, part_sizes) for group in geometries], np.float32)
+    return CandidateFeatures(offsets, kinds, directions, pivots, all_features, centers, whole)
+
+
+def _motions(lines: CandidateLines) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Codes of the kinds [C] and indices of the lines [C] of all candidate joints.
+
+    A part may turn about each line, slide along each distinct direction, and screw about each central line.
+    """
+    slides = distinct_directions(lines)
+    screws = np.flatnonzero(lines.sources[:, list(CENTRAL_SOURCES)].any(axis=1))
+    kinds = np.repeat([kind.code for kind in KINDS], [len(lines), len(slides), len(screws)])
+    return kinds, np.concatenate([np.arange(len(lines)), slides, screws])
+
+
+def _motion_features(group: GroupGeometry, kinds: NDArray[np.int64], directions: F64, pivots: F64) -> F64:
+    """Features [C, 7] of each motion: its kind, and the share of its velocity that slides along or runs into the contact.
+
+    Swept collisions (`kinmo.features.joint_limits`) are no features: they cost more time than all others and did not improve
+    the ranking.
+    """
+    w = group.contact_weights
+    turning = np.cross(directions[:, None], group.contact[None] - pivots[:, None])
+    turning /= np.maximum(np.linalg.norm(turning, axis=-1).max(axis=1), 1e-6)[:, None, None]
+    velocity = np.where((kinds == JointKind.PRISMATIC.code)[:, None, None], directions[:, None], turning)
+    normal_velocity = np.einsum("hni,ni->hn", velocity, group.toward)
+    speed = np.linalg.norm(velocity, axis=-1) @ w
+    normal_speed = np.abs(normal_velocity) @ w
+    one_sided = np.abs(normal_velocity @ w) / np.maximum(normal_speed, 1e-6)
+    features = {
+        "kind": np.eye(3)[kinds],
+        "speed into the contact": normal_speed,
+        "share of speed into the contact": normal_speed / np.maximum(speed, 1e-6),
+        "one-sided contact": one_sided,
+        "blocked in one direction": one_sided * normal_speed,
+    }
+    return np.column_stack(list(features.values()))
+
+
+def _group_features(shape: ShapeGeometry, group: GroupGeometry, part_sizes: F64) -> F64:
+    """Size, position, flatness, roundness, contact, protrusion and repetition of a group [G] among parts of sizes [P, 3]."""
+    up, axes = shape.up, group.sorted_axes
+    half = np.sort(group.minimum.half_extents)[::-1]
+    low, high = shape.extents
+    size = np.maximum(high - low, 1e-6)
+    placed = group.points @ shape.frame.T
+    heights = (placed[:, 2] - low[2]) / size[2]
+    margins = np.minimum(placed.min(axis=0) - low, high - placed.max(axis=0)) / size
+    axis_cosines = np.abs(group.normals @ axes.T)
+    offset = group.aligned.center - shape.middle
+    contact = group.contact_weights @ group.contact - group.aligned.center
+    protrusion = group.protrusion - group.aligned.center
+    alike = have_similar_size(half, part_sizes).sum()
+    area = shape.areas[list(group.leaves)].sum() / max(shape.areas.sum(), 1e-12)
+    features = {
+        "extents": np.log(half + 1e-3),
+        "horizontal extents": np.log(np.sort(group.aligned.half_extents[:2]) + 1e-3),
+        "height": np.log(group.aligned.half_extents[2] + 1e-3),
+        "axes against up": np.abs(axes @ up),
+        "area": np.log(area + 1e-4),
+        "volume": np.log(group.aligned.volume + 1e-7),
+        "tilt": min(group.minimum.volume / max(group.aligned.volume, 1e-12), 1.5),
+        "heights": np.quantile(heights, [0.0, 0.5, 1.0]),
+        "distance from the middle": np.linalg.norm(offset - (offset @ up) * up),
+        "margins to the sides": np.sort(margins[:2]),
+        "margin to top or bottom": margins[2],
+        "flat faces": (axis_cosines > 0.97).mean(axis=0),
+        "round faces": (axis_cosines.max(axis=1) < 0.9).mean(),
+        "distances to the rest": np.log(np.quantile(group.distances, [0.0, 0.1, 0.5, 0.9, 1.0]) + 1e-3),
+        "share in contact": [(group.distances < near).mean() for near in (0.003, 0.01, 0.03, 0.08)],
+        "contact": [contact @ up / group.half_diagonal, np.linalg.norm(contact) / group.half_diagonal],
+        "contact against up": group.mean_toward @ up,
+        "one-sided contact": np.linalg.norm(group.mean_toward),
+        "contact against axes": np.abs(axes @ group.mean_toward),
+        "protrusion": [np.linalg.norm(protrusion - contact) / group.half_diagonal, protrusion @ up / group.half_diagonal],
+        "counts": np.log1p([alike, len(part_sizes), len(shape.areas), len(group.leaves), len(group.riders)]),
+        "round pieces": np.log1p([len(group.own_round), len(group.neighbour_round)]),
+        "stands alone": float(not group.rest),
+        "object size": np.log([*np.sort(size[:2]), size[2]]),
+    }
+    return np.concatenate([np.atleast_1d(np.asarray(value, float)) for value in features.values()])

@@ -64,13 +64,9 @@ class CandidateLines:
 
 
 def box_lines(box: Box) -> tuple[F64, F64, NDArray[np.bool_]]:
-    """The 12 edges and 3 centre lines of a box.
+    """The 12 edges and 3 centre lines of a box: unit directions [15, 3], pivots [15, 3], and a mask [15] of the edges.
 
-    Args:
-        box: An oriented box.
-
-    Returns:
-        Unit directions [15, 3], pivots [15, 3] (midpoints of the edges, the box centre), and a mask [15] of the edges.
+    Pivots are midpoints of the edges, and the box centre.
     """
     directions, pivots, is_edge = [], [], []
     for axis in range(3):
@@ -84,13 +80,9 @@ def box_lines(box: Box) -> tuple[F64, F64, NDArray[np.bool_]]:
 
 
 def merge_lines(directions: F64, pivots: F64, sources: NDArray[np.int64], center: F64) -> CandidateLines:
-    """Merge near-equal lines: keep the first of each set, with the sources of all.
+    """Merge near-equal lines (unit directions [K, 3], pivots [K, 3], sources [K]): keep the first of each set.
 
-    Args:
-        directions ([K, 3]): Unit vectors.
-        pivots ([K, 3]): One point of each line.
-        sources ([K]): `LineSource` of each line.
-        center ([3]): Centre of the part; pivots move along their lines to the points nearest to it.
+    It gets the sources of all. Pivots move along their lines to the points nearest to the part's centre.
     """
     pivots = pivots + np.sum((center - pivots) * directions, axis=1, keepdims=True) * directions
     parallel = np.abs(directions @ directions.T) > SAME_DIRECTION
@@ -108,20 +100,12 @@ def merge_lines(directions: F64, pivots: F64, sources: NDArray[np.int64], center
 
 
 def candidate_lines(
-    minimum: Box,
-    aligned: Box,
-    contact_points: F64,
-    contact_weights: F64,
-    others: Mapping[LineSource, F64] | None = None,
+    minimum: Box, aligned: Box, contact_points: F64, contact_weights: F64, others: Mapping[LineSource, F64]
 ) -> CandidateLines:
     """All candidate axes of a part, near-equal ones merged.
 
-    Args:
-        minimum: Minimum-volume box of the part.
-        aligned: Box of the part along the object's own axes.
-        contact_points ([M, 3]): Points of the part where it comes closest to the other parts.
-        contact_weights ([M]): Weights of these points.
-        others: Further lines by source, [S, 2, 3] pairs of (point, direction).
+    They come from its minimum-volume and its aligned box, its contact points [M, 3] with weights [M], and `others`: further
+    lines by source, [S, 2, 3] pairs of (point, direction).
     """
     directions, pivots, sources = [], [], []
     for box, edge, middle in (
@@ -138,7 +122,7 @@ def candidate_lines(
     directions += [principal[None], aligned.axes, minimum.axes]
     pivots += [centroid[None], np.repeat(centroid[None], 6, axis=0)]
     sources += [LineSource.CONTACT_LINE] + [LineSource.CONTACT_CENTER] * 6
-    for source, lines in (others or {}).items():
+    for source, lines in others.items():
         directions.append(lines[:, 1])
         pivots.append(lines[:, 0])
         sources += [source] * len(lines)

@@ -68,8 +68,7 @@ class GroupGeometry:
     @cached_property
     def sorted_axes(self) -> F64:
         """Axes [3, 3] of the minimum-volume box, the longest first."""
-        axes: F64 = self.minimum.axes[np.argsort(-self.minimum.half_extents)]
-        return axes
+        return np.asarray(self.minimum.axes[np.argsort(-self.minimum.half_extents)])
 
     @cached_property
     def half_diagonal(self) -> float:
@@ -78,26 +77,20 @@ class GroupGeometry:
 
     @cached_property
     def protrusion(self) -> F64:
-        """Mean [3] of the points farthest from the leaves that stay, such as those of a handle.
-
-        It is the middle of a group that protrudes evenly.
-        """
+        """Mean [3] of the points farthest from the leaves that stay, such as a handle; the middle if the group is even."""
         weights = np.exp((self.distances - self.distances.max()) / PROTRUSION_SCALE)
-        protrusion: F64 = weights @ self.points / weights.sum()
-        return protrusion
+        return np.asarray(weights @ self.points / weights.sum())
 
     @cached_property
     def mean_toward(self) -> F64:
         """Weighted mean [3] of `toward`."""
-        toward: F64 = self.contact_weights @ self.toward
-        return toward
+        return np.asarray(self.contact_weights @ self.toward)
 
 
 def contact_weights(distances: F64) -> F64:
     """Weights [m] of contact points by their distances [m] to the other leaves, ascending; they sum to one."""
-    weights: F64 = np.exp(-(distances - distances[0]) / CONTACT_SCALE)
-    weights /= weights.sum()
-    return weights
+    weights = np.exp(-(distances - distances[0]) / CONTACT_SCALE)
+    return np.asarray(weights / weights.sum())
 
 
 def group_geometries(shape: ShapeGeometry, groups: Sequence[Sequence[int]]) -> list[GroupGeometry]:

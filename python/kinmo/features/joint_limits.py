@@ -66,19 +66,18 @@ class JointLimits:
 def estimate_joint_limits(
     meshes: _core.Meshes, moving: Sequence[int], obstacles: Sequence[int], candidates: CandidateJoints, points: F64
 ) -> JointLimits:
-    """Limits of every candidate joint of one part.
+    """Limits of every candidate joint of one part with the points [n, 3], in the normalised frame.
 
-    Args:
-        meshes: Meshes of the leaves, in the normalised frame.
-        moving: Indices of the meshes that move, those of the part's descendants included.
-        obstacles: Indices of the meshes that stay.
-        candidates: Candidate joints of the part.
-        points ([n, 3]): Points of the part.
+    `moving` are the positions of the leaves that move, with those of the part's descendants. `obstacles` are those that stay.
     """
     slides = candidates.kinds != JointKind.REVOLUTE.code
     lengths = np.ptp(points @ candidates.directions.T, axis=0)
     reach = np.where(slides, np.maximum(lengths, 1e-6), math.pi)
-    lower, upper = _free_travel(meshes, moving, obstacles, candidates, slides, reach)
+    lower, upper = -reach, reach
+    if obstacles:  # screws are swept as sliders
+        codes = np.where(slides, JointKind.PRISMATIC.code, candidates.kinds).astype(np.uint8)
+        axes = candidates.directions, candidates.pivots
+        lower, upper, _ = _core.sweep(meshes, list(moving), list(obstacles), codes, *axes, lower, upper)
     wanted = np.where(slides, FREE_SLIDE * reach, FREE_ANGLE)
     freedom = np.clip(np.maximum(upper, -lower) / wanted, 0.0, 1.0)
     middle, size = 0.5 * (points.min(axis=0) + points.max(axis=0)), np.linalg.norm(np.ptp(points, axis=0))
@@ -91,21 +90,3 @@ def estimate_joint_limits(
     lower = np.where(slides, np.where(is_forward, 0.0, -slide), np.maximum(lower, -MAX_HINGE_ANGLE))
     upper = np.where(slides, np.where(is_forward, slide, 0.0), np.minimum(upper, MAX_HINGE_ANGLE))
     return JointLimits(lower, upper, unlimited, freedom)
-
-
-def _free_travel(
-    meshes: _core.Meshes,
-    moving: Sequence[int],
-    obstacles: Sequence[int],
-    candidates: CandidateJoints,
-    slides: NDArray[np.bool_],
-    reach: F64,
-) -> tuple[F64, F64]:
-    """Travel [C] down and up until a collision, at most `reach`; screws are swept as sliders."""
-    if not obstacles:
-        return -reach, reach.copy()
-    codes = np.where(slides, JointKind.PRISMATIC.code, candidates.kinds).astype(np.uint8)
-    lower, upper, _ = _core.sweep(
-        meshes, list(moving), list(obstacles), codes, candidates.directions, candidates.pivots, -reach, reach
-    )
-    return lower, upper

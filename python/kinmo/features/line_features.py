@@ -35,17 +35,9 @@ DETAIL_AREA = 0.1
 
 
 def line_features(shape: ShapeGeometry, group: GroupGeometry, lines: CandidateLines) -> F64:
-    """Features of each axis: direction, position, contact, protrusion, surroundings and symmetry.
+    """Features [K, A] of the axes of a part: direction, position, contact, protrusion, surroundings and symmetry.
 
     The features do not change when the object turns about `up`.
-
-    Args:
-        shape: The shape.
-        group: The part that the axes belong to.
-        lines: Its K candidate axes.
-
-    Returns:
-        [K, A] features.
     """
     up, d, p = shape.up, lines.directions, lines.pivots
     half = group.half_diagonal
@@ -154,20 +146,14 @@ def front_normal(shape: ShapeGeometry, group: GroupGeometry) -> F64:
     """Horizontal normal [3] of the part's thin side, away from the object's middle; shorter where its sign is unclear."""
     normal = group.sorted_axes[2]
     outside = float(np.clip(normal @ (group.aligned.center - shape.middle) / CLEAR_OFFSET, -1.0, 1.0))
-    horizontal: F64 = outside * (normal - (normal @ shape.up) * shape.up)
-    return horizontal
+    return np.asarray(outside * (normal - (normal @ shape.up) * shape.up))
 
 
 def rotational_mismatch(group: GroupGeometry, lines: CandidateLines, eccentricity: F64) -> F64:
-    """Mean distance between the part and itself rotated about each axis, in tenths of its size.
+    """Mean distance [K, 3] between a part and itself after each of `ROTATIONS` about each axis, in tenths of its size.
 
-    Args:
-        group: The part.
-        lines: Its K candidate axes.
-        eccentricity ([K]): Distances of the axes from the part's centre, as a share of its radius about them.
-
-    Returns:
-        [K, 3] mismatch for each of `ROTATIONS`, at most 1; 1 for axes that are not central.
+    The mismatch is at most 1, and 1 for axes that are not central by their `eccentricity` [K], the distance from the part's
+    centre as a share of its radius about the axis.
     """
     mismatch = np.ones((len(lines), len(ROTATIONS)))
     central = np.flatnonzero(eccentricity < MAX_ECCENTRICITY)

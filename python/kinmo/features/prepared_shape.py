@@ -45,24 +45,18 @@ class Boxes:
     def __getitem__(self, index: int) -> Box:
         return Box(self.centers[index], self.axes[index], self.half_extents[index])
 
+    def subset(self, rows: slice | Sequence[int]) -> Boxes:
+        """The boxes at some rows, in that order."""
+        return Boxes(self.centers[rows], self.axes[rows], self.half_extents[rows])
+
 
 def leaf_groups(parts: Sequence[tuple[int, ...]], bodies: Sequence[tuple[int, ...]]) -> tuple[tuple[int, ...], ...]:
-    """Distinct sets of leaves that form a part below the root or a body, parts first.
-
-    Args:
-        parts: Leaves of every part; the root comes first.
-        bodies: Leaves of every body.
-    """
+    """Distinct sets of leaves that form a part below the root (the first of `parts`) or a body, parts first."""
     return tuple(dict.fromkeys((*parts[1:], *bodies)))
 
 
 def part_sizes(parts: Sequence[tuple[int, ...]], boxes: Boxes) -> NDArray[np.float64]:
-    """Half extents [P, 3] of the distinct parts below the root.
-
-    Args:
-        parts: Leaves of every part; the root comes first.
-        boxes: Boxes of all parts.
-    """
+    """Half extents [P, 3] of the distinct parts below the root, from the leaves and the boxes of all parts."""
     position = {part: index for index, part in enumerate(parts)}
     return boxes.half_extents[[position[part] for part in leaf_groups(parts, ())]]
 
@@ -162,11 +156,7 @@ def check_unchanged(shape: Shape, prepared: PreparedShape) -> None:
 
 
 def leaf_meshes(shape: Shape, prepared: PreparedShape) -> _core.Meshes:
-    """Meshes of the leaves of `shape`, in the normalised frame of `prepared`.
-
-    Args:
-        shape: The shape, read from its files.
-        prepared: The same shape, prepared.
+    """Meshes of the leaves of `shape`, as read from its files, in the normalised frame of `prepared`.
 
     Raises:
         InputError: `shape` is not the one that was prepared.

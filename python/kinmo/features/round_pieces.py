@@ -59,8 +59,7 @@ class RoundPieces:
     @property
     def reaches(self) -> F64:
         """Largest distance [K] of a point of each piece from its middle."""
-        reaches: F64 = np.hypot(self.radii, self.half_lengths)
-        return reaches
+        return np.asarray(np.hypot(self.radii, self.half_lengths))
 
     def nearest_to(self, point: F64) -> RoundPieces:
         """The pieces, `MAX_PIECES` or fewer, whose lines pass nearest to `point` [3]."""
@@ -71,18 +70,10 @@ class RoundPieces:
 def joint_pieces(
     pieces: RoundPieces, meshes: _core.Meshes, group: Sequence[int], touched: NDArray[np.bool_], near: float, contact: F64
 ) -> tuple[RoundPieces, RoundPieces]:
-    """Round pieces that a group of leaves may turn about.
+    """Round pieces that a group of leaves may turn about: its own, and those of the leaves that it touches ([L] bool).
 
-    Args:
-        pieces: Round pieces of all L leaves.
-        meshes: Meshes of the leaves.
-        group: Positions of the group's leaves.
-        touched ([L] bool): Leaves that the group touches.
-        near: Largest distance between the group and a piece of a touched leaf, in diagonals.
-        contact ([3]): Middle of the group's contact region.
-
-    Returns:
-        Pieces of the group, and pieces of the touched leaves, each limited to those nearest to `contact`.
+    A piece of a touched leaf is at most `near` from the group. Of both, the pieces nearest to the middle `contact` [3] of the
+    group's contact region are kept.
     """
     own = np.isin(pieces.leaves, group)
     others = pieces.subset(~own & touched[pieces.leaves])

@@ -27,17 +27,10 @@ FLAT_FACES = np.radians(6.0)
 
 
 def object_frame(normals: F64, weights: F64, up: F64) -> F64:
-    """The object's own axes: two horizontal ones and `up`.
+    """The object's own axes [3, 3] as unit rows: two horizontal ones, and `up` last.
 
-    The horizontal axes are the directions that most surface faces, counted modulo quarter turns. They turn with the object.
-
-    Args:
-        normals ([N, 3]): Unit normals of the surface.
-        weights ([N]): Surface areas of the normals.
-        up ([3]): Unit vector.
-
-    Returns:
-        [3, 3] unit rows, `up` last.
+    The horizontal axes are the directions that most surface faces, counted modulo quarter turns. They turn with the object. The
+    surface is given by unit normals [N, 3] and their areas `weights` [N].
     """
     east = np.cross(up, [0.0, 0.0, 1.0] if abs(up[2]) < 0.9 else [1.0, 0.0, 0.0])
     east /= np.linalg.norm(east)
@@ -84,15 +77,7 @@ class ShapeGeometry:
     def of(
         cls, meshes: _core.Meshes, points: NDArray[np.float32], normals: NDArray[np.float32], areas: F64, up: F64
     ) -> ShapeGeometry:
-        """Geometry of leaves with surface samples `points` and `normals` [L, n, 3] in random order.
-
-        Args:
-            meshes: Meshes of the leaves in the normalised frame.
-            points ([L, n, 3]): Surface samples.
-            normals ([L, n, 3]): Unit normals at the samples.
-            areas ([L]): Surface areas.
-            up ([3]): Unit vector.
-        """
+        """Geometry of leaves from their meshes, samples and areas (see the attributes), and the unit vector `up` [3]."""
         few = normals[:, :FRAME_NORMALS].astype(float)
         weights = np.repeat(areas / few.shape[1], few.shape[1])
         frame = object_frame(few.reshape(-1, 3), weights, up)
@@ -111,20 +96,17 @@ class ShapeGeometry:
     @property
     def up(self) -> F64:
         """Upward unit vector [3]."""
-        up: F64 = self.frame[2]
-        return up
+        return np.asarray(self.frame[2])
 
     @cached_property
     def middle(self) -> F64:
         """Middle [3] of the object's box along its own axes."""
-        middle: F64 = self.extents.mean(axis=0) @ self.frame
-        return middle
+        return np.asarray(self.extents.mean(axis=0) @ self.frame)
 
     @cached_property
     def centroids(self) -> F64:
         """Centroids [L, 3] of the leaves' surfaces."""
-        centroids: F64 = self.points.mean(axis=1)
-        return centroids
+        return np.asarray(self.points.mean(axis=1))
 
     @cached_property
     def round_pieces(self) -> RoundPieces:
@@ -141,15 +123,9 @@ class ShapeGeometry:
         return points, normals
 
     def surroundings(self, group: Sequence[int]) -> tuple[list[int], list[int]]:
-        """Leaves that stay when a group of leaves moves, and its riders.
+        """Positions of the leaves that stay when a group of leaves moves, and of its riders.
 
         Riders are small leaves that touch the group and nothing else that stays, such as a knob on a door.
-
-        Args:
-            group: Positions of the leaves that move.
-
-        Returns:
-            Positions of the leaves that stay, and of the riders.
         """
         others = np.setdiff1d(np.arange(len(self.areas)), np.asarray(group))
         if len(others) == 0:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.core.edge_labels import EdgeLabels, label_edges, sibling_edges
-from kinmo.core.mobility import Mobility
 from kinmo.core.motion_types import MotionType, motion_type
 from kinmo.core.normalisation import Normalisation, geometry_hash
 from kinmo.core.shape import Shape
@@ -24,21 +23,15 @@ POINTS_PER_LEAF = 1024
 
 
 def prepare_shape(shape: Shape, *, points: int = POINTS_PER_LEAF, seed: int = 0) -> PreparedShape:
-    """Compute samples, boxes, distances, candidate features and labels of a shape.
+    """Compute samples, boxes, distances, candidate features and labels of a shape, in the normalised frame.
 
     Args:
         shape: A shape in the frame and lengths of its file.
         points: Surface samples per leaf.
         seed: Seed of the samples; they depend on it and on the shape's id alone.
 
-    Returns:
-        The prepared shape, in the normalised frame.
-
     Raises:
         ValueError: The geometry core rejects the meshes; the message names the argument.
-
-    Example:
-        >>> prepared = prepare_shape(read_partnet_mobility(Path("dataset/40147")))
     """
     frame = Normalisation.of(shape)
     leaf_meshes = [frame.mesh(mesh) for mesh in shape.meshes()]
@@ -48,7 +41,7 @@ def prepare_shape(shape: Shape, *, points: int = POINTS_PER_LEAF, seed: int = 0)
     mobility = None if shape.mobility is None else frame.mobility(shape.mobility)
     bodies = [] if mobility is None else [tuple(sorted(position[leaf] for leaf in body.leaves)) for body in mobility.bodies]
     symmetric = _fit_boxes(lambda groups: _core.fit_symmetric_boxes(meshes, groups)[:3], parts + bodies)
-    symmetric_boxes, body_boxes = _split(symmetric, len(parts))
+    body_boxes = symmetric.subset(slice(len(parts), None))
     samples, normals, _ = _core.sample_surface(meshes, points, shape_seed(shape.id, seed))
     edges = sibling_edges(shape)
     up, areas = np.array(shape.up, np.float64), meshes.areas()
@@ -60,7 +53,7 @@ def prepare_shape(shape: Shape, *, points: int = POINTS_PER_LEAF, seed: int = 0)
     body_types: dict[int, MotionType] = {}
     edge_labels: EdgeLabels | None = None
     if mobility is not None:
-        body_types = _body_types(mobility, body_boxes, up)
+        body_types = {i: motion_type(body.joint, body_boxes[i], up) for i, body in mobility.movable() if body.joint is not None}
         edge_labels = label_edges(shape, mobility, edges, body_types)
     return PreparedShape(
         id=shape.id,
@@ -80,7 +73,7 @@ def prepare_shape(shape: Shape, *, points: int = POINTS_PER_LEAF, seed: int = 0)
         leaf_normals=normals,
         leaf_areas=areas,
         minimum_boxes=minimum_boxes,
-        symmetric_boxes=symmetric_boxes,
+        symmetric_boxes=symmetric.subset(slice(len(parts))),
         aligned_boxes=_fit_boxes(lambda groups: _core.fit_aligned_boxes(meshes, np.eye(3), groups), parts),
         edges=edges,
         edge_distances=_edge_distances(meshes, parts, edges),
@@ -100,20 +93,7 @@ def shape_seed(shape_id: str, seed: int) -> int:
 def _fit_boxes(fit: Callable[[list[list[int]]], tuple[F64, ...]], groups: Sequence[tuple[int, ...]]) -> Boxes:
     """Boxes of all groups of leaves; equal groups, such as a body and the part it consists of, are fitted once."""
     position = {group: index for index, group in enumerate(dict.fromkeys(groups))}
-    fitted = fit([list(group) for group in position])
-    rows = [position[group] for group in groups]
-    return Boxes(*(array[rows] for array in fitted))
-
-
-def _split(boxes: Boxes, count: int) -> tuple[Boxes, Boxes]:
-    """The first `count` boxes and the others."""
-    arrays = (boxes.centers, boxes.axes, boxes.half_extents)
-    return Boxes(*(array[:count] for array in arrays)), Boxes(*(array[count:] for array in arrays))
-
-
-def _body_types(mobility: Mobility, boxes: Boxes, up: F64) -> dict[int, MotionType]:
-    """Motion type of every movable body; `boxes` are those of all bodies."""
-    return {index: motion_type(body.joint, boxes[index], up) for index, body in mobility.movable() if body.joint is not None}
+    return Boxes(*fit([list(group) for group in position])).subset([position[group] for group in groups])
 
 
 def _edge_distances(meshes: _core.Meshes, parts: Sequence[tuple[int, ...]], edges: NDArray[np.int64]) -> F64:

@@ -15,10 +15,7 @@ from kinmo.features.prepared_shape import PreparedShape
 def symmetric_box(shape: PreparedShape, leaves: Sequence[int], meshes: _core.Meshes | None = None) -> Box:
     """Symmetry-aligned box of some leaves: the stored one if they form a part or a body, a fitted one otherwise.
 
-    Args:
-        shape: The prepared shape.
-        leaves: Positions of the leaves.
-        meshes: Meshes of all leaves, in the normalised frame. None: the box is fitted to the convex hull of the samples.
+    It is fitted to `meshes` of all leaves in the normalised frame, or without them to the convex hull of the samples.
     """
     wanted = tuple(sorted(leaves))
     for stored, boxes in ((shape.leaves_below, shape.symmetric_boxes), (shape.body_leaves, shape.body_boxes)):
