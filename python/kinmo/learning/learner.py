@@ -46,13 +46,7 @@ class Learner(nn.Module):
         return means[MONITOR]
 
     def log(self, stage: Literal["training", "validation"], count: int, **values: Tensor) -> None:
-        """Add metrics of one batch to their means over the epoch.
-
-        Args:
-            stage: First part of the metrics' names, as in "training/loss".
-            count: Number of examples that each value is a mean of, its weight in the mean over the epoch.
-            values: Scalars by name.
-        """
+        """Add metrics of one batch, each a mean over `count` examples, to the means of "stage/name" over the epoch."""
         for name, value in values.items():
             total, seen = self._sums.get(f"{stage}/{name}", (0.0, 0))
             self._sums[f"{stage}/{name}"] = total + value.detach().float() * count, seen + count

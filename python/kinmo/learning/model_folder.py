@@ -128,13 +128,7 @@ def _header(path: Path) -> dict[str, Any]:
 
 
 def saved_config(kind: type[T], table: Mapping[str, Any], path: Path, prefix: str = "") -> T:
-    """Configuration that an earlier training wrote.
-
-    Args:
-        kind: Dataclass of the configuration.
-        table: The configuration, as plain data.
-        path: File that it comes from, for messages.
-        prefix: Path of the table within the file, for messages.
+    """Configuration that an earlier training wrote (see `from_table`).
 
     Raises:
         InputError: It is not a configuration of this version of kinmo.

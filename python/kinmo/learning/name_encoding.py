@@ -21,33 +21,13 @@ HIDDEN = 0
 
 
 def name_buckets(name: str, buckets: int) -> list[int]:
-    """Hash buckets of one name.
-
-    Args:
-        name: Any text. Case, digits and punctuation do not matter.
-        buckets: Number of buckets, at least 2.
-
-    Returns:
-        Buckets of the words and trigrams, in 1..buckets-1; [HIDDEN] for a name without a letter.
-
-    Example:
-        >>> name_buckets("Drawer_Box", 512) == name_buckets("drawer box 3", 512)
-        True
-    """
+    """Buckets (1..buckets-1) of the words and trigrams of a name, whatever its case, digits and punctuation."""
     words = re.findall(r"[^\W\d_]+", name.casefold())
     pieces = [w for word in words for w in (word, *(f"<{word}>"[i : i + 3] for i in range(len(word))))]
     return [1 + zlib.crc32(piece.encode()) % (buckets - 1) for piece in pieces] or [HIDDEN]
 
 
 def encode_names(names: Sequence[str], buckets: int) -> tuple[I64, I64]:
-    """Hash buckets of N names, one name after the other.
-
-    Args:
-        names: The names.
-        buckets: Number of buckets, at least 2.
-
-    Returns:
-        The T buckets of all names [T], and the number of buckets of each name [N].
-    """
+    """The buckets of all N names, one name after the other [T], and the number of buckets of each name [N]."""
     encoded = [name_buckets(name, buckets) for name in names]
     return np.array([bucket for one in encoded for bucket in one], np.int64), np.array([len(one) for one in encoded], np.int64)

@@ -17,16 +17,7 @@ DGCNN_SLOPE = 0.2
 
 
 def mlp(widths: Sequence[int], activation: type[nn.Module], last: bool = True) -> nn.Sequential:
-    """Multi-layer perceptron.
-
-    Args:
-        widths: Number of channels of the input, of each hidden layer, and of the output.
-        activation: Class of the activation that follows each linear layer.
-        last: Whether an activation follows the last layer, too.
-
-    Returns:
-        A module from [*, widths[0]] to [*, widths[-1]].
-    """
+    """Multi-layer perceptron from [*, widths[0]] to [*, widths[-1]]; `last` adds the activation after the last layer, too."""
     layers: list[nn.Module] = []
     for index, (before, after) in enumerate(pairwise(widths)):
         layers.append(nn.Linear(before, after))
@@ -36,15 +27,9 @@ def mlp(widths: Sequence[int], activation: type[nn.Module], last: bool = True) -
 
 
 def scatter_mean(values: Tensor, index: Tensor, size: int) -> tuple[Tensor, Tensor]:
-    """Mean of the rows that share an index.
+    """Mean [size, C] of the rows of `values` [M, C] that share an index, and the number of these rows [size].
 
-    Args:
-        values: Rows [M, C].
-        index: Group of each row [M], in 0..size-1.
-        size: Number of groups.
-
-    Returns:
-        Means [size, C], zero for a group without rows, and the number of rows of each group [size].
+    The mean is zero for an index without rows.
     """
     total = values.new_zeros(size, values.shape[1]).index_add_(0, index, values)
     count = values.new_zeros(size).index_add_(0, index, values.new_ones(len(index)))
@@ -52,29 +37,15 @@ def scatter_mean(values: Tensor, index: Tensor, size: int) -> tuple[Tensor, Tens
 
 
 def scatter_max(values: Tensor, index: Tensor, size: int) -> Tensor:
-    """Maximum of the rows that share an index.
-
-    Args:
-        values: Rows [M, C].
-        index: Group of each row [M], in 0..size-1. Every group must have a row.
-        size: Number of groups.
-
-    Returns:
-        Maxima [size, C].
-    """
+    """Maximum [size, C] of the rows of `values` [M, C] that share an index; every index must have a row."""
     target = values.new_zeros(size, values.shape[1])
     return target.scatter_reduce(0, index.unsqueeze(1).expand_as(values), values, "amax", include_self=False)
 
 
 def nearest_neighbours(points: Tensor, count: int) -> Tensor:
-    """Nearest points of each point of a cloud, the point itself among them.
+    """Indices [B, n, k] of the k = min(count, n) nearest points of each point of clouds [B, n, C], in no particular order.
 
-    Args:
-        points: Clouds [B, n, C].
-        count: Number of neighbours k. A cloud with fewer points gives all of them.
-
-    Returns:
-        Indices into the points of the same cloud [B, n, k], int64, in no particular order.
+    The point itself is among them.
     """
     if points.is_cpu and points.dtype == torch.float32 and points.shape[2] == 3:
         return torch.from_numpy(_core.nearest_neighbours(points.detach().numpy(), count))
@@ -98,14 +69,9 @@ def max_over_points(features: Tensor) -> Tensor:
 
 
 def neighbour_max(features: Tensor, index: Tensor) -> Tensor:
-    """Maximum of each point's neighbours, channel by channel.
+    """Maxima [B, m, C] of `features` [B, n, C] over neighbours with the indices `index` [B, m, k], channel by channel.
 
-    Args:
-        features: Features of the points [B, n, C].
-        index: Neighbours of each point, as indices into the same cloud [B, m, k].
-
-    Returns:
-        Maxima [B, m, C]. Among equal values the first neighbour receives the gradient.
+    Among equal values the first neighbour receives the gradient.
     """
     if features.is_cpu and features.dtype == torch.float32:
         # the core returns the index of each maximum, so that no tensor of the size of all pairs is made, forward or backward
@@ -114,12 +80,7 @@ def neighbour_max(features: Tensor, index: Tensor) -> Tensor:
 
 
 def channel_norm(kind: str, width: int) -> nn.Module:
-    """Normalisation layer for tensors [..., C] whose channels come last.
-
-    Args:
-        kind: "batch" (batch norm), "group" (group norm with about 8 channels a group) or "none".
-        width: Number of channels C.
-    """
+    """Normalisation of tensors [..., width]: "batch" norm, "group" norm with about 8 channels a group, or "none"."""
     return nn.Identity() if kind == "none" else _ChannelsLastNorm(kind, width)
 
 
@@ -143,12 +104,6 @@ class EdgeConv(nn.Module):
 
     The factored form writes W [x_j - x_i, x_i] as A x_j + C x_i and moves C x_i and the norm out of the maximum. It has the
     same number of parameters, and no tensor of the size of all pairs.
-
-    Args:
-        before: Number of input channels C.
-        after: Number of output channels C'.
-        norm: Kind of normalisation (`channel_norm`).
-        factored: Whether to use the factored form.
     """
 
     def __init__(self, before: int, after: int, norm: str, factored: bool) -> None:
@@ -173,10 +128,6 @@ class Dgcnn(nn.Module):
 
     The first three channels of a point are its coordinates. Every layer finds neighbours anew among the features of the layer
     before, unless `PointEncoderConfig.static` is set. `features` is the width F of the result.
-
-    Args:
-        config: Sizes of the layers.
-        channels: Number of input channels C.
     """
 
     def __init__(self, config: PointEncoderConfig, channels: int = 3) -> None:
@@ -216,10 +167,6 @@ class PointNet(nn.Module):
     """PointNet encoder of point clouds (Qi et al. 2017), from points [B, n, C] to features [B, F].
 
     Shared layers, a maximum over the points, and one linear layer. `features` is the width F of the result.
-
-    Args:
-        config: Sizes of the layers.
-        channels: Number of input channels C.
     """
 
     def __init__(self, config: PointEncoderConfig, channels: int = 3) -> None:

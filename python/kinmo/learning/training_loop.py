@@ -11,7 +11,7 @@ import io
 import json
 import math
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -19,16 +19,19 @@ from typing import Any, Protocol, cast
 
 import numpy as np
 import torch
-from torch import nn
+from torch import Tensor, nn
+from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from kinmo.core.errors import InputError
 from kinmo.io.atomic_files import write_bytes_atomically, write_text_atomically
 from kinmo.learning.learner import MONITOR, Learner, mixed_dtype
-from kinmo.learning.weight_averaging import moving_average
+from kinmo.learning.model_folder import METRICS, METRICS_TABLE
 from kinmo.learning.weights import pick_device
 
 CHECKPOINTS = ("last.ckpt", "previous.ckpt")
 BEST = "best.pt"
+WARM_UP_STEPS = 10
+"""A moving average forgets its first steps faster: at step t the decay is at most (1 + t) / (WARM_UP_STEPS + t)."""
 
 
 class TrainingData(Protocol):
@@ -52,11 +55,7 @@ class Progress:
 
 @dataclass(frozen=True)
 class FitResult:
-    """Result of a training.
-
-    `best_epoch` is the index in `history` of the epoch whose weights were kept, `best_error` its `MONITOR`. `history` has the
-    metrics of every epoch.
-    """
+    """Index in `history` of the epoch whose weights were kept, its `MONITOR`, and the metrics of every epoch."""
 
     best_epoch: int
     best_error: float
@@ -87,9 +86,6 @@ def fit(
         device: "cpu", "cuda", "cuda:1", "mps", or "auto" for a GPU where there is one.
         fingerprint: Hash of the data, or whatever else a checkpoint must agree with to be resumed.
         on_progress: Called after every epoch, once its files are written.
-
-    Returns:
-        The kept epoch and the metrics of all epochs.
 
     Raises:
         InputError: The device does not exist, or the validation error of an epoch is not finite.
@@ -127,7 +123,7 @@ class _Run:
     def __init__(self, learner: Learner, seed: int, device: str) -> None:
         config, kind = learner.training_config, torch.device(device).type
         self.learner, self.seed, self.device, self.config = learner.to(device), seed, device, config
-        self.average = moving_average(learner, config.average) if config.average else None
+        self.average = _moving_average(learner, config.average) if config.average else None
         self.validated = learner if self.average is None else cast(Learner, self.average.module)
         self.optimizer = learner.make_optimizer()
         self.schedule = learner.make_schedule(self.optimizer)
@@ -199,6 +195,24 @@ class _Run:
         return parts if self.average is None else {**parts, "average": self.average}
 
 
+def _moving_average(module: nn.Module, decay: float) -> AveragedModel:
+    """Copy of a module (its attribute `module`) whose weights follow the module's by an exponential moving average.
+
+    It is steadier than the last step's weights, and better on unseen shapes. Floating-point buffers, such as the statistics of
+    batch norms, are averaged like parameters; other buffers are copied.
+    """
+
+    def update(averages: Sequence[Tensor], current: Sequence[Tensor], steps: Tensor | int) -> None:
+        if averages[0].is_floating_point():
+            share = min(decay, (1.0 + float(steps)) / (WARM_UP_STEPS + float(steps)))
+            get_ema_multi_avg_fn(share)(averages, current, steps)  # type: ignore[no-untyped-call]
+        else:
+            for own, other in zip(averages, current, strict=True):
+                own.copy_(other)
+
+    return AveragedModel(module, multi_avg_fn=update, use_buffers=True)
+
+
 def _save(path: Path, content: dict[str, Any]) -> None:
     buffer = io.BytesIO()
     torch.save(content, buffer)  # torch would not say that the disk is full, if it wrote the file itself
@@ -210,8 +224,8 @@ def _write_metrics(folder: Path, history: list[dict[str, float]]) -> None:
     writer = csv.DictWriter(table, list(dict.fromkeys(name for row in history for name in row)), lineterminator="\n")
     writer.writeheader()
     writer.writerows(history)
-    write_text_atomically(folder / "metrics.csv", table.getvalue())
-    write_text_atomically(folder / "metrics.json", json.dumps(history, indent=1) + "\n")
+    write_text_atomically(folder / METRICS_TABLE, table.getvalue())
+    write_text_atomically(folder / METRICS, json.dumps(history, indent=1) + "\n")
 
 
 @contextmanager

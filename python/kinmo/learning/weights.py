@@ -35,7 +35,7 @@ class Weights:
 
     Attributes:
         path: File that the tensors were read from.
-        tensors: Tensors by parameter name.
+        tensors: Tensors by parameter name, on the CPU.
         config: Configuration of the network, as plain data.
         facts: Facts about the training, such as the seed and the number of shapes, as plain data.
         sha256: SHA-256 of the file.
@@ -76,14 +76,9 @@ class Weights:
 def save_weights(
     path: Path, module: nn.Module, kind: str, config: Mapping[str, Any], facts: Mapping[str, Any] | None = None
 ) -> str:
-    """Write the weights of a module and their header, each file atomically.
+    """Write the weights of a module to `NAME.safetensors` and their header to `NAME.json`, each file atomically.
 
-    Args:
-        path: File to write, `NAME.safetensors`. The header becomes `NAME.json` beside it.
-        module: Module with the weights.
-        kind: Name of the kind of network, such as "motion_gnn".
-        config: Configuration of the network, as plain data.
-        facts: Facts about the training, as plain data.
+    The header has the kind of network, such as "motion_gnn", its configuration, and facts about the training, as plain data.
 
     Returns:
         SHA-256 of the weights file.
@@ -97,16 +92,8 @@ def save_weights(
     return digest
 
 
-def load_weights(path: Path, kind: str, device: str = "cpu") -> Weights:
-    """Read the weights and the header that `save_weights` wrote.
-
-    Args:
-        path: File `NAME.safetensors`, with `NAME.json` beside it.
-        kind: Kind of network that the weights must be for.
-        device: Device to load the tensors to.
-
-    Returns:
-        The weights.
+def load_weights(path: Path, kind: str) -> Weights:
+    """Read the weights and the header that `save_weights` wrote for a kind of network.
 
     Raises:
         InputError: A file is absent or cut, the two do not belong together, or they are for another kind of network.
@@ -128,20 +115,14 @@ def load_weights(path: Path, kind: str, device: str = "cpu") -> Weights:
     if header.get("sha256") != digest:
         raise InputError(path, f"does not belong to {header_path.name}", "sha256")
     try:
-        tensors = load_file(path, device=device)
+        tensors = load_file(path)
     except (SafetensorError, ValueError) as error:
         raise InputError(path, f"expected a safetensors file ({error})") from error
     return Weights(path, tensors, header["config"], header.get("facts") or {}, digest)
 
 
 def pick_device(name: str) -> str:
-    """Name of a device that exists.
-
-    Args:
-        name: "cpu", "cuda", "cuda:1", "mps", or "auto" for a GPU where there is one.
-
-    Returns:
-        The name, with "auto" resolved and any "cpu:N" as "cpu".
+    """Name of a device that exists: "cpu" (also for "cpu:N"), "cuda", "cuda:1", "mps", or the GPU or CPU that "auto" means.
 
     Raises:
         InputError: There is no such device, or kinmo cannot compute on it.

@@ -28,13 +28,9 @@ _AXIS_ORDERS = np.array(list(permutations(range(3))))
 
 
 def object_axes(up: F64) -> F64:
-    """Axes of the object's frame.
+    """Unit rows right, up, front [3, 3] of the object's frame, for the direction `up` [3] of any length.
 
-    Args:
-        up: Up direction [3] in the file's frame; need not have unit length.
-
-    Returns:
-        Unit rows right, up, front [3, 3]. For y up these are the x, y and z axes of the file.
+    For y up these are the x, y and z axes of the file.
     """
     up = up / np.linalg.norm(up)
     front = np.array([0.0, 0.0, 1.0]) if abs(up[2]) < 0.9 else np.array([0.0, -1.0, 0.0])
@@ -49,13 +45,6 @@ def canonical_boxes(boxes: Boxes, up: F64) -> Boxes:
     """The same boxes with their axes ordered and oriented like the object's right, up and front, as nearly as possible.
 
     A box has no first axis: the same box can be written in 24 ways. Without this step a network would have to learn them all.
-
-    Args:
-        boxes: N boxes.
-        up: Up direction [3] of the object.
-
-    Returns:
-        N boxes with the same centres and extents.
     """
     cosines = boxes.axes @ object_axes(up).T  # [N, axis of the box, axis of the object]
     fit = np.abs(cosines)[:, _AXIS_ORDERS, np.arange(3)].sum(-1)
@@ -66,14 +55,9 @@ def canonical_boxes(boxes: Boxes, up: F64) -> Boxes:
 
 
 def box_states(boxes: Boxes, edges: I64) -> I64:
-    """Overlap of the two boxes of every edge, estimated with a grid of points in each box.
+    """Overlap of the moving and the reference box of every edge [E, 2], as indices into `STATES` [E].
 
-    Args:
-        boxes: N boxes.
-        edges: Pairs of moving and reference box [E, 2].
-
-    Returns:
-        Indices into `STATES` [E].
+    It is estimated with a grid of points in each box.
     """
     steps = (np.arange(GRID) + 0.5) / GRID * 2 - 1
     grid = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), -1).reshape(-1, 3)
@@ -95,14 +79,9 @@ def box_states(boxes: Boxes, edges: I64) -> I64:
 
 
 def box_sides(boxes: Boxes, edges: I64) -> I64:
-    """Face of the reference box that is nearest to the centre of the moving box, for every edge.
+    """Face of the reference box that is nearest to the centre of the moving box, for every edge [E, 2].
 
-    Args:
-        boxes: N boxes from `canonical_boxes`.
-        edges: Pairs of moving and reference box [E, 2].
-
-    Returns:
-        Indices into `SIDES` [E].
+    The boxes are those of `canonical_boxes`, the results [E] indices into `SIDES`.
     """
     moving, reference = edges.T
     faces = boxes.axes[reference] * boxes.half_extents[reference][..., None]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import torch
@@ -24,14 +24,7 @@ def shape_graph(shape: PreparedShape, config: GnnConfig) -> ShapeGraph:
     """Graph of one shape, with all points of its leaves and the edges that `used_edges` gives.
 
     The sign of a joint's axis only tells which way its range runs. Therefore true directions point towards the object's right,
-    up or front.
-
-    Args:
-        shape: The shape, with or without labels.
-        config: Configuration of the network.
-
-    Returns:
-        The graph, with types of -1 and zero directions and pivots for a shape without labels.
+    up or front. A shape without labels has types of -1, and zero directions and pivots.
     """
     used = used_edges(shape, config)
     edges = shape.edges[used]
@@ -52,18 +45,10 @@ def shape_graph(shape: PreparedShape, config: GnnConfig) -> ShapeGraph:
 
 
 def transformed_graph(graph: ShapeGraph, shape: PreparedShape, config: GnnConfig, transform: F64) -> ShapeGraph:
-    """Graph of a shape under a linear map, except for the leaf points, which the caller transforms.
+    """The graph of a shape under a linear map [3, 3], except for the leaf points, which the caller transforms.
 
-    Box states stay as they are: a linear map leaves shares of volumes unchanged.
-
-    Args:
-        graph: Graph of the shape itself.
-        shape: The shape.
-        config: Configuration of the network.
-        transform: Linear map [3, 3], nearly diagonal along the object's axes.
-
-    Returns:
-        The graph as if the shape had been prepared after the transformation.
+    The map must be nearly diagonal along the object's axes. Box states stay as they are: a linear map leaves shares of volumes
+    unchanged.
     """
     return replace(graph, **_geometry(shape, config, used_edges(shape, config), transform))
 
@@ -88,24 +73,15 @@ def used_edges(shape: PreparedShape, config: GnnConfig) -> NDArray[np.int64]:
     return np.flatnonzero(shape.edge_distances <= config.contact)
 
 
-@dataclass(frozen=True, eq=False)
-class _Variant:
-    """Graph of a shape, and the linear map [3, 3] that its leaf points still need (None: no map)."""
-
-    graph: ShapeGraph
-    transform: Tensor | None
+_Variant = tuple[ShapeGraph, Tensor | None]
+"""Graph of a shape, and the linear map [3, 3] that its leaf points still need (None: no map)."""
 
 
 class GraphData:
     """Batches of training and validation graphs.
 
     A batch has at most `batch_shapes` shapes and `batch_edges` edges. Training shapes are augmented: one of several variants
-    is drawn, with random points, and names are hidden at random.
-
-    Args:
-        training: Annotated shapes to train on.
-        validation: Annotated shapes to choose the best epoch by.
-        config: Configuration of the network. Shapes without a used edge are skipped.
+    is drawn, with random points, and names are hidden at random. Shapes without a used edge are skipped.
     """
 
     def __init__(self, training: Sequence[PreparedShape], validation: Sequence[PreparedShape], config: GnnConfig) -> None:
@@ -118,7 +94,7 @@ class GraphData:
     @property
     def labels(self) -> Tensor:
         """Motion types of all training edges [E]."""
-        return torch.cat([variants[0].graph.types for variants in self.training])
+        return torch.cat([variants[0][0].types for variants in self.training])
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[GraphBatch]:
         """Every training shape once, in random order."""
@@ -130,10 +106,10 @@ class GraphData:
         return self._validation
 
     def _drawn(self, variants: Sequence[_Variant], rng: np.random.Generator) -> ShapeGraph:
-        variant = variants[int(rng.integers(len(variants)))]
-        graph = subsampled(variant.graph, self.config.leaf.points, rng)
-        if variant.transform is not None:
-            graph = replace(graph, leaf_points=_unit_clouds(graph.leaf_points @ variant.transform.T))
+        variant, transform = variants[int(rng.integers(len(variants)))]
+        graph = subsampled(variant, self.config.leaf.points, rng)
+        if transform is not None:
+            graph = replace(graph, leaf_points=_unit_clouds(graph.leaf_points @ transform.T))
         if rng.random() < self.config.hide_names:
             graph = without_names(graph)
         return graph
@@ -144,28 +120,18 @@ def _variants(shape: PreparedShape, config: GnnConfig) -> list[_Variant]:
     original = shape_graph(shape, config)
     rng = np.random.default_rng(zlib.crc32(shape.id.encode()))
     transforms = [random_transform(shape.up, config.stretch, rng) for _ in range(config.variants)]
-    return [
-        _Variant(original, None),
-        *(_Variant(transformed_graph(original, shape, config, each), _floats(each)) for each in transforms),
-    ]
+    return [(original, None), *((transformed_graph(original, shape, config, each), _floats(each)) for each in transforms)]
 
 
 def random_transform(up: F64, stretch: float, rng: np.random.Generator) -> F64:
-    """Random linear map that mirrors left to right in half of all cases and stretches along the object's axes.
+    """Random linear map [3, 3] that mirrors left to right in half of all cases and stretches along the object's axes.
 
-    Args:
-        up: Up direction [3] of the object.
-        stretch: Greatest logarithm of a stretch factor; each axis has a factor of its own.
-        rng: Source of randomness.
-
-    Returns:
-        The map [3, 3].
+    The logarithms of the stretch factors are in [-stretch, stretch].
     """
     axes = object_axes(up)
     factors = np.exp(rng.uniform(-stretch, stretch, 3))
     factors[0] *= rng.choice([-1.0, 1.0])
-    transform: F64 = axes.T @ np.diag(factors) @ axes
-    return transform
+    return np.asarray(axes.T @ np.diag(factors) @ axes)
 
 
 def batch_groups(graphs: Iterable[ShapeGraph], config: GnnConfig) -> Iterator[list[ShapeGraph]]:
@@ -183,16 +149,7 @@ def batch_groups(graphs: Iterable[ShapeGraph], config: GnnConfig) -> Iterator[li
 
 
 def subsampled(graph: ShapeGraph, points: int, rng: np.random.Generator | None = None) -> ShapeGraph:
-    """Graph with fewer points a leaf.
-
-    Args:
-        graph: A graph with n stored points a leaf.
-        points: Number of points to keep; all are kept if there are no more.
-        rng: Source of a random choice; None for points evenly spread over the stored ones.
-
-    Returns:
-        The graph with min(n, points) points a leaf.
-    """
+    """Graph with at most `points` points a leaf: random ones, or without `rng` ones evenly spread over those stored."""
     stored = graph.leaf_points.shape[1]
     if stored <= points:
         return graph
@@ -218,16 +175,14 @@ def _with_sign(directions: F64, up: F64) -> F64:
     components = directions @ object_axes(up).T
     largest = np.take_along_axis(components, np.argmax(np.abs(components), axis=1)[:, None], axis=1)
     lengths = np.linalg.norm(directions, axis=1, keepdims=True)
-    unit: F64 = directions / np.where(lengths > 0, lengths, 1.0) * np.where(largest < 0, -1.0, 1.0)
-    return unit
+    return np.asarray(directions / np.where(lengths > 0, lengths, 1.0) * np.where(largest < 0, -1.0, 1.0))
 
 
 def _unit_clouds(points: Tensor) -> Tensor:
     """Clouds [L, n, 3], each centred on its mean and scaled into the unit sphere."""
     centered = points - points.mean(1, keepdim=True)
     radius = centered.norm(dim=2).amax(1).clamp(min=1e-9)
-    scaled: Tensor = centered / radius[:, None, None]
-    return scaled
+    return torch.div(centered, radius[:, None, None])
 
 
 def _depths(parents: Sequence[int]) -> list[int]:

@@ -38,16 +38,9 @@ class GnnEstimate:
 
 
 def mean_estimate(predictions: EdgePredictions, edges: NDArray[np.int64]) -> GnnEstimate:
-    """Mean of the predictions for several edges.
+    """Mean of the predictions for some edges of a shape, given by at least one index.
 
     Directions and pivots are weighted by the probability of a motion. Directions are averaged regardless of their sign.
-
-    Args:
-        predictions: Predictions for all edges of a shape.
-        edges: Indices of at least one edge.
-
-    Returns:
-        The mean probabilities, direction and pivot.
     """
     probabilities = predictions.type_probabilities[edges]
     weights = probabilities[:, : predictions.type_set.FIXED].sum(axis=1) + 1e-9
@@ -56,12 +49,8 @@ def mean_estimate(predictions: EdgePredictions, edges: NDArray[np.int64]) -> Gnn
     heaviest = directions[np.argmax(weights)]
     directions = directions * np.where(directions @ heaviest < 0, -1.0, 1.0)[:, None]
     direction = weights @ directions
-    return GnnEstimate(
-        predictions.type_set,
-        probabilities.mean(axis=0),
-        direction / np.linalg.norm(direction),
-        weights @ predictions.pivots[edges],
-    )
+    direction /= np.linalg.norm(direction)
+    return GnnEstimate(predictions.type_set, probabilities.mean(axis=0), direction, weights @ predictions.pivots[edges])
 
 
 def gnn_joint(estimate: GnnEstimate | None) -> JointEstimate:

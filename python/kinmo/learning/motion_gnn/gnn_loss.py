@@ -12,9 +12,7 @@ from kinmo.core.joint import JointKind
 from kinmo.core.motion_types import MotionType
 from kinmo.learning.motion_gnn.gnn_network import EdgeOutput
 
-COARSE_OF_FINE = torch.tensor([t.coarse.value for t in MotionType])
-"""Coarse class of each fine motion type [10]."""
-
+_COARSE_OF_FINE = torch.tensor([t.coarse.value for t in MotionType])
 _IS_PRISMATIC = torch.tensor([t.kind is JointKind.PRISMATIC for t in MotionType])
 
 
@@ -51,12 +49,9 @@ def edge_losses(
         pivots: True pivots [E, 3].
         class_weights: Weight of each class [C] in L_cls; None for equal weights.
         undirected: Whether L_dir is the distance to the nearer of d^ and -d^.
-
-    Returns:
-        The three terms.
     """
     zero = output.logits.sum() * 0.0
-    targets = types if output.logits.shape[1] == len(MotionType) else COARSE_OF_FINE.to(types.device)[types]
+    targets = classes_of(types, output.logits.shape[1])
     moves = types < MotionType.FIXED
     rotates = moves & ~_IS_PRISMATIC.to(types.device)[types]
     type_loss = cross_entropy(output.logits, targets, class_weights) if len(types) else zero
@@ -74,20 +69,19 @@ def edge_losses(
     return EdgeLosses(type_loss, direction_term, pivot_term)
 
 
+def classes_of(types: Tensor, classes: int) -> Tensor:
+    """Classes [E] of fine motion types [E] for a network with 10 fine or 5 coarse classes."""
+    return types if classes == len(MotionType) else _COARSE_OF_FINE.to(types.device)[types]
+
+
 def class_weights(types: Tensor, classes: int, balance: float) -> Tensor | None:
     """Weights of the classes in L_cls: (share of the training edges) ** -balance, with a mean of one over the training edges.
 
-    Args:
-        types: Fine types of all training edges [E].
-        classes: Number of classes C: 10 fine or 5 coarse ones.
-        balance: Exponent; 0 ignores how frequent a class is.
-
-    Returns:
-        Weights [C], or None if all are one.
+    They are weights [C] for C classes and the fine types of all training edges [E]; None (all one) without a balance.
     """
     if not balance:
         return None
-    targets = types if classes == len(MotionType) else COARSE_OF_FINE[types]
+    targets = classes_of(types, classes)
     share = torch.bincount(targets, minlength=classes) / max(len(targets), 1)
     scale = share.clamp(min=1 / max(len(targets), 1)).pow(-balance)
     return scale / (share * scale).sum()

@@ -10,7 +10,6 @@ from torch.nn.functional import normalize
 
 from kinmo.config import GnnConfig
 from kinmo.core.motion_types import CoarseType, MotionType
-from kinmo.learning.motion_gnn.box_relations import SIDES, STATES
 from kinmo.learning.motion_gnn.hierarchy_encoder import HierarchyEncoder, NameEmbedding, RelationEmbedding
 from kinmo.learning.motion_gnn.hierarchy_graph import GraphBatch
 from kinmo.learning.network_layers import mlp, scatter_mean
@@ -40,14 +39,7 @@ class EdgeOutput(NamedTuple):
 
 
 class TripleConvolution(nn.Module):
-    """One round of messages over (moving part, edge, reference part) triples; a part takes the mean over its triples.
-
-    Args:
-        node: Width of a part's features.
-        edge: Width of an edge's features.
-        hidden: Width of the messages.
-        features: Width of the results.
-    """
+    """One round of messages over (moving part, edge, reference part) triples; a part takes the mean over its triples."""
 
     def __init__(self, node: int, edge: int, hidden: int, features: int) -> None:
         super().__init__()
@@ -56,16 +48,7 @@ class TripleConvolution(nn.Module):
         self.node = mlp([hidden, hidden, features], nn.LeakyReLU)
 
     def forward(self, nodes: Tensor, edges: Tensor, ends: Tensor) -> tuple[Tensor, Tensor]:
-        """Update features of parts and edges.
-
-        Args:
-            nodes: Features of the parts [N, node].
-            edges: Features of the edges [E, edge].
-            ends: Moving and reference part of each edge [E, 2].
-
-        Returns:
-            Features of the parts [N, features] and of the edges [E, features].
-        """
+        """Features of the parts [N, features] and edges [E, features], from those before and the parts of each edge [E, 2]."""
         moving, reference = ends.unbind(1)
         triples = self.triple(torch.cat([nodes[moving], edges, nodes[reference]], 1))
         to_moving, along, to_reference = triples.split([self.hidden, self.features, self.hidden], 1)
@@ -77,18 +60,14 @@ class MotionGnn(nn.Module):
     """The motion GNN: scores of motion types, a direction and a pivot for every edge of a batch of hierarchies.
 
     The head predicts directions and pivots in the box of the moving part (`along_box`, `from_box`).
-
-    Args:
-        config: Sizes of the layers.
-        types: Number of motion types C (`CLASSES`).
     """
 
     def __init__(self, config: GnnConfig, types: int) -> None:
         super().__init__()
         self.types = types
-        self.encoder = HierarchyEncoder(config, len(STATES), len(SIDES))
+        self.encoder = HierarchyEncoder(config)
         self.names = NameEmbedding(config.name_buckets, config.name_features)
-        self.relations = RelationEmbedding(len(STATES), len(SIDES), config.relation_features)
+        self.relations = RelationEmbedding(config.relation_features)
         node, edge = config.node_features + config.name_features, self.relations.features
         rounds = []
         for _ in range(config.graph_rounds):
@@ -114,30 +93,15 @@ class MotionGnn(nn.Module):
 
 
 def along_box(components: Tensor, boxes: Tensor) -> Tensor:
-    """Unit directions in the normalised frame.
-
-    Args:
-        components: Components [E, 3] along the axes of the boxes, of any length.
-        boxes: Boxes [E, 15]: centre (3), full size (3), axes (9).
-
-    Returns:
-        Unit vectors [E, 3].
-    """
+    """Unit directions [E, 3] from their components [E, 3], of any length, along the axes of boxes [E, 15]."""
     return normalize(torch.einsum("ei,eij->ej", components, boxes[:, 6:].view(-1, 3, 3)), dim=1)
 
 
 def from_box(coordinates: Tensor, boxes: Tensor) -> Tensor:
-    """Points in the normalised frame.
+    """Points [E, 3] from their coordinates [E, 3] in half extents of boxes [E, 15], along the axes of the boxes.
 
     The coordinates of a box's edges and middle are -1, 0 and 1, whatever its size and place. Thin half extents count as
     `MIN_EXTENT_RATIO` of the longest, so that a point off a plate can be predicted.
-
-    Args:
-        coordinates: Coordinates [E, 3] in half extents of the boxes, along their axes.
-        boxes: Boxes [E, 15]: centre (3), full size (3), axes (9).
-
-    Returns:
-        Points [E, 3].
     """
     centers, half_extents, axes = boxes[:, :3], boxes[:, 3:6] / 2, boxes[:, 6:].view(-1, 3, 3)
     reach = torch.maximum(half_extents, MIN_EXTENT_RATIO * half_extents.amax(1, keepdim=True))

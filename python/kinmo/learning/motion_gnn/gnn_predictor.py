@@ -10,7 +10,6 @@ import numpy as np
 import torch
 
 from kinmo.config import GnnConfig
-from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions
 from kinmo.learning.motion_gnn.gnn_batches import batch_groups, shape_graph, subsampled, used_edges, without_names
@@ -20,33 +19,16 @@ from kinmo.learning.weights import load_weights, pick_device
 
 
 class MotionGnnPredictor:
-    """A trained motion GNN.
+    """A trained motion GNN with the configuration that it was trained with; `hide_names` hides the names of parts from it."""
 
-    Args:
-        network: The network with its trained weights.
-        config: Configuration that it was trained with.
-        device: Device to compute on.
-        sha256: Hash of the weights.
-        hide_names: Whether to hide the names of parts from the network.
-
-    Example:
-        >>> gnn = MotionGnnPredictor.load(Path("models/gnn_fine/weights.safetensors"))
-        >>> gnn.predict_edges(shape).types
-    """
-
-    def __init__(self, network: MotionGnn, config: GnnConfig, device: str, sha256: str = "", hide_names: bool = False) -> None:
+    def __init__(self, network: MotionGnn, config: GnnConfig, device: str, hide_names: bool = False) -> None:
         self.network, self.config, self.device = network.to(device).eval(), config, device
-        self.sha256, self.hide_names = sha256, hide_names
+        self.hide_names = hide_names
         self._known: WeakKeyDictionary[PreparedShape, EdgePredictions] = WeakKeyDictionary()
 
     @classmethod
     def load(cls, weights: Path, device: str = "auto", hide_names: bool = False) -> MotionGnnPredictor:
         """Load the weights that `train_motion_gnn` wrote.
-
-        Args:
-            weights: File `weights.safetensors`.
-            device: "cpu", "cuda", "mps", or "auto".
-            hide_names: Whether to hide the names of parts from the network.
 
         Raises:
             InputError: The file does not hold the weights of a motion GNN, or is cut.
@@ -57,7 +39,7 @@ class MotionGnnPredictor:
         types: TypeSet = "coarse" if loaded.facts.get("types") == "coarse" else "fine"
         network = MotionGnn(config, CLASSES[types])
         loaded.fill(network)
-        return cls(network, config, device, loaded.sha256, hide_names)
+        return cls(network, config, device, hide_names)
 
     def predict_edges(self, shape: PreparedShape) -> EdgePredictions:
         """Predictions for every edge of a shape, in the normalised frame; edges that the network does not see are NONE.
@@ -83,10 +65,9 @@ class MotionGnnPredictor:
 
     def _all_edges(self, shape: PreparedShape, output: EdgeOutput) -> EdgePredictions:
         """Predictions for all edges of a shape from those that the network sees."""
-        none = MotionType.NONE if self.network.types == len(MotionType) else CoarseType.NONE
         count, used = len(shape.edges), used_edges(shape, self.config)
         probabilities = np.zeros((count, self.network.types))
-        probabilities[:, none] = 1.0
+        probabilities[:, -1] = 1.0  # NONE, the last of the fine and of the coarse types
         probabilities[used] = output.logits.softmax(1).numpy()
         directions = np.tile(shape.up, (count, 1))
         predicted = output.directions.numpy()

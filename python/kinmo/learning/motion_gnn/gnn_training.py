@@ -13,7 +13,7 @@ from kinmo.core.typed_tables import to_table
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.learner import Learner
 from kinmo.learning.motion_gnn.gnn_batches import GraphData
-from kinmo.learning.motion_gnn.gnn_loss import COARSE_OF_FINE, class_weights, edge_losses
+from kinmo.learning.motion_gnn.gnn_loss import class_weights, classes_of, edge_losses
 from kinmo.learning.motion_gnn.gnn_network import CLASSES, KIND, MotionGnn, TypeSet
 from kinmo.learning.motion_gnn.hierarchy_graph import GraphBatch
 from kinmo.learning.training_loop import FitResult, Progress, fit
@@ -50,9 +50,6 @@ def train_motion_gnn(
         on_progress: Called after every epoch.
         initial: Weights of an earlier training with the same sizes, to start from.
 
-    Returns:
-        The kept epoch and the metrics of all epochs.
-
     Raises:
         InputError: `initial` does not fit the configuration, or the training fails (`fit`).
     """
@@ -72,21 +69,16 @@ class GnnLearner(Learner):
 
     The validation error is the sum of `ERRORS`. These are the share of wrong types among motion edges, the same share among all
     other edges, the mean direction error (undirected, ||d -+ d^||) and the mean pivot error. The sum has the terms of the loss,
-    but over-confident probabilities do not inflate it.
-
-    Args:
-        config: Configuration of the network and its training.
-        classes: Number of motion types.
-        labels: Fine types of all training edges [E], which the class weights depend on.
+    but over-confident probabilities do not inflate it. The class weights depend on `labels`, the fine types of all training
+    edges [E].
     """
 
     def __init__(self, config: GnnConfig, classes: int, labels: torch.Tensor) -> None:
         super().__init__(config.training)
-        self.config, self.classes = config, classes
+        self.classes = classes
         self.network = MotionGnn(config, classes)
-        weights = class_weights(labels, classes, config.class_balance)
         self.class_weights: torch.Tensor | None
-        self.register_buffer("class_weights", weights)
+        self.register_buffer("class_weights", class_weights(labels, classes, config.class_balance))
 
     def training_step(self, batch: GraphBatch) -> torch.Tensor:
         graph = batch.graph
@@ -99,8 +91,7 @@ class GnnLearner(Learner):
         graph = batch.graph
         output = self.network(batch)
         losses = edge_losses(output, graph.types, graph.directions, graph.pivots, self.class_weights, undirected=True)
-        targets = graph.types if self.classes == len(MotionType) else COARSE_OF_FINE.to(graph.types.device)[graph.types]
-        wrong = (output.logits.argmax(1) != targets).float()
+        wrong = (output.logits.argmax(1) != classes_of(graph.types, self.classes)).float()
         moves = graph.types < MotionType.FIXED
         self.log("validation", len(wrong), loss=losses.total, edge_accuracy=1.0 - wrong.mean())
         if (~moves).any():

@@ -6,7 +6,8 @@ import torch
 from torch import Tensor, nn
 
 from kinmo.config import GnnConfig
-from kinmo.learning.motion_gnn.hierarchy_graph import GraphBatch
+from kinmo.learning.motion_gnn.box_relations import SIDES, STATES
+from kinmo.learning.motion_gnn.hierarchy_graph import GraphBatch, HierarchyLevel
 from kinmo.learning.network_layers import mlp, point_encoder, scatter_max, scatter_mean
 
 BOX_CHANNELS = 15
@@ -14,12 +15,7 @@ BOX_CHANNELS = 15
 
 
 class NameEmbedding(nn.Module):
-    """Mean embedding of the hash buckets of each name (`kinmo.learning.name_encoding`).
-
-    Args:
-        buckets: Number of hash buckets.
-        features: Width F of the embeddings.
-    """
+    """Mean embedding, `features` wide, of the hash buckets of each name (`kinmo.learning.name_encoding`)."""
 
     def __init__(self, buckets: int, features: int) -> None:
         super().__init__()
@@ -31,18 +27,12 @@ class NameEmbedding(nn.Module):
 
 
 class RelationEmbedding(nn.Module):
-    """Embedding of the relation of two boxes: state and side (`box_relations`), concatenated.
+    """Embedding of the relation of two boxes: state and side (`box_relations`), concatenated to 2 * `features`."""
 
-    Args:
-        states: Number of states.
-        sides: Number of sides.
-        features: Width of each embedding. The attribute `features` is the width of the result.
-    """
-
-    def __init__(self, states: int, sides: int, features: int) -> None:
+    def __init__(self, features: int) -> None:
         super().__init__()
-        self.state = nn.Embedding(states, features)
-        self.side = nn.Embedding(sides, features)
+        self.state = nn.Embedding(len(STATES), features)
+        self.side = nn.Embedding(len(SIDES), features)
         self.features = 2 * features
 
     def forward(self, states: Tensor, sides: Tensor) -> Tensor:
@@ -51,15 +41,7 @@ class RelationEmbedding(nn.Module):
 
 
 class ChildEncoder(nn.Module):
-    """Feature of a parent from its children: rounds of messages along sibling edges, with a maximum before and after each.
-
-    Args:
-        width: Width W of the features.
-        name_width: Width of the children's name embeddings.
-        edge_width: Width of the edges' features.
-        rounds: Number of rounds of messages.
-        box_width: Width of the parents' box features; 0 leaves them out.
-    """
+    """Feature of a parent from its children: rounds of messages along sibling edges, with a maximum before and after each."""
 
     def __init__(self, width: int, name_width: int, edge_width: int, rounds: int, box_width: int) -> None:
         super().__init__()
@@ -67,30 +49,19 @@ class ChildEncoder(nn.Module):
         self.messages = nn.ModuleList(mlp([2 * width + edge_width, width], nn.ReLU) for _ in range(rounds))
         self.parent = mlp([(rounds + 1) * width + box_width, width], nn.ReLU)
 
-    def forward(
-        self, children: Tensor, names: Tensor, slots: Tensor, ends: tuple[Tensor, Tensor], edges: Tensor, boxes: Tensor
-    ) -> Tensor:
-        """Features of P parents from their C children.
+    def forward(self, level: HierarchyLevel, parts: Tensor, names: Tensor, edges: Tensor, boxes: Tensor) -> Tensor:
+        """Features [P, width] of a level's P parents.
 
-        Args:
-            children: Features of the children [C, W].
-            names: Name embeddings of the children [C, name_width].
-            slots: Parent of each child [C], in 0..P-1.
-            ends: Start and end of each sibling edge, two index tensors [M] into the children.
-            edges: Features of the sibling edges [M, edge_width].
-            boxes: Box features of the parents [P, box_width].
-
-        Returns:
-            Features of the parents [P, W].
+        They come from features and names of all parts, features of all edges, and the parents' box features [P, box_width].
         """
-        features = self.child(torch.cat([children, names], 1))
-        pooled = [scatter_max(features, slots, len(boxes))]
-        starts, stops = ends
+        features = self.child(torch.cat([parts[level.children], names[level.children]], 1))
+        between = edges[level.edges]
+        pooled = [scatter_max(features, level.slots, len(boxes))]
         for message in self.messages:
-            sent = message(torch.cat([features[starts], features[stops], edges], 1))
-            received, count = scatter_mean(sent, starts, len(features))
+            sent = message(torch.cat([features[level.starts], features[level.ends], between], 1))
+            received, count = scatter_mean(sent, level.starts, len(features))
             features = torch.where((count > 0).unsqueeze(1), received, features)  # an only child keeps its features
-            pooled.append(scatter_max(features, slots, len(boxes)))
+            pooled.append(scatter_max(features, level.slots, len(boxes)))
         return self.parent(torch.cat([*pooled, boxes], 1))  # type: ignore[no-any-return]
 
 
@@ -98,14 +69,9 @@ class HierarchyEncoder(nn.Module):
     """Features of all parts: leaves from their points and boxes, inner parts from their children.
 
     With `GnnConfig.inner_boxes`, inner parts also see their own box.
-
-    Args:
-        config: Sizes of the layers.
-        states: Number of states of two boxes.
-        sides: Number of sides.
     """
 
-    def __init__(self, config: GnnConfig, states: int, sides: int) -> None:
+    def __init__(self, config: GnnConfig) -> None:
         super().__init__()
         width = config.node_features
         self.width, self.inner_boxes = width, config.inner_boxes
@@ -113,11 +79,9 @@ class HierarchyEncoder(nn.Module):
         self.box = mlp([BOX_CHANNELS, config.box_features], nn.ReLU)
         self.leaf = mlp([self.points.features + config.box_features, width], nn.ReLU)
         self.names = NameEmbedding(config.name_buckets, 2 * config.name_features)
-        self.relations = RelationEmbedding(states, sides, config.relation_features)
-        box_width = config.box_features if config.inner_boxes else 0
-        self.children_encoder = ChildEncoder(
-            width, 2 * config.name_features, self.relations.features, config.child_rounds, box_width
-        )
+        self.relations = RelationEmbedding(config.relation_features)
+        edge_width, box_width = self.relations.features, config.box_features if config.inner_boxes else 0
+        self.children_encoder = ChildEncoder(width, 2 * config.name_features, edge_width, config.child_rounds, box_width)
 
     def forward(self, batch: GraphBatch) -> Tensor:
         """Features [N, node_features] of all N parts of all shapes."""
@@ -129,13 +93,5 @@ class HierarchyEncoder(nn.Module):
         features: Tensor = leaves.new_zeros(len(graph.parents), self.width).index_copy(0, graph.leaves, leaves)
         for level in batch.levels:
             own = boxes[level.parents] if self.inner_boxes else boxes.new_zeros(len(level.parents), 0)
-            parents = self.children_encoder(
-                features[level.children],
-                names[level.children],
-                level.slots,
-                (level.starts, level.ends),
-                edges[level.edges],
-                own,
-            )
-            features = features.index_copy(0, level.parents, parents)
+            features = features.index_copy(0, level.parents, self.children_encoder(level, features, names, edges, own))
         return features
