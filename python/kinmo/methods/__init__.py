@@ -17,22 +17,10 @@ DEFAULT_METHOD = "kinmo"
 
 
 def load_method(name: str, models: ModelFolder, device: str = "auto") -> Method:
-    """Load a trained method.
-
-    Args:
-        name: `kinmo` or `paper`.
-        models: The folder with the trained networks.
-        device: Where networks run: auto, cpu, cuda, cuda:1, mps.
-
-    Returns:
-        The method; its networks have been read once as a check.
+    """Load a trained method, `kinmo` or `paper`; its networks are read once as a check.
 
     Raises:
         InputError: There is no such method, or one of its networks is missing or cannot be read.
-
-    Example:
-        >>> method = load_method("kinmo", ModelFolder(Path("workspace/motion/models")))
-        >>> prediction = method.predict(prepared, leaf_meshes(shape, prepared))
     """
     method: Method
     if name == "kinmo":

@@ -1,11 +1,12 @@
-"""Interface of both methods, and the motion GNN that they share."""
+"""Base class of both methods: trained networks that predict the joints of shapes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import lru_cache
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,38 +14,52 @@ from numpy.typing import NDArray
 from kinmo import _core
 from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.features.prepared_shape import PreparedShape
+from kinmo.learning.model_folder import ModelFolder
+from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions
 from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
 
-CACHED_NETWORKS = 8
-"""Number of networks of each kind that stay in memory."""
+CACHED_NETWORKS = 24
+"""Number of networks that stay in memory."""
 
 
-class Method(Protocol):
-    """A trained method: it predicts the joints of shapes, in each shape's own frame and lengths."""
+class Method(ABC):
+    """A trained method: it predicts the joints of shapes, in each shape's own frame and lengths.
+
+    Networks are read from `models` when they are first needed. Networks trained for one category alone take precedence.
+
+    Attributes:
+        models: The folder with the trained networks.
+        device: Where networks run: auto, cpu, cuda, cuda:1, mps.
+        hide_names: Hide the names of all parts from the networks.
+        name: Name of the method: `kinmo` or `paper`.
+        finds_parents: True if, with parts given, the method also predicts the parent of every body.
+    """
+
+    models: ModelFolder
+    device: str
+    hide_names: bool
+    name: ClassVar[str]
+    finds_parents: ClassVar[bool]
 
     @property
-    def name(self) -> str:
-        """Name of the method: `kinmo` or `paper`."""
-
-    @property
+    @abstractmethod
     def model_names(self) -> tuple[str, ...]:
-        """Names of its models in the folder of trained networks."""
+        """Names of its models in the folder of trained networks; the first is a motion GNN."""
 
     @property
-    def weights(self) -> str:
-        """Hash of all networks of the method."""
-
-    @property
+    @abstractmethod
     def config(self) -> Mapping[str, Any]:
         """Settings that predictions depend on, as plain data."""
 
     @property
     def is_fine(self) -> bool:
         """True for ten motion types, False for five."""
+        return True
 
-    @property
-    def finds_parents(self) -> bool:
-        """True if, with parts given, the method also predicts the parent of every body."""
+    @cached_property
+    def weights(self) -> str:
+        """Hash of all networks of the method."""
+        return self.models.digest(self.model_names)
 
     def check(self) -> None:
         """Check that all networks can be read.
@@ -52,50 +67,51 @@ class Method(Protocol):
         Raises:
             InputError: A network is missing or cannot be read.
         """
+        for model in self.model_names:
+            for path in self.models.all_weights(model):
+                self._load(model, path)
 
+    @abstractmethod
     def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
-        """Predict bodies and joints (setting *hierarchy given*).
+        """Predict bodies, ranked joints and limits in the shape's own frame (setting *hierarchy given*).
 
-        Args:
-            shape: The prepared shape; its annotation is not used.
-            meshes: Meshes of its leaves, in the normalised frame (`prepared_shape.leaf_meshes`).
-
-        Returns:
-            Bodies, ranked joints and limits in the shape's own frame.
+        The annotation of the shape is not used. `meshes` are those of its leaves in the normalised frame (`leaf_meshes`).
         """
 
+    @abstractmethod
     def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
-        """Predict the joints of the annotated bodies (setting *parts given*).
+        """Predict the joints of the annotated bodies (setting *parts given*); their joints and parents are not used."""
 
-        Args:
-            shape: An annotated shape; joints and parents of the annotation are not used.
-            meshes: Meshes of its leaves, in the normalised frame.
-
-        Returns:
-            Ranked joints and limits of the annotated bodies, in the shape's own frame.
-        """
-
+    @abstractmethod
     def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
         """Predict axes with the true motion types given, at least for the bodies whose type `predict_given` gets wrong."""
 
     def edge_types(self, shape: PreparedShape) -> NDArray[np.int64] | None:
         """Predicted motion type [E] of every edge; None if the method does not use edge types by themselves."""
+        return None
+
+    def _edges(self, shape: PreparedShape) -> EdgePredictions:
+        """Predictions of the motion GNN."""
+        gnn: MotionGnnPredictor = self._network(self.model_names[0], shape)
+        return gnn.predict_edges(shape)
+
+    def _network(self, model: str, shape: PreparedShape) -> Any:
+        """The network of a model for the shape's category."""
+        return self._load(model, self.models.weights_for(model, shape.category))
+
+    def _load(self, model: str, weights: Path) -> Any:
+        return load_network(MotionGnnPredictor.load, weights, self.device, self.hide_names)
 
 
-def load_gnn(weights: Path, device: str, hide_names: bool) -> MotionGnnPredictor:
-    """Load a motion GNN. It stays in memory until its file changes.
-
-    Args:
-        weights: File of the weights.
-        device: Where the network runs: auto, cpu, cuda, cuda:1, mps.
-        hide_names: Hide the names of all parts from the network.
+def load_network(load: Callable[..., Any], weights: Path, *options: object) -> Any:
+    """Network that `load(weights, *options)` reads. It stays in memory until its file changes.
 
     Raises:
-        InputError: The file is not a whole file of GNN weights.
+        InputError: The file is not a whole file of such weights.
     """
-    return _load_gnn(weights, weights.stat().st_mtime_ns, device, hide_names)
+    return _load_network(load, weights, weights.stat().st_mtime_ns, *options)
 
 
 @lru_cache(maxsize=CACHED_NETWORKS)
-def _load_gnn(weights: Path, written: int, device: str, hide_names: bool) -> MotionGnnPredictor:
-    return MotionGnnPredictor.load(weights, device, hide_names)
+def _load_network(load: Callable[..., Any], weights: Path, written: int, *options: object) -> Any:
+    return load(weights, *options)

@@ -28,16 +28,11 @@ def group_into_bodies(shape: PreparedShape, moving: Mapping[int, Joint], edges: 
     differ. The front and the box of a drawer form one body, the keys of a keypad do not. A shaft forms one body
     with any touching sibling that has the same joint, such as the screen of a laptop, whatever the GNN predicts.
 
-    Args:
-        shape: The prepared shape.
-        moving: The best joint of every moving node.
-        edges: Predictions of the motion GNN.
-
     Returns:
         Positions of the leaves of every body. Body 0 holds all leaves at rest; it may be empty.
     """
     fixed, sizes = edges.type_set.FIXED.value, shape.minimum_boxes.half_extents
-    shafts = {node for node, joint in moving.items() if is_shaft(shape, node, joint)}
+    shafts = {node for node, joint in moving.items() if _is_shaft(shape, node, joint)}
     pairs: dict[tuple[int, int], list[float]] = {}
     for (part, other), probability, distance in zip(
         shape.edges.tolist(), edges.type_probabilities[:, fixed], shape.edge_distances, strict=True
@@ -61,14 +56,8 @@ def group_into_bodies(shape: PreparedShape, moving: Mapping[int, Joint], edges: 
     return [tuple(own) for body, own in leaves.items() if own or body == 0]
 
 
-def is_shaft(shape: PreparedShape, node: int, joint: Joint) -> bool:
-    """True if a part turns about its own length: the axis of its joint runs along its box, through the middle.
-
-    Args:
-        shape: The prepared shape.
-        node: Index of the part.
-        joint: Its joint, in the normalised frame.
-    """
+def _is_shaft(shape: PreparedShape, node: int, joint: Joint) -> bool:
+    """True if a part turns about its own length: the axis of its joint runs along its box, through the middle."""
     boxes = shape.minimum_boxes
     offset = boxes.centers[node] - joint.pivot
     distance = np.linalg.norm(offset - (offset @ joint.direction) * joint.direction)

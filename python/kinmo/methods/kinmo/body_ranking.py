@@ -36,7 +36,7 @@ def rank_bodies(
     may_rest: Literal["any", "first", "one"] = "any",
     kinds: Sequence[JointKind | None] | None = None,
 ) -> list[tuple[JointEstimate, ...]]:
-    """Ranked joints of every body.
+    """Ranked joints of every body, best first, in the normalised frame and without limits.
 
     Args:
         shape: The prepared shape; its annotation is not used.
@@ -48,9 +48,6 @@ def rank_bodies(
             empty, the body that most likely rests takes its place. `one`: only the body that most likely rests may rest. Bodies
             of one shape are attached to each other, so only one needs to rest.
         kinds: Known joint kinds; None for bodies whose kind is predicted.
-
-    Returns:
-        Ranked joints of each body, best first, in the normalised frame and without limits.
 
     Raises:
         ValueError: A body needs meshes, and there are none.

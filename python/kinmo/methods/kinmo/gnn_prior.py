@@ -33,27 +33,13 @@ MOTION_TYPES = int(MotionType.FIXED)
 
 
 def outward_edges(shape: PreparedShape, leaves: Sequence[int]) -> NDArray[np.int64]:
-    """Indices of the edges from the parts of a body to siblings outside it.
-
-    Args:
-        shape: The prepared shape.
-        leaves: Positions of the body's leaves.
-    """
+    """Indices of the edges from the parts of a body (positions of its leaves) to siblings outside it."""
     is_own = np.isin(shape.edges, maximal_nodes(shape, leaves))
     return np.flatnonzero(is_own[:, 0] & ~is_own[:, 1])
 
 
 def motion_type_probabilities(shape: PreparedShape, leaves: Sequence[int], edges: EdgePredictions) -> F64 | None:
-    """The GNN's probabilities of the motion types of a body, given that it moves.
-
-    Args:
-        shape: The prepared shape.
-        leaves: Positions of the body's leaves.
-        edges: Predictions of the GNN for the shape.
-
-    Returns:
-        [8], or None for a body without an edge to a sibling.
-    """
+    """The GNN's probabilities [8] of the motion types of a body, given that it moves; None without an edge to a sibling."""
     outward = outward_edges(shape, leaves)
     if not len(outward):
         return None
@@ -64,20 +50,11 @@ def motion_type_probabilities(shape: PreparedShape, leaves: Sequence[int], edges
 def apply_gnn_prior(
     probabilities: F64, types: F64 | None, features: CandidateFeatures, group: int, box: Box, up: Vector
 ) -> F64:
-    """Probabilities of a group's candidate joints, weighted by the GNN's probabilities of their motion types.
+    """Probabilities [C] of a group's candidate joints, weighted by the GNN's probabilities of their motion types.
 
-    The total probability of each joint kind stays the same, because the ranking networks predict kinds more reliably.
-
-    Args:
-        probabilities ([C]): Probabilities of the ranking networks.
-        types ([8]): Probabilities of the motion types; None leaves the probabilities as they are.
-        features: Candidate joints of the shape.
-        group: Index of the group.
-        box: Symmetry-aligned box of the group, which types depend on.
-        up ([3]): Unit vector, which types depend on.
-
-    Returns:
-        [C] probabilities.
+    The total probability of each joint kind stays the same, because the ranking networks predict kinds more reliably. `types`
+    [8] are the probabilities of the motion types; None leaves the probabilities as they are. The type of a candidate depends on
+    the symmetry-aligned box of the group and on the unit vector `up`.
     """
     if types is None:
         return probabilities

@@ -27,17 +27,9 @@ def build_tree(
     names: Sequence[str],
     ranked: Sequence[tuple[JointEstimate, ...]],
 ) -> tuple[tuple[Body, ...], list[tuple[JointEstimate, ...]]]:
-    """Kinematic tree of bodies with ranked joints.
+    """Bodies with their parents and best joints, and all ranked joints with limits, in the normalised frame.
 
-    Args:
-        shape: The prepared shape.
-        meshes: Meshes of its leaves, in the normalised frame.
-        bodies: Positions of the leaves of each body.
-        names: Names of the bodies.
-        ranked: Ranked joints of each body, without limits.
-
-    Returns:
-        Bodies with their parents and best joints, and all ranked joints with limits, in the normalised frame.
+    `bodies` are the positions of the leaves of each body, `ranked` its ranked joints without limits.
     """
     parents = find_parents(shape, meshes, bodies, [found[0].joint is not None for found in ranked])
     limited = []
@@ -56,14 +48,7 @@ def find_parents(
 ) -> list[int | None]:
     """Parent of every moving body: the body it has most contact with, among those that are not attached to it.
 
-    Args:
-        shape: The prepared shape.
-        meshes: Meshes of its leaves, in the normalised frame.
-        bodies: Positions of the leaves of each body.
-        moves: True for bodies that move.
-
-    Returns:
-        The parent of each body; None for bodies at rest.
+    Bodies at rest (not `moves`) have no parent.
     """
     geometry = ShapeGeometry.of_prepared(shape, meshes)
     affinity = np.full((len(bodies), len(bodies)), -1.0)
@@ -91,11 +76,8 @@ def add_limits(
 ) -> tuple[JointEstimate, ...]:
     """Ranked joints of one body with limits, directions that point to the longer side of the range, and the term `sweep`.
 
-    Args:
-        ranked: Ranked joints of the body. The best one is swept alone, so that its limits do not depend on the others.
-        shape: The prepared shape.
-        meshes: Meshes of its leaves, in the normalised frame.
-        moving: Positions of all leaves that move with the body.
+    The best joint is swept alone, so that its limits do not depend on the others. `moving` are the positions of all leaves that
+    move with the body.
     """
     return (*_add_limits(ranked[:1], shape, meshes, moving), *_add_limits(ranked[1:], shape, meshes, moving))
 

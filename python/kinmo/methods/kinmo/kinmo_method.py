@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from kinmo import _core
 from kinmo.core.mobility import Body, Mobility
@@ -26,51 +25,23 @@ from kinmo.methods.kinmo.kinematic_tree import build_tree
 from kinmo.methods.kinmo.moving_nodes import find_moving_nodes
 from kinmo.methods.kinmo.ranking.joint_ranker import JointRanker
 from kinmo.methods.kinmo.ranking.name_words import maximal_nodes
-from kinmo.methods.method import CACHED_NETWORKS, load_gnn
+from kinmo.methods.method import Method, load_network
 
 
 @dataclass(frozen=True)
-class KinmoMethod:
-    """The `kinmo` method.
-
-    Networks are read from `models` when they are first needed. Networks trained for one category alone take precedence.
-
-    Attributes:
-        models: The folder with the trained networks.
-        device: Where networks run.
-        hide_names: Hide the names of all parts.
-        name: Name of the method.
-        is_fine: True: the method predicts ten motion types.
-        finds_parents: True: with parts given, the method predicts the parents of bodies.
-    """
+class KinmoMethod(Method):
+    """The `kinmo` method (see `Method`)."""
 
     models: ModelFolder
     device: str = "auto"
     hide_names: bool = False
-    name: str = "kinmo"
-    is_fine: bool = True
-    finds_parents: bool = True
+    name: ClassVar[str] = "kinmo"
+    finds_parents: ClassVar[bool] = True
 
     @property
     def model_names(self) -> tuple[str, ...]:
         """Names of its models in the folder of trained networks."""
         return "gnn_fine", "ranking"
-
-    @cached_property
-    def weights(self) -> str:
-        """Hash of all networks of the method."""
-        return self.models.digest(self.model_names)
-
-    def check(self) -> None:
-        """Check that all networks can be read.
-
-        Raises:
-            InputError: A network is missing or cannot be read.
-        """
-        for path in self.models.all_weights("gnn_fine"):
-            load_gnn(path, self.device, self.hide_names)
-        for path in self.models.all_weights("ranking"):
-            _load_ranker(path, path.stat().st_mtime_ns, self.device, self.hide_names)
 
     @property
     def config(self) -> Mapping[str, Any]:
@@ -103,9 +74,6 @@ class KinmoMethod:
         bodies = tuple(replace(body, joint=found[0].joint) for body, found in zip(mobility.bodies, ranked, strict=True))
         return self._in_file_frame(shape, bodies, ranked, [])
 
-    def edge_types(self, shape: PreparedShape) -> None:
-        """None: the method does not use edge types by themselves."""
-
     def _assemble(
         self,
         shape: PreparedShape,
@@ -132,15 +100,11 @@ class KinmoMethod:
         of_gnn = tuple(frame.undo_estimate(estimate) for estimate in regressed)
         return ShapeEstimate(shape.id, shape.category, frame.undo_mobility(Mobility(bodies)), estimates, of_gnn, self.name)
 
-    def _edges(self, shape: PreparedShape) -> EdgePredictions:
-        gnn = load_gnn(self.models.weights_for("gnn_fine", shape.category), self.device, self.hide_names)
-        return gnn.predict_edges(shape)
-
     def _ranker(self, shape: PreparedShape) -> JointRanker:
-        weights = self.models.weights_for("ranking", shape.category)
-        return _load_ranker(weights, weights.stat().st_mtime_ns, self.device, self.hide_names)
+        ranker: JointRanker = self._network("ranking", shape)
+        return ranker
 
-
-@lru_cache(maxsize=CACHED_NETWORKS)
-def _load_ranker(weights: Path, written: int, device: str, hide_names: bool) -> JointRanker:
-    return JointRanker.load(weights, device, hide_names)
+    def _load(self, model: str, weights: Path) -> Any:
+        if model == "ranking":
+            return load_network(JointRanker.load, weights, self.device, self.hide_names)
+        return super()._load(model, weights)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,15 +36,10 @@ class MovingNodes:
 
 
 def find_moving_nodes(shape: PreparedShape, ranker: JointRanker, edges: EdgePredictions) -> MovingNodes:
-    """Nodes that move relative to their surroundings.
+    """Nodes that move relative to their surroundings; the annotation of the shape is not used.
 
     The ranking networks alone decide whether a node moves; the motion GNN is a prior for its joint. A node with the same joint
     as a moving node above it moves along with that node.
-
-    Args:
-        shape: The prepared shape; its annotation is not used.
-        ranker: Trained ranking networks.
-        edges: Predictions of the motion GNN.
     """
     if len(shape.parents) < 2:
         return MovingNodes({}, 0.0)
@@ -59,10 +54,8 @@ def find_moving_nodes(shape: PreparedShape, ranker: JointRanker, edges: EdgePred
             probabilities = apply_gnn_prior(probabilities, types, features, group, box, shape.up)
             best = rank_joints(features, group, probabilities, float(still), box, shape.up)[0].joint
             assert best is not None, "a node that moves has a joint"
-            above = shape.parents[node]
-            while above > 0 and above not in moving:
-                above = shape.parents[above]
-            if above not in moving or not same_joint(moving[above], best):
+            above = next((other for other in _ancestors(shape, node) if other in moving), None)
+            if above is None or not same_joint(moving[above], best):
                 moving[node] = best
     return MovingNodes(moving, _missed_motion_probability(shape, moving, rest))
 
@@ -74,14 +67,13 @@ def _missed_motion_probability(shape: PreparedShape, moving: Mapping[int, Joint]
         1.0 - float(rest[node - 1])
         for node in range(1, len(shape.parents))
         if node not in excluded
-        and not moving.keys() & _ancestors(shape, node)
+        and moving.keys().isdisjoint(_ancestors(shape, node))
         and shape.leaf_areas[list(shape.leaves_below[node])].sum() >= min_area
     ]
     return max(missed, default=0.0)
 
 
-def _ancestors(shape: PreparedShape, node: int) -> set[int]:
-    above = set()
+def _ancestors(shape: PreparedShape, node: int) -> Iterator[int]:
+    """The nodes above a node, the nearest first."""
     while (node := shape.parents[node]) >= 0:
-        above.add(node)
-    return above
+        yield node

@@ -25,7 +25,6 @@ from kinmo.core.oriented_box import Box
 from kinmo.features.candidate_joints import CandidateJoints
 
 F64 = NDArray[np.float64]
-ContactPivots = Literal["central", "revolute", "none"]
 
 EDGE_SIGNS = np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)], float)
 """Signs of the four parallel edges along the two other axes of a box."""
@@ -36,7 +35,7 @@ def candidate_axes(
     box: Box,
     up: F64,
     contact: F64 | None = None,
-    contact_pivots: ContactPivots = "central",
+    contact_pivots: Literal["central", "revolute", "none"] = "central",
 ) -> CandidateJoints:
     """Candidate axes {m_i} of a part with a given motion type (paper, section 3.3; see the table of this module).
 
@@ -75,5 +74,4 @@ def edge_midpoints(box: Box, axis: int) -> F64:
     """Midpoints [4, 3] of the four edges of a box along one of its axes."""
     first, second = (i for i in range(3) if i != axis)
     spread = EDGE_SIGNS[:, :1] * box.half_extents[first] * box.axes[first]
-    midpoints: F64 = box.center + spread + EDGE_SIGNS[:, 1:] * box.half_extents[second] * box.axes[second]
-    return midpoints
+    return np.asarray(box.center + spread + EDGE_SIGNS[:, 1:] * box.half_extents[second] * box.axes[second])

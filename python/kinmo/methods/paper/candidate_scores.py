@@ -36,40 +36,24 @@ class CandidateScores:
 
 
 def direction_similarity(direction: F64, candidates: CandidateJoints) -> F64:
-    """Direction similarity s^d (paper, section 3.3, equation 5): |cos| of the angle between two directions.
+    """Direction similarity s^d [C] (paper, section 3.3, equation 5): |cos| of the angles between d [3] and the candidates' d_i.
 
     The paper prints it without the absolute value, but edges of a box have no sense.
-
-    Args:
-        direction ([3]): Predicted direction d.
-        candidates: C candidates with the directions d_i.
-
-    Returns:
-        [C] in [0, 1].
     """
     return np.asarray(np.abs(candidates.directions @ direction) / np.linalg.norm(direction))
 
 
-def position_similarity(pivot: F64, candidates: CandidateJoints, reading: PositionReading = "line", length: float = 1.0) -> F64:
-    """Position similarity s^p (paper, section 3.3, equation 6).
+def position_similarity(pivot: F64, candidates: CandidateJoints, reading: PositionReading = "line") -> F64:
+    """Position similarity s^p [C] (paper, section 3.3, equation 6) of the position p [3] and the candidates' p_i and d_i.
 
-    Reading `line`: `max(0, 1 - ||(p - p_i) x d_i|| / (||d_i|| length))`, one minus the distance of p from the candidate's line.
-    It has the form of the position loss (equation 4). Reading `printed`: `1 - ||(p - p_i) x p|| / ||p_i||`, clipped to [0, 1],
-    and 0 for p_i = 0. It changes with the origin.
-
-    Args:
-        pivot ([3]): Predicted position p.
-        candidates: C candidates with the pivots p_i and the directions d_i.
-        reading: The formula.
-        length: Distance at which the similarity of reading `line` is 0, in diagonals.
-
-    Returns:
-        [C] in [0, 1].
+    Reading `line`: `max(0, 1 - ||(p - p_i) x d_i|| / ||d_i||)`, one minus the distance of p from the candidate's line. It has
+    the form of the position loss (equation 4). Reading `printed`: `1 - ||(p - p_i) x p|| / ||p_i||`, clipped to [0, 1], and 0
+    for p_i = 0. It changes with the origin.
     """
     offset = pivot - candidates.pivots
     if reading == "line":
         distance = np.linalg.norm(np.cross(offset, candidates.directions), axis=1)
-        return np.asarray(np.maximum(0.0, 1.0 - distance / (np.linalg.norm(candidates.directions, axis=1) * length)))
+        return np.asarray(np.maximum(0.0, 1.0 - distance / np.linalg.norm(candidates.directions, axis=1)))
     lengths = np.linalg.norm(candidates.pivots, axis=1)
     numerator = np.linalg.norm(np.cross(offset, np.broadcast_to(pivot, offset.shape)), axis=1)
     safe = np.where(lengths > 0, lengths, 1.0)

@@ -42,13 +42,7 @@ SAME_DISTANCE = 1e-3
 
 
 def part_lines(shape: PreparedShape, roles: LeafRoles, meshes: _core.Meshes) -> CandidateLines:
-    """All candidate lines of a part: of its minimum and axis-aligned boxes, its contact, and its symmetry.
-
-    Args:
-        shape: The prepared shape.
-        roles: Leaves of the part and of its obstacles.
-        meshes: Meshes of all leaves, in the normalised frame.
-    """
+    """All candidate lines of a part: of its minimum and axis-aligned boxes, its contact, and its symmetry."""
     groups = [roles.own]
     minimum = Box(*(values[0] for values in _core.fit_boxes(meshes, groups)[:3]))
     aligned = Box(*(values[0] for values in _core.fit_aligned_boxes(meshes, np.eye(3), groups)[:3]))
@@ -73,12 +67,6 @@ def line_candidates(
 
     A fine type keeps the lines that are vertical or horizontal as the type says, or all lines if there are none. The scores
     decide whether an axis is central. Prismatic joints have one candidate per direction.
-
-    Args:
-        motion: Motion type of the part.
-        lines: Candidate lines of the part (`part_lines`).
-        up ([3]): Unit vector.
-        sources: Sources to keep.
     """
     kind = motion.kind
     if kind is None or len(lines) == 0:

@@ -14,14 +14,9 @@ REGION_SAMPLES = 128
 
 
 def interaction_centroid(shape: PreparedShape, roles: LeafRoles) -> NDArray[np.float64] | None:
-    """Centroid of the interaction region: the second pivot of axes in the central region of a part (paper, section 3.3).
+    """Centroid [3] of the interaction region: the second pivot of axes in the central region of a part (paper, section 3.3).
 
-    Args:
-        shape: The prepared shape.
-        roles: Leaves of the movable part and of its reference.
-
-    Returns:
-        [3] in the normalised frame; None if the part has no leaves or no reference.
+    It is in the normalised frame, and None if the part has no leaves or no reference.
     """
     if not roles.reference or not roles.own:
         return None

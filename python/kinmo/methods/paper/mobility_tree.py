@@ -38,17 +38,9 @@ def tree_with_given_bodies(shape: PreparedShape, predictions: EdgePredictions) -
     A part belongs to the body that holds most of its surface. The edges between the parts of two bodies predict how one body
     moves relative to the other. Different bodies are not fixed to each other, and only the root of a tree rests. Every other
     body therefore gets its most probable motion type. References are chosen in the order of their motion probabilities, without
-    cycles. A body without an edge to another body rests.
-
-    Args:
-        shape: An annotated shape; joints and parents of the annotation are not used.
-        predictions: Predictions for its edges.
-
-    Raises:
-        ValueError: The shape is not annotated.
+    cycles. A body without an edge to another body rests. Joints and parents of the annotation are not used.
     """
-    if shape.mobility is None:
-        raise ValueError(f"shape {shape.id} is not annotated")
+    mobility, _ = shape.annotation
     owner = _bodies_of_parts(shape)
     moves = predictions.type_probabilities[:, : predictions.type_set.FIXED].sum(axis=1)
     pairs: dict[tuple[int, int], list[int]] = {}
@@ -62,18 +54,12 @@ def tree_with_given_bodies(shape: PreparedShape, predictions: EdgePredictions) -
         if body not in parents and body not in path_to_root(parents, reference):
             parents[body] = reference
             estimates[body] = _without_fixed(mean_estimate(predictions, np.array(pairs[body, reference])))
-    bodies = enumerate(shape.mobility.bodies)
-    tree = tuple(Body(body.id, body.name, body.leaves, parents.get(index)) for index, body in bodies)
+    tree = tuple(replace(body, parent=parents.get(index), joint=None) for index, body in enumerate(mobility.bodies))
     return MobilityTree(tree, tuple(estimates.get(index) for index in range(len(tree))))
 
 
 def with_true_types(tree: MobilityTree, types: Mapping[int, MotionType]) -> MobilityTree:
-    """The tree with true motion types for the bodies whose type is predicted wrongly, and no estimates for the others.
-
-    Args:
-        tree: A predicted tree.
-        types: True motion types by body.
-    """
+    """The tree with true motion types (by body) for the bodies whose type is predicted wrongly, no estimates for the others."""
     estimates: list[GnnEstimate | None] = [None] * len(tree.bodies)
     for body, estimate in enumerate(tree.estimates):
         if estimate is None or body not in types:
@@ -105,12 +91,7 @@ def _without_fixed(estimate: GnnEstimate) -> GnnEstimate:
 def tree_with_predicted_bodies(shape: PreparedShape, predictions: EdgePredictions) -> MobilityTree:
     """Mobility tree in the setting *hierarchy given*: parts are merged into bodies as the edges predict (paper, section 3.3).
 
-    Args:
-        shape: A shape; its annotation is not used.
-        predictions: Predictions for its edges.
-
-    Returns:
-        The tree. Body 0 holds all parts at rest, unless it has no leaves.
+    The annotation of the shape is not used. Body 0 holds all parts at rest, unless it has no leaves.
     """
     motion = _PartMotions(shape, predictions)
     group_of = _merge_parts(shape, motion)
@@ -123,12 +104,19 @@ def tree_with_predicted_bodies(shape: PreparedShape, predictions: EdgePrediction
     body_of = [0] * len(shape.parents)
     for part, parent in enumerate(shape.parents):  # preorder: the parent's body is known
         body_of[part] = number[owners[part]] if part in owners else body_of[parent] if parent >= 0 else 0
-    bodies = [Body(0, "base", _leaves_of(shape, body_of, 0))]
+
+    def area(part: int) -> float:
+        return float(shape.leaf_areas[list(shape.leaves_below[part])].sum())
+
+    def leaves_of(body: int) -> tuple[int, ...]:
+        return tuple(leaf for leaf in shape.leaves if body_of[leaf] == body)
+
+    bodies = [Body(0, "base", leaves_of(0))]
     estimates: list[GnnEstimate | None] = [None]
     for group, index in number.items():
-        largest = max(groups[group], key=lambda part: (_area(shape, part), -part))
+        largest = max(groups[group], key=lambda part: (area(part), -part))
         parent = body_of[motion.references[largest]]
-        bodies.append(Body(index, shape.part_names[largest], _leaves_of(shape, body_of, index), parent))
+        bodies.append(Body(index, shape.part_names[largest], leaves_of(index), parent))
         estimates.append(mean_estimate(predictions, np.array([motion.edge_of[largest]])))
     return _without_empty_bodies(MobilityTree(tuple(bodies), tuple(estimates)))
 
@@ -200,14 +188,6 @@ def _fixed_to_moving(motion: _PartMotions, group_of: list[int]) -> dict[int, int
             if part not in motion.references and part not in references and margin > best.get(part, (0.0, -1))[0]:
                 best[part] = (margin, other)
     return {part: group_of[other] for part, (_, other) in best.items() if other in motion.references}
-
-
-def _leaves_of(shape: PreparedShape, body_of: list[int], body: int) -> tuple[int, ...]:
-    return tuple(leaf for leaf in shape.leaves if body_of[leaf] == body)
-
-
-def _area(shape: PreparedShape, part: int) -> float:
-    return float(shape.leaf_areas[list(shape.leaves_below[part])].sum())
 
 
 def _without_empty_bodies(tree: MobilityTree) -> MobilityTree:

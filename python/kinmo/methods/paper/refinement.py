@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.config import RefinementConfig
 from kinmo.core.joint import Joint
-from kinmo.core.mobility import Body, Mobility
+from kinmo.core.mobility import Mobility
 from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.core.normalisation import Normalisation
 from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
@@ -20,24 +18,16 @@ from kinmo.features.joint_limits import JointLimits, estimate_joint_limits
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.symmetric_box import symmetric_box
 from kinmo.learning.motion_gnn.gnn_estimate import GnnEstimate, gnn_joint
+from kinmo.methods.paper.axis_selection.axis_selector import AxisSelector
 from kinmo.methods.paper.candidate_axes import candidate_axes
-from kinmo.methods.paper.candidate_scores import CandidateScores, score_candidates
+from kinmo.methods.paper.candidate_scores import score_candidates
 from kinmo.methods.paper.extra_candidates import EXTRA_SOURCES, line_candidates, merge_candidates, part_lines
 from kinmo.methods.paper.interaction_region import interaction_centroid
 from kinmo.methods.paper.leaf_roles import LeafRoles, leaf_roles
 from kinmo.methods.paper.mobility_tree import MobilityTree
 
-F64 = NDArray[np.float64]
-
 MAX_ESTIMATES = 10
 """Largest number of ranked joints per body."""
-
-
-class FeasibilityScorer(Protocol):
-    """A model of the feasibility score s^f, such as `kinmo.methods.paper.axis_selection.axis_selector.AxisSelector`."""
-
-    def feasibility(self, shape: PreparedShape, moving: list[int], candidates: CandidateJoints) -> F64:
-        """Feasibility scores s^f [C] of the candidates of the part with the leaves at positions `moving`."""
 
 
 class Refiner:
@@ -52,33 +42,21 @@ class Refiner:
 
     Raises:
         ValueError: `config` needs meshes, and there are none.
-
-    Example:
-        >>> tree = tree_with_predicted_bodies(shape, gnn.predict_edges(shape))
-        >>> prediction = Refiner(shape, RefinementConfig(), selector, meshes).refine(tree)
     """
 
     def __init__(
         self,
         shape: PreparedShape,
         config: RefinementConfig,
-        selector: FeasibilityScorer | None = None,
+        selector: AxisSelector | None = None,
         meshes: _core.Meshes | None = None,
     ) -> None:
         if meshes is None and (config.extra or config.sweeps):
             raise ValueError("meshes: needed for candidates beyond the paper's and for the sweep term")
         self.shape, self.config, self.selector, self.meshes = shape, config, selector, meshes
 
-    def refine(self, tree: MobilityTree, method: str = "paper") -> ShapeEstimate:
-        """Predict the joint of every body, in the shape's own frame.
-
-        Args:
-            tree: Bodies of the shape and the motion GNN's estimates for them.
-            method: Name of the method, for the prediction.
-
-        Returns:
-            The best joint of every body, its runners-up, and the joint that the motion GNN regressed.
-        """
+    def refine(self, tree: MobilityTree) -> ShapeEstimate:
+        """The best joint of every body, its runners-up, and the joint that the GNN regressed, in the shape's own frame."""
         frame = Normalisation(self.shape.center, self.shape.diagonal)
         ranked, regressed, bodies = [], [], []
         for body, roles, estimate in zip(tree.bodies, leaf_roles(self.shape, tree.bodies), tree.estimates, strict=True):
@@ -87,23 +65,26 @@ class Refiner:
             found = tuple(frame.undo_estimate(each) for each in (found or (replace(own, joint=None),)))
             ranked.append(found)
             regressed.append(frame.undo_estimate(own))
-            bodies.append(Body(body.id, body.name, body.leaves, body.parent, found[0].joint))
+            bodies.append(replace(body, joint=found[0].joint))
         mobility = Mobility(tuple(bodies))
-        return ShapeEstimate(self.shape.id, self.shape.category, mobility, tuple(ranked), tuple(regressed), method)
+        return ShapeEstimate(self.shape.id, self.shape.category, mobility, tuple(ranked), tuple(regressed), "paper")
 
     def estimates(self, roles: LeafRoles, estimate: GnnEstimate) -> tuple[JointEstimate, ...]:
-        """Ranked joints of one body, in the normalised frame; none if it is predicted not to move.
-
-        Args:
-            roles: Leaves of the body and of its surroundings.
-            estimate: The motion GNN's estimate for the body.
-        """
+        """Ranked joints of one body, in the normalised frame; none if it is predicted not to move."""
         motion = estimate.type
         candidates = self.candidates(roles, motion)
         if not len(candidates):
             return ()
-        limits = self._limits(roles, candidates) if self.config.sweeps else None
-        scores = self.scores(roles, estimate, candidates, limits)
+        selector = self.selector
+        scores = score_candidates(
+            candidates,
+            estimate.direction,
+            estimate.pivot,
+            None if selector is None else selector.feasibility(self.shape, roles.moving, candidates),
+            self._limits(roles, candidates).freedom if self.config.sweeps else None,
+            weights=self.config.weights,
+            reading=self.config.position,
+        )
         best = np.argsort(-scores.total, kind="stable")[:MAX_ESTIMATES]
         chosen = candidates.subset(best)
         limits = self._limits(roles, chosen) if self.meshes is not None else None
@@ -119,12 +100,7 @@ class Refiner:
         return tuple(found)
 
     def candidates(self, roles: LeafRoles, motion: MotionType | CoarseType) -> CandidateJoints:
-        """The paper's candidates for a motion type, and those that `config.extra` adds.
-
-        Args:
-            roles: Leaves of the body and of its surroundings.
-            motion: Motion type of the body.
-        """
+        """The paper's candidates of a body for a motion type, and those that `config.extra` adds."""
         if motion.kind is None:
             return CandidateJoints.empty()
         box = symmetric_box(self.shape, roles.own, self.meshes)
@@ -137,28 +113,6 @@ class Refiner:
         sources = [source for name in self.config.extra for source in EXTRA_SOURCES[name]]
         lines = part_lines(self.shape, roles, self.meshes)
         return merge_candidates(found, line_candidates(motion, lines, self.shape.up, sources))
-
-    def scores(
-        self, roles: LeafRoles, estimate: GnnEstimate, candidates: CandidateJoints, limits: JointLimits | None = None
-    ) -> CandidateScores:
-        """Final scores of candidates (paper, section 3.3, equation 7), with the configured weights.
-
-        Args:
-            roles: Leaves of the body and of its surroundings.
-            estimate: The motion GNN's estimate for the body.
-            candidates: Candidates of the body.
-            limits: Limits of the candidates; None leaves the sweep term out.
-        """
-        feasibility = None if self.selector is None else self.selector.feasibility(self.shape, roles.moving, candidates)
-        return score_candidates(
-            candidates,
-            estimate.direction,
-            estimate.pivot,
-            feasibility,
-            None if limits is None else limits.freedom,
-            weights=self.config.weights,
-            reading=self.config.position,
-        )
 
     def _limits(self, roles: LeafRoles, candidates: CandidateJoints) -> JointLimits:
         assert self.meshes is not None, "checked in __init__"

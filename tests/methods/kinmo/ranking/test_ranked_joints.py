@@ -13,7 +13,7 @@ from kinmo.core.oriented_box import Box
 from kinmo.core.shape_estimate import JointEstimate
 from kinmo.features.candidate_features import compute_candidate_features
 from kinmo.methods.kinmo.ranking.ranked_joints import agreement, rank_joints, same_joint
-from kinmo.methods.kinmo.ranking.ranking_targets import candidate_costs
+from kinmo.methods.kinmo.ranking.shape_views import candidate_costs
 
 FEATURES = compute_candidate_features(cabinet_geometry(), [(DOOR,)])
 BOX = Box(FEATURES.centers[0], np.eye(3), np.array([0.23, 0.2, 0.01]))
@@ -31,7 +31,7 @@ def ranked(best: int, probability: float, rest: float) -> tuple[JointEstimate, .
 
 
 def test_the_most_probable_axis_comes_first_and_the_others_differ_from_it() -> None:
-    best = int(np.argmin(candidate_costs(FEATURES, FEATURES.rows(0), HINGE, FEATURES.centers[0])))
+    best = int(np.argmin(candidate_costs(FEATURES, 0, HINGE)))
     found = ranked(best, 0.7, 0.1)
     assert found[0].joint is not None
     np.testing.assert_allclose(found[0].joint.pivot, FEATURES.pivots[best])

@@ -14,22 +14,18 @@ from kinmo.features.candidate_features import compute_candidate_features
 from kinmo.methods.kinmo.ranking.name_words import hash_words
 from kinmo.methods.kinmo.ranking.ranking_batches import collate_views
 from kinmo.methods.kinmo.ranking.ranking_network import RankingNetwork, group_log_softmax, ranking_loss
-from kinmo.methods.kinmo.ranking.ranking_targets import candidate_costs, soft_target
-from kinmo.methods.kinmo.ranking.shape_views import ShapeView
+from kinmo.methods.kinmo.ranking.shape_views import ShapeView, soft_target
 
 FEATURES = compute_candidate_features(cabinet_geometry(), [(FRAME,), (DOOR,), (KNOB,), (DRAWER,)])
 HINGE = Joint(JointKind.REVOLUTE, UP, np.array([-0.23, 0.0, 0.155]))
 SLIDE = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3))
 
 
-def target(group: int, joint: Joint) -> np.ndarray:
-    return soft_target(candidate_costs(FEATURES, FEATURES.rows(group), joint, FEATURES.centers[group]))
-
-
 def cabinet_view() -> ShapeView:
     """The four leaves of the cabinet, two of which move."""
     words = tuple(tuple(hash_words("part", word)) for word in ("frame", "door", "knob", "drawer"))
-    return ShapeView(FEATURES, (0, 1, 2, 3), True, words, (None, target(1, HINGE), None, target(3, SLIDE)))
+    targets = (None, soft_target(FEATURES, 1, HINGE), None, soft_target(FEATURES, 3, SLIDE))
+    return ShapeView(FEATURES, (0, 1, 2, 3), True, words, targets)
 
 
 def small_network() -> RankingNetwork:
@@ -41,7 +37,7 @@ def small_network() -> RankingNetwork:
 
 
 def test_a_target_is_highest_for_the_nearest_axis_of_the_true_kind() -> None:
-    wanted = target(1, HINGE)
+    wanted = soft_target(FEATURES, 1, HINGE)
     assert wanted.sum() == pytest.approx(1.0)
     rows = FEATURES.rows(1)
     best = int(np.argmax(wanted))
@@ -51,7 +47,7 @@ def test_a_target_is_highest_for_the_nearest_axis_of_the_true_kind() -> None:
 
 
 def test_a_target_does_not_depend_on_the_sense_of_the_axis() -> None:
-    np.testing.assert_allclose(target(1, HINGE.reversed()), target(1, HINGE))
+    np.testing.assert_allclose(soft_target(FEATURES, 1, HINGE.reversed()), soft_target(FEATURES, 1, HINGE))
 
 
 def test_probabilities_of_candidates_and_rest_sum_to_one() -> None:

@@ -12,8 +12,13 @@ from small_shapes import box_surface, cabinet
 from kinmo.config import load_config
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.oriented_box import Box
-from kinmo.methods.paper.axis_selection.negative_axes import motion_difference, negative_axes
-from kinmo.methods.paper.axis_selection.training_pairs import PairData, joint_samples, random_axis_permutation
+from kinmo.methods.paper.axis_selection.training_pairs import (
+    PairData,
+    joint_samples,
+    motion_difference,
+    negative_axes,
+    random_axis_permutation,
+)
 from kinmo.methods.paper.axis_selection.transformed_clouds import MIN_SHARE, labelled_cloud
 
 CONFIG = load_config("small").axis

@@ -22,19 +22,10 @@ F64 = NDArray[np.float64]
 class JointRanker:
     """Trained ranking networks, whose mean probabilities count.
 
-    Args:
-        networks: The networks.
-        device: Where they run.
-        hide_names: Hide the names of parts and categories from them.
-        hide_categories: Hide the names of categories from them.
-
-    Example:
-        >>> ranker = JointRanker.load(Path("models/ranking/weights.safetensors"))
-        >>> features = CandidateFeatures.of(shape.candidate_features)
-        >>> probabilities, rest = ranker.probabilities(node_view(shape, features))
+    `hide_names` hides the names of parts and categories from them, `hide_categories` those of categories alone.
     """
 
-    def __init__(self, networks: nn.ModuleList, device: str, hide_names: bool = False, hide_categories: bool = False) -> None:
+    def __init__(self, networks: nn.ModuleList, device: str, hide_names: bool, hide_categories: bool) -> None:
         self.networks, self.device = networks.to(device).eval(), device
         self.hide_names, self.hide_categories = hide_names, hide_categories
 
@@ -42,35 +33,23 @@ class JointRanker:
     def load(cls, weights: Path, device: str = "auto", hide_names: bool = False) -> JointRanker:
         """Read weights that `train_joint_ranking` wrote.
 
-        Args:
-            weights: The file `weights.safetensors`, beside its JSON header.
-            device: Auto, cpu, cuda, cuda:1, mps.
-            hide_names: Hide the names of parts and categories from the networks.
-
         Raises:
             InputError: The weights are those of another network, or cut off.
         """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
-        header = weights.with_suffix(".json")
         config = loaded.typed_config(RankingConfig)
         candidate_features, group_features = (loaded.facts.get(name) for name in ("hypothesis_features", "unit_features"))
         if not (isinstance(candidate_features, int) and isinstance(group_features, int)):
-            raise InputError(header, "expected numbers hypothesis_features and unit_features: train again", "facts")
+            problem = "expected numbers hypothesis_features and unit_features: train again"
+            raise InputError(weights.with_suffix(".json"), problem, "facts")
         networks = ranking_networks(config, candidate_features, group_features)
         loaded.fill(networks)
         return cls(networks, device, hide_names, not config.sees_categories)
 
     @torch.inference_mode()
     def probabilities(self, view: ShapeView) -> tuple[list[F64], F64]:
-        """Probabilities of all candidate joints of a view.
-
-        Args:
-            view: U groups of one shape.
-
-        Returns:
-            For every group the probabilities [C] of its candidates, and the probabilities of rest [U].
-        """
+        """Probabilities [C] of the candidate joints of each of the U groups of a view, and probabilities of rest [U]."""
         batch = collate_views([view], hide_names=self.hide_names, hide_category=float(self.hide_categories))
         candidates, rest = mean_log_probabilities(self.networks, batch.to(torch.device(self.device)))
         flat = candidates.cpu().double().exp().numpy()

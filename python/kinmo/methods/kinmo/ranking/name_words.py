@@ -13,12 +13,7 @@ WORD_BUCKETS = 1024
 
 
 def hash_words(role: str, text: str) -> list[int]:
-    """Buckets of the words of a name.
-
-    Args:
-        role: Role of the name, such as "part"; the same word gets another bucket in another role.
-        text: The name.
-    """
+    """Buckets of the words of a name; the same word gets another bucket in another role, such as "part"."""
     return [zlib.crc32(f"{role}:{word}".encode()) % WORD_BUCKETS for word in re.findall(r"[a-z]+", text.lower())]
 
 
@@ -30,12 +25,7 @@ def maximal_nodes(shape: PreparedShape, leaves: Sequence[int]) -> list[int]:
 
 
 def group_words(shape: PreparedShape, leaves: Sequence[int]) -> tuple[int, ...]:
-    """Hashed words of a group: the names of its highest nodes, of its leaves, and of the nodes above it.
-
-    Args:
-        shape: The prepared shape.
-        leaves: Positions of the group's leaves.
-    """
+    """Hashed words of a group of leaves: the names of its highest nodes, of its leaves, and of the nodes above it."""
     top = maximal_nodes(shape, leaves)
     words = [w for n in top for w in hash_words("part", shape.part_names[n])]
     words += [w for leaf in leaves for w in hash_words("leaf", shape.part_names[shape.leaves[leaf]])]

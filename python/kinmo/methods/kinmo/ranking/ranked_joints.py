@@ -27,27 +27,16 @@ DIGITS = 9
 
 def parallel(directions: F64) -> NDArray[np.bool_]:
     """Pairs [C, C] of candidates with the same direction [C, 3] by the strict measure."""
-    same: NDArray[np.bool_] = np.abs(directions @ directions.T) >= SAME_DIRECTION
-    return same
+    return np.asarray(np.abs(directions @ directions.T) >= SAME_DIRECTION)
 
 
 def agreement(kinds: NDArray[np.int64], directions: F64, pivots: F64) -> NDArray[np.bool_]:
-    """Pairs of candidates that are the same joint by the strict measure.
-
-    Args:
-        kinds ([C]): Codes of the kinds.
-        directions ([C, 3]): Unit vectors.
-        pivots ([C, 3]): Points of the axes nearest to the part's centre.
-
-    Returns:
-        [C, C] bool.
-    """
+    """Pairs [C, C] of candidates that are the same joint by the strict measure, at the pivots nearest to the part's centre."""
     kind = kinds[:, None] == kinds[None]
     offset = pivots[:, None] - pivots[None]
     offset -= np.einsum("abi,ai->ab", offset, directions)[..., None] * directions[:, None]
     close = (np.linalg.norm(offset, axis=-1) <= SAME_LINE) | (kinds == JointKind.PRISMATIC.code)[:, None]
-    agree: NDArray[np.bool_] = kind & parallel(directions) & close
-    return agree
+    return np.asarray(kind & parallel(directions) & close)
 
 
 def same_joint(first: Joint, second: Joint) -> bool:
@@ -62,22 +51,15 @@ def same_joint(first: Joint, second: Joint) -> bool:
 def rank_joints(
     features: CandidateFeatures, group: int, probabilities: F64, rest: float, box: Box, up: F64
 ) -> tuple[JointEstimate, ...]:
-    """Ranked joints of one group, in the normalised frame.
+    """Ranked joints of one group, best first, in the normalised frame.
 
+    There is one estimate without a joint: the first of all if the group rests, the last otherwise.
     The score of a joint is the total probability of all candidates that agree with it: the probability that it is correct by
     the strict measure. Joints are ordered by the sum of their score, the probability of their kind, and the probability of
     their direction. Several uncertain hinges at upright edges can so outweigh one more probable horizontal hinge.
 
-    Args:
-        features: Candidate joints of the shape.
-        group: Index of the group.
-        probabilities ([C]): Probabilities of the group's candidates.
-        rest: Probability that the group rests; all probabilities sum to one.
-        box: Symmetry-aligned box of the group, which motion types depend on.
-        up ([3]): Unit vector, which motion types depend on.
-
-    Returns:
-        Joints, best first, and one estimate without a joint: the first of all if the group rests, the last otherwise.
+    The probabilities of the group's candidates [C] and of `rest` sum to one. Motion types depend on the symmetry-aligned box of
+    the group and on the unit vector `up`.
     """
     rows = features.rows(group)
     kinds, directions, pivots = features.kinds[rows], features.directions[rows], features.pivots[rows]

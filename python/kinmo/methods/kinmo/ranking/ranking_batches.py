@@ -3,13 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
+from torch import Tensor
 
-from kinmo.methods.kinmo.ranking.ranking_network import RankingBatch
 from kinmo.methods.kinmo.ranking.shape_views import ShapeView
+
+
+@dataclass(frozen=True)
+class RankingBatch:
+    """Views of several shapes as flat tensors: C candidates of U groups.
+
+    Attributes:
+        candidates ([C, F] float32): Raw features of the candidates.
+        groups ([U, G] float32): Raw features of the groups.
+        group_of ([C] int64): Group of each candidate.
+        view_of ([U] int64): View of each group.
+        slot_of ([U] int64): Position of each group in its view.
+        words ([W] int64): Hashed words.
+        word_group ([W] int64): Group of each word.
+        targets ([C] float32): Target probabilities of the candidates.
+        rest_targets ([U] float32): Target probabilities of rest.
+    """
+
+    candidates: Tensor
+    groups: Tensor
+    group_of: Tensor
+    view_of: Tensor
+    slot_of: Tensor
+    words: Tensor
+    word_group: Tensor
+    targets: Tensor
+    rest_targets: Tensor
+
+    def to(self, device: torch.device) -> RankingBatch:
+        """The batch on a device."""
+        return RankingBatch(*(values.to(device) for values in vars(self).values()))
 
 
 def collate_views(
@@ -31,41 +62,32 @@ def collate_views(
         hide_group: Probability that the names of a group are hidden.
         hide_category: Probability that the category of a view is hidden; 1 hides it without `rng` too.
     """
-    candidates: list[NDArray[np.float32]] = []
-    groups: list[NDArray[np.float32]] = []
-    targets: list[NDArray[np.float64]] = []
-    group_of: list[NDArray[np.int64]] = []
-    rest: list[float] = []
-    view_of: list[int] = []
-    slot_of: list[int] = []
     words: list[int] = []
     word_group: list[int] = []
-    for number, view in enumerate(views):
+    index = 0
+    for view in views:
         hidden = hide_names or (rng is not None and rng.random() < hide_view)
         hides_category = hide_category >= 1.0 or (hide_category > 0.0 and rng is not None and rng.random() < hide_category)
-        for slot, (group, names, target) in enumerate(zip(view.groups, view.words, view.targets, strict=True)):
-            rows = view.features.rows(group)
-            count = rows.stop - rows.start
-            index = len(groups)
-            candidates.append(view.features.features[rows])
-            groups.append(np.append(view.features.group_features[group], np.float32(view.is_bodies)))
-            targets.append(np.zeros(count) if target is None else target)
-            rest.append(float(target is None))
-            group_of.append(np.full(count, index))
-            view_of.append(number)
-            slot_of.append(slot)
+        for names in view.words:
             if not hidden and not (rng is not None and rng.random() < hide_group):
                 shown = names if hides_category else names + view.category
                 words.extend(shown)
                 word_group.extend([index] * len(shown))
+            index += 1
+    sizes = [len(view.groups) for view in views]
+    counts = [count for view in views for count in view.features.counts(view.groups)]
+    groups = np.concatenate([view.features.group_features[list(view.groups)] for view in views])
+    is_bodies = np.repeat([view.is_bodies for view in views], sizes).astype(np.float32)
+    targets = [target for view in views for target in view.targets]
+    filled = [np.zeros(count) if target is None else target for count, target in zip(counts, targets, strict=True)]
     return RankingBatch(
-        torch.from_numpy(np.concatenate(candidates)),
-        torch.from_numpy(np.array(groups, np.float32)),
-        torch.from_numpy(np.concatenate(group_of)),
-        torch.tensor(view_of),
-        torch.tensor(slot_of),
+        torch.from_numpy(np.concatenate([v.features.features[v.features.rows(group)] for v in views for group in v.groups])),
+        torch.from_numpy(np.column_stack([groups, is_bodies])),
+        torch.from_numpy(np.repeat(np.arange(len(counts)), counts)),
+        torch.from_numpy(np.repeat(np.arange(len(views)), sizes)),
+        torch.from_numpy(np.concatenate([np.arange(size) for size in sizes])),
         torch.tensor(words, dtype=torch.long),
         torch.tensor(word_group, dtype=torch.long),
-        torch.from_numpy(np.concatenate(targets).astype(np.float32)),
-        torch.tensor(rest, dtype=torch.float32),
+        torch.from_numpy(np.concatenate(filled).astype(np.float32)),
+        torch.tensor([float(target is None) for target in targets], dtype=torch.float32),
     )

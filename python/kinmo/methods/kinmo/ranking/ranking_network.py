@@ -8,13 +8,13 @@ drawer. Names enter as hashed words; words that training never saw have no effec
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import torch
 from torch import Tensor, nn
 
 from kinmo.config import RankingConfig
 from kinmo.methods.kinmo.ranking.name_words import WORD_BUCKETS
+from kinmo.methods.kinmo.ranking.ranking_batches import RankingBatch
 
 KIND = "joint_ranking"
 """Kind of the networks in files of weights (`kinmo.learning.weights`)."""
@@ -24,47 +24,10 @@ MAX_FEATURE = 5.0
 """Largest magnitude of a standardised feature."""
 
 
-@dataclass(frozen=True)
-class RankingBatch:
-    """Views of several shapes as flat tensors: C candidates of U groups.
-
-    Attributes:
-        candidates ([C, F] float32): Raw features of the candidates.
-        groups ([U, G] float32): Raw features of the groups.
-        group_of ([C] int64): Group of each candidate.
-        view_of ([U] int64): View of each group.
-        slot_of ([U] int64): Position of each group in its view.
-        words ([W] int64): Hashed words.
-        word_group ([W] int64): Group of each word.
-        targets ([C] float32): Target probabilities of the candidates.
-        rest_targets ([U] float32): Target probabilities of rest.
-    """
-
-    candidates: Tensor
-    groups: Tensor
-    group_of: Tensor
-    view_of: Tensor
-    slot_of: Tensor
-    words: Tensor
-    word_group: Tensor
-    targets: Tensor
-    rest_targets: Tensor
-
-    def to(self, device: torch.device) -> RankingBatch:
-        """The batch on a device."""
-        return RankingBatch(*(getattr(self, name).to(device) for name in self.__dataclass_fields__))
-
-
 def group_log_softmax(scores: Tensor, rest: Tensor, group_of: Tensor) -> tuple[Tensor, Tensor]:
-    """Log-softmax of each group over its candidates and rest.
+    """Log-softmax of each group over its candidates and rest, from the scores of both and the group of each candidate.
 
-    Args:
-        scores ([C]): Scores of the candidates.
-        rest ([U]): Scores of rest.
-        group_of ([C]): Group of each candidate.
-
-    Returns:
-        Log-probabilities of the candidates [C] and of rest [U].
+    It gives log-probabilities of the candidates [C] and of rest [U].
     """
     peak = rest.scatter_reduce(0, group_of, scores, "amax").detach()
     total = (rest - peak).exp().index_add(0, group_of, (scores - peak[group_of]).exp())
@@ -76,13 +39,6 @@ class RankingNetwork(nn.Module):
     """Network that scores candidate joints.
 
     The names of its attributes are the names of the tensors in files of weights: `unit` is a group, `hypothesis` a candidate.
-
-    Args:
-        candidate_features: Number of features per candidate.
-        group_features: Number of features per group.
-        width: Width of the layers.
-        words: Width of the embedding of words.
-        dropout: Probability that a value is dropped in training.
     """
 
     hypothesis_mean: Tensor
@@ -94,10 +50,9 @@ class RankingNetwork(nn.Module):
         self, candidate_features: int, group_features: int, width: int = 128, words: int = 32, dropout: float = 0.1
     ) -> None:
         super().__init__()
-        self.register_buffer("hypothesis_mean", torch.zeros(candidate_features))
-        self.register_buffer("hypothesis_scale", torch.ones(candidate_features))
-        self.register_buffer("unit_mean", torch.zeros(group_features))
-        self.register_buffer("unit_scale", torch.ones(group_features))
+        for name, count in (("hypothesis", candidate_features), ("unit", group_features)):
+            self.register_buffer(f"{name}_mean", torch.zeros(count))
+            self.register_buffer(f"{name}_scale", torch.ones(count))
         self.words = nn.Embedding(WORD_BUCKETS, words)
         self.unit = nn.Sequential(
             nn.Linear(group_features + words, width), nn.GELU(), nn.Dropout(dropout), nn.Linear(width, width)

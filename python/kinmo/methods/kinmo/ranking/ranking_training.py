@@ -20,10 +20,9 @@ from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.learner import Learner, adam_options
 from kinmo.learning.training_loop import FitResult, Progress, fit
 from kinmo.learning.weights import Weights, load_weights, save_weights
-from kinmo.methods.kinmo.ranking.ranking_batches import collate_views
+from kinmo.methods.kinmo.ranking.ranking_batches import RankingBatch, collate_views
 from kinmo.methods.kinmo.ranking.ranking_network import (
     KIND,
-    RankingBatch,
     RankingNetwork,
     correct_probability,
     mean_log_probabilities,
@@ -52,21 +51,9 @@ def train_joint_ranking(
     on_progress: Callable[[Progress], None] | None = None,
     initial: Path | None = None,
 ) -> FitResult:
-    """Train ranking networks on annotated shapes; interrupted training resumes (`training_loop.fit`).
+    """Train ranking networks on annotated shapes, with the arguments and results of `train_motion_gnn`.
 
-    Args:
-        training: Shapes to train on.
-        validation: Shapes that choose the best epoch.
-        config: Sizes and schedule.
-        run_dir: Folder for `weights.safetensors` and `weights.json` of the best epoch.
-        seed: Seed of the initial weights and of the batches.
-        device: Auto, cpu, cuda, cuda:1, mps.
-        fingerprint: Key of the data; training with another key does not resume.
-        on_progress: Called after every epoch.
-        initial: Weights of an earlier training with the same sizes to start from, with the schedule `config.continued`.
-
-    Returns:
-        History and best error of the training.
+    Training that starts from `initial` weights has the schedule `config.continued`.
 
     Raises:
         InputError: `training` or `validation` has no joint to learn from, or `initial` does not fit.
@@ -108,13 +95,7 @@ def _blend(networks: nn.ModuleList, start: Weights, share: float) -> None:
 
 
 class RankingData:
-    """Batches of views, in a new order in every epoch and with names hidden at random.
-
-    Args:
-        training: Views to train on.
-        validation: Views to validate on.
-        config: Settings of the networks.
-    """
+    """Batches of views, in a new order in every epoch and with names hidden at random."""
 
     def __init__(self, training: Sequence[ShapeView], validation: Sequence[ShapeView], config: RankingConfig) -> None:
         self.training, self.validation, self.config = training, validation, config
@@ -172,14 +153,12 @@ class RankingLearner(Learner):
         self.steps = data.steps * config.training.epochs
 
     def training_step(self, batch: RankingBatch) -> torch.Tensor:
-        """Sum of the networks' losses on a batch."""
         outputs = [network(batch) for network in self.networks]
         losses = torch.stack([ranking_loss(candidates, rest, batch) for candidates, rest in outputs])
         self.log("training", len(batch.groups), loss=losses.mean())
         return losses.sum()
 
     def validation_step(self, batch: RankingBatch) -> None:
-        """Log loss and error of a batch."""
         candidates, rest = mean_log_probabilities(self.networks, batch)
         loss, error = ranking_loss(candidates, rest, batch), 1.0 - correct_probability(candidates, rest, batch).mean()
         self.log("validation", len(batch.groups), loss=loss, error=error)

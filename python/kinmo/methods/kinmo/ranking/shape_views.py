@@ -1,4 +1,4 @@
-"""Two views of a shape for the ranking networks: its rigid bodies, and the nodes of its hierarchy."""
+"""Two views of a shape for the ranking networks: its rigid bodies, and the nodes of its hierarchy, with soft targets."""
 
 from __future__ import annotations
 
@@ -13,7 +13,15 @@ from kinmo.core.joint import Joint
 from kinmo.features.candidate_features import CandidateFeatures
 from kinmo.features.prepared_shape import PreparedShape, leaf_groups
 from kinmo.methods.kinmo.ranking.name_words import category_words, group_words
-from kinmo.methods.kinmo.ranking.ranking_targets import candidate_costs, soft_target
+
+F64 = NDArray[np.float64]
+
+ANGLE_SCALE = np.radians(2.0)
+"""Angle to the true axis, in radians, that lowers a candidate's target by a factor e."""
+LINE_SCALE = 0.015
+"""Distance from the true axis, in diagonals, that lowers a candidate's target by a factor e."""
+MAX_EXTRA_COST = 4.0
+"""Candidates whose cost exceeds the least cost by more than this have a target of 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,19 +41,14 @@ class ShapeView:
     groups: tuple[int, ...]
     is_bodies: bool
     words: tuple[tuple[int, ...], ...]
-    targets: tuple[NDArray[np.float64] | None, ...]
+    targets: tuple[F64 | None, ...]
     category: tuple[int, ...] = ()
 
 
 def body_view(shape: PreparedShape, features: CandidateFeatures) -> ShapeView:
-    """View of the annotation's bodies, in their order (setting *parts given*).
-
-    Raises:
-        ValueError: The shape is not annotated.
-    """
-    if shape.mobility is None:
-        raise ValueError(f"shape {shape.id} is not annotated")
-    joints = [body.joint for body in shape.mobility.bodies]
+    """View of the bodies of an annotated shape, in their order (setting *parts given*)."""
+    mobility, _ = shape.annotation
+    joints = [body.joint for body in mobility.bodies]
     return _view(shape, features, shape.body_leaves, joints, is_bodies=True)
 
 
@@ -87,12 +90,32 @@ def _view(
 ) -> ShapeView:
     group_of = {each: group for group, each in enumerate(leaf_groups(shape.leaves_below, shape.body_leaves))}
     groups = tuple(group_of[each] for each in leaves)
-    targets = tuple(_target(features, group, joint) for group, joint in zip(groups, joints, strict=True))
+    targets = tuple(soft_target(features, group, joint) for group, joint in zip(groups, joints, strict=True))
     words = tuple(group_words(shape, each) for each in leaves)
     return ShapeView(features, groups, is_bodies, words, targets, category_words(shape))
 
 
-def _target(features: CandidateFeatures, group: int, joint: Joint | None) -> NDArray[np.float64] | None:
+def soft_target(features: CandidateFeatures, group: int, joint: Joint | None) -> F64 | None:
+    """Target probabilities [C] of a group's candidates: highest for the least cost, shared with candidates about as good."""
     if joint is None:
         return None
-    return soft_target(candidate_costs(features, features.rows(group), joint, features.centers[group]))
+    costs = candidate_costs(features, group, joint)
+    relative = costs - costs.min()
+    target = np.where(relative < MAX_EXTRA_COST, np.exp(-np.minimum(relative, MAX_EXTRA_COST)), 0.0)
+    return np.asarray(target / target.sum())
+
+
+def candidate_costs(features: CandidateFeatures, group: int, joint: Joint) -> F64:
+    """Costs [C] of a group's candidates for its true joint: angle and distance errors in units of their scales.
+
+    The distance is measured where the true axis passes nearest to the group's centre. Other kinds have an infinite cost.
+    """
+    rows = features.rows(group)
+    directions, pivots = features.directions[rows], features.pivots[rows]
+    cost = np.arccos(np.clip(np.abs(directions @ joint.direction), 0.0, 1.0)) / ANGLE_SCALE
+    if joint.has_pivot:
+        near_center = joint.pivot + ((features.centers[group] - joint.pivot) @ joint.direction) * joint.direction
+        offset = near_center - pivots
+        offset -= np.sum(offset * directions, axis=1, keepdims=True) * directions
+        cost = cost + np.linalg.norm(offset, axis=1) / LINE_SCALE
+    return np.where(features.kinds[rows] == joint.kind.code, cost, np.inf)

@@ -32,21 +32,7 @@ def train_axis_selection(
     on_progress: Callable[[Progress], None] | None = None,
     initial: Path | None = None,
 ) -> FitResult:
-    """Train an axis selection network on annotated shapes; interrupted training resumes (`training_loop.fit`).
-
-    Args:
-        training: Shapes to train on.
-        validation: Shapes that choose the best epoch.
-        config: Sizes and schedule.
-        run_dir: Folder for `weights.safetensors` and `weights.json` of the best epoch.
-        seed: Seed of the initial weights and of the batches.
-        device: Auto, cpu, cuda, cuda:1, mps.
-        fingerprint: Key of the data; training with another key does not resume.
-        on_progress: Called after every epoch.
-        initial: Weights of an earlier training with the same sizes to start from.
-
-    Returns:
-        History and best error of the training.
+    """Train an axis selection network on annotated shapes, with the arguments and results of `train_motion_gnn`.
 
     Raises:
         InputError: `training` or `validation` has no joint to learn from, or `initial` does not fit.
@@ -74,13 +60,11 @@ class AxisLearner(Learner):
         self.network = AxisSelectionNetwork(config)
 
     def training_step(self, batch: PairBatch) -> Tensor:
-        """Loss of a batch."""
         loss, metrics = self._step(batch)
         self.log("training", len(batch.original), loss=loss, **metrics)
         return loss
 
     def validation_step(self, batch: PairBatch) -> None:
-        """Log the error of a batch."""
         loss, metrics = self._step(batch)
         self.log("validation", len(batch.original), error=loss, **metrics)
 

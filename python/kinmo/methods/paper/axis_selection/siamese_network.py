@@ -34,14 +34,6 @@ class AxisSelectionNetwork(nn.Module):
         return self.head(torch.cat([original, moved], 1)).squeeze(1)  # type: ignore[no-any-return]
 
     def forward(self, original: Tensor, *moved: Tensor) -> Tensor:
-        """Logits of feasibility.
-
-        Args:
-            original ([B, n, 4]): Clouds before the motion.
-            moved: K tensors [B, n, 4] of clouds after a motion.
-
-        Returns:
-            [k * B] logits.
-        """
+        """Logits of feasibility [K * B], from clouds [B, n, 4] before a motion and after K motions."""
         first, *others = self.encoder(torch.cat([original, *moved])).chunk(1 + len(moved))
         return self.compare(first.repeat(len(moved), 1), torch.cat(others))

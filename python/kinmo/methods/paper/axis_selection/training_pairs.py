@@ -1,4 +1,7 @@
-"""Training pairs of the axis selection network: motions along true joints and along wrong axes (paper, section 3.3)."""
+"""Training pairs of the axis selection network: motions along true joints and along wrong axes (paper, section 3.3).
+
+Wrong axes are lines of the part's box that move it differently from the true joint.
+"""
 
 from __future__ import annotations
 
@@ -10,19 +13,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 from torch import Tensor
 
+from kinmo import _core
 from kinmo.config import AxisConfig
 from kinmo.core.joint import Joint, JointKind
+from kinmo.core.oriented_box import Box
 from kinmo.features.candidate_joints import CandidateJoints
+from kinmo.features.candidate_lines import box_lines
 from kinmo.features.prepared_shape import PreparedShape
-from kinmo.methods.paper.axis_selection.negative_axes import negative_axes
 from kinmo.methods.paper.axis_selection.transformed_clouds import (
     SCREW_SLIDES,
-    SCREW_TURN,
     SLIDES,
-    TURNS,
+    TEST_DISPLACEMENTS,
     LabelledCloud,
+    angles_and_shifts,
     labelled_cloud,
 )
 from kinmo.methods.paper.leaf_roles import leaf_roles
@@ -37,13 +43,20 @@ DEFAULT_RANGE = {
 }
 """Range of joints without limits, in radians or diagonals."""
 
-TEST_DISPLACEMENTS = {JointKind.REVOLUTE: TURNS, JointKind.PRISMATIC: SLIDES, JointKind.SCREW: SCREW_SLIDES}
-"""Displacements of the training pairs: those that candidates are tested with, whatever the range of a joint."""
-
 VALIDATION_ROUNDS = 2
 """Number of pairs per validation joint."""
 NEGATIVE_POINTS = 600
 """Points of a part that its negative axes are chosen with."""
+PROBE_POINTS = 96
+"""Number of these points that are moved; the others are the surface they are compared with."""
+PROBE_DISPLACEMENTS = {
+    JointKind.REVOLUTE: np.radians([-60.0, 30.0, 60.0]),
+    JointKind.PRISMATIC: SLIDES[[1, 7]],
+    JointKind.SCREW: SCREW_SLIDES[-1:],
+}
+"""Displacements that the motions of axes are compared at, in radians or diagonals."""
+FULL_TOLERANCE_SIZE = 6.0
+"""Parts with a half diagonal below 1 / 6 diagonals have a tolerance in proportion to their size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +73,9 @@ class PairBatch:
     feasible: Tensor
     infeasible: Tensor
 
-    def to(self, device: torch.device | str, non_blocking: bool = False) -> PairBatch:
+    def to(self, device: torch.device | str) -> PairBatch:
         """The batch on a device."""
-        return PairBatch(*(t.to(device, non_blocking=non_blocking) for t in (self.original, self.feasible, self.infeasible)))
+        return PairBatch(*(clouds.to(device) for clouds in vars(self).values()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,13 +118,7 @@ def joint_samples(shapes: Sequence[PreparedShape], config: AxisConfig) -> list[J
 
 
 class PairData:
-    """Batches of one positive and one negative pair per joint; joints with frequent names are drawn less often.
-
-    Args:
-        training: Joints to train on.
-        validation: Joints to validate on.
-        config: Settings of the network; `name_balance` is the power of the names' frequencies.
-    """
+    """Batches of one positive and one negative pair per joint; joints with frequent names are drawn less often."""
 
     def __init__(self, training: Sequence[JointSample], validation: Sequence[JointSample], config: AxisConfig) -> None:
         self.training, self.config = training, config
@@ -162,14 +169,8 @@ def random_axis_permutation(rng: np.random.Generator) -> F32:
 
 def _moved(cloud: LabelledCloud, kind: JointKind, direction: F64, pivot: F64, value: float) -> F32:
     """Points of a cloud after one displacement."""
-    angle, shift = {
-        JointKind.REVOLUTE: (value, 0.0),
-        JointKind.PRISMATIC: (0.0, value),
-        JointKind.SCREW: (SCREW_TURN, value),
-    }[kind]
-    code = np.array([kind.code], np.uint8)
-    moved: F32 = cloud.transformed(code, direction[None], pivot[None], np.array([[angle]]), np.array([[shift]]))[0, 0]
-    return moved
+    code, motion = np.array([kind.code], np.uint8), angles_and_shifts(kind, np.array([[value]]))
+    return np.asarray(cloud.transformed(code, direction[None], pivot[None], *motion)[0, 0])
 
 
 def _range(joint: Joint) -> tuple[float, float]:
@@ -177,3 +178,50 @@ def _range(joint: Joint) -> tuple[float, float]:
     if joint.lower is None or joint.upper is None:
         return DEFAULT_RANGE[joint.kind]
     return joint.lower, joint.upper
+
+
+def negative_axes(joint: Joint, box: Box, part: F32, config: AxisConfig) -> CandidateJoints:
+    """Axes of a part's box that are infeasible for its true joint; `part` [m, 3] are points of the part.
+
+    A hinge has the 12 edges, a slider or screw the 3 centre lines.
+    Axes within `near_angle` and `near_distance` of the true axis are left out. Axes with the same motion, to within
+    `same_motion` diagonals (less for small parts), are left out too: other edges of the hinge side, axes of the same symmetry.
+    """
+    directions, pivots, is_edge = box_lines(box)
+    wanted = is_edge if joint.kind is JointKind.REVOLUTE else ~is_edge
+    directions, pivots = directions[wanted], pivots[wanted]
+    parallel = np.abs(directions @ joint.direction) > math.cos(math.radians(config.near_angle))
+    offset = pivots - joint.pivot
+    distance = np.linalg.norm(offset - (offset @ joint.direction)[:, None] * joint.direction, axis=1)
+    differs = ~(parallel & ((distance < config.near_distance) | (joint.kind is JointKind.PRISMATIC)))
+    if not differs.any():
+        return CandidateJoints.empty()
+    directions, pivots = directions[differs], pivots[differs]
+    difference = motion_difference(joint, directions, pivots, part)
+    tolerance = config.same_motion * min(1.0, FULL_TOLERANCE_SIZE * float(np.linalg.norm(box.half_extents)))
+    directions, pivots = directions[difference > tolerance], pivots[difference > tolerance]
+    count = len(directions)
+    return CandidateJoints(np.full(count, joint.kind.code, np.uint8), directions, pivots, ("box",) * count)
+
+
+def motion_difference(joint: Joint, directions: F64, pivots: F64, part: F32) -> F64:
+    """Mean distance [C] between a part [m, 3] moved by its true joint and moved along each axis, in its better sense.
+
+    The mean distance of samples at rest is subtracted: they lie apart even where surfaces coincide.
+    """
+    probes, rest = part[:PROBE_POINTS], part[PROBE_POINTS:]
+    if len(rest) == 0:
+        probes = rest = part
+    surface = cKDTree(rest)
+    angles, shifts = angles_and_shifts(joint.kind, PROBE_DISPLACEMENTS[joint.kind])
+    code = np.array([joint.kind.code], np.uint8)
+    moved = _core.move_points(probes, code, joint.direction[None], joint.pivot[None], angles[None], shifts[None])[0]
+    codes, axes, places = np.repeat(code, 2 * len(directions)), np.tile(directions, (2, 1)), np.tile(pivots, (2, 1))
+    sense = np.repeat([1.0, -1.0], len(directions))[:, None]
+    gaps = []
+    for cloud, angle, shift in zip(moved, angles, shifts, strict=True):
+        # Moving the true cloud back along each axis needs one search tree, moving the part forward would need one per axis.
+        back = _core.move_points(cloud, codes, axes, places, -angle * sense, -shift * sense)
+        gaps.append(surface.query(back.reshape(-1, 3))[0].reshape(len(codes), -1).mean(axis=1))
+    differences = np.mean(gaps, axis=0) - surface.query(probes)[0].mean()
+    return np.asarray(np.maximum(differences.reshape(2, -1).min(axis=0), 0.0))

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.core.joint import JointKind
-from kinmo.features.candidate_joints import CandidateJoints
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -29,6 +28,8 @@ SCREW_TURN = math.pi / 2
 """Test angle of screws, in radians (release)."""
 SCREW_SLIDES = np.linspace(-0.023, 0.0257, 3) / PARTNET_DIAGONAL
 """Test distances of screws, in diagonals (release)."""
+TEST_DISPLACEMENTS = {JointKind.REVOLUTE: TURNS, JointKind.PRISMATIC: SLIDES, JointKind.SCREW: SCREW_SLIDES}
+"""Displacements that candidates are tested with, whatever the range of a joint; training pairs have the same."""
 
 FOCUS_OVERSAMPLING = 4
 """Points drawn from the other parts for each point kept in a focused cloud."""
@@ -53,13 +54,9 @@ class LabelledCloud:
     radius: float
 
     def network_input(self, points: F32 | None = None) -> F32:
-        """Input of the Siamese network: coordinates, and a label that is 1 on the moving part and 0 elsewhere.
+        """Input [..., n, 4] of the Siamese network: coordinates, and a label that is 1 on the moving part and 0 elsewhere.
 
-        Args:
-            points ([..., n, 3]): Transformed points of the cloud; None: its own points.
-
-        Returns:
-            [..., n, 4] float32.
+        It is made of transformed points [..., n, 3] of the cloud, or of its own points.
         """
         points = self.points if points is None else points
         labelled = np.zeros((*points.shape[:-1], 4), np.float32)
@@ -68,20 +65,11 @@ class LabelledCloud:
         return labelled
 
     def transformed(self, kinds: NDArray[np.uint8], directions: F64, pivots: F64, angles: F64, shifts: F64) -> F32:
-        """Points after D displacements along each of C joints.
+        """Points [C, D, n, 3] after D rotations `angles` [C, D] and translations `shifts` [C, D] along each of C joints.
 
-        Args:
-            kinds ([C]): Codes of the joint kinds.
-            directions ([C, 3]): Unit vectors.
-            pivots ([C, 3]): Points of the axes.
-            angles ([C, D]): Rotations, in radians.
-            shifts ([C, D]): Translations, in diagonals.
-
-        Returns:
-            [C, D, n, 3] float32; only points of the moving part change.
+        Only points of the moving part change.
         """
-        count = len(self.points)
-        out = np.empty((*angles.shape, count, 3), np.float32)
+        out = np.empty((*angles.shape, len(self.points), 3), np.float32)
         out[..., self.moving :, :] = self.points[self.moving :]
         part = np.ascontiguousarray(self.points[: self.moving])
         out[..., : self.moving, :] = _core.move_points(part, kinds, directions, pivots, angles, shifts)
@@ -91,16 +79,10 @@ class LabelledCloud:
 def labelled_cloud(
     leaf_points: F32, leaf_areas: F64, moving: list[int], count: int, rng: np.random.Generator, *, focus: bool = False
 ) -> LabelledCloud:
-    """Draw a cloud from the leaves of a shape, in proportion to area on the moving part and on the other parts.
+    """Draw a cloud of `count` points from the leaves of a shape, in proportion to area on the moving part and on the others.
 
-    Args:
-        leaf_points ([L, n, 3]): Samples of the leaves.
-        leaf_areas ([L]): Surface areas.
-        moving: Positions of the leaves that move.
-        count: Number of points.
-        rng: Source of the draws.
-        focus: Draw more points of the other parts near the moving part, and centre and scale the input to the moving part. A
-            button and a door then look alike.
+    With `focus`, more points of the other parts are drawn near the moving part, and the input is centred and scaled to the
+    moving part. A button and a door then look alike.
     """
     rest = np.setdiff1d(np.arange(len(leaf_points)), moving)
     part = np.asarray(moving, np.int64)
@@ -133,25 +115,9 @@ def _draw(points: F32, areas: F64, leaves: NDArray[np.int64], count: int, rng: n
     return np.concatenate(pieces)
 
 
-def displacements(kinds: NDArray[np.uint8]) -> tuple[F64, F64]:
-    """Displacements that candidates are tested with, as in the release.
-
-    Args:
-        kinds ([C]): Codes of the candidates, all the same.
-
-    Returns:
-        Angles [C, D] in radians and shifts [C, D] in diagonals.
-    """
-    kind = int(kinds[0])
-    if kind == JointKind.REVOLUTE.code:
-        angles, shifts = TURNS, np.zeros(len(TURNS))
-    elif kind == JointKind.PRISMATIC.code:
-        angles, shifts = np.zeros(len(SLIDES)), SLIDES
-    else:
-        angles, shifts = np.full(len(SCREW_SLIDES), SCREW_TURN), SCREW_SLIDES
-    return np.tile(angles, (len(kinds), 1)), np.tile(shifts, (len(kinds), 1))
-
-
-def rows_by_kind(candidates: CandidateJoints) -> list[NDArray[np.int64]]:
-    """Indices of the candidates of each kind."""
-    return [np.flatnonzero(candidates.kinds == code) for code in np.unique(candidates.kinds)]
+def angles_and_shifts(kind: JointKind, values: F64) -> tuple[F64, F64]:
+    """Rotations in radians and translations in diagonals that move a joint by some values; a screw turns by `SCREW_TURN`."""
+    zeros = np.zeros_like(values)
+    if kind is JointKind.REVOLUTE:
+        return values, zeros
+    return zeros if kind is JointKind.PRISMATIC else np.full_like(values, SCREW_TURN), values
