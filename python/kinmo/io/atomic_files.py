@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from kinmo.core.errors import InputError
@@ -21,13 +21,10 @@ def write_atomically(path: Path) -> Iterator[Path]:
     """Write a file or a folder to a draft, which replaces `path` when the block ends without an error.
 
     If the block fails or the process is killed, `path` is unchanged. A folder may be absent while it is being replaced. The
-    draft has a fixed name beside `path`: the next run removes what a killed run left.
-
-    Args:
-        path: the file or folder to write. Its parent folders are created.
+    draft has a fixed name beside `path`: the next run removes what a killed run left. Parent folders are created.
 
     Yields:
-        The path to write to.
+        The path of the draft.
 
     Raises:
         FileNotFoundError: the block wrote nothing.
@@ -72,8 +69,9 @@ def write_text_atomically(path: Path, text: str) -> None:
 
 def write_bytes_atomically(path: Path, data: bytes) -> None:
     """Write a file with `write_atomically`. A file that has these contents already is left as it is."""
-    if _contents(path) == data:
-        return
+    with suppress(OSError):
+        if path.read_bytes() == data:
+            return
     with write_atomically(path) as temporary:
         temporary.write_bytes(data)
 
@@ -90,11 +88,7 @@ def append_line(path: Path, line: str) -> None:
 
 
 def check_can_be_written(folder: Path) -> None:
-    """Check that a folder can be created or written to, without creating anything.
-
-    Raises:
-        InputError: a file is in the way, or permissions forbid it.
-    """
+    """Raise InputError if a folder cannot be created or written to. Nothing is created."""
     there = next(path for path in (folder, *folder.absolute().parents) if os.path.lexists(path))
     if not there.is_dir():
         raise InputError(folder, "expected a folder: this is a file" if there == folder else f"{there} is a file, not a folder")
@@ -107,13 +101,6 @@ def remove_leftovers(folder: Path) -> None:
     for pattern in (_TEMPORARY, _REPLACED):
         for path in Path(folder).rglob(pattern.format(name="*")):
             _remove(path)
-
-
-def _contents(path: Path) -> bytes | None:
-    try:
-        return path.read_bytes()
-    except OSError:
-        return None
 
 
 def _remove(path: Path) -> None:

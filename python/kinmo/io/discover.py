@@ -50,23 +50,12 @@ class ShapeSource:
         return cls(Path(entry.source), entry.layout, entry.id)
 
     def read(self) -> Shape:
-        """Read the shape.
-
-        Returns:
-            The shape, in the frame and the length unit of its file.
-
-        Raises:
-            InputError: the files cannot be used. The message names file and field.
-        """
+        """The shape, in the frame and the length unit of its file. Raises InputError if the files cannot be used."""
         return READERS[self.layout].read(self.path)
 
 
-def _ignore(error: InputError) -> None:
-    pass
-
-
 def discover(
-    root: Path, *, skip: tuple[Path, ...] = (), report: Callable[[InputError], None] = _ignore
+    root: Path, *, skip: tuple[Path, ...] = (), report: Callable[[InputError], None] = lambda error: None
 ) -> Iterator[ShapeSource]:
     """Find all shapes at or below a folder.
 
@@ -82,10 +71,6 @@ def discover(
 
     Raises:
         InputError: `root` does not exist, or is a file of an unknown format.
-
-    Example:
-        >>> for source in discover(Path("data")):
-        ...     shape = source.read()
     """
     root = Path(root)
     if root.is_file() and (found := _shape_in_file(root)) is not None:

@@ -15,16 +15,10 @@ Value = TypeVar("Value")
 
 
 def kept_while_unchanged(read: Callable[[Path], Value]) -> Callable[[Path], Value]:
-    """Decorator that caches what a function reads from a file until the file changes.
+    """Decorator that caches what a function reads from a file until the file changes. Callers must not modify the value.
 
     The value of a file that changed less than two seconds ago is not cached. Such a file could change again without a new time
     stamp, because the clocks of file systems are coarse.
-
-    Args:
-        read: reads a value from a file. Callers must not modify the value.
-
-    Returns:
-        The function with a cache.
     """
     known: dict[Path, tuple[tuple[int, ...], Value]] = {}
 

@@ -16,16 +16,10 @@ class InUse(KinmoError):
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Keep other kinmo processes from writing into a folder while the block runs.
+    """Keep other kinmo processes from writing into a folder while the block runs. The folder is created if necessary.
 
-    The operating system releases the lock of a process that dies.
-
-    Args:
-        folder: the folder. It is created if it does not exist.
-
-    Raises:
-        InUse: another process holds the lock.
-        InputError: the folder cannot be created or written to.
+    The operating system releases the lock of a process that dies. Raises InUse if another process holds it, and InputError if
+    the folder cannot be created or written to.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

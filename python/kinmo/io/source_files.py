@@ -17,16 +17,9 @@ _BLOCK = 1 << 20
 
 
 def fingerprint(source: ShapeSource) -> list[list[str | int]]:
-    """State of the files of a shape. It changes whenever one of them changes.
+    """Name, size (bytes) and time of change (nanoseconds) of each file of a shape. A link has a second row for its target.
 
-    Args:
-        source: the shape.
-
-    Returns:
-        Name, size (bytes) and time of change (nanoseconds) of each file. A link has a second row for its target.
-
-    Raises:
-        InputError: the files cannot be accessed.
+    Raises InputError if a file cannot be accessed.
     """
     rows: list[list[str | int]] = []
     try:
@@ -39,17 +32,7 @@ def fingerprint(source: ShapeSource) -> list[list[str | int]]:
 
 
 def content_digest(source: ShapeSource) -> str:
-    """Hash of the names and contents of the files of a shape. Exact copies have the same.
-
-    Args:
-        source: the shape.
-
-    Returns:
-        32 hexadecimal digits.
-
-    Raises:
-        InputError: the files cannot be read.
-    """
+    """Hash of the names and contents of the files of a shape, in hexadecimal. Raises InputError for unreadable files."""
     total = blake2b(digest_size=16)
     try:
         for name, path in _files(source):

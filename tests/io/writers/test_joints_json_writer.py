@@ -2,6 +2,7 @@
 
 import copy
 import json
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -14,8 +15,9 @@ from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.core.shape_estimate import JointEstimate, PredictionProvenance, ShapeEstimate
 from kinmo.io.readers.joints_json_reader import read_joints_json
 from kinmo.io.writers import ExportOptions, write_joints_json
-from kinmo.io.writers.joints_json_writer import joints_document, joints_schema
+from kinmo.io.writers.joints_json_writer import joints_document
 
+SCHEMA = json.loads((files("kinmo.io.writers") / "joints.schema.json").read_text(encoding="utf-8"))
 TYPES = {
     "object": dict,
     "array": list,
@@ -102,7 +104,7 @@ def test_a_prediction_survives_a_round_trip(tmp_path_factory, shape):
 @given(articulated_shapes())
 def test_the_file_conforms_to_its_schema(shape):
     document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), PROVENANCE)))
-    assert list(violations(document, joints_schema(), joints_schema())) == []
+    assert list(violations(document, SCHEMA, SCHEMA)) == []
 
 
 def test_only_bodies_of_junk_alone_are_junk():
@@ -158,7 +160,7 @@ def test_the_schema_detects_wrong_values():
         (("bodies", 0, "estimates", 0, "type"), "R_X"),
         (("weights",), 3),
     ):
-        assert list(violations(changed(document, path, value), joints_schema(), joints_schema()))
+        assert list(violations(changed(document, path, value), SCHEMA, SCHEMA))
 
 
 def test_a_mobility_without_scores_cannot_be_written(tmp_path):

@@ -1,4 +1,4 @@
-"""Arrays from NumPy and MATLAB files. Pickled objects are never loaded."""
+"""Arrays from NumPy and MATLAB files, as float64. Pickled objects are never loaded."""
 
 from __future__ import annotations
 
@@ -21,52 +21,25 @@ _MATLAB_HEADER_BYTES = 512
 
 
 def read_npz(path: Path, folder: Path, names: tuple[str, ...]) -> dict[str, Array]:
-    """Read arrays from a NumPy archive.
-
-    Args:
-        path: the .npz file.
-        folder: the folder that the file must be in, with links followed.
-        names: names of the arrays.
-
-    Returns:
-        The arrays that exist, as float64.
-
-    Raises:
-        InputError: the file is missing, too large, or not a NumPy archive.
-    """
+    """The arrays of these names that a NumPy archive inside `folder` has."""
     raw = read_bytes(path, folder, MAX_MESH_BYTES)
-    found: dict[str, Array] = {}
     try:
         with zipfile.ZipFile(io.BytesIO(raw)) as archive:
             sizes = {info.filename: info.file_size for info in archive.infolist()}
         if sum(sizes.get(f"{name}.npy", 0) for name in names) > MAX_MESH_BYTES:
             raise InputError(path, f"unpacks to more than {MAX_MESH_BYTES >> 20} MiB")
         with np.load(io.BytesIO(raw), allow_pickle=False) as data:
-            for name in names:
-                if name in data.files:
-                    found[name] = np.asarray(data[name], np.float64)
+            return {name: np.asarray(data[name], np.float64) for name in names if name in data.files}
     except InputError:
         raise
     except Exception as error:  # zipfile and NumPy raise many kinds of errors for broken archives
         raise InputError(path, f"not a NumPy archive ({type(error).__name__})") from None
-    return found
 
 
 def read_mat(path: Path, folder: Path, names: tuple[str, ...]) -> dict[str, Array]:
-    """Read arrays from a MATLAB file.
+    """The arrays of these names in a MATLAB file inside `folder`, with the axes in MATLAB's order.
 
     Files of version 7.3 are HDF5 and need the package h5py (`pip install 'kinmo[matlab]'`).
-
-    Args:
-        path: the .mat file.
-        folder: the folder that the file must be in, with links followed.
-        names: names of the arrays.
-
-    Returns:
-        The arrays as float64, with the axes in MATLAB's order.
-
-    Raises:
-        InputError: the file is missing, too large, not a MATLAB file, lacks an array, or needs h5py.
     """
     raw = read_bytes(path, folder, MAX_MESH_BYTES)
     values: Mapping[str, object]

@@ -30,14 +30,7 @@ _STRETCH = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 @dataclass(frozen=True, eq=False)
 class CubeMesh:
-    """The undeformed cube and its solver.
-
-    Attributes:
-        neighbours: [P, D], vertices along the edges, counted from 0, or -1 for none.
-        differences: [P, D, 3], weighted differences of undeformed vertices.
-        solver: [P, P].
-        faces: [F, 3], with vertices counted from 0.
-    """
+    """The undeformed cube: the four arrays of its file, with vertices counted from 0, or -1 for none."""
 
     neighbours: NDArray[np.int64]
     differences: Array
@@ -50,23 +43,11 @@ class CubeMesh:
         padded = np.concatenate([gradients, np.zeros((1, 3, 3))])
         sums = padded[self.neighbours] + gradients[:, None]
         right_side = np.einsum("pdij,pdj->pi", sums, self.differences)
-        vertices: Array = self.solver @ right_side
-        return vertices
+        return np.asarray(self.solver @ right_side)
 
 
 def read_cube_mesh(path: Path, folder: Path) -> CubeMesh:
-    """Read cube_meshinfo.mat.
-
-    Args:
-        path: the file.
-        folder: the folder that the file must be in, with links followed.
-
-    Returns:
-        The undeformed cube.
-
-    Raises:
-        InputError: the file cannot be used, or its arrays do not fit together.
-    """
+    """Read cube_meshinfo.mat, which must be inside `folder`. Raises InputError if its arrays do not fit together."""
     data = read_mat(path, folder, ("neighbour", "vdiff", "recon", "ref_F"))
     solver, neighbours, differences, faces = data["recon"], data["neighbour"], data["vdiff"], data["ref_F"]
     if solver.ndim != 2 or solver.shape[0] != solver.shape[1]:
@@ -84,21 +65,15 @@ def read_cube_mesh(path: Path, folder: Path) -> CubeMesh:
 
 
 def place_in_box(vertices: Array, box: Array) -> Array:
-    """Move vertices to the centre of a box.
+    """Vertices [P, 3], moved so that their extent along the axes of a box is centred in it.
 
-    Args:
-        vertices: [P, 3].
-        box: [12], the centre, size, x direction and y direction.
-
-    Returns:
-        Vertices [P, 3] whose extent along the axes of the box is centred in it.
+    The box [12] is its centre, size, x direction and y direction.
     """
     x, y = (direction / np.linalg.norm(direction) for direction in (box[6:9], box[9:12]))
     axes = np.stack([x, y, np.cross(x, y)])
     along = vertices @ axes.T
     middle = 0.5 * (along.min(axis=0) + along.max(axis=0))
-    placed: Array = vertices - middle @ axes + box[:3]
-    return placed
+    return np.asarray(vertices - middle @ axes + box[:3])
 
 
 def _rotations(logs: Array) -> Array:
@@ -108,5 +83,4 @@ def _rotations(logs: Array) -> Array:
         skew[:, row, column], skew[:, column, row] = entry, -entry
     angle = np.linalg.norm(logs, axis=1)[:, None, None]
     axis = skew / np.where(angle > 0.0, angle, 1.0)
-    rotations: Array = np.eye(3) + np.sin(angle) * axis + (1.0 - np.cos(angle)) * (axis @ axis)
-    return rotations
+    return np.asarray(np.eye(3) + np.sin(angle) * axis + (1.0 - np.cos(angle)) * (axis @ axis))

@@ -14,14 +14,15 @@ The boxes and edges of the file are not used, because kinmo computes its own.
 
 from __future__ import annotations
 
+import math
 import os
 import re
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from kinmo.core.categories import canonical_category, same_category
 from kinmo.core.errors import InputError
@@ -30,11 +31,9 @@ from kinmo.core.wording import clean_text
 from kinmo.io.readers.array_reader import read_npz
 from kinmo.io.readers.deformed_cube import CubeMesh, place_in_box, read_cube_mesh
 from kinmo.io.readers.json_field import JsonField
-from kinmo.io.readers.mesh_checks import has_surface
 from kinmo.io.readers.obj_reader import read_obj
 from kinmo.io.readers.part_hierarchy import Node, build_hierarchy, read_nodes
 from kinmo.io.readers.reader import Reader, SourceFiles
-from kinmo.io.readers.triangulated_points import surface_of_points
 from kinmo.io.readers.untrusted_files import inside, peek, read_json
 
 Array = NDArray[np.float64]
@@ -43,29 +42,19 @@ DSG_NET = "dsg_net"
 _SUFFIX = "_hier"
 _CUBE_FILE = "cube_meshinfo.mat"
 _MIN_POINTS = 4
+_NEIGHBOURS = 8
+"""Number of nearest neighbours that give the normal and the area of a point."""
 
 
 def read_dsg_net(path: Path) -> Shape:
-    """Read a shape of DSG-Net or StructureNet.
-
-    Args:
-        path: the JSON file of the part tree.
-
-    Returns:
-        The shape, without mobility.
-
-    Raises:
-        InputError: the files cannot be used. The message names file and field.
-    """
+    """Read the shape of a part tree, without mobility. Raises InputError if the files cannot be used."""
     path = Path(path)
     geometry = _Geometry(path)
-    nodes = read_nodes(JsonField(path, read_json(path, geometry.dataset)), "label")
+    nodes = read_nodes(read_json(path, geometry.dataset), "label")
     meshes = {}
     for index, node in enumerate(nodes):
         if node.is_leaf:
-            mesh = geometry.mesh_of(node, None if node.parent is None else nodes[node.parent].id)
-            if mesh is not None and has_surface(mesh):
-                meshes[index] = mesh
+            meshes[index] = geometry.mesh_of(node, None if node.parent is None else nodes[node.parent].id)
     hierarchy = build_hierarchy(nodes, meshes)
     category, repairs = _category(nodes[0].name, geometry.stem, path)
     return Shape(
@@ -114,44 +103,27 @@ def _category(label: str, folder: str, path: Path) -> tuple[str, tuple[str, ...]
     return canonical_category(label or clean_text(folder)), ()
 
 
-@dataclass(frozen=True)
 class _Geometry:
-    """The geometry of the leaves of one tree file."""
+    """The geometry of the leaves of one tree file.
 
-    path: Path
+    Attributes:
+        stem: `chair` for a tree in `chair_hier`. Empty in a folder of another name.
+        dataset: the folder that geometry files may not lead out of.
+        places: all files and folders that may hold geometry, whether they exist or not.
+    """
 
-    @cached_property
-    def stem(self) -> str:
-        """`chair` for a tree in `chair_hier`. Empty in a folder of another name."""
-        name = self.path.absolute().parent.name
-        return name[: -len(_SUFFIX)] if name.endswith(_SUFFIX) else ""
+    def __init__(self, path: Path) -> None:
+        folder = path.absolute().parent
+        self.stem = folder.name[: -len(_SUFFIX)] if folder.name.endswith(_SUFFIX) else ""
+        self.dataset = folder.parent if self.stem else folder
+        meshes, arrays = path.stem, f"{path.stem}.npz"
+        self._mesh_places = [*self._apart("obj", meshes), path.parent / meshes, *self._apart("objs", meshes)]
+        self._point_places = [*self._apart("geo", arrays), path.parent / arrays]
+        self._gradient_places = self._apart("dgeo", arrays)
+        self.places = [*self._mesh_places, *self._point_places, *self._gradient_places, self.dataset / _CUBE_FILE]
 
-    @cached_property
-    def dataset(self) -> Path:
-        """The folder that geometry files may not lead out of."""
-        folder = self.path.absolute().parent
-        return folder.parent if self.stem else folder
-
-    def _places(self, kind: str, name: str) -> list[Path]:
-        beside = [self.path.parent / name]
-        return [self.dataset / f"{self.stem}_{kind}" / name, *beside] if self.stem else beside
-
-    @property
-    def _mesh_places(self) -> list[Path]:
-        return list(dict.fromkeys(self._places("obj", self.path.stem) + self._places("objs", self.path.stem)))
-
-    @property
-    def _point_places(self) -> list[Path]:
-        return self._places("geo", f"{self.path.stem}.npz")
-
-    @property
-    def _gradient_places(self) -> list[Path]:
-        return self._places("dgeo", f"{self.path.stem}.npz")[:1] if self.stem else []
-
-    @property
-    def places(self) -> list[Path]:
-        """All files and folders that may hold geometry, whether they exist or not."""
-        return [*self._mesh_places, *self._point_places, *self._gradient_places, self.dataset / _CUBE_FILE]
+    def _apart(self, kind: str, name: str) -> list[Path]:
+        return [self.dataset / f"{self.stem}_{kind}" / name] if self.stem else []
 
     @cached_property
     def _mesh_folder(self) -> Path | None:
@@ -192,19 +164,15 @@ class _Geometry:
 
 
 def _deformed_mesh(node: Node, place: Path, arrays: dict[str, Array], cube: CubeMesh) -> Mesh:
-    count = len(cube.solver)
+    gradients = []
     for name, width in (("LOGR", 3), ("S", 6)):
-        array = arrays.get(name)
-        if array is None or array.ndim != 3 or array.shape[1:] != (count, width):
-            raise InputError(place, f"expected [N, {count}, {width}] numbers", name)
-        if not 0 <= node.id < len(array):
-            raise InputError(place, f"there is no part {node.id}", name)
-        if not np.all(np.isfinite(array[node.id])):
+        gradients.append(_row(arrays, name, node.id, node, place, width, len(cube.solver)))
+        if not np.all(np.isfinite(gradients[-1])):
             raise InputError(place, "expected finite numbers", f"{name}[{node.id}]")
     box = node.field["box"].vector(12)
     if min(np.linalg.norm(box[6:9]), np.linalg.norm(box[9:12])) == 0.0:
         raise node.field["box"].fail("expected two directions, found zero")
-    vertices = place_in_box(cube.decode(arrays["LOGR"][node.id], arrays["S"][node.id]), box)
+    vertices = place_in_box(cube.decode(*gradients), box)
     return Mesh(np.ascontiguousarray(vertices), cube.faces)
 
 
@@ -215,8 +183,7 @@ def _inline_points(field: JsonField) -> Array:
         raise field.fail("expected points") from None
     if points.size % 3:
         raise field.fail("expected points of 3 numbers")
-    rows: Array = points.reshape(-1, 3)
-    return rows
+    return np.asarray(points.reshape(-1, 3))
 
 
 def _stored_points(arrays: dict[str, Array], node: Node, parent: int | None, place: Path) -> Array:
@@ -225,15 +192,41 @@ def _stored_points(arrays: dict[str, Array], node: Node, parent: int | None, pla
         name = "other_parts"
         matches = np.flatnonzero(arrays.get("other_ids", np.zeros(0)).ravel() == parent)
         index = int(matches[0]) if len(matches) else -1
+    return _row(arrays, name, index, node, place, 3)
+
+
+def _row(
+    arrays: dict[str, Array], name: str, index: int, node: Node, place: Path, width: int, count: int | None = None
+) -> Array:
+    """Row [count, width] of an array. By default it has any number of points."""
     array = arrays.get(name)
-    if array is None or array.ndim != 3 or array.shape[2] != 3:
-        raise InputError(place, "expected [N, n, 3] numbers", name)
+    if array is None or array.ndim != 3 or array.shape[2] != width or count not in (None, array.shape[1]):
+        raise InputError(place, f"expected [N, {count or 'n'}, {width}] numbers", name)
     if not 0 <= index < len(array):
         raise InputError(place, f"there is no part {node.id}", name)
-    return np.asarray(array[index], np.float64)
+    return np.asarray(array[index])
 
 
 def _mesh_of_points(points: Array, where: Path, field: str) -> Mesh:
     if len(points) < _MIN_POINTS or not np.all(np.isfinite(points)):
         raise InputError(where, f"expected at least {_MIN_POINTS} finite points", field)
-    return surface_of_points(points)
+    return _surface_of_points(points)
+
+
+def _surface_of_points(points: NDArray[np.float64]) -> Mesh:
+    """A mesh with one small equilateral triangle around each point [n, 3] of a sampled surface.
+
+    A triangle lies in the plane of the nearest neighbours of its point and covers the area that belongs to the point. Areas,
+    samples, boxes and distances match those of the sampled surface up to the spacing of the samples.
+    """
+    count = min(_NEIGHBOURS, len(points) - 1)
+    distances, indices = cKDTree(points).query(points, count + 1)
+    offsets = points[indices] - points[:, None]
+    _, axes = np.linalg.eigh(np.einsum("pki,pkj->pij", offsets, offsets))
+    area = math.pi * distances[:, -1] ** 2 / count
+    radius = np.sqrt(4.0 * area / (3.0 * math.sqrt(3.0)))
+    angles = 2.0 * math.pi / 3.0 * np.arange(3)
+    circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    plane = np.moveaxis(axes[:, :, 1:], 2, 1)
+    corners = points[:, None] + radius[:, None, None] * np.einsum("ck,pki->pci", circle, plane)
+    return Mesh(corners.reshape(-1, 3), np.arange(3 * len(points), dtype=np.uint32).reshape(-1, 3))

@@ -16,7 +16,6 @@ from kinmo.core.shape import Mesh, Shape, join
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.gltf_file import FLOAT, INDEX_TYPES, GltfFile
 from kinmo.io.readers.json_field import JsonField
-from kinmo.io.readers.mesh_checks import has_surface
 from kinmo.io.readers.part_hierarchy import Node, build_hierarchy, check_depth, check_part_count
 from kinmo.io.readers.partnet_annotation import UNKNOWN_CATEGORY
 from kinmo.io.readers.reader import Reader
@@ -37,16 +36,7 @@ def read_glb(path: Path) -> Shape:
     """Read a binary glTF file. The nodes of its scene become parts, with their transforms applied.
 
     The mesh of a node that also has children becomes one more child. Nodes without a mesh at or below them are skipped. So are
-    nodes above the first node that has a mesh or several children.
-
-    Args:
-        path: the file.
-
-    Returns:
-        The shape, without mobility. The name of its root gives the category.
-
-    Raises:
-        InputError: the file cannot be used. The message names file and field.
+    nodes above the first node that has a mesh or several children. The name of the root gives the category.
     """
     path = Path(path)
     nodes, meshes = _Scene(GltfFile(path)).parts()
@@ -91,7 +81,11 @@ class _Scene:
     def parts(self) -> tuple[list[Node], dict[int, Mesh]]:
         """The nodes that have a mesh at or below them, in preorder, and the placed meshes of the leaves."""
         own = [self._surface(node) for node in self.nodes]
-        children = self._children_with_surface([surface is not None for surface in own])
+        children: list[list[int]] = [[] for _ in self.nodes]  # those that have a mesh at or below them, the last one first
+        for index in reversed(range(len(self.nodes))):
+            above = self.nodes[index].parent
+            if above is not None and (own[index] is not None or children[index]):
+                children[above].append(index)
         top = 0
         while len(children[top]) == 1 and own[top] is None:
             (top,) = children[top]
@@ -104,25 +98,13 @@ class _Scene:
             check_part_count(node.field, place)
             below = [] if is_surface else children[index]
             parts.append(Node(node.field, place, node.name, parent, not below))
-            pending += [(child, place, False) for child in reversed(below)]
+            pending += [(child, place, False) for child in below]
             if surface is not None and below:
                 pending.append((index, place, True))
             elif surface is not None:
                 self._count_corners(len(surface.vertices))
-                mesh = _placed(surface, node)
-                if has_surface(mesh):
-                    meshes[place] = mesh
+                meshes[place] = _placed(surface, node)
         return parts, meshes
-
-    def _children_with_surface(self, has_mesh: list[bool]) -> list[list[int]]:
-        """Children of each node that have a mesh at or below them. `has_mesh` tells if a node has one itself."""
-        children: list[list[int]] = [[] for _ in self.nodes]
-        for index in reversed(range(len(self.nodes))):
-            parent = self.nodes[index].parent
-            if parent is not None and has_mesh[index]:
-                has_mesh[parent] = True
-                children[parent].append(index)
-        return [list(reversed(indices)) for indices in children]
 
     def _scene_nodes(self) -> Iterator[_SceneNode]:
         """All nodes of the scene in preorder, below one node that stands for the scene."""
@@ -174,6 +156,8 @@ class _Scene:
         position = primitive["attributes"]["POSITION"]
         if mode < _TRIANGLES or position.is_absent:
             return None
+        if mode > _FAN:
+            raise primitive["mode"].fail(f"expected 0 to 6, got {mode}")
         vertices = self.file.numbers(position, "VEC3", (FLOAT,)).astype(np.float64)
         if not np.isfinite(vertices).all():
             raise position.fail("expected finite numbers")
@@ -185,10 +169,7 @@ class _Scene:
             if len(order) and int(order.max()) >= len(vertices):
                 raise indices.fail(f"expected indices below {len(vertices)}, got {int(order.max())}")
         self._count_corners(len(vertices) + len(order))
-        faces = _faces(order, mode)
-        if faces is None:
-            raise primitive["mode"].fail(f"expected 0 to 6, got {mode}")
-        return Mesh(vertices, faces).compact
+        return Mesh(vertices, _faces(order, mode)).compact
 
     def _count_corners(self, corners: int) -> None:
         self._corners += corners
@@ -223,15 +204,13 @@ def _placed(surface: Mesh, node: _SceneNode) -> Mesh:
     return Mesh(vertices, surface.faces[:, ::-1] if is_mirrored else surface.faces)
 
 
-def _faces(order: NDArray[np.uint32], mode: int) -> NDArray[np.uint32] | None:
-    """Faces [F, 3] of a list, strip or fan of triangles. None for an unknown mode."""
+def _faces(order: NDArray[np.uint32], mode: int) -> NDArray[np.uint32]:
+    """Faces [F, 3] of a list, strip or fan of triangles."""
     if mode == _TRIANGLES:
         return order[: len(order) // 3 * 3].reshape(-1, 3)
     count = max(len(order) - 2, 0)
-    if mode == _FAN:
-        return np.column_stack([np.full(count, order[0]), order[1 : count + 1], order[2:]])
-    if mode != _STRIP:
-        return None
-    faces = np.column_stack([order[:count], order[1 : count + 1], order[2:]])
-    faces[1::2] = faces[1::2, ::-1]
+    first = np.full(count, order[0]) if mode == _FAN else order[:count]
+    faces = np.column_stack([first, order[1 : count + 1], order[2:]])
+    if mode == _STRIP:
+        faces[1::2] = faces[1::2, ::-1]
     return faces

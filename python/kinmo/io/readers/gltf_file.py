@@ -23,27 +23,12 @@ _HARMLESS_EXTENSIONS = (
     "KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "EXT_lights_", "MSFT_texture_", "KHR_xmp_"
 )  # fmt: skip
 """Prefixes of the names of extensions that do not change geometry."""
-_DTYPES: dict[int, np.dtype[Any]] = {
-    5121: np.dtype("<u1"),
-    5123: np.dtype("<u2"),
-    5125: np.dtype("<u4"),
-    FLOAT: np.dtype("<f4"),
-}
+_DTYPES: dict[int, np.dtype[Any]] = dict(zip((*INDEX_TYPES, FLOAT), map(np.dtype, ("<u1", "<u2", "<u4", "<f4")), strict=True))
 _WIDTHS = {"SCALAR": 1, "VEC3": 3}
 
 
 class GltfFile:
-    """An open binary glTF file (GLB).
-
-    Attributes:
-        root: the JSON document.
-
-    Args:
-        path: the file.
-
-    Raises:
-        InputError: the file is not a valid GLB, or needs an extension that changes geometry.
-    """
+    """An open binary glTF file (GLB). `root` is its JSON document."""
 
     def __init__(self, path: Path) -> None:
         chunks = _read_chunks(path)
@@ -51,7 +36,7 @@ class GltfFile:
             raise InputError(path, "expected a chunk of JSON")
         if len(chunks[b"JSON"]) > MAX_JSON_BYTES:
             raise InputError(path, f"its JSON is larger than {MAX_JSON_BYTES >> 20} MiB")
-        self.root = JsonField(path, parse_json(chunks[b"JSON"], path))
+        self.root = parse_json(chunks[b"JSON"], path)
         self._binary = chunks.get(b"BIN\0", b"")
         self._lists: dict[str, list[JsonField]] = {}
         for needed in self.root["extensionsRequired"].items():
@@ -59,18 +44,7 @@ class GltfFile:
                 raise needed.fail(f"expected a file that can be read without {needed.text()}: export it without")
 
     def entry(self, name: str, index: JsonField) -> JsonField:
-        """An item of a top-level list.
-
-        Args:
-            name: the list, such as "nodes" or "meshes".
-            index: a field that holds the index.
-
-        Returns:
-            The item.
-
-        Raises:
-            InputError: the index is out of range.
-        """
+        """The item of a top-level list, such as "nodes", at the index that a field holds."""
         if name not in self._lists:
             self._lists[name] = self.root[name].items()
         entries = self._lists[name]
@@ -79,18 +53,9 @@ class GltfFile:
         return entries[index.integer()]
 
     def numbers(self, index: JsonField, kind: str, component_types: tuple[int, ...]) -> NDArray[Any]:
-        """The numbers of an accessor.
+        """The numbers of the accessor at the index that a field holds, as a read-only view [count, width] of the file.
 
-        Args:
-            index: a field that holds the index of the accessor.
-            kind: the expected element type, "SCALAR" or "VEC3".
-            component_types: codes of the accepted component types.
-
-        Returns:
-            A read-only view [count, width] of the bytes of the file.
-
-        Raises:
-            InputError: the accessor has another type, or its numbers are not in the file.
+        `kind` is the expected element type, "SCALAR" or "VEC3". `component_types` are codes of the accepted types of numbers.
         """
         accessor = self.entry("accessors", index)
         component = accessor["componentType"]

@@ -1,4 +1,4 @@
-"""joints.json, read back into a prediction (docs/joints-json.md)."""
+"""joints.json, read back into a prediction (docs/reference/joints-json.md)."""
 
 from __future__ import annotations
 
@@ -20,19 +20,11 @@ _UNIT_TOLERANCE = 1e-6
 
 
 def read_joints_json(path: Path, shape: Shape) -> tuple[ShapeEstimate, PredictionProvenance]:
-    """Read the prediction for a shape from joints.json.
+    """The prediction for a shape from joints.json, and the models and settings that made it.
 
-    Args:
-        path: the file.
-        shape: the shape that the prediction was made for.
-
-    Returns:
-        The prediction, and the models and settings that made it.
-
-    Raises:
-        InputError: the file belongs to another shape or schema version, or is wrong. The message names the field.
+    Raises InputError if the file belongs to another shape or schema version, or is wrong. The message names the field.
     """
-    document = JsonField(path, read_json(path, path.parent))
+    document = read_json(path, path.parent)
     version = document["schema_version"]
     if version.integer() != SCHEMA_VERSION:
         raise version.fail(f"expected {SCHEMA_VERSION}")
@@ -46,14 +38,14 @@ def read_joints_json(path: Path, shape: Shape) -> tuple[ShapeEstimate, Predictio
         raise document["bodies"].fail("expected every leaf of the shape in one body")
     if has_cycle([body.parent for body in bodies]):
         raise document["bodies"].fail("expected a tree of bodies, found a cycle")
-    junk_leaves = (body.leaves for body, entry in zip(bodies, entries, strict=True) if entry["is_junk"].flag())
+    junk = (leaf for body, entry in zip(bodies, entries, strict=True) if entry["is_junk"].flag() for leaf in body.leaves)
     config = document["config"].value
     if not isinstance(config, dict):
         raise document["config"].fail("expected an object")
     prediction = ShapeEstimate(
         shape.id,
         document["shape"]["category"].text(),
-        Mobility(bodies, frozenset(leaf for leaves in junk_leaves for leaf in leaves)),
+        Mobility(bodies, frozenset(junk)),
         tuple(tuple(_estimate(item) for item in entry["estimates"].items()) for entry in entries),
         tuple(_estimate(entry["network"]) for entry in entries),
         document["method"].text(),

@@ -18,14 +18,10 @@ _MAX_INTEGER = 2**53
 
 @dataclass(frozen=True)
 class JsonField:
-    """A JSON value with its place.
+    """A JSON value with its place: the file `where` and the field `path`, such as `nodes[0].name`, empty for the whole file.
 
-    The methods check the type of the value and raise InputError with file and field if it is wrong.
-
-    Attributes:
-        where: the file.
-        value: the parsed value. None for a field that is absent or null.
-        path: the field, such as `nodes[0].name`. Empty for the whole file.
+    An absent field has the value None, like null. The methods check the type of the value and raise InputError with file and
+    field if it is wrong.
     """
 
     where: Path
@@ -85,9 +81,7 @@ class JsonField:
 
     def flag(self) -> bool:
         """A truth value. False if the field is absent."""
-        if self.value is None:
-            return False
-        if not isinstance(self.value, (bool, int)):
+        if not isinstance(self.value, int | None):
             raise self.fail("expected true or false")
         return bool(self.value)
 

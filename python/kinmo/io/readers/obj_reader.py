@@ -1,14 +1,12 @@
 """Wavefront OBJ: vertices and faces. A polygon becomes a fan of triangles.
 
-Only `v` and `f` lines are used. They are converted in bulk, several times faster than line by line: a shape of PartNet-Mobility
-has about fifty OBJ files.
+Only `v` and `f` lines are used. They are converted in bulk, because a shape of PartNet-Mobility has about fifty OBJ files.
 """
 
 from __future__ import annotations
 
 import re
 from codecs import BOM_UTF8
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -26,34 +24,12 @@ _FACE = re.compile(rb"\n[ \t]*f[ \t]+([^\n#]*)")
 
 
 def read_obj(path: Path, folder: Path) -> Mesh | None:
-    """Read the triangles of an OBJ file.
-
-    Args:
-        path: the file.
-        folder: the folder that the file must be in, with links followed.
-
-    Returns:
-        The mesh without unused vertices, or None if the file has no faces.
-
-    Raises:
-        InputError: the file is missing, too large, or not a valid OBJ.
-    """
+    """The triangles of an OBJ file, which must be inside `folder` (see `parse_obj`)."""
     return parse_obj(read_bytes(path, folder, MAX_MESH_BYTES), path)
 
 
 def parse_obj(data: bytes, where: Path) -> Mesh | None:
-    """Read the triangles of OBJ text.
-
-    Args:
-        data: the text.
-        where: the file, for messages.
-
-    Returns:
-        The mesh without unused vertices, or None if the text has no faces.
-
-    Raises:
-        InputError: the text is not a valid OBJ.
-    """
+    """The triangles of OBJ text from the file `where`, without unused vertices. None if it has no faces."""
     text = b"\n" + data.removeprefix(BOM_UTF8)
     if b"\r" in text:
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
@@ -72,20 +48,19 @@ def parse_obj(data: bytes, where: Path) -> Mesh | None:
     corners -= 1
     if np.any(corners < 0) or np.any(corners >= len(vertices)):
         raise InputError(where, f"a face names a vertex outside 1..{len(vertices)}", "f")
-    return _compact(vertices, _fans(corners, sizes), where)
+    faces = _fans(corners, sizes)
+    is_fine = np.all(np.abs(vertices) <= _MAX_COORDINATE, axis=1)
+    bad = faces[~is_fine[faces]]
+    if len(bad):
+        raise InputError(where, f"vertex {bad.min() + 1} is not finite", "v")
+    return Mesh(vertices, faces.astype(np.uint32)).compact
 
 
 def _vertices(lines: list[bytes]) -> NDArray[np.float64]:
     """Coordinates [V, 3]. Numbers after the third one of a line are weights or colours, and ignored."""
-    joined = b" ".join(lines)
-    numbers = joined.split()
-    has_plain_lines = {line.count(b" ") for line in lines} == {2} and b"\t" not in joined
-    if not has_plain_lines or len(numbers) != 3 * len(lines):
-        rows = [line.split()[:3] for line in lines]
-        if any(len(row) < 3 for row in rows):
-            raise ValueError("a vertex has fewer than 3")
-        numbers = list(chain.from_iterable(rows))
-    return np.array(list(map(float, numbers)), np.float64).reshape(-1, 3)
+    if not all(map(bytes.strip, lines)):
+        raise ValueError("a vertex has none")  # NumPy would skip the line
+    return np.loadtxt(lines, comments=None, usecols=(0, 1, 2), ndmin=2) if lines else np.zeros((0, 3))
 
 
 def _corners(lines: list[bytes]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -128,19 +103,8 @@ def _absolute(text: bytes, corners: NDArray[np.int64], sizes: NDArray[np.int64])
 
 def _fans(corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
     """Triangles [F, 3] of polygons, given by all corners and the number of corners of each. Points and lines are skipped."""
-    if np.all(sizes == 3):
-        return corners.reshape(-1, 3)
     starts = np.cumsum(sizes) - sizes
     counts = np.maximum(sizes - 2, 0)
     first = np.repeat(starts, counts)
     step = np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
     return np.stack([corners[first], corners[first + step + 1], corners[first + step + 2]], axis=1)
-
-
-def _compact(vertices: NDArray[np.float64], faces: NDArray[np.int64], where: Path) -> Mesh:
-    """The mesh without unused vertices. Raises InputError if a used one is not finite."""
-    is_fine = np.all(np.abs(vertices) <= _MAX_COORDINATE, axis=1)
-    bad = faces[~is_fine[faces]]
-    if len(bad):
-        raise InputError(where, f"vertex {bad.min() + 1} is not finite", "v")
-    return Mesh(vertices, faces.astype(np.uint32)).compact

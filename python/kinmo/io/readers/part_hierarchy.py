@@ -5,25 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, Part
 from kinmo.io.readers.json_field import JsonField
 
 MAX_PARTS = 1000
 MAX_DEPTH = 64
+MIN_AREA = 1e-12
+"""Smallest area of a surface, relative to the squared largest extent. A smaller mesh is a point or a line."""
 
 
 @dataclass(frozen=True)
 class Node:
-    """A node of a file.
-
-    Attributes:
-        field: the JSON object of the node.
-        id: number of the node.
-        name: name of the node.
-        parent: index into the list of nodes, which is in preorder. None for the root.
-        is_leaf: True if the node has no children.
-    """
+    """A node of a file. `parent` is an index into the list of nodes, which is in preorder, or None for the root."""
 
     field: JsonField
     id: int
@@ -37,12 +33,9 @@ class Node:
 
 @dataclass(frozen=True, eq=False)
 class Hierarchy:
-    """The parts that have geometry.
+    """The parts that have geometry, in preorder, and one line for each node that was skipped.
 
-    Attributes:
-        parts: the parts in preorder.
-        leaves_of: for the id of every node, included or not, the indices of the leaf parts at or below it.
-        repairs: one line for each node that was skipped.
+    `leaves_of` has the indices of the leaf parts at or below each node by its id, also for skipped nodes.
     """
 
     parts: tuple[Part, ...]
@@ -51,18 +44,7 @@ class Hierarchy:
 
 
 def read_nodes(root: JsonField, name: str) -> list[Node]:
-    """All nodes of a nested JSON hierarchy.
-
-    Args:
-        root: the JSON object of the root, with fields `id` and `children`.
-        name: the field that holds the name of a node.
-
-    Returns:
-        The nodes in preorder.
-
-    Raises:
-        InputError: an id occurs twice, or there are too many nodes or levels.
-    """
+    """All nodes at or below a JSON object with fields `id`, `children` and `name`, in preorder."""
     nodes: list[Node] = []
     seen: dict[int, str] = {}
     pending: list[tuple[JsonField, int | None, int]] = [(root, None, 0)]
@@ -92,43 +74,40 @@ def check_part_count(node: JsonField, before: int) -> None:
         raise InputError(node.where, f"more than {MAX_PARTS} parts")
 
 
-def build_hierarchy(nodes: Sequence[Node], meshes: Mapping[int, Mesh]) -> Hierarchy:
-    """Build the parts of a shape. Nodes without a mesh at or below them are skipped.
+def build_hierarchy(nodes: Sequence[Node], meshes: Mapping[int, Mesh | None]) -> Hierarchy:
+    """The parts of a shape from nodes in preorder, and meshes of leaves by index of the node, in ascending order.
 
-    Args:
-        nodes: the nodes in preorder.
-        meshes: meshes of leaf nodes by index of the node.
-
-    Returns:
-        The hierarchy of the other nodes.
-
-    Raises:
-        InputError: no node has a mesh.
+    Nodes without a surface at or below them are skipped.
     """
-    has_mesh = [index in meshes for index in range(len(nodes))]
-    for index in reversed(range(len(nodes))):
-        parent = nodes[index].parent
-        if parent is not None and has_mesh[index]:
-            has_mesh[parent] = True
-    kept = [index for index in range(len(nodes)) if has_mesh[index]]
-    if not kept:
+    surfaces = {index: mesh for index, mesh in meshes.items() if mesh is not None and has_surface(mesh)}
+    below: list[list[int]] = [[] for _ in nodes]
+    for leaf in surfaces:
+        above: int | None = leaf
+        while above is not None:
+            below[above].append(leaf)
+            above = nodes[above].parent
+    place = {index: position for position, index in enumerate(index for index, leaves in enumerate(below) if leaves)}
+    if not place:
         raise InputError(nodes[0].field.where, "no part has geometry")
-    place = {index: position for position, index in enumerate(kept)}
-    children: list[list[int]] = [[] for _ in kept]
-    leaves_of: dict[int, list[int]] = {node.id: [] for node in nodes}
-    for index in kept:
-        parent = nodes[index].parent
-        if parent is not None:
-            children[place[parent]].append(place[index])
-        if index in meshes:
-            above: int | None = index
-            while above is not None:
-                leaves_of[nodes[above].id].append(place[index])
-                above = nodes[above].parent
+    parents = {index: nodes[index].parent for index in place}
+    children: dict[int | None, list[int]] = {index: [] for index in (None, *place)}
+    for index, parent in parents.items():
+        children[parent].append(place[index])
     parts = []
-    for position, index in enumerate(kept):
-        node = nodes[index]
-        parent_place = None if node.parent is None else place[node.parent]
-        parts.append(Part(node.id, node.name, parent_place, tuple(children[position]), meshes.get(index)))
-    repairs = tuple(f"{node} has no surface: skipped" for index, node in enumerate(nodes) if not has_mesh[index])
-    return Hierarchy(tuple(parts), {node: tuple(leaves) for node, leaves in leaves_of.items()}, repairs)
+    for index, parent in parents.items():
+        node, parent_place = nodes[index], None if parent is None else place[parent]
+        parts.append(Part(node.id, node.name, parent_place, tuple(children[index]), surfaces.get(index)))
+    leaves_of = {node.id: tuple(place[leaf] for leaf in leaves) for node, leaves in zip(nodes, below, strict=True)}
+    repairs = tuple(f"{node} has no surface: skipped" for node, leaves in zip(nodes, below, strict=True) if not leaves)
+    return Hierarchy(tuple(parts), leaves_of, repairs)
+
+
+def has_surface(mesh: Mesh) -> bool:
+    """True if the faces of a mesh cover an area."""
+    if not len(mesh.faces):
+        return False
+    extent = float(np.max(np.ptp(mesh.vertices, axis=0)))
+    if extent == 0.0:
+        return False
+    a, b, c = np.moveaxis(((mesh.vertices - mesh.vertices[0]) / extent)[mesh.faces], 1, 0)
+    return bool(0.5 * np.sum(np.linalg.norm(np.cross(b - a, c - a), axis=1)) > MIN_AREA)

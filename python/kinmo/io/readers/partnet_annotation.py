@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +11,6 @@ from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, join
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.json_field import JsonField
-from kinmo.io.readers.mesh_checks import has_surface
 from kinmo.io.readers.obj_reader import read_obj
 from kinmo.io.readers.part_hierarchy import Hierarchy, Node, build_hierarchy, read_nodes
 from kinmo.io.readers.reader import SourceFiles
@@ -27,13 +27,7 @@ PSEUDO_LABEL = "pseudo_label"
 
 @dataclass(frozen=True)
 class Meta:
-    """Facts about a shape from meta.json.
-
-    Attributes:
-        category: canonical name of the category.
-        annotation: the PartNet annotation (`anno_id`). None if it is not given.
-        repairs: one line for each problem that was repaired.
-    """
+    """Facts about a shape from meta.json: its canonical category, and the PartNet annotation (`anno_id`) if it is given."""
 
     category: str
     annotation: str | None
@@ -46,33 +40,18 @@ def annotation_files(folder: Path) -> SourceFiles:
 
 
 def read_hierarchy(folder: Path, file: Path) -> Hierarchy:
-    """Read the part hierarchy and the meshes of its leaves.
-
-    Args:
-        folder: the folder of the shape.
-        file: its result.json or result_after_merging.json.
-
-    Returns:
-        The parts that have geometry.
-
-    Raises:
-        InputError: a file is missing or wrong.
-    """
-    roots = JsonField(file, read_json(file, folder)).items()
+    """Read the part hierarchy of `file` (result.json or result_after_merging.json) with the meshes of its leaves."""
+    roots = read_json(file, folder).items()
     if len(roots) != 1:
         raise InputError(file, f"expected a list of one root, found {len(roots)}")
     nodes = read_nodes(roots[0], "name")
     source = _mesh_folder(folder)
-    meshes = {}
-    for index, node in enumerate(nodes):
-        if node.is_leaf and (mesh := _leaf_mesh(node, source, folder)) is not None:
-            meshes[index] = mesh
-    return build_hierarchy(nodes, meshes)
+    return build_hierarchy(nodes, {i: _leaf_mesh(node, source, folder) for i, node in enumerate(nodes) if node.is_leaf})
 
 
 def _mesh_folder(folder: Path) -> Path:
     for name in MESH_FOLDERS:
-        if (folder / name).exists() or (folder / name).is_symlink():
+        if os.path.lexists(folder / name):
             real = inside(folder / name, folder)
             if not real.is_dir():
                 raise InputError(folder / name, "expected a folder")
@@ -80,52 +59,36 @@ def _mesh_folder(folder: Path) -> Path:
     raise InputError(folder, f"expected a folder {' or '.join(MESH_FOLDERS)}")
 
 
-def _leaf_mesh(node: Node, source: Path, folder: Path) -> Mesh | None:
-    names = list(dict.fromkeys(_mesh_name(item) for item in node.field["objs"].items()))
-    meshes = [mesh for name in names if (mesh := read_obj(source / name, folder)) is not None]
-    if not meshes:
-        return None
-    mesh = join(*meshes)
-    return mesh if has_surface(mesh) else None
+def _leaf_mesh(node: Node, source: Path, folder: Path) -> Mesh:
+    names = dict.fromkeys(_mesh_name(item) for item in node.field["objs"].items())
+    return join(*(mesh for name in names if (mesh := read_obj(source / name, folder)) is not None))
 
 
 def _mesh_name(field: JsonField) -> str:
     """File name of an entry of `objs`, which has no ending."""
     name = field.value
-    if not isinstance(name, str) or not name:
-        raise field.fail("expected the name of a mesh")
-    if name in (".", "..") or "/" in name or "\\" in name:
+    if isinstance(name, str) and (name in (".", "..") or "/" in name or "\\" in name):
         raise field.fail(f"{clean_text(name)} leads out of the folder of meshes")
-    if not name.isprintable():
+    if not isinstance(name, str) or not name or not name.isprintable():
         raise field.fail("expected the name of a mesh")
     return name if name.lower().endswith(".obj") else f"{name}.obj"
 
 
 def read_meta(folder: Path, root_name: str) -> Meta:
-    """Read the category and the annotation id of a shape.
+    """Read meta.json.
 
-    The category comes from meta.json. Without it, the name of the root part is used. Without both it is `UNKNOWN_CATEGORY`.
-
-    Args:
-        folder: the folder of the shape.
-        root_name: name of the root part.
-
-    Returns:
-        The facts, with a note on each contradiction.
-
-    Raises:
-        InputError: meta.json exists but is wrong.
+    Without a category there, the name of the root part gives it. Without both it is `UNKNOWN_CATEGORY`.
     """
     file = folder / META_FILE
-    if not file.exists() and not file.is_symlink():
-        category, repair = _category_of_root(root_name, "meta.json is missing")
-        return Meta(category, None, (repair,))
-    meta = JsonField(file, read_json(file, folder))
+    is_missing = not os.path.lexists(file)
+    meta = JsonField(file, {}) if is_missing else read_json(file, folder)
     annotation = meta["anno_id"]
     number = (str(annotation.integer()) if isinstance(annotation.value, int) else annotation.text("")) or None
     if meta["model_cat"].is_absent:
-        category, repair = _category_of_root(root_name, "meta.json has no model_cat")
-        return Meta(category, number, (repair,))
+        reason = "meta.json is missing" if is_missing else "meta.json has no model_cat"
+        if root_name:
+            return Meta(canonical_category(root_name), number, (f"{reason}: category taken from the root part",))
+        return Meta(UNKNOWN_CATEGORY, number, (f"{reason}, and the root part has no name: category {UNKNOWN_CATEGORY}",))
     name = meta["model_cat"].text()
     if not name:
         raise meta["model_cat"].fail("expected a category")
@@ -138,23 +101,9 @@ def read_meta(folder: Path, root_name: str) -> Meta:
 
 
 def check_annotated(folder: Path) -> None:
-    """Check that the joints of a shape were annotated, so that they can serve as ground truth.
-
-    Args:
-        folder: the folder of the shape.
-
-    Raises:
-        InputError: the joints are pseudo labels.
-    """
+    """Raise InputError if the joints of a shape are pseudo labels, which cannot serve as ground truth."""
     file = folder / META_FILE
-    if file.is_file() and not JsonField(file, read_json(file, folder))[PSEUDO_LABEL].is_absent:
+    if file.is_file() and not read_json(file, folder)[PSEUDO_LABEL].is_absent:
         raise InputError(
             file, "these joints were predicted, not annotated: they cannot serve as truth for training or scores", PSEUDO_LABEL
         )
-
-
-def _category_of_root(name: str, reason: str) -> tuple[str, str]:
-    """The category by the name of the root part, and a note with the reason."""
-    if name:
-        return canonical_category(name), f"{reason}: category taken from the root part"
-    return UNKNOWN_CATEGORY, f"{reason}, and the root part has no name: category {UNKNOWN_CATEGORY}"

@@ -27,20 +27,10 @@ NoteRepair = Callable[[str], None]
 
 
 def read_joint(body: JsonField, note: NoteRepair) -> Joint | None:
-    """Read the joint of a body.
+    """The joint of a body in the frame of the file, with angles in radians. None for a rigid body.
 
     The file shows the body at joint value 0. A hinge range without 0 is shifted by whole turns. Any other range without 0 is
     widened to contain it. Limits in the wrong order reverse the direction. Equal limits mean no limits.
-
-    Args:
-        body: an entry of mobility_v2.json.
-        note: receives a line for each repair.
-
-    Returns:
-        The joint in the frame of the file, with angles in radians. None for a rigid body.
-
-    Raises:
-        InputError: the joint is unknown, or a value has the wrong type.
     """
     name = body["joint"].text("")
     if name in RIGID:
@@ -53,8 +43,9 @@ def read_joint(body: JsonField, note: NoteRepair) -> Joint | None:
     kind = _MOVABLE[name]
     if kind is JointKind.PRISMATIC and has_limit and limit["rotates"].flag():
         kind = JointKind.SCREW
-    direction = _direction(data["axis"]["direction"], note)
-    joint = Joint(kind, direction, _pivot(data["axis"]["origin"], kind))
+    direction, origin = _direction(data["axis"]["direction"], note), data["axis"]["origin"]
+    lacks_origin = kind is JointKind.PRISMATIC and origin.is_absent  # it has no meaning there
+    joint = Joint(kind, direction, np.zeros(3) if lacks_origin else origin.vector())
     if not has_limit or limit["noLimit"].flag():
         return joint
     unit = math.radians(1.0) if kind is JointKind.REVOLUTE else 1.0
@@ -71,23 +62,10 @@ def read_joint(body: JsonField, note: NoteRepair) -> Joint | None:
 
 
 def checked_against_bounds(joint: Joint, body: JsonField, low: Vector, high: Vector, note: NoteRepair) -> Joint:
-    """Check that the axis and the range of a joint fit the size of the object.
+    """The joint with an axis and a range that fit the size of the object, whose extreme corners [3] are `low` and `high`.
 
-    A slider's origin far from the object is replaced by the centre, because it has no meaning. A range beyond `MAX_TURNS` turns
-    or `MAX_AXIS_DISTANCE` diagonals is dropped.
-
-    Args:
-        joint: the joint.
-        body: its entry of mobility_v2.json, for messages.
-        low: [3], smallest corner of the object.
-        high: [3], largest corner of the object.
-        note: receives a line for each repair.
-
-    Returns:
-        The joint with these repairs.
-
-    Raises:
-        InputError: the axis of a hinge or screw is farther than `MAX_AXIS_DISTANCE` diagonals from the object.
+    A slider's origin far from the object is replaced by the centre, because it has no meaning. For other joints it is an error.
+    A range beyond `MAX_TURNS` turns or `MAX_AXIS_DISTANCE` diagonals is dropped.
     """
     center, reach = 0.5 * (low + high), MAX_AXIS_DISTANCE * float(np.linalg.norm(high - low))
     if np.max(np.abs(joint.pivot - center)) > reach:
@@ -113,15 +91,7 @@ def _direction(field: JsonField, note: NoteRepair) -> Vector:
     if abs(length - 1.0) > _UNIT_TOLERANCE:
         note(f"direction of length {length:.3g} normalised")
     scaled = vector / largest
-    unit: Vector = scaled / np.linalg.norm(scaled)
-    return unit
-
-
-def _pivot(field: JsonField, kind: JointKind) -> Vector:
-    """The origin of the axis. A slider may lack it, because it has no meaning."""
-    if kind is JointKind.PRISMATIC and field.is_absent:
-        return np.zeros(3)
-    return field.vector()
+    return np.asarray(scaled / np.linalg.norm(scaled))
 
 
 def _around_rest(lower: float, upper: float, kind: JointKind, note: NoteRepair) -> tuple[float, float]:

@@ -17,17 +17,7 @@ PARTNET = "partnet"
 
 
 def read_partnet(folder: Path) -> Shape:
-    """Read a shape of PartNet.
-
-    Args:
-        folder: the folder of the shape.
-
-    Returns:
-        The shape, without mobility.
-
-    Raises:
-        InputError: the files cannot be used. The message names file and field.
-    """
+    """Read the shape in a folder, without mobility. Raises InputError if the files cannot be used."""
     folder = Path(folder)
     file = next((folder / name for name in HIERARCHY_FILES if (folder / name).exists()), None)
     if file is None:

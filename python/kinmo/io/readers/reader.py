@@ -13,14 +13,6 @@ SourceFiles = tuple[Path, Sequence[Path]]
 """A base folder, and the files and folders of OBJ files that a shape is read from. Those that do not exist are ignored."""
 
 
-def _no_id(path: Path) -> str | None:
-    return None
-
-
-def _no_folder(folder: Path, names: AbstractSet[str]) -> bool:
-    return False
-
-
 @dataclass(frozen=True)
 class Reader:
     """An input format. Each reader module defines one as `READER`.
@@ -37,6 +29,6 @@ class Reader:
     layout: str
     read: Callable[[Path], Shape]
     source_files: Callable[[Path], SourceFiles]
-    id_of_file: Callable[[Path], str | None] = _no_id
-    is_shape_folder: Callable[[Path, AbstractSet[str]], bool] = _no_folder
+    id_of_file: Callable[[Path], str | None] = lambda path: None
+    is_shape_folder: Callable[[Path, AbstractSet[str]], bool] = lambda folder, names: False
     ending: str = ""

@@ -1,4 +1,8 @@
-"""Safe reading of files from unknown sources: regular files of limited size inside their own folder."""
+"""Safe reading of files from unknown sources: regular files of limited size inside their own folder.
+
+The argument `folder` is the folder that a file must be in, with links followed. All functions raise InputError for a file that
+leads out of it, is missing, too large, or a pipe, socket or device. They never wait for those.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,7 @@ import stat
 from pathlib import Path
 
 from kinmo.core.errors import InputError
+from kinmo.io.readers.json_field import JsonField
 
 MAX_JSON_BYTES = 32 << 20
 MAX_MESH_BYTES = 128 << 20
@@ -17,18 +22,7 @@ _OPEN_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXE
 
 
 def inside(path: Path, folder: Path) -> Path:
-    """Follow the links of a path and check that it stays inside a folder.
-
-    Args:
-        path: the path, which may be a link.
-        folder: the folder that it may not leave.
-
-    Returns:
-        The path without links.
-
-    Raises:
-        InputError: the path leads out of the folder, does not exist, or is a cycle of links.
-    """
+    """The path without links. Raises InputError if it leads out of the folder, does not exist, or is a cycle of links."""
     try:
         real = Path(os.path.realpath(path, strict=True))
         home = Path(os.path.realpath(folder))
@@ -40,19 +34,7 @@ def inside(path: Path, folder: Path) -> Path:
 
 
 def read_bytes(path: Path, folder: Path, max_bytes: int) -> bytes:
-    """Contents of a regular file.
-
-    Args:
-        path: the file.
-        folder: the folder that the file must be in, with links followed.
-        max_bytes: largest accepted size.
-
-    Returns:
-        All bytes of the file.
-
-    Raises:
-        InputError: the file is missing, too large, or a pipe, socket or device. The function never waits for those.
-    """
+    """All bytes of a regular file of at most `max_bytes` bytes."""
     data = read_beginning(path, folder, max_bytes + 1)
     if len(data) > max_bytes:
         raise InputError(path, f"larger than {max_bytes >> 20} MiB")
@@ -60,7 +42,7 @@ def read_bytes(path: Path, folder: Path, max_bytes: int) -> bytes:
 
 
 def read_beginning(path: Path, folder: Path, count: int) -> bytes:
-    """The first `count` bytes of a regular file. Same arguments and errors as `read_bytes`."""
+    """The first `count` bytes of a regular file."""
     try:
         handle = _open(path, folder)
         try:
@@ -84,33 +66,21 @@ def peek(path: Path, folder: Path) -> bytes:
         return b""
 
 
-def read_json(path: Path, folder: Path) -> object:
-    """The value of a UTF-8 JSON file.
-
-    Args:
-        path: the file.
-        folder: the folder that the file must be in, with links followed.
-
-    Returns:
-        The parsed value.
-
-    Raises:
-        InputError: the file is missing, too large, or not JSON.
-    """
+def read_json(path: Path, folder: Path) -> JsonField:
+    """The value of a UTF-8 JSON file."""
     return parse_json(read_bytes(path, folder, MAX_JSON_BYTES), path)
 
 
-def parse_json(raw: bytes, where: Path) -> object:
-    """The value of UTF-8 JSON text. Raises InputError, naming the file `where`, for anything else."""
+def parse_json(raw: bytes, where: Path) -> JsonField:
+    """The value of UTF-8 JSON text from the file `where`. Raises InputError for anything else."""
     try:
-        value: object = json.loads(raw.decode("utf-8-sig"))
+        return JsonField(where, json.loads(raw.decode("utf-8-sig")))
     except UnicodeDecodeError as error:
         raise InputError(where, f"not UTF-8 at byte {error.start}") from None
     except RecursionError:
         raise InputError(where, "nested too deeply") from None
     except ValueError as error:
         raise InputError(where, "empty" if not raw.strip() else f"not JSON ({error})") from None
-    return value
 
 
 def _open(path: Path, folder: Path) -> int:

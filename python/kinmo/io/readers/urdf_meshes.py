@@ -29,17 +29,7 @@ def is_file(path: Path) -> bool:
 
 
 def read_triangles(path: Path) -> Triangles:
-    """Read all triangles of a mesh file, with scene transforms applied.
-
-    Args:
-        path: a mesh file in any format that trimesh reads.
-
-    Returns:
-        Triangles [T, 3, 3] in the frame of the file.
-
-    Raises:
-        InputError: the file is missing, too large or unreadable, or a coordinate is not finite or exceeds `MAX_NUMBER`.
-    """
+    """All triangles [T, 3, 3] of a mesh file in any format that trimesh reads, with scene transforms applied."""
     if not is_file(path):
         raise InputError(path, "expected a mesh file, found none")
     if path.stat().st_size > MAX_FILE_BYTES:

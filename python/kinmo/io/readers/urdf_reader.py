@@ -21,12 +21,10 @@ Matrix = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class JointElement:
-    """A `<joint>` element.
+    """A `<joint>` element between the links `parent` and `child`.
 
     Attributes:
         type: the type as URDF names it, such as "revolute".
-        parent: name of the parent link.
-        child: name of the child link.
         pose: [4, 4], transform from the child link to the parent link at joint value 0.
         axis: [3], unit vector in the frame of the child link.
         limits: lower and upper limit, in radians or metres. None without limits.
@@ -58,15 +56,7 @@ class RobotFile:
 def read_robot_file(path: Path, packages: Path) -> RobotFile:
     """Read a URDF file with its meshes. Collision shapes are used if no link has visual ones.
 
-    Args:
-        path: the file.
-        packages: topmost folder that is searched for `package://` meshes. The search begins beside the file.
-
-    Returns:
-        The robot.
-
-    Raises:
-        InputError: the file or one of its meshes cannot be used.
+    `package://` meshes are searched beside the file and in the folders above it, up to `packages`.
     """
     root = _parse(path)
     elements = {element.get("name") or "": element for element in root.findall("link")}
@@ -84,10 +74,9 @@ def _parse(path: Path) -> ET.Element:
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
         raise InputError(path, "expected a URDF without document type or entities")
     try:
-        root = ET.fromstring(data)
+        return ET.fromstring(data)
     except (ET.ParseError, ValueError, LookupError) as error:
         raise InputError(path, f"expected XML: {error}") from error
-    return root
 
 
 def _numbers(
@@ -171,9 +160,8 @@ def _geometry(path: Path, packages: Path, piece: ET.Element) -> tuple[Triangles,
         mesh = trimesh.creation.box(_numbers(path, shape, "size", (1.0, 1.0, 1.0)))
     elif shape.tag in ("cylinder", "capsule"):
         radius, length = (float(_numbers(path, shape, field, (1.0,))[0]) for field in ("radius", "length"))
-        mesh = (
-            trimesh.creation.cylinder(radius, length) if shape.tag == "cylinder" else trimesh.creation.capsule(length, radius)
-        )
+        is_capsule = shape.tag == "capsule"
+        mesh = trimesh.creation.capsule(length, radius) if is_capsule else trimesh.creation.cylinder(radius, length)
     elif shape.tag == "sphere":
         mesh = trimesh.creation.icosphere()
         mesh.apply_scale(float(_numbers(path, shape, "radius", (1.0,))[0]))  # trimesh has no sphere of radius 0
@@ -183,7 +171,7 @@ def _geometry(path: Path, packages: Path, piece: ET.Element) -> tuple[Triangles,
 
 
 def _mesh_path(name: str, urdf: Path, packages: Path) -> Path:
-    """The file of a mesh: beside the URDF, or for package:// names also in the folders above it, up to `packages`."""
+    """The file of a mesh."""
     if not name.startswith("package://"):
         return urdf.parent / name.removeprefix("file://")
     inside = name.removeprefix("package://")

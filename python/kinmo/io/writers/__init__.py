@@ -36,31 +36,14 @@ def export(
     formats: Sequence[str],
     options: ExportOptions = DEFAULT_OPTIONS,
 ) -> dict[str, Path]:
-    """Write a shape with its joints in some formats into one folder.
+    """Write a shape with its joints in some formats, keys of `WRITERS`, into one folder.
 
-    The folder is replaced as a whole. If the export fails, it is unchanged.
-
-    Args:
-        shape: the shape.
-        result: a prediction, or a bare mobility such as an annotation. Both are in the frame and the length unit of the shape.
-        folder: the folder to write.
-        formats: names of formats, keys of `WRITERS`.
-        options: the settings.
-
-    Returns:
-        The path of the main file of each format.
-
-    Raises:
-        InputError: a format is unknown.
-
-    Example:
-        >>> export(shape, prediction, Path("out/cabinet"), ["urdf", "joints_json"])
+    The folder is replaced as a whole. If the export fails, it is unchanged. Returns the path of the main file of each format.
     """
     for name in formats:
         if name not in WRITERS:
-            raise InputError(
-                "formats", f"unknown format {name}{did_you_mean(name, WRITERS)}; expected one of {', '.join(WRITERS)}"
-            )
+            known = ", ".join(WRITERS)
+            raise InputError("formats", f"unknown format {name}{did_you_mean(name, WRITERS)}; expected one of {known}")
     with write_folder_atomically(folder) as draft:
         written = {name: WRITERS[name](shape, result, draft, options).relative_to(draft) for name in formats}
     return {name: folder / path for name, path in written.items()}

@@ -1,4 +1,4 @@
-"""joints.json: the complete prediction for a shape, for programs (docs/joints-json.md, joints.schema.json).
+"""joints.json: the complete prediction for a shape, for programs (docs/reference/joints-json.md, joints.schema.json).
 
 Everything is in the frame and the length unit of the shape's file. Angles are in radians.
 """
@@ -6,7 +6,6 @@ Everything is in the frame and the length unit of the shape's file. Angles are i
 from __future__ import annotations
 
 import json
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -27,20 +26,7 @@ SCHEMA_VERSION = 1
 def write_joints_json(
     shape: Shape, result: ShapeEstimate | Mobility, folder: Path, options: ExportOptions = DEFAULT_OPTIONS
 ) -> Path:
-    """Write joints.json (see `kinmo.io.writers.writer.Writer`). `options.provenance` is stored in it.
-
-    Args:
-        shape: the shape.
-        result: the prediction.
-        folder: the folder to write into.
-        options: the settings.
-
-    Returns:
-        The path of joints.json.
-
-    Raises:
-        InputError: `result` is not a prediction.
-    """
+    """Write joints.json (see `kinmo.io.writers.writer.Writer`). Raises InputError if `result` is not a prediction."""
     if not isinstance(result, ShapeEstimate):
         raise InputError(folder / FILE_NAME, "holds a prediction with scores: a mobility without scores cannot be written")
     document = joints_document(shape, result, options.provenance)
@@ -48,24 +34,8 @@ def write_joints_json(
     return folder / FILE_NAME
 
 
-def joints_schema() -> dict[str, Any]:
-    """The JSON Schema of joints.json."""
-    text = files("kinmo.io.writers").joinpath("joints.schema.json").read_text(encoding="utf-8")
-    document: dict[str, Any] = json.loads(text)
-    return document
-
-
 def joints_document(shape: Shape, prediction: ShapeEstimate, provenance: PredictionProvenance) -> dict[str, Any]:
-    """The content of joints.json.
-
-    Args:
-        shape: the shape.
-        prediction: the prediction for the shape.
-        provenance: the models and settings that made it.
-
-    Returns:
-        Plain data, as the schema describes them.
-    """
+    """The content of joints.json, as the schema describes it."""
     return {
         "schema_version": SCHEMA_VERSION,
         "kinmo": __version__,
@@ -88,12 +58,11 @@ def joints_document(shape: Shape, prediction: ShapeEstimate, provenance: Predict
 
 def _body(shape: Shape, prediction: ShapeEstimate, index: int) -> dict[str, Any]:
     body = prediction.mobility.bodies[index]
-    leaves = [shape.parts[leaf] for leaf in body.leaves]
     return {
         "id": body.id,
         "name": body.name,
         "parent": body.parent,
-        "parts": [{"id": part.id, "name": part.name} for part in leaves],
+        "parts": [{"id": shape.parts[leaf].id, "name": shape.parts[leaf].name} for leaf in body.leaves],
         "is_junk": prediction.mobility.is_junk(index),
         "joint": None if body.joint is None else joint_to_data(body.joint),
         "estimates": [_estimate(estimate) for estimate in prediction.estimates[index]],

@@ -24,9 +24,8 @@ from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.io.readers.partnet_annotation import META_FILE, MOBILITY_FILE
-from kinmo.io.writers.obj_writer import write_obj
 from kinmo.io.writers.urdf_writer import robot_element, write_robot
-from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions, mobility_of
+from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions, mobility_of, write_obj
 
 MESHES = "textured_objs"
 MIN_RANGE = 1e-6
@@ -39,16 +38,7 @@ def write_partnet_mobility(
     """Write a shape as PartNet-Mobility does (see `kinmo.io.writers.writer.Writer`).
 
     The files are mobility_v2.json, result.json, meta.json, mobility.urdf, semantics.txt and one OBJ per leaf in textured_objs.
-    Bodies are numbered in their order. Parts keep their ids.
-
-    Args:
-        shape: the shape.
-        result: a prediction or a bare mobility.
-        folder: the folder to write into.
-        options: the setting `meta`, which is added to meta.json.
-
-    Returns:
-        `folder`.
+    Bodies are numbered in their order. Parts keep their ids. The setting `meta` is added to meta.json.
     """
     mobility = mobility_of(result)
     rotation = Y_UP_TO_Z_UP.T @ z_up_rotation(np.asarray(shape.up, float))
@@ -60,16 +50,12 @@ def write_partnet_mobility(
     _write_json(folder / "result.json", [_node(shape, 0)])
     entries = [_body(shape, mobility, i, rotation) for i in range(len(mobility.bodies))]
     _write_json(folder / MOBILITY_FILE, entries)
-    numbered = _numbered(mobility)
+    # the same bodies, named like the links in the URDFs of the dataset
+    numbered = Mobility(tuple(replace(body, name=f"link_{i}") for i, body in enumerate(mobility.bodies)), mobility.junk)
     files = {leaf: f"{MESHES}/{_mesh_name(leaf)}.obj" for leaf in shape.leaves}
     write_robot(robot_element(shape, numbered, files=files, files_rotation=Y_UP_TO_Z_UP), folder / "mobility.urdf")
     (folder / "semantics.txt").write_text("".join(_semantics(numbered, entries)), encoding="utf-8")
     return folder
-
-
-def _numbered(mobility: Mobility) -> Mobility:
-    """The same bodies, named like the links in the URDFs of the dataset."""
-    return Mobility(tuple(replace(body, name=f"link_{i}") for i, body in enumerate(mobility.bodies)), mobility.junk)
 
 
 def _semantics(mobility: Mobility, entries: Sequence[Mapping[str, Any]]) -> Iterator[str]:
@@ -98,13 +84,12 @@ def _node(shape: Shape, index: int) -> dict[str, Any]:
 
 def _body(shape: Shape, mobility: Mobility, index: int, rotation: NDArray[np.float64]) -> dict[str, Any]:
     body = mobility.bodies[index]
-    parts = [shape.parts[leaf] for leaf in body.leaves]
     return {
         "id": index,
         "parent": -1 if body.parent is None else body.parent,
         "joint": _joint_name(mobility, index),
         "name": body.name,
-        "parts": [{"id": part.id, "name": part.name, "children": []} for part in parts],
+        "parts": [{"id": shape.parts[i].id, "name": shape.parts[i].name, "children": []} for i in body.leaves],
         "jointData": {} if body.joint is None else _joint_data(body.joint, rotation, shape.diagonal),
     }
 

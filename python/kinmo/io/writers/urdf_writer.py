@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -23,8 +22,7 @@ from kinmo.core.names import unique_names
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.core.vector import Vector
-from kinmo.io.writers.obj_writer import write_obj
-from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions, mobility_of
+from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions, mobility_of, write_obj
 
 DENSITY = 100.0
 """Density of a link's bounding box in kg/m3. Furniture is mostly hollow."""
@@ -38,16 +36,7 @@ DAMPING = 0.1
 def write_urdf(shape: Shape, result: ShapeEstimate | Mobility, folder: Path, options: ExportOptions = DEFAULT_OPTIONS) -> Path:
     """Write a URDF and one OBJ per leaf in the subfolder `meshes` (see `kinmo.io.writers.writer.Writer`).
 
-    The meshes have the vertices and faces of the shape, in its own frame.
-
-    Args:
-        shape: the shape.
-        result: a prediction or a bare mobility.
-        folder: the folder to write into.
-        options: the settings `name` and `metres_per_unit`.
-
-    Returns:
-        The path of the URDF.
+    The meshes have the vertices and faces of the shape, in its own frame. The settings `name` and `metres_per_unit` are used.
     """
     (folder / "meshes").mkdir(parents=True, exist_ok=True)
     for leaf, file in leaf_files(shape).items():
@@ -79,65 +68,39 @@ def robot_element(
 ) -> ET.Element:
     """Build the `<robot>` element.
 
-    Args:
-        shape: the shape.
-        mobility: its bodies and joints.
-        metres_per_unit: length of one unit of the shape's file, in metres.
-        files: mesh file of each leaf, relative to the URDF. By default those of `leaf_files`.
-        files_rotation: rotation [3, 3] from the frame of these files to the frame of the robot. By default that of the shape.
-
-    Returns:
-        The element.
+    `files` are the mesh files of the leaves, by default those of `leaf_files`. `files_rotation` [3, 3] leads from their frame
+    to the frame of the robot. By default the files are in the frame of the shape.
     """
     rotation = z_up_rotation(np.asarray(shape.up, float))
     links = links_of(mobility)
     origins = [link_origin(shape, link, rotation, metres_per_unit) for link in links]
-    meshes = _MeshFiles(files or leaf_files(shape), rotation if files_rotation is None else files_rotation)
+    files = files or leaf_files(shape)
+    rpy = _numbers(roll_pitch_yaw(rotation if files_rotation is None else files_rotation))
     root = ET.Element("robot", name=unique_names([f"{shape.category}_{shape.id}"])[0])
     for link, names, origin in zip(links, _joint_names(links), origins, strict=True):
-        root.append(_link_element(shape, link, origin, rotation, metres_per_unit, meshes))
+        bounds = _bounds(shape, link, rotation, metres_per_unit)
+        root.append(_link_element(link, bounds, origin, files, rpy, metres_per_unit))
         if link.joint is not None and link.parent is not None:
             offset, parent = origin - origins[link.parent], links[link.parent].name
             root.extend(_joint_elements(link, names, parent, offset, rotation, metres_per_unit, shape.diagonal))
     return root
 
 
-@dataclass(frozen=True)
-class _JointNames:
-    """Names for the joint of a link. A screw also needs names for its extra link and its prismatic joint."""
+def _joint_names(links: Sequence[Link]) -> list[list[str]]:
+    """Three names for each link: of its joint, and of the extra link and the prismatic joint that a screw needs.
 
-    joint: str
-    slide_link: str
-    slide_joint: str
-
-
-def _joint_names(links: Sequence[Link]) -> list[_JointNames]:
-    """Names for the joints of all links, different from each other and from the names of the links."""
+    They differ from each other and from the names of the links.
+    """
     endings = ("", "-joint", "-slide", "-slide-joint")
     names = unique_names(f"{link.name}{ending}" for ending in endings for link in links)
     count = len(links)
-    return [_JointNames(*names[count + place :: count]) for place in range(count)]
-
-
-@dataclass(frozen=True, eq=False)
-class _MeshFiles:
-    """Mesh files by leaf, and the rotation [3, 3] from their frame to the frame of the robot."""
-
-    files: Mapping[int, str]
-    rotation: NDArray[np.float64]
+    return [names[count + place :: count] for place in range(count)]
 
 
 def link_origin(shape: Shape, link: Link, rotation: NDArray[np.float64], metres_per_unit: float) -> Vector:
-    """Origin of a link's frame: a point of its axis, or the centre of the link for a slider.
+    """Origin [3] of a link's frame: a point of its axis, or the centre of the link for a slider.
 
-    Args:
-        shape: the shape.
-        link: the link.
-        rotation: rotation [3, 3] from the frame of the shape to the frame of the robot.
-        metres_per_unit: length of one unit of the shape's file, in metres.
-
-    Returns:
-        Position [3] in the frame of the robot, in metres.
+    It is in the frame of the robot, in metres. `rotation` [3, 3] leads there from the frame of the shape.
     """
     if link.joint is None:
         return np.zeros(3)
@@ -158,16 +121,17 @@ def _bounds(shape: Shape, link: Link, rotation: NDArray[np.float64], scale: floa
 
 
 def _link_element(
-    shape: Shape, link: Link, origin: Vector, rotation: NDArray[np.float64], scale: float, meshes: _MeshFiles
+    link: Link, bounds: tuple[Vector, Vector], origin: Vector, files: Mapping[int, str], rpy: str, scale: float
 ) -> ET.Element:
+    """A link. `bounds` and `origin` are in the frame of the robot. `rpy` rotates the frame of the files there."""
     element = ET.Element("link", name=link.name)
-    low, high = _bounds(shape, link, rotation, scale)
+    low, high = bounds
     element.append(_inertial(0.5 * (low + high) - origin, high - low))
     for leaf in link.leaves:
         for role in ("visual", "collision"):
             piece = ET.SubElement(element, role)
-            ET.SubElement(piece, "origin", xyz=_numbers(-origin), rpy=_numbers(roll_pitch_yaw(meshes.rotation)))
-            ET.SubElement(ET.SubElement(piece, "geometry"), "mesh", filename=meshes.files[leaf], scale=_numbers([scale] * 3))
+            ET.SubElement(piece, "origin", xyz=_numbers(-origin), rpy=rpy)
+            ET.SubElement(ET.SubElement(piece, "geometry"), "mesh", filename=files[leaf], scale=_numbers([scale] * 3))
     return element
 
 
@@ -185,24 +149,24 @@ def _inertial(center: Vector, extents: Vector) -> ET.Element:
 
 
 def _joint_elements(
-    link: Link, names: _JointNames, parent: str, offset: Vector, rotation: NDArray[np.float64], scale: float, diagonal: float
+    link: Link, names: Sequence[str], parent: str, offset: Vector, rotation: NDArray[np.float64], scale: float, diagonal: float
 ) -> list[ET.Element]:
     """The joint of a link. For a screw also the extra link and the prismatic joint."""
-    joint = link.joint
+    joint, (name, slide_link, slide_joint) = link.joint, names
     assert joint is not None
     axis = rotation @ joint.direction
     if joint.kind is JointKind.REVOLUTE:
         kind = "revolute" if joint.is_limited else "continuous"
-        return [_joint_element(names.joint, kind, parent, link.name, offset, axis, _limits(joint))]
+        return [_joint_element(name, kind, parent, link.name, offset, axis, _limits(joint))]
     slide = _limits(joint, scale) or (-scale * diagonal, scale * diagonal)
     if joint.kind is JointKind.PRISMATIC:
-        return [_joint_element(names.joint, "prismatic", parent, link.name, offset, axis, slide)]
-    extra_link = ET.Element("link", name=names.slide_link)
+        return [_joint_element(name, "prismatic", parent, link.name, offset, axis, slide)]
+    extra_link = ET.Element("link", name=slide_link)
     extra_link.append(_inertial(np.zeros(3), np.zeros(3)))
     return [
         extra_link,
-        _joint_element(names.slide_joint, "prismatic", parent, names.slide_link, offset, axis, slide),
-        _joint_element(names.joint, "continuous", names.slide_link, link.name, np.zeros(3), axis, None),
+        _joint_element(slide_joint, "prismatic", parent, slide_link, offset, axis, slide),
+        _joint_element(name, "continuous", slide_link, link.name, np.zeros(3), axis, None),
     ]
 
 

@@ -1,4 +1,4 @@
-"""The common interface of all writers."""
+"""The common interface of all writers, and what they share."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from kinmo.core.mobility import Mobility
-from kinmo.core.shape import Shape
+from kinmo.core.shape import Mesh, Shape
 from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
 
 
@@ -33,16 +33,10 @@ DEFAULT_OPTIONS = ExportOptions()
 
 
 class Writer(Protocol):
-    """A function that writes a shape with its joints in one format.
+    """A function that writes a shape with its joints in one format into a folder, which is created if necessary.
 
-    Args:
-        shape: the shape.
-        result: a prediction, or a bare mobility such as an annotation. Both are in the frame and the length unit of the shape.
-        folder: the folder to write into. It is created if it does not exist.
-        options: the settings.
-
-    Returns:
-        The path of the main file, or `folder` if the format has none.
+    The joints are a prediction, or a bare mobility such as an annotation. Both are in the frame and the length unit of the
+    shape. The function returns the path of the main file, or `folder` if the format has none.
     """
 
     def __call__(
@@ -53,3 +47,10 @@ class Writer(Protocol):
 def mobility_of(result: ShapeEstimate | Mobility) -> Mobility:
     """The mobility of a prediction, or the bare mobility itself."""
     return result.mobility if isinstance(result, ShapeEstimate) else result
+
+
+def write_obj(path: Path, mesh: Mesh) -> None:
+    """Write a mesh to an OBJ file, with all digits of its vertices and with its faces as they are."""
+    vertices = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in mesh.vertices.tolist())
+    faces = "".join(f"f {a} {b} {c}\n" for a, b, c in (mesh.faces.astype(int) + 1).tolist())
+    path.write_text(vertices + faces, encoding="ascii")
