@@ -80,7 +80,8 @@ def test_the_store_holds_all_included_shapes(dataset, tmp_path):
     prepare(dataset, tmp_path / "w")
     store = PreparedStore(tmp_path / "w" / "prepared")
     assert len(store) == SHAPES + 2
-    for entry, shape in zip(store.entries, store, strict=True):
+    for entry in store.entries:
+        shape = store.load(entry)
         assert (shape.id, shape.layout, shape.category) == (entry.id, entry.layout, entry.category)
         assert entry.is_labelled == (entry.layout == "partnet_mobility")
         assert len(shape.leaves) == entry.leaf_count

@@ -25,14 +25,7 @@ _SPARE_LINES = 1000
 
 
 def cache_key(**inputs: Any) -> str:
-    """Hash of everything that a result depends on.
-
-    Args:
-        inputs: plain data (what JSON can hold): hashes of files, settings, seeds. The version of kinmo is added.
-
-    Returns:
-        32 hexadecimal digits; equal for equal inputs, whatever their order.
-    """
+    """Hash of everything that a result depends on, as plain data in any order. The version of kinmo is added."""
     return digest({**inputs, "kinmo": __version__})
 
 
@@ -80,14 +73,9 @@ class Cache:
         return name in self._results
 
     def find(self, name: str, *, edited: bool = False) -> Result | None:
-        """The result of a name, whatever its key.
+        """The result of a name, whatever its key. None if there is none, or one of its files is gone or has changed.
 
-        Args:
-            name: name of the result.
-            edited: accept files that were edited since they were stored.
-
-        Returns:
-            The result; None if there is none, or one of its files is gone or has changed.
+        With `edited`, files may have been edited since they were stored.
         """
         result = self._results.get(name)
         if result is None:
@@ -107,16 +95,9 @@ class Cache:
         return result is not None and result.key == key
 
     def store(self, name: str, key: str, files: Iterable[Path] = (), data: Any = None) -> None:
-        """Store a result whose files are in place.
-
-        Args:
-            name: name of the result within the folder.
-            key: its `cache_key`.
-            files: its files, at or below the folder.
-            data: plain data (what JSON can hold) that `find` gives back.
-        """
+        """Store a result, after its files are in place at or below the folder. `data` is plain data that `find` gives back."""
         stamps = {os.path.relpath(path, self.folder): _stamp(path) for path in files}
-        result = Result(key, _plain(data), stamps)
+        result = Result(key, json.loads(json.dumps(data)), stamps)
         if self._results.get(name) == result:
             return
         self._results[name] = result
@@ -179,8 +160,3 @@ def _hash(path: Path) -> str:
         while block := file.read(1 << 20):
             hashed.update(block)
     return hashed.hexdigest()
-
-
-def _plain(data: Any) -> Any:
-    """`data` as JSON gives it back."""
-    return json.loads(json.dumps(data))

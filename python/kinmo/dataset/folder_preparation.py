@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -12,7 +12,7 @@ from kinmo.core.errors import InputError
 from kinmo.core.wording import printable_path
 from kinmo.dataset.cache import Cache, Result, cache_key
 from kinmo.dataset.jobs import Failure, runner_for
-from kinmo.dataset.jobs.worker import attempt
+from kinmo.dataset.jobs.runner import attempt
 from kinmo.dataset.store import FORMAT, IndexEntry, entry_from_data, file_name, to_bytes, write_index
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.shape_preparation import POINTS_PER_LEAF, prepare_shape
@@ -102,56 +102,49 @@ def prepare_folder(
         cluster: address of a Ray cluster that runs the jobs; None for this machine.
         on_progress: called after each shape.
 
-    Returns:
-        The outcome for every shape.
-
     Raises:
         InputError: `root` or an oracle folder is no folder, no shape is below `root`, or another process works in the
             workspace. The index then stays as it was.
     """
-    root = Path(root)
-    total = count_shapes(root, workspace)
+    shapes, problems = _find_shapes(Path(root), workspace)
     with workspace.locked():
         store = workspace.prepared
         remove_leftovers(store)
         run = _Run(store, Cache(store), points, seed, _folders(oracle))
-        jobs = map(run.job, run.choose(root, workspace))
-        results = closing(runner_for(workers, cluster).run(prepare_file, jobs))  # no job outlives the lock
-        with results as finished:
-            for job, result in finished:
+        run.report.skipped += [ReportEntry("", printable_path(error.where), (str(error),)) for error in problems]
+        copies: dict[Path, list[ShapeSource]] = {}
+        for found in shapes:
+            copies.setdefault(run.target(found), []).append(found)
+        jobs = (run.job(first) for first, *_ in copies.values())
+        done = 0
+        with closing(runner_for(workers, cluster).run(prepare_file, jobs)) as results:  # no job outlives the lock
+            for job, result in results:
                 run.settle(job, result)
-                run.done += 1
-                on_progress(run.done, total, job.found.id)
-        for found in run.copies_instead():
-            job = run.job(found)
-            run.settle(job, attempt(prepare_file, job))
+                done += len(copies[job.target])
+                on_progress(done, len(shapes), job.found.id)
+        for first, *others in copies.values():
+            run.settle_copies(first, others)
         write_index(store, run.entries)
-        return run.report()
+        return run.finished_report()
 
 
 def count_shapes(root: Path, workspace: Workspace) -> int:
-    """Count the shapes at or below a folder, copies included.
+    """Number of shapes at or below a folder, copies included. Raises InputError if there is none."""
+    return len(_find_shapes(root, workspace)[0])
 
-    Args:
-        root: The folder.
-        workspace: The workspace, which is skipped.
 
-    Returns:
-        The number of shapes, at least 1.
-
-    Raises:
-        InputError: There is no folder, or no shape in it.
-    """
+def _find_shapes(root: Path, workspace: Workspace) -> tuple[list[ShapeSource], list[InputError]]:
+    """Shapes at or below a folder, at least one, and problems with folders. The workspace is skipped."""
     problems: list[InputError] = []
-    total = sum(1 for _ in discover(root, skip=(workspace.path,), report=problems.append))
-    if not total and (root / WORKSPACE).is_file():
+    shapes = list(discover(root, skip=(workspace.path,), report=problems.append))
+    if shapes:
+        return shapes, problems
+    if (root / WORKSPACE).is_file():
         raise InputError(root, "is a workspace, which is skipped: expected the folder with the shapes")
-    if not total and workspace.path.resolve() in (root.resolve(), *root.resolve().parents):
+    if workspace.path.resolve() in (root.resolve(), *root.resolve().parents):
         raise InputError(root, f"lies in the workspace {workspace.path}, which is skipped: name another --workspace")
-    if not total:
-        first = f"; {problems[0]}" if problems else ""
-        raise InputError(root, f"expected at least one shape at or below it (docs/reference/formats.md lists formats){first}")
-    return total
+    first = f"; {problems[0]}" if problems else ""
+    raise InputError(root, f"expected at least one shape at or below it (docs/reference/formats.md lists formats){first}")
 
 
 @dataclass
@@ -162,92 +155,78 @@ class _Run:
     cache: Cache
     points: int
     seed: int
-    oracle: tuple[Path, ...] = ()
+    oracle: tuple[Path, ...]
     entries: list[IndexEntry] = field(default_factory=list)
-    skipped: list[ReportEntry] = field(default_factory=list)
-    copies: dict[str, list[str]] = field(default_factory=dict)
-    others: dict[Path, list[ShapeSource]] = field(default_factory=dict)
-    """Copies that differ from the first one, by their common target."""
-    read: dict[Path, Path] = field(default_factory=dict)
-    """Source that was read, by target."""
-    unread: list[Path] = field(default_factory=list)
-    new: int = 0
-    done: int = 0
+    report: PreparationReport = field(default_factory=PreparationReport)
+    copies: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """Lines about identical copies, by the source that was read."""
+    unreadable: set[Path] = field(default_factory=set)
+    """Targets whose shape has a problem. A copy may be readable."""
+    prepared: set[Path] = field(default_factory=set)
+    """Targets that are in place."""
+
+    def target(self, found: ShapeSource) -> Path:
+        return self.store / file_name(found.layout, found.id)
 
     def job(self, found: ShapeSource) -> PreparationJob:
-        name = file_name(found.layout, found.id)
-        return PreparationJob(found, self.store / name, self.points, self.seed, self.cache.find(name))
-
-    def choose(self, root: Path, workspace: Workspace) -> Iterator[ShapeSource]:
-        """Shapes below a folder, without copies."""
-
-        def report(error: InputError) -> None:
-            self.skipped.append(ReportEntry("", printable_path(error.where), (str(error),)))
-
-        first: dict[Path, Path] = {}
-        for found in discover(root, skip=(workspace.path,), report=report):
-            target = self.store / file_name(found.layout, found.id)
-            original = first.setdefault(target, found.path)
-            if original == found.path:
-                yield found
-                continue
-            self.done += 1
-            if not self._is_copy(found, original):
-                self.others.setdefault(target, []).append(found)
-
-    def _is_copy(self, found: ShapeSource, original: Path) -> bool:
-        """True if a shape has the contents of `original`; it is then reported beside it."""
-        is_copy = have_same_contents(found, replace(found, path=original))
-        if is_copy:
-            self.copies.setdefault(str(original.absolute()), []).append(f"identical copy skipped: {printable_path(found.path)}")
-        return is_copy
-
-    def copies_instead(self) -> Iterator[ShapeSource]:
-        """One differing copy after another, for each unreadable shape; removes the file if no copy can be read."""
-        while self.unread:
-            target = self.unread.pop()
-            if copies := self.others.get(target):
-                yield copies.pop(0)
-            else:
-                self._remove(target)
+        cached = self.cache.find(file_name(found.layout, found.id))
+        return PreparationJob(found, self.target(found), self.points, self.seed, cached)
 
     def settle(self, job: PreparationJob, result: PreparedFile | Failure) -> None:
         """Write what a worker made, and list it."""
         found = job.found
+        self.unreadable.discard(job.target)
         if isinstance(result, Failure):  # a shape that may end a process is not tried again in this one
             result = PreparedFile(problem=str(InputError(printable_path(found.path), f"cannot be prepared: {result.reason}")))
             self._remove(job.target)
         elif result.entry is None:
-            self.unread.append(job.target)
+            self.unreadable.add(job.target)
         if result.entry is None:
-            self.skipped.append(ReportEntry(found.id, printable_path(found.path), (result.problem,)))
+            self._skip(found, result.problem)
             return
-        self.read[job.target] = found.path
+        self.prepared.add(job.target)
         if result.data is not None:
             write_bytes_atomically(job.target, result.data)
             self.cache.store(result.entry.file, result.entry.key, [job.target], asdict(result.entry))
-            self.new += 1
+            self.report.new += 1
         is_oracle = any(found.path.resolve().is_relative_to(folder) for folder in self.oracle)
         self.entries.append(replace(result.entry, is_oracle=is_oracle))
+
+    def settle_copies(self, first: ShapeSource, copies: Sequence[ShapeSource]) -> None:
+        """Read copies until one is readable, if the first shape is not. Report the others."""
+        target, read = self.target(first), first
+        same = [copy for copy in copies if have_same_contents(copy, first)]
+        others = [copy for copy in copies if copy not in same]
+        while target in self.unreadable and others:
+            read = others.pop(0)
+            job = self.job(read)
+            self.settle(job, attempt(prepare_file, job))
+        if target in self.unreadable:
+            self._remove(target)
+        remark = "which cannot be prepared"
+        if target in self.prepared:
+            remark = f"which is read instead: {printable_path(read.path)}"
+            same = same if read is first else [copy for copy in others if have_same_contents(copy, read)]
+            if same:
+                lines = tuple(f"identical copy skipped: {printable_path(copy.path)}" for copy in same)
+                self.copies[str(read.path.absolute())] = lines
+        for copy in others:
+            if copy not in same:
+                self._skip(copy, f"differs from another copy of {copy.id}, {remark}")
+
+    def _skip(self, found: ShapeSource, reason: str) -> None:
+        self.report.skipped.append(ReportEntry(found.id, printable_path(found.path), (reason,)))
 
     def _remove(self, target: Path) -> None:
         self.cache.forget(target.relative_to(self.store).as_posix())
         target.unlink(missing_ok=True)
 
-    def report(self) -> PreparationReport:
-        for target, others in self.others.items():
-            read = self.read.get(target)
-            remark = "which cannot be prepared" if read is None else f"which is read instead: {printable_path(read)}"
-            for found in others:
-                if read is None or not self._is_copy(found, read):
-                    reason = f"differs from another copy of {found.id}, {remark}"
-                    self.skipped.append(ReportEntry(found.id, printable_path(found.path), (reason,)))
-        report = PreparationReport(skipped=sorted(self.skipped, key=lambda entry: (entry.path, entry.id)), new=self.new)
+    def finished_report(self) -> PreparationReport:
+        self.report.skipped.sort(key=lambda entry: (entry.path, entry.id))
         for entry in sorted(self.entries, key=lambda entry: entry.source):
-            copies = tuple(self.copies.get(entry.source, ()))
-            row = ReportEntry(entry.id, printable_path(entry.source), entry.repairs + copies)
-            (report.repaired if entry.repairs else report.included).append(row)
-        return report
+            row = ReportEntry(entry.id, printable_path(entry.source), entry.repairs + self.copies.get(entry.source, ()))
+            (self.report.repaired if entry.repairs else self.report.included).append(row)
+        return self.report
 
 
 def _folders(paths: Sequence[Path]) -> tuple[Path, ...]:

@@ -19,16 +19,7 @@ SMALL_SHARE = 0.1
 
 @dataclass(frozen=True)
 class Run:
-    """One finished run of a stage.
-
-    Attributes:
-        stage: name of the stage.
-        started: start in UTC, ISO 8601.
-        seconds: duration.
-        amount: work done, in the stage's own unit.
-        what: the same for people.
-        kinmo: version of kinmo.
-    """
+    """One finished run of a stage: its start in UTC (ISO 8601), and the work done in the stage's own unit and for people."""
 
     stage: str
     started: str
@@ -72,16 +63,9 @@ def runs(workspace: Workspace) -> list[Run]:
 
 
 def seconds_per_unit(workspace: Workspace, stage: str, otherwise: float, prefix: str | None = None) -> float:
-    """Duration of a unit of a stage's work, from the journal.
+    """Seconds per unit of a stage's work, in its last run that did a fair amount. `otherwise` if no run is known.
 
-    Args:
-        workspace: the workspace whose journal is read.
-        stage: name of the stage.
-        otherwise: the answer if no run is known.
-        prefix: if the stage never ran, stages whose names begin with this count.
-
-    Returns:
-        Seconds per unit in the last run that did a fair amount of work.
+    If the stage never ran, stages whose names begin with `prefix` count.
     """
     known = runs(workspace)
     past = [run for run in known if run.stage == stage]

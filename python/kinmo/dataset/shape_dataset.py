@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from kinmo.core.categories import same_category
@@ -53,37 +53,27 @@ def fingerprint(entries: Iterable[IndexEntry]) -> str:
 
 
 def open_dataset(workspace: Workspace, category: str | None = None) -> ShapeDataset:
-    """Open the prepared shapes of a workspace.
+    """The prepared shapes of a workspace by their use, split by a hash of their ids (`kinmo.dataset.splits`).
 
-    Args:
-        workspace: the workspace.
-        category: only shapes of this category, in any spelling; None for all.
-
-    Returns:
-        The shapes by their use, split by a hash of their ids (`kinmo.dataset.splits`).
-
-    Raises:
-        InputError: nothing was prepared, or nothing of the category.
+    With a category, in any spelling, only its shapes are included. Raises InputError if there are none.
     """
     store = PreparedStore(workspace.prepared, workspace.select)
     entries = [entry for entry in store.entries if category is None or same_category(entry.category, category)]
     if not entries:
-        known = sorted({entry.category for entry in store.entries})
-        if not known:
+        categories = sorted({entry.category for entry in store.entries})
+        if not categories:
             raise InputError(workspace.prepared, "no prepared shapes: run kinmo prepare first")
-        near = did_you_mean(category or "", known)
-        raise InputError(workspace.prepared, f"no prepared shape of {category}{near}; there are {', '.join(known)}")
+        near = did_you_mean(category or "", categories)
+        raise InputError(workspace.prepared, f"no prepared shape of {category}{near}; there are {', '.join(categories)}")
     is_oracle = {entry for entry in store.entries if _has_oracle_labels(entry)}
     labelled = [entry for entry in entries if entry.is_labelled]
     by_split, twice = _splits([entry for entry in labelled if entry not in is_oracle])
     unlabelled = [entry for entry in entries if not entry.is_labelled]
-    is_copy = leaks(unlabelled, (entry for entry in store.entries if entry.is_labelled), {entry.id for entry in is_oracle})
-    originals = tuple(entry for entry, copied in zip(unlabelled, is_copy, strict=True) if not copied)
-    copies = tuple(entry for entry, copied in zip(unlabelled, is_copy, strict=True) if copied)
+    all_labelled = [entry for entry in store.entries if entry.is_labelled]
+    originals, copies = _without_copies(unlabelled, all_labelled, {entry.id for entry in is_oracle})
     oracle = tuple(entry for entry in labelled if entry in is_oracle)
-    known_labels = (entry for entry in store.entries if entry.is_labelled and entry not in is_oracle)
-    has_copy = leaks(oracle, (*known_labels, *originals), ())
-    to_label = originals + tuple(entry for entry, copied in zip(oracle, has_copy, strict=True) if not copied)
+    known = [entry for entry in all_labelled if entry not in is_oracle]
+    to_label = originals + _without_copies(oracle, (*known, *originals))[0]
     spelling = None if category is None else min(entry.category for entry in entries)
     return ShapeDataset(store, spelling, by_split, to_label, copies + twice, oracle, _oracle_ids(to_label, oracle))
 
@@ -93,26 +83,33 @@ def _has_oracle_labels(entry: IndexEntry) -> bool:
     return entry.is_labelled and entry.is_oracle and split_of(entry.id) is not Split.TEST
 
 
-def _splits(labelled: Iterable[IndexEntry]) -> tuple[dict[Split, tuple[IndexEntry, ...]], tuple[IndexEntry, ...]]:
+def _without_copies(
+    entries: Sequence[IndexEntry], others: Iterable[IndexEntry], oracle: Collection[str] = ()
+) -> tuple[tuple[IndexEntry, ...], tuple[IndexEntry, ...]]:
+    """The entries that are no copies of `others` (see `leaks`), and those that are."""
+    is_copy = leaks(entries, others, oracle)
+    kept, copies = (
+        tuple(entry for entry, copied in zip(entries, is_copy, strict=True) if copied is wanted) for wanted in (False, True)
+    )
+    return kept, copies
+
+
+def _splits(labelled: Sequence[IndexEntry]) -> tuple[dict[Split, tuple[IndexEntry, ...]], tuple[IndexEntry, ...]]:
     """The shapes of each split, and the shapes that are copies of a shape in another split, of which test comes first."""
-    known = list(labelled)
     by_split: dict[Split, tuple[IndexEntry, ...]] = {}
-    twice: list[IndexEntry] = []
+    twice: tuple[IndexEntry, ...] = ()
     for split in (Split.TEST, Split.VALIDATION, Split.TRAIN):
-        own = [entry for entry in known if split_of(entry.id) is split]
-        before = [entry for entries in by_split.values() for entry in entries]
-        is_copy = dict(zip(own, leaks(own, before, ()), strict=True))
-        by_split[split] = tuple(entry for entry in own if not is_copy[entry])
-        twice += (entry for entry in own if is_copy[entry])
-    return by_split, tuple(twice)
+        own = [entry for entry in labelled if split_of(entry.id) is split]
+        by_split[split], copies = _without_copies(own, [entry for entries in by_split.values() for entry in entries])
+        twice += copies
+    return by_split, twice
 
 
-def _oracle_ids(unlabelled: Iterable[IndexEntry], oracle: Iterable[IndexEntry]) -> dict[tuple[str, str], str]:
+def _oracle_ids(unlabelled: Iterable[IndexEntry], oracle: Sequence[IndexEntry]) -> dict[tuple[str, str], str]:
     """Ids of shapes with oracle labels, by id and layout of the shape and of its copies (recognised as in `leaks`)."""
-    known = list(oracle)
-    by_annotation = {entry.partnet_id: entry.id for entry in known if entry.partnet_id is not None}
-    by_hash = {entry.geometry_hash: entry.id for entry in known}
-    found = {(entry.id, entry.layout): entry.id for entry in known}
+    by_annotation = {entry.partnet_id: entry.id for entry in oracle if entry.partnet_id is not None}
+    by_hash = {entry.geometry_hash: entry.id for entry in oracle}
+    found = {(entry.id, entry.layout): entry.id for entry in oracle}
     for entry in unlabelled:
         original = by_annotation.get(entry.partnet_id or "") or by_hash.get(entry.geometry_hash)
         if original is not None:

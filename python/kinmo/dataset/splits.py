@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from enum import Enum
 from hashlib import blake2b
-from typing import Protocol
+
+from kinmo.dataset.store import IndexEntry
 
 PAPER_TEST_IDS = frozenset(
     (
@@ -24,19 +25,6 @@ class Split(str, Enum):
     TRAIN = "train"
     VALIDATION = "validation"
     TEST = "test"
-
-
-class Identified(Protocol):
-    """A shape with the marks by which its copies are recognised: PartNet annotation and geometry hash."""
-
-    @property
-    def id(self) -> str: ...
-
-    @property
-    def partnet_id(self) -> str | None: ...
-
-    @property
-    def geometry_hash(self) -> str: ...
 
 
 def _position(shape_id: str, purpose: str) -> float:
@@ -68,20 +56,12 @@ def validation_from_training(shape_ids: Collection[str]) -> frozenset[str]:
     return frozenset(ranked[: max(1, round(_VALIDATION_SHARE * len(ranked)))])
 
 
-def leaks(unlabelled: Iterable[Identified], labelled: Iterable[Identified], oracle: Collection[str]) -> list[bool]:
-    """Find unlabelled shapes whose pseudo labels must not be trained on.
+def leaks(unlabelled: Iterable[IndexEntry], labelled: Iterable[IndexEntry], oracle: Collection[str]) -> list[bool]:
+    """True for each unlabelled shape whose pseudo labels must not be trained on.
 
     These are copies (same PartNet id or same geometry hash) of labelled shapes: a copy of a validation or test shape would
-    carry it over to training, and a copy of a training shape has its label already. Copies of shapes with oracle labels are
-    no leaks: nothing is trained on those labels.
-
-    Args:
-        unlabelled: the shapes to look at.
-        labelled: all labelled shapes.
-        oracle: ids of labelled shapes whose labels are oracle labels.
-
-    Returns:
-        True for each shape of `unlabelled` that is a copy.
+    carry it over to training, and a copy of a training shape has its label already. Copies of shapes with oracle labels, whose
+    ids are `oracle`, are no leaks: nothing is trained on those labels.
     """
     known = [shape for shape in labelled if shape.id not in oracle]
     annotations = {shape.partnet_id for shape in known} - {None}

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 
-class Observer(Protocol):
-    """Receiver of a stage's progress and messages."""
+class Observer:
+    """Receiver of a stage's progress and messages. Subclasses show them."""
 
     def progress(self, what: str, done: int, total: int, detail: str = "") -> None:
         """Show that `done` of `total` steps of `what` are finished; `detail` is the latest figure or name."""
@@ -20,17 +20,8 @@ class Observer(Protocol):
         """Show one line about something that the user asked for and does not get, even if output is to be quiet."""
 
 
-class SilentObserver:
+class SilentObserver(Observer):
     """Observer that shows nothing."""
-
-    def progress(self, what: str, done: int, total: int, detail: str = "") -> None:
-        """Ignore the progress."""
-
-    def note(self, text: str) -> None:
-        """Ignore the line."""
-
-    def problem(self, text: str) -> None:
-        """Ignore the line."""
 
 
 @dataclass(frozen=True)

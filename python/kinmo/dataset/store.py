@@ -7,8 +7,8 @@ The same shape gives the same bytes.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -33,22 +33,20 @@ FORMAT = 8
 INDEX = "index.jsonl"
 """File that lists the shapes of the dataset, one JSON object per line."""
 _HEADER_KEY = "kinmo"
-_BOXES = ("minimum_boxes", "symmetric_boxes", "aligned_boxes", "body_boxes")
 _ARRAYS = ("up", "center", "leaf_points", "leaf_normals", "leaf_areas", "edges", "edge_distances")
-_LABELS = ("types", "bodies", "directions", "pivots")
+_GROUPS: dict[str, Callable[..., Any]] = {
+    "minimum_boxes": Boxes,
+    "symmetric_boxes": Boxes,
+    "aligned_boxes": Boxes,
+    "body_boxes": Boxes,
+    "edge_labels": EdgeLabels,
+    "candidate_features": dict,
+}
+"""Fields that hold several arrays, with their types. The tensor `edge_labels.types` is the array `types` of `edge_labels`."""
 _PLAIN = (
-    "id",
-    "category",
-    "layout",
-    "source",
-    "partnet_id",
-    "geometry_hash",
-    "diagonal",
-    "part_ids",
-    "part_names",
-    "parents",
-    "leaves",
-)
+    "id", "category", "layout", "source", "partnet_id", "geometry_hash", "diagonal",
+    "part_ids", "part_names", "parents", "leaves",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,15 +55,13 @@ class IndexEntry:
 
     Attributes:
         id: id of the shape, unique within its layout.
-        layout: dataset layout that it was read from.
+        layout: input format, a key of `kinmo.io.readers.READERS`.
         category: object category, spelled as in the source.
         file: path of the prepared shape, relative to the store (or absolute).
         source: path that the shape was read from.
         key: cache key of the prepared shape: it changes with the source files and with the preparation.
         partnet_id: PartNet annotation that the shape comes from; None if unknown.
         geometry_hash: hash of the surface, equal for copies.
-        part_count: number of parts.
-        leaf_count: number of leaf parts.
         joint_count: number of annotated joints.
         is_labelled: the shape has an annotation of its joints, maybe with none.
         repairs: what the reader repaired.
@@ -100,28 +96,26 @@ def file_name(layout: str, shape_id: str) -> str:
 
 def to_bytes(shape: PreparedShape) -> bytes:
     """Contents of the file of a prepared shape."""
-    tensors = {name: np.ascontiguousarray(getattr(shape, name)) for name in _ARRAYS}
-    for name in _BOXES:
-        boxes: Boxes | None = getattr(shape, name)
-        if boxes is not None:
-            tensors |= {f"{name}.{field.name}": np.ascontiguousarray(getattr(boxes, field.name)) for field in fields(Boxes)}
-    if shape.edge_labels is not None:
-        tensors |= {f"edge_labels.{name}": np.ascontiguousarray(getattr(shape.edge_labels, name)) for name in _LABELS}
-    tensors |= {f"candidate_features.{name}": np.ascontiguousarray(array) for name, array in shape.candidate_features.items()}
+    tensors = {name: getattr(shape, name) for name in _ARRAYS}
+    for name in _GROUPS:
+        group = getattr(shape, name)
+        if group is not None:
+            members = group if isinstance(group, Mapping) else vars(group)
+            tensors |= {f"{name}.{member}": array for member, array in members.items()}
+    mobility = None
+    if shape.mobility is not None:
+        mobility = {"bodies": list(map(_body_to_data, shape.mobility.bodies)), "junk": sorted(shape.mobility.junk)}
     header = {name: getattr(shape, name) for name in _PLAIN} | {
         "format": FORMAT,
-        "mobility": None if shape.mobility is None else _mobility_to_data(shape.mobility),
+        "mobility": mobility,
         "body_types": {str(body): kind.name for body, kind in shape.body_types.items()},
     }
-    return save(tensors, {_HEADER_KEY: json.dumps(header, sort_keys=True)})
+    arrays = {name: np.ascontiguousarray(array) for name, array in tensors.items()}
+    return save(arrays, {_HEADER_KEY: json.dumps(header, sort_keys=True)})
 
 
 def read_prepared(path: Path) -> PreparedShape:
-    """Read a prepared shape.
-
-    Raises:
-        InputError: the file is missing, damaged, or of another format.
-    """
+    """Read a prepared shape. Raises InputError if the file is missing, damaged, or of another format."""
     try:
         with safe_open(path, framework="numpy") as file:
             header = json.loads(file.metadata()[_HEADER_KEY])
@@ -134,63 +128,38 @@ def read_prepared(path: Path) -> PreparedShape:
 
 
 def _from_parts(header: dict[str, Any], tensors: dict[str, NDArray[Any]]) -> PreparedShape:
+    members: dict[str, dict[str, NDArray[Any]]] = {}
+    for name, array in tensors.items():
+        group, _, member = name.partition(".")
+        members.setdefault(group, {})[member] = array
     arrays: dict[str, Any] = {name: tensors[name] for name in _ARRAYS}
-    for name in _BOXES:
-        if f"{name}.centers" in tensors:
-            arrays[name] = Boxes(**{field.name: tensors[f"{name}.{field.name}"] for field in fields(Boxes)})
-    if "edge_labels.types" in tensors:
-        arrays["edge_labels"] = EdgeLabels(**{name: tensors[f"edge_labels.{name}"] for name in _LABELS})
+    groups: dict[str, Any] = {name: kind(**members[name]) for name, kind in _GROUPS.items() if name in members}
     plain: dict[str, Any] = {name: tuple(value) if isinstance(value := header[name], list) else value for name in _PLAIN}
+    mobility = None
+    if (data := header["mobility"]) is not None:
+        mobility = Mobility(tuple(map(_body_from_data, data["bodies"])), frozenset(data["junk"]))
     return PreparedShape(
         **plain,
         **arrays,
-        mobility=None if header["mobility"] is None else _mobility_from_data(header["mobility"]),
+        **groups,
+        mobility=mobility,
         body_types={int(body): MotionType[name] for body, name in header["body_types"].items()},
-        candidate_features={
-            name.removeprefix("candidate_features."): array
-            for name, array in tensors.items()
-            if name.startswith("candidate_features.")
-        },
     )
 
 
-def _mobility_to_data(mobility: Mobility) -> dict[str, Any]:
-    bodies = [
-        {
-            "id": body.id,
-            "name": body.name,
-            "leaves": list(body.leaves),
-            "parent": body.parent,
-            "joint": None if body.joint is None else joint_to_data(body.joint),
-        }
-        for body in mobility.bodies
-    ]
-    return {"bodies": bodies, "junk": sorted(mobility.junk)}
+def _body_to_data(body: Body) -> dict[str, Any]:
+    return {**vars(body), "joint": None if body.joint is None else joint_to_data(body.joint)}
 
 
-def _mobility_from_data(data: dict[str, Any]) -> Mobility:
-    bodies = tuple(
-        Body(
-            body["id"],
-            body["name"],
-            tuple(body["leaves"]),
-            body["parent"],
-            None if body["joint"] is None else joint_from_data(body["joint"]),
-        )
-        for body in data["bodies"]
-    )
-    return Mobility(bodies, frozenset(data["junk"]))
+def _body_from_data(data: dict[str, Any]) -> Body:
+    joint = None if data["joint"] is None else joint_from_data(data["joint"])
+    return Body(**{**data, "leaves": tuple(data["leaves"]), "joint": joint})
 
 
 class PreparedStore:
-    """The prepared shapes that an index lists, in the order of layout and id.
+    """The prepared shapes that the index of a folder lists, in the order of layout and id.
 
-    Args:
-        folder: folder of the index and the shapes.
-        select: function that gives the entries to use; None for all (`Workspace.select`).
-
-    Raises:
-        InputError: the folder has no index, or it cannot be read.
+    `select` gives the entries to use (`Workspace.select`). Raises InputError if there is no index, or it cannot be read.
     """
 
     def __init__(self, folder: Path, select: Selection | None = None) -> None:
@@ -200,10 +169,6 @@ class PreparedStore:
 
     def __len__(self) -> int:
         return len(self.entries)
-
-    def __iter__(self) -> Iterator[PreparedShape]:
-        """All shapes, one in memory at a time."""
-        return map(self.load, self.entries)
 
     def load(self, entry: IndexEntry) -> PreparedShape:
         """The shape of an entry."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,23 +24,16 @@ class Workspace:
     the same inputs then has nothing left to do.
 
     Attributes:
-        path: the folder itself.
-        prepared: prepared shapes and their index.
+        path: the folder itself; it need not exist.
+        prepared: prepared shapes and their index, perhaps shared with another workspace.
         models: trained networks.
         training: networks whose training is not finished, in folders like those of `models`.
-        pseudo_labels: predicted joints of unlabelled shapes, a folder for each method.
+        pseudo_labels: predicted joints of unlabelled shapes, a folder for each method, perhaps shared.
         scans: depth scans, a folder for each category.
         evaluation: scores and tables.
         report: the HTML report.
-        journal: file that records all runs.
-        select: function that gives the workspace's own entries of the index; None for all as they are.
-
-    Args:
-        path: the folder; it need not exist.
-        prepared: another workspace's folder of prepared shapes, to share it.
-        pseudo_labels: another workspace's folder of pseudo labels, to share it.
-        journal: another workspace's journal, to share it.
-        select: function that chooses among shared prepared shapes, or changes their entries.
+        journal: file that records all runs, perhaps shared.
+        select: function that chooses among shared prepared shapes, or changes their entries; None for all as they are.
     """
 
     def __init__(
@@ -74,16 +66,9 @@ class Workspace:
     def _identity(self) -> tuple[Path | Selection | None, ...]:
         return self.path, self.prepared, self.pseudo_labels, self.journal, self.select
 
-    @contextmanager
-    def locked(self) -> Iterator[None]:
-        """Keep other processes from writing here inside the block.
-
-        Raises:
-            InUse: another process holds the lock.
-            InputError: the folder cannot be made or written to.
-        """
-        with locked(self.path):
-            yield
+    def locked(self) -> AbstractContextManager[None]:
+        """Keep other processes from writing here inside the block (see `kinmo.io.folder_lock.locked`)."""
+        return locked(self.path)
 
     def is_current(self, stage: str, inputs: Mapping[str, Any]) -> bool:
         """True if a stage was finished with these inputs by this version of kinmo, and its outputs have not changed since."""
@@ -95,14 +80,8 @@ class Workspace:
         return None if found is None or not isinstance(found.data, dict) else found.data
 
     def record(self, stage: str, inputs: Mapping[str, Any], outputs: Iterable[Path] = ()) -> None:
-        """Record that a stage is finished, after its outputs are in place.
-
-        Args:
-            stage: name of the stage.
-            inputs: everything that the outputs depend on, as plain data.
-            outputs: files of the stage.
-        """
-        Cache(self.path).store(stage, cache_key(**inputs), outputs, json.loads(json.dumps(inputs)))
+        """Record that a stage is finished, after its outputs are in place. They depend on `inputs` (plain data) alone."""
+        Cache(self.path).store(stage, cache_key(**inputs), outputs, inputs)
 
     def forget(self, stage: str) -> None:
         """Drop the record of a stage, before its outputs change."""

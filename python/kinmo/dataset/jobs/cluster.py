@@ -6,16 +6,19 @@ All nodes must see the same files under the same paths (a shared file system) an
 from __future__ import annotations
 
 import os
+import platform
+import signal
 import socket
+import threading
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from importlib import import_module
 from typing import Any
 
 from kinmo._core import __version__
 from kinmo.core.errors import InputError, KinmoError
-from kinmo.dataset.jobs.runner import Failure, Job, Result
+from kinmo.dataset.jobs.runner import THREAD_VARIABLES, Failure, Job, Owner, Result, attempt, owned_by
 
 ATTEMPTS = 3
 """Runs of a job whose process or node dies."""
@@ -61,7 +64,9 @@ class RayRunner:
         in_flight: dict[Any, tuple[Job, int]] = {}
         try:
             while True:
-                free = self._most_in_flight(ray) - len(in_flight)
+                have = ray.cluster_resources()
+                slots = have.get("GPU", 0) / self.gpus if self.gpus else have.get("CPU", 0)
+                free = max(JOBS_PER_SLOT * int(slots), 1) - len(in_flight)
                 while free > 0 and (next_one := again.pop() if again else next(remaining, None)):
                     in_flight[submit(ray.cloudpickle.dumps(next_one[0]))] = next_one
                     free -= 1
@@ -89,11 +94,6 @@ class RayRunner:
                     yield job, result
         finally:
             _end(ray, list(in_flight))
-
-    def _most_in_flight(self, ray: Any) -> int:
-        have = ray.cluster_resources()
-        slots = have.get("GPU", 0) / self.gpus if self.gpus else have.get("CPU", 0)
-        return max(JOBS_PER_SLOT * int(slots), 1)
 
 
 def _connected(address: str) -> Any:
@@ -144,9 +144,44 @@ def _task() -> Callable[..., tuple[BaseException | str | None, Any]]:
 
     def run_job(*arguments: Any) -> tuple[BaseException | str | None, Any]:
         try:
-            from kinmo.dataset.jobs.cluster_worker import perform
+            from kinmo.dataset.jobs.cluster import perform
         except ImportError as error:
             return f"a node cannot import kinmo ({error}). Install it on all nodes", None
         return perform(*arguments)
 
     return run_job
+
+
+def perform(function: list[Any], version: str, box: Any, job: bytes) -> tuple[BaseException | str | None, Any]:
+    """Run a pickled job in a Ray worker. Returns what ends the run, or None, and the result."""
+    if version != __version__:
+        return f"{platform.node()} has kinmo {__version__}, expected {version}. Install {version} on all nodes", None
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # with which Ray cancels
+    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+    loads = import_module("ray").cloudpickle.loads
+    try:
+        with owned_by(Owner(Owner().report if box is None else box.put, _allow_kill)):
+            return None, attempt(lambda data: _loaded(function[0])(loads(data)), job)
+    except BaseException as error:
+        return error, None
+
+
+@lru_cache(maxsize=1)
+def _loaded(function: Any) -> Callable[[Any], Any]:
+    """The function of a run. A worker loads it once."""
+    loaded: Callable[[Any], Any] = import_module("ray").get(function)
+    return loaded
+
+
+def _allow_kill() -> None:
+    """End the process at once when Ray cancels the job, also in a library, where no handler of Python runs."""
+    signal.signal(signal.SIGINT, lambda number, frame: None)
+    _exit_on_signal()
+
+
+@lru_cache(maxsize=1)
+def _exit_on_signal() -> None:
+    heard, said = socket.socketpair()
+    said.setblocking(False)
+    signal.set_wakeup_fd(said.fileno())
+    threading.Thread(target=lambda: (heard.recv(1), os._exit(1), said), daemon=True).start()

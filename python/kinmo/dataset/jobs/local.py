@@ -10,6 +10,7 @@ import multiprocessing
 import os
 import signal
 import sys
+import threading
 from collections.abc import Callable, Generator, Iterable, Iterator, Sized
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager, suppress
@@ -17,13 +18,13 @@ from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import connection, resource_tracker
 from multiprocessing.reduction import ForkingPickler
-from typing import Any, Generic
+from typing import Any, Generic, Literal
 
-from kinmo.dataset.jobs.local_worker import Kind, serve
-from kinmo.dataset.jobs.runner import Failure, Job, Result
-from kinmo.dataset.jobs.worker import THREAD_VARIABLES, Owner, attempt, owned_by
+from kinmo.dataset.jobs.runner import THREAD_VARIABLES, Failure, Job, Owner, Result, attempt, owned_by
 
 LOST = Failure("its process died (too little memory?)")
+Kind = Literal["ready", "message", "allows kill", "result", "error"]
+"""Kinds of what a worker sends."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class _Worker(Generic[Job, Result]):
     def __init__(self, function: Callable[[Job], Result], threads: int) -> None:
         context = multiprocessing.get_context("spawn")
         self.pipe, far_end = context.Pipe()
-        self.process = context.Process(target=serve, args=(function, far_end), daemon=True)
+        self.process = context.Process(target=_serve, args=(function, far_end), daemon=True)
         # another thread starts the process, so that an interrupt cannot cut the start short
         starter = ThreadPoolExecutor(1, initializer=_block_interrupts)
         with far_end, _thread_variables(threads), _without_main_script(function), starter:
@@ -168,6 +169,37 @@ def _end(workers: list[_Worker[Job, Result]]) -> None:
         for worker in workers:
             worker.process.kill()
         raise
+
+
+def _serve(function: Callable[[Job], Result], pipe: connection.Connection) -> None:
+    """Body of a worker. It ends when the owner closes the pipe, and at once when the owner dies."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_owner, daemon=True).start()
+
+    def send(kind: Kind, value: Any = None) -> None:
+        pipe.send((kind, value))
+
+    def pickled_result(job: Job) -> Any:
+        return ForkingPickler.dumps(("result", function(job)))
+
+    owner = Owner(lambda message: send("message", message), lambda: send("allows kill"))
+    with suppress(EOFError, BrokenPipeError), owned_by(owner):
+        send("ready")
+        while True:
+            job = pipe.recv()
+            try:
+                result = attempt(pickled_result, job)
+            except BaseException as error:
+                send("error", error)
+            else:
+                send("result", result) if isinstance(result, Failure) else pipe.send_bytes(result)
+
+
+def _end_with_owner() -> None:
+    owner = multiprocessing.parent_process()
+    if owner is not None:
+        connection.wait([owner.sentinel])
+        os._exit(1)
 
 
 def _block_interrupts() -> None:
