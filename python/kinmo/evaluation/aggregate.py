@@ -6,7 +6,8 @@ sums. Leaving objects out, resampling and grouping are therefore sums too, and n
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Generic, TypeVar
@@ -15,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 Scored = TypeVar("Scored")
-Sums = NDArray[np.float64]
-"""Array [O, F, 2]: numerators and denominators of F figures for each of O objects."""
+Item = TypeVar("Item")
+Sums = NDArray[np.float64]  # array [O, F, 2]: numerators and denominators of F figures for each of O objects
 
 BOOTSTRAP_DRAWS = 1000
-COVERAGE = 0.95
-"""Share of the bootstrap values inside an interval."""
+COVERAGE = 0.95  # share of the bootstrap values inside an interval
+SEED = 0  # seed of all bootstrap samples
 
 
 class Unit(str, Enum):
@@ -42,6 +43,37 @@ class Figure(Generic[Scored]):
     sums: Callable[[Scored], tuple[float, float]]
 
 
+def mean_figure(
+    key: str, title: str, unit: Unit, items: Callable[[Scored], Iterable[Item]], value: Callable[[Item], float | None]
+) -> Figure[Scored]:
+    """The mean of a value over the items of all objects, such as joints, that have it."""
+
+    def sums(scored: Scored) -> tuple[float, float]:
+        known = [found for item in items(scored) if (found := value(item)) is not None]
+        return float(sum(known)), len(known)
+
+    return Figure(key, title, unit, sums)
+
+
+def detection_figures(counts: Callable[[Scored], tuple[int, int, int]]) -> tuple[Figure[Scored], ...]:
+    """Precision, recall and F1. `counts` gives the numbers of true joints, of found ones, and of false alarms."""
+
+    def precision(scored: Scored) -> tuple[float, float]:
+        _, found, alarms = counts(scored)
+        return found, found + alarms
+
+    def recall(scored: Scored) -> tuple[float, float]:
+        true, found, _ = counts(scored)
+        return found, true
+
+    def f1(scored: Scored) -> tuple[float, float]:
+        true, found, alarms = counts(scored)
+        return 2 * found, true + found + alarms
+
+    named = (("precision", "P", precision), ("recall", "R", recall), ("f1", "F1", f1))
+    return tuple(Figure(key, title, Unit.SHARE, sums) for key, title, sums in named)
+
+
 @dataclass(frozen=True)
 class Estimate:
     """A value with its 95 % bootstrap interval. `count` is the number of objects (micro) or categories (macro) in the mean."""
@@ -51,9 +83,8 @@ class Estimate:
     high: float
     count: int
 
-    def interval(self, decimals: int) -> str:
-        """The interval as printed text."""
-        return f"{self.low:.{decimals}f} to {self.high:.{decimals}f}"
+
+Estimates = dict[str, Estimate | None]  # estimates by key of the figure
 
 
 def figure_sums(objects: Sequence[Scored], figures: Sequence[Figure[Scored]]) -> Sums:
@@ -62,75 +93,71 @@ def figure_sums(objects: Sequence[Scored], figures: Sequence[Figure[Scored]]) ->
     return np.array(rows, float).reshape(len(objects), len(figures), 2)
 
 
+def by_key(figures: Sequence[Figure[Scored]], estimates: Sequence[Estimate | None]) -> Estimates:
+    """Estimates of figures by their keys."""
+    return {figure.key: estimate for figure, estimate in zip(figures, estimates, strict=True)}
+
+
+def summarise(objects: Sequence[Scored], figures: Sequence[Figure[Scored]], *, draws: int = BOOTSTRAP_DRAWS) -> Estimates:
+    """Figures over all objects (`micro`) by their keys."""
+    return by_key(figures, micro(figure_sums(objects, figures), draws=draws))
+
+
 def ratios(sums: Sums) -> NDArray[np.float64]:
     """Numerators over denominators [..., F]; NaN where nothing was counted."""
     numerators, denominators = sums[..., 0], sums[..., 1]
     return np.asarray(np.divide(numerators, denominators, out=np.full(numerators.shape, np.nan), where=denominators > 0))
 
 
-def micro(sums: Sums, *, draws: int = BOOTSTRAP_DRAWS, seed: int = 0) -> list[Estimate | None]:
-    """Figures over all joints of all objects.
+def micro(sums: Sums, *, draws: int = BOOTSTRAP_DRAWS) -> list[Estimate | None]:
+    """Figures over all joints of all objects, from their sums [O, F, 2], with `draws` bootstrap samples of the objects.
 
-    Args:
-        sums: Sums [O, F, 2] of the objects (`figure_sums`).
-        draws: Number of bootstrap samples of the objects.
-        seed: Seed of the samples.
-
-    Returns:
-        One estimate a figure; None where no object has the figure.
+    There is one estimate a figure, None where no object has the figure.
     """
     if not len(sums):
         return [None] * sums.shape[1]
-    samples = ratios(_resampled(sums, draws, np.random.default_rng(seed)))
+    samples = ratios(_resampled(sums, draws, np.random.default_rng(SEED)))
     counts = (sums[..., 1] > 0).sum(axis=0)
     return _estimates(ratios(sums.sum(axis=0)), samples, counts)
 
 
-def paired_differences(before: Sums, after: Sums, *, draws: int = BOOTSTRAP_DRAWS, seed: int = 0) -> list[Estimate | None]:
+def paired_differences(before: Sums, after: Sums) -> list[Estimate | None]:
     """Differences `after` minus `before` of all figures. Every bootstrap sample has the same objects on both sides.
 
-    Args:
-        before: Sums [O, F, 2] of the objects.
-        after: Sums [O, F, 2] of the same objects, in the same order.
-        draws: Number of bootstrap samples of the objects.
-        seed: Seed of the samples.
-
-    Returns:
-        One estimate a figure. `count` is the number of objects with the figure on both sides.
+    Both sums [O, F, 2] are of the same objects, in the same order. The `count` of an estimate is the number of objects with the
+    figure on both sides.
     """
     if not len(before):
         return [None] * before.shape[1]
     both = np.stack([before, after], axis=1)
-    samples = _resampled(both.reshape(len(both), -1, 2), draws, np.random.default_rng(seed)).reshape(draws, *both.shape[1:])
-    earlier, later = np.moveaxis(ratios(samples), 1, 0)
+    flat = _resampled(both.reshape(len(both), -1, 2), BOOTSTRAP_DRAWS, np.random.default_rng(SEED))
+    earlier, later = np.moveaxis(ratios(flat.reshape(BOOTSTRAP_DRAWS, *both.shape[1:])), 1, 0)
     counts = (both[..., 1] > 0).all(axis=1).sum(axis=0)
     return _estimates(np.subtract(*ratios(both.sum(axis=0))[::-1]), later - earlier, counts)
 
 
-def macro(
-    sums: Sums, categories: Sequence[str], *, min_objects: int = 1, draws: int = BOOTSTRAP_DRAWS, seed: int = 0
-) -> list[Estimate | None]:
+def macro(sums: Sums, categories: Sequence[str], *, min_objects: int = 1) -> list[Estimate | None]:
     """Means over categories of the figures of each category.
 
-    Args:
-        sums: Sums [O, F, 2] of the objects (`figure_sums`).
-        categories: Category of each object.
-        min_objects: Categories with fewer objects are left out.
-        draws: Number of bootstrap samples. Objects are drawn within their category.
-        seed: Seed of the samples.
-
-    Returns:
-        One estimate a figure. A category without a value for a figure does not count in it; `count` is the number that do.
+    Sums [O, F, 2] are of the objects (`figure_sums`), each with its category; bootstrap samples are drawn within each category.
+    Categories with fewer than `min_objects` are left out. A category without a value for a figure does not count in it; the
+    `count` of an estimate is the number of those that do.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(SEED)
     names = np.array(categories)
     groups = [sums[names == name] for name in sorted(set(categories))]
     groups = [group for group in groups if len(group) >= min_objects]
     if not groups:
         return [None] * sums.shape[1]
     values = np.array([ratios(group.sum(axis=0)) for group in groups])
-    samples = np.array([ratios(_resampled(group, draws, rng)) for group in groups])
+    samples = np.array([ratios(_resampled(group, BOOTSTRAP_DRAWS, rng)) for group in groups])
     return _estimates(_mean(values), _mean(samples), (~np.isnan(values)).sum(axis=0))
+
+
+def median(values: Iterable[float | None]) -> float | None:
+    """Median of the known values; None if there is none."""
+    known = [value for value in values if value is not None]
+    return float(np.median(known)) if known else None
 
 
 def _resampled(sums: Sums, draws: int, rng: np.random.Generator) -> Sums:
@@ -148,23 +175,12 @@ def _mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _estimates(values: NDArray[np.float64], samples: NDArray[np.float64], counts: NDArray[np.int64]) -> list[Estimate | None]:
     """Estimates of `values` [F] with the intervals of `samples` [draws, F], NaN left out."""
-    low, high = _quantiles(samples)
-    low, high = (np.where(np.isnan(bound), values, bound) for bound in (low, high))
-    return [
-        None if np.isnan(values[row]) else Estimate(float(values[row]), float(low[row]), float(high[row]), int(counts[row]))
-        for row in range(len(values))
-    ]
-
-
-def _quantiles(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Both ends of the interval [2, F]; NaN where no sample has a value."""
     tail = 50.0 * (1.0 - COVERAGE)
-    ends = [tail, 100.0 - tail]
-    found = np.full((2, samples.shape[1]), np.nan)
-    missing = np.isnan(samples)
-    whole = ~missing.any(axis=0)
-    if len(samples):
-        found[:, whole] = np.percentile(samples[:, whole], ends, axis=0)
-    for column in np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0)):
-        found[:, column] = np.percentile(samples[~missing[:, column], column], ends)
-    return found
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a figure that no sample has stays NaN
+        ends = np.nanpercentile(samples, [tail, 100.0 - tail], axis=0)
+    low, high = np.where(np.isnan(ends), values, ends)
+    return [
+        None if np.isnan(value) else Estimate(float(value), float(first), float(last), int(count))
+        for value, first, last, count in zip(values, low, high, counts, strict=True)
+    ]

@@ -24,28 +24,19 @@ from kinmo.scans.poses.scan_estimate import ScanEstimate
 
 F64 = NDArray[np.float64]
 
-GRID = 50
-"""Number of grid points along each side of the space in which boxes are compared."""
-CORNER = (1, -1, 1)
-"""Signs of the corner that the point-in-box test starts from."""
-NEIGHBOURS = ((1, -1, -1), (-1, -1, -1), (1, 1, 1))
-"""Signs of the three corners that it takes for the neighbours of `CORNER`."""
+GRID = 50  # number of grid points along each side of the space in which boxes are compared
+CORNER = (1, 0, 1)  # index in `_corners` of the corner that the point-in-box test starts from
+NEIGHBOURS = ((1, 0, 0), (0, 0, 0), (1, 1, 1))
+"""Indices of the three corners that it takes for the neighbours of `CORNER`."""
 
 
 def score_as_ancsh(
     found: ScanEstimate, true: ScanEstimate, structure: Structure, points: NDArray[np.floating], parts: NDArray[np.integer]
 ) -> FrameScore:
-    """Errors of an estimate as the public code computes them.
+    """Errors of an estimate as the public code computes them; NaN in measures that the frame is dropped from.
 
-    Args:
-        found: The estimate in the camera's frame, in diagonals of the object.
-        true: The true one in the same frame and unit.
-        structure: The structure of the object.
-        points: The points of the scan [n, 3].
-        parts: The predicted part of each point [n].
-
-    Returns:
-        The score; NaN in measures that the frame is dropped from.
+    Estimates and the points [n, 3] of the scan are in the camera's frame, in diagonals of the object. `parts` [n] are the
+    predicted parts of the points.
     """
     if not np.isfinite(found.poses.scales[0]):  # nothing is known relative to the base
         return nothing_found(structure)
@@ -81,12 +72,7 @@ def _only_if(is_known: bool, values: F64) -> F64:
 
 
 def box_overlap(first: F64, second: F64) -> float:
-    """Overlap of two boxes on the public code's grid; too large, see the module.
-
-    Args:
-        first: Corners [2, 2, 2, 3] of a box, by sign along its x, y and z.
-        second: Corners of the other box.
-    """
+    """Overlap of two boxes, given by their `_corners`, on the public code's grid; too large, see the module."""
     both = np.concatenate([first.reshape(-1, 3), second.reshape(-1, 3)])
     sides = [np.linspace(low, high, GRID) for low, high in zip(both.min(axis=0), both.max(axis=0), strict=True)]
     places = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -96,21 +82,17 @@ def box_overlap(first: F64, second: F64) -> float:
 
 
 def _counted_inside(places: F64, corners: F64) -> NDArray[np.bool_]:
-    origin = _corner(corners, CORNER)
+    origin = corners[CORNER]
     inside = np.ones(len(places), bool)
-    for signs in NEIGHBOURS:
-        edge = _corner(corners, signs) - origin
+    for neighbour in NEIGHBOURS:
+        edge = corners[neighbour] - origin
         along = (places - origin) @ edge
         inside &= (along > 0.0) & (along < edge @ edge)
     return inside
 
 
-def _corner(corners: F64, signs: tuple[int, int, int]) -> F64:
-    return np.asarray(corners[tuple((sign + 1) // 2 for sign in signs)])
-
-
 def _corners(estimate: ScanEstimate, part: int) -> F64:
-    """Corners [2, 2, 2, 3] of the box of a part."""
+    """Corners [2, 2, 2, 3] of the box of a part, at the lower (0) or upper (1) end of its x, y and z."""
     signs = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3, indexing="ij"), axis=-1)
     return np.asarray(estimate.centers[part] + (signs * estimate.half_extents[part]) @ estimate.poses.rotations[part].T)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,9 @@ from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.evaluation.joint_records import ShapeScore, false_alarm, joint_record, missed_record
 from kinmo.features.prepared_shape import PreparedShape
 
-MIN_IOU = 0.5
-"""Smallest overlap (IoU of leaf areas) of two bodies that match."""
+F64 = NDArray[np.float64]
+
+MIN_IOU = 0.5  # smallest overlap (intersection over union of areas) of two bodies that match
 
 
 def score_hierarchy_given(
@@ -27,17 +28,13 @@ def score_hierarchy_given(
 
     Bodies are matched one to one by the area of the leaves they share, without junk. Predicted bodies that are fixed to each
     other count as one. A true joint is found if its body matches a body that moves. A predicted body that moves is a false
-    alarm if it does not match a true body that moves.
-
-    Args:
-        truth: The annotated shape.
-        prediction: The prediction in the frame and the lengths of the file.
-        penetrations: Shares of the surface that collide (`PenetrationMeter`), by index of the predicted body.
+    alarm if it does not match a true body that moves. The prediction is in the frame and the lengths of the file. Penetrations
+    (`PenetrationMeter`) are by index of the predicted body.
     """
     mobility, _ = truth.annotation
     links, frame = links_of(prediction.mobility), Normalisation(truth.center, truth.diagonal)
-    overlap = body_overlap(truth, [body.leaves for body in mobility.bodies], [link.leaves for link in links])
-    link_of_body = match_bodies(overlap)
+    shared, iou = _overlap(truth, [body.leaves for body in mobility.bodies], [link.leaves for link in links])
+    link_of_body = one_to_one(iou)
     records, found_links = [], set()
     for index, body in mobility.movable():
         link = link_of_body.get(index)
@@ -47,7 +44,7 @@ def score_hierarchy_given(
             continue
         found_links.add(link)
         record = joint_record(truth, index, frame.estimate(prediction.estimates[moving][0]))
-        parent_ok = body.parent is not None and int(np.argmax(overlap.shared[body.parent])) == links[link].parent
+        parent_ok = body.parent is not None and int(np.argmax(shared[body.parent])) == links[link].parent
         penetration = None if penetrations is None else penetrations.get(moving)
         records.append(replace(record, parent_ok=parent_ok, penetration=penetration))
     wrong = [link.body for index, link in enumerate(links) if link.body is not None and index not in found_links]
@@ -56,27 +53,19 @@ def score_hierarchy_given(
     return ShapeScore(truth.id, truth.category, tuple(records), alarms, has_fine_types)
 
 
-@dataclass(frozen=True, eq=False)
-class Overlap:
-    """Areas [K, B] shared by K true and B predicted bodies, and of their unions, in squared diagonals."""
-
-    shared: NDArray[np.float64]
-    union: NDArray[np.float64]
-
-
-def body_overlap(truth: PreparedShape, bodies: Sequence[Sequence[int]], others: Sequence[Sequence[int]]) -> Overlap:
-    """Overlap of two sets of bodies, each body given by its leaves (indices of parts). Junk leaves have no area."""
+def _overlap(truth: PreparedShape, bodies: Sequence[Sequence[int]], others: Sequence[Sequence[int]]) -> tuple[F64, F64]:
+    """Areas [K, B] that K and B bodies share, and their intersections over unions. Bodies are leaves; junk has no area."""
     mobility, _ = truth.annotation
     leaves = np.array(truth.leaves)
     areas = np.where(np.isin(leaves, list(mobility.junk)), 0.0, truth.leaf_areas)
     first, second = (np.array([np.isin(leaves, members) for members in groups], float) for groups in (bodies, others))
     shared = (first * areas) @ second.T
-    return Overlap(shared, (first @ areas)[:, None] + (second @ areas)[None, :] - shared)
+    union = (first @ areas)[:, None] + (second @ areas)[None, :] - shared
+    return shared, np.divide(shared, union, out=np.zeros_like(shared), where=union > 0)
 
 
-def match_bodies(overlap: Overlap) -> dict[int, int]:
-    """The predicted body of every matched true body: the one-to-one assignment of overlaps >= `MIN_IOU` with largest total."""
-    iou = np.divide(overlap.shared, overlap.union, out=np.zeros_like(overlap.shared), where=overlap.union > 0)
+def one_to_one(iou: F64) -> dict[int, int]:
+    """The column of every matched row of `iou` [K, B]: the assignment of overlaps of at least `MIN_IOU` with largest total."""
     allowed = np.where(iou >= MIN_IOU, iou, 0.0)
     pairs = zip(*linear_sum_assignment(allowed, maximize=True), strict=True)
-    return {int(true): int(predicted) for true, predicted in pairs if allowed[true, predicted] > 0}
+    return {int(row): int(column) for row, column in pairs if allowed[row, column] > 0}

@@ -25,10 +25,10 @@ def is_control(name: str) -> bool:
 
 @dataclass(frozen=True)
 class JointRecord:
-    """One true joint, its prediction and the errors of the prediction.
+    """One true joint, its prediction and the errors of the prediction. Angles are in radians, lengths in diagonals.
 
-    Angles are in radians, lengths in diagonals. A joint is *missed* if no predicted body that moves matches its body. An error
-    is None where it has no meaning: the axis of a missed joint, the line of a slider, the range of an unlimited joint.
+    A joint is *missed* if no predicted body that moves matches its body. An error is None where it has no meaning: the axis of
+    a missed joint, the line of a slider, the range of an unlimited joint.
     """
 
     shape_id: str
@@ -36,25 +36,19 @@ class JointRecord:
     body: int
     name: str
     true_type: MotionType
-    diagonal: float
-    """Diagonal of the object's box in the lengths of its file."""
+    diagonal: float  # diagonal of the object's box in the lengths of its file
     predicted_type: MotionType | CoarseType | None = None
     axis_error: float | None = None
-    typed_axis_error: float | None = None
-    """Axis error of the prediction given the true type."""
-    line_distance: float | None = None
-    """Smallest distance of the two axis lines."""
-    line_at_part: float | None = None
-    """Distance of the axis lines at the part, the stricter error."""
-    pivot_distance: float | None = None
-    """Distance of the predicted line from the annotated pivot."""
+    typed_axis_error: float | None = None  # axis error of the prediction given the true type
+    line_distance: float | None = None  # smallest distance of the two axis lines
+    line_at_part: float | None = None  # distance of the axis lines at the part, the stricter error
+    pivot_distance: float | None = None  # distance of the predicted line from the annotated pivot
     range_iou: float | None = None
     parent_ok: bool | None = None
     penetration: float | None = None
     """Share of the part's surface that collides on the way through the predicted range."""
     score: float | None = None
-    terms: Mapping[str, float] = field(default_factory=dict)
-    """Parts of `score` by name."""
+    terms: Mapping[str, float] = field(default_factory=dict)  # parts of `score` by name
 
     @property
     def is_control(self) -> bool:
@@ -117,21 +111,13 @@ class FalseAlarm:
     score: float
     terms: Mapping[str, float] = field(default_factory=dict)
 
-    @property
-    def is_control(self) -> bool:
-        """True if the body is a button, knob or switch by name."""
-        return is_control(self.name)
-
 
 @dataclass(frozen=True)
 class ShapeScore:
     """The records of all true joints of one shape, and the false alarms of its prediction.
 
-    Attributes:
-        has_fine_types: True if the method distinguishes ten types, False if five.
-        failure: The reason why there is no prediction.
-        edges_right: Number of edges of the hierarchy with the right type.
-        edges: Number of edges with a predicted type; 0 if the method predicts none.
+    Methods without fine types distinguish five types, not ten. `failure` is the reason why there is no prediction. Of the
+    `edges` of the hierarchy with a predicted type, `edges_right` have the right one.
     """
 
     shape_id: str
@@ -146,7 +132,7 @@ class ShapeScore:
     def without_controls(self) -> ShapeScore:
         """The score without buttons, knobs and switches, in the records and in the false alarms."""
         records = tuple(record for record in self.records if not record.is_control)
-        return replace(self, records=records, false_alarms=tuple(alarm for alarm in self.false_alarms if not alarm.is_control))
+        return replace(self, records=records, false_alarms=tuple(a for a in self.false_alarms if not is_control(a.name)))
 
 
 def missed_record(truth: PreparedShape, body: int) -> JointRecord:
@@ -158,28 +144,22 @@ def missed_record(truth: PreparedShape, body: int) -> JointRecord:
 
 def false_alarm(name: str, estimate: JointEstimate) -> FalseAlarm:
     """The false alarm of an `estimate` for a body called `name`."""
-    return FalseAlarm(name, estimate.score, _score_terms(estimate))
+    return FalseAlarm(name, estimate.score, score_terms(estimate))
 
 
 def joint_record(truth: PreparedShape, body: int, estimate: JointEstimate | None) -> JointRecord:
-    """Compare an estimate with the true joint of a body.
+    """Compare an estimate in the normalised frame with the true joint of `body`, a movable body of the truth.
 
-    Args:
-        truth: The annotated shape.
-        body: Index of a movable body of the truth.
-        estimate: The predicted joint in the normalised frame, None if there is none.
-
-    Returns:
-        The record; a missed one if nothing or no motion was predicted.
+    The joint is missed if nothing (None) or no motion was predicted.
     """
     record = missed_record(truth, body)
     if estimate is None:
         return record
-    record = replace(record, predicted_type=estimate.type, score=estimate.score, terms=_score_terms(estimate))
+    record = replace(record, predicted_type=estimate.type, score=estimate.score, terms=score_terms(estimate))
     return record if estimate.joint is None or record.is_missed else _with_errors(record, truth, estimate.joint)
 
 
-def _score_terms(estimate: JointEstimate) -> dict[str, float]:
+def score_terms(estimate: JointEstimate) -> dict[str, float]:
     """The terms of an estimate's score that have a meaning: a slider has no position."""
     slides = estimate.joint is not None and not estimate.joint.has_pivot
     return {name: value for name, value in estimate.terms.items() if not (slides and name == "position")}
@@ -189,31 +169,21 @@ def _with_errors(record: JointRecord, truth: PreparedShape, predicted: Joint) ->
     mobility, boxes = truth.annotation
     true, middle = mobility.bodies[record.body].joint, boxes[record.body].center
     assert true is not None, "records are of true joints"
-    record = replace(
+    has_lines = true.has_pivot and predicted.has_pivot
+    return replace(
         record,
         axis_error=metrics.axis_error(true.direction, predicted.direction),
         range_iou=metrics.range_iou(true, predicted),
-    )
-    if not (true.has_pivot and predicted.has_pivot):
-        return record
-    return replace(
-        record,
-        line_distance=metrics.line_distance(true, predicted, middle),
-        line_at_part=metrics.line_distance_at_part(true, predicted, middle),
-        pivot_distance=metrics.pivot_distance(true, predicted),
+        line_distance=metrics.line_distance(true, predicted, middle) if has_lines else None,
+        line_at_part=metrics.line_distance_at_part(true, predicted, middle) if has_lines else None,
+        pivot_distance=metrics.pivot_distance(true, predicted) if has_lines else None,
     )
 
 
 def with_edge_types(score: ShapeScore, truth: PreparedShape, predicted: NDArray[np.int64]) -> ShapeScore:
-    """Add the accuracy of edge types to a score.
+    """Add the accuracy of the predicted types [E] of edges to a score: MotionType, or CoarseType for a method with five types.
 
-    Args:
-        score: The score of the shape.
-        truth: The annotated shape, with E labelled edges.
-        predicted: Predicted types [E]: MotionType, or CoarseType if the method distinguishes five types.
-
-    Raises:
-        ValueError: if the shape has no labelled edges, or another number of them.
+    Raises ValueError if the shape has no labelled edges, or another number of them.
     """
     if truth.edge_labels is None or len(predicted) != len(truth.edges):
         raise ValueError(f"predicted: expected the types of the {len(truth.edges)} edges of a labelled shape")

@@ -13,14 +13,11 @@ import numpy as np
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.vector import Vector
 
-MAX_AXIS_ERROR = math.radians(5.0)
-"""Largest axis error of an ok joint, in radians."""
-MAX_LINE_DISTANCE = 0.05
-"""Largest distance of the axis line of an ok joint, in diagonals."""
+MAX_AXIS_ERROR = math.radians(5.0)  # largest axis error of an ok joint, in radians
+MAX_LINE_DISTANCE = 0.05  # largest distance of the axis line of an ok joint, in diagonals
 PARALLEL_ANGLE = math.radians(1.0)
 """Axes closer than this angle (rad) count as parallel. Where two such lines pass each other says nothing about the joint."""
-MAX_WHOLE_TURNS = 3
-"""Ranges of hinges are compared up to this many whole turns apart."""
+MAX_WHOLE_TURNS = 3  # ranges of hinges are compared up to this many whole turns apart
 
 
 def is_axis_ok(axis_error: float | None) -> bool:
@@ -34,26 +31,15 @@ def is_line_ok(distance: float | None) -> bool:
 
 
 def is_axis_and_line_ok(true_kind: JointKind, axis_error: float | None, line_at_part: float | None) -> bool:
-    """The criterion of an ok joint without its kind. A true slider has no line, so only its axis counts.
-
-    Args:
-        true_kind: Kind of the true joint.
-        axis_error: `axis_error` of the joint in radians, None if no joint was predicted.
-        line_at_part: `line_distance_at_part` in diagonals, None if either joint is a slider.
-    """
+    """The criterion of an ok joint (`is_ok`) without its kind. A true slider has no line, so only its axis counts."""
     return is_axis_ok(axis_error) and (true_kind is JointKind.PRISMATIC or is_line_ok(line_at_part))
 
 
 def is_ok(true_kind: JointKind, predicted_kind: JointKind | None, axis_error: float | None, line_at_part: float | None) -> bool:
     """The criterion of an ok joint: right kind, axis within 5 degrees, and unless it slides the line within 0.05 diagonals.
 
-    All tables, reports and the scoring of URDF files use this one definition.
-
-    Args:
-        true_kind: Kind of the true joint.
-        predicted_kind: Kind of the predicted joint, None if none was predicted.
-        axis_error: `axis_error` of the joint in radians, None if no joint was predicted.
-        line_at_part: `line_distance_at_part` in diagonals, None if either joint is a slider.
+    All tables, reports and the scoring of URDF files use this one definition. Without a prediction, kind and error are None.
+    The distance `line_at_part` (`line_distance_at_part`, in diagonals) is None if either joint is a slider.
 
     Example:
         >>> is_ok(JointKind.REVOLUTE, JointKind.REVOLUTE, math.radians(4.0), 0.01)
@@ -67,11 +53,6 @@ def axis_error(direction: Vector, other: Vector) -> float:
     return math.atan2(float(np.linalg.norm(np.cross(direction, other))), abs(float(np.dot(direction, other))))
 
 
-def nearest_on_line(point: Vector, pivot: Vector, direction: Vector) -> Vector:
-    """The point [3] nearest to `point` on the line through `pivot` along the unit vector `direction`."""
-    return np.asarray(pivot + np.dot(point - pivot, direction) * direction)
-
-
 def point_to_line(point: Vector, pivot: Vector, direction: Vector) -> float:
     """Distance of `point` from the line through `pivot` along the unit vector `direction`."""
     return float(np.linalg.norm(np.cross(point - pivot, direction)))
@@ -80,13 +61,7 @@ def point_to_line(point: Vector, pivot: Vector, direction: Vector) -> float:
 def line_distance(true: Joint, predicted: Joint, near: Vector) -> float:
     """Smallest distance between the two axis lines (paper, section 4.1).
 
-    Args:
-        true: The true joint.
-        predicted: The predicted joint, in the same frame.
-        near: Middle [3] of the moving part's box. Lines that are parallel within `PARALLEL_ANGLE` are compared there.
-
-    Returns:
-        The distance in the unit of the joints.
+    Lines that are parallel within `PARALLEL_ANGLE` are compared at `near` [3], the middle of the moving part's box.
     """
     normal = np.cross(true.direction, predicted.direction)
     if axis_error(true.direction, predicted.direction) < PARALLEL_ANGLE:
@@ -95,17 +70,12 @@ def line_distance(true: Joint, predicted: Joint, near: Vector) -> float:
 
 
 def line_distance_at_part(true: Joint, predicted: Joint, near: Vector) -> float:
-    """Distance between the axis lines at the part: stricter than `line_distance` where two skew lines pass far away.
+    """Distance of the predicted axis from the point of the true axis nearest to `near` [3], the middle of the part's box.
 
-    Args:
-        true: The true joint.
-        predicted: The predicted joint, in the same frame.
-        near: Middle [3] of the moving part's box.
-
-    Returns:
-        The distance of the predicted axis from the point of the true axis that is nearest to `near`.
+    It is stricter than `line_distance` where two skew lines pass each other far from the part.
     """
-    return point_to_line(nearest_on_line(near, true.pivot, true.direction), predicted.pivot, predicted.direction)
+    nearest = true.pivot + np.dot(near - true.pivot, true.direction) * true.direction
+    return point_to_line(nearest, predicted.pivot, predicted.direction)
 
 
 def pivot_distance(true: Joint, predicted: Joint) -> float:
@@ -127,12 +97,9 @@ def limits(joint: Joint) -> tuple[float, float] | None:
 
 
 def range_iou(true: Joint, predicted: Joint) -> float | None:
-    """Intersection over union of the two ranges, after their directions are aligned.
+    """Intersection over union of the two ranges after their directions are aligned, up to `MAX_WHOLE_TURNS` of a hinge.
 
-    Ranges of hinges may differ by whole turns, up to `MAX_WHOLE_TURNS`.
-
-    Returns:
-        A share from 0 to 1; None unless both joints are limited and of the same kind.
+    None unless both joints are limited and of the same kind.
     """
     aligned = predicted if np.dot(true.direction, predicted.direction) >= 0 else predicted.reversed()
     true_range, predicted_range = limits(true), limits(aligned)

@@ -12,8 +12,7 @@ from kinmo.core.categories import canonical_category
 
 METHODS = ("GNN_coarse", "OBB_coarse", "GNN_fine", "OBB_fine")
 """The four methods of Table 1: the GNN alone, and with an axis chosen among box edges; with 5 types, and with 10."""
-MARK = "authors' data"
-"""Mark of printed figures in tables."""
+MARK = "authors' data"  # mark of printed figures in tables
 
 
 @cache
@@ -25,11 +24,7 @@ def paper_tables() -> dict[str, Any]:
 
 
 def table1_figures(measure: str) -> dict[str, tuple[float | None, ...]]:
-    """Printed figures of Table 1 by category, in the order of `METHODS`.
-
-    Args:
-        measure: "angle" (degrees) or "distance" (in the lengths of the files).
-    """
+    """Printed "angle" (degrees) or "distance" (lengths of the files) of Table 1 by category, in the order of `METHODS`."""
     rows = paper_tables()["table1"]["categories"]
     return {canonical_category(name): tuple(row[measure]) for name, row in rows.items()}
 
@@ -41,8 +36,5 @@ def mean(values: Sequence[float | None]) -> float | None:
 
 
 def table1_means(measure: str) -> tuple[float | None, ...]:
-    """Means over the categories of Table 1, in the order of `METHODS`; `measure` as in `table1_figures`.
-
-    The paper's own means of the distance count its dashes as 0; these do not.
-    """
+    """Means of `table1_figures` over categories. The paper's own means of the distance count its dashes as 0; these do not."""
     return tuple(mean(column) for column in zip(*table1_figures(measure).values(), strict=True))

@@ -24,12 +24,8 @@ def score_parts_given(
     A movable body without an estimate, or with one that does not move, is missed. A body of the truth that does not move, with
     an estimate that does, is a false alarm. All mappings are by index of the body; joints are in the normalised frame.
 
-    Args:
-        truth: The annotated shape.
-        estimates: The predicted joints.
-        parents: The predicted parents, if the method predicts them.
-        penetrations: Shares of the surface that collide (`PenetrationMeter`), where they are known.
-        typed_estimates: The predictions given the true types, at least for bodies with a wrong type in `estimates`.
+    Parents are given if the method predicts them, penetrations (`PenetrationMeter`) where they are known. Typed estimates are
+    the predictions given the true types, at least for bodies with a wrong type in `estimates`.
     """
     mobility, _ = truth.annotation
     records = []

@@ -10,35 +10,24 @@ from kinmo import _core
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Mobility
 
-REVOLUTE, PRISMATIC = 0, 1
-"""Codes of the two kinds of motion in `_core.sweep`."""
-DECIMALS = 9
-"""Joints that agree to this many decimals are swept once."""
-
-_Sweep = tuple[tuple[int, ...], JointKind, bytes]
+REVOLUTE, PRISMATIC = 0, 1  # codes of the two kinds of motion in `_core.sweep`
+DECIMALS = 9  # joints that agree to this many decimals are swept once
 
 
 class PenetrationMeter:
-    """Sweeps the parts of one shape through the ranges that several methods predict. Equal sweeps are computed once.
-
-    Args:
-        meshes: The meshes of `leaves`, in the frame of the mobilities to measure.
-        leaves: Indices of the leaf parts.
-    """
+    """Sweeps the parts of one shape through the ranges that several methods predict. Equal sweeps are computed once."""
 
     def __init__(self, meshes: _core.Meshes, leaves: tuple[int, ...]) -> None:
+        """Measure mobilities in the frame of the meshes, one for each of the leaf parts with the indices `leaves`."""
         self._meshes = meshes
         self._index_of_leaf = {leaf: index for index, leaf in enumerate(leaves)}
-        self._known: dict[_Sweep, float] = {}
+        self._known: dict[tuple[tuple[int, ...], JointKind, bytes], float] = {}
 
     def measure(self, mobility: Mobility) -> dict[int, float]:
-        """Penetration of every movable body.
+        """Share (0 to 1) of surface probes that collide, by index of the movable body.
 
-        A body takes its descendants along. A screw is swept as a slide, an unlimited hinge half a turn either way.
-
-        Returns:
-            The share (0 to 1) of surface probes that collide, by index of the body. There is none for a body that is all of
-            the object, and for a slider without limits.
+        A body takes its descendants along. A screw is swept as a slide, an unlimited hinge half a turn either way. There is no
+        share for a body that is all of the object, and for a slider without limits.
         """
         shares: dict[int, float] = {}
         for index, body in mobility.movable():
@@ -54,18 +43,10 @@ class PenetrationMeter:
         key = moving, joint.kind, numbers.tobytes()
         if key not in self._known:
             rest = sorted(set(range(len(self._index_of_leaf))).difference(moving))
-            code = REVOLUTE if joint.kind is JointKind.REVOLUTE else PRISMATIC
-            lower, upper = (np.array([end]) for end in span)
-            *_, depth = _core.sweep(
-                self._meshes,
-                list(moving),
-                rest,
-                np.array([code], np.uint8),
-                joint.direction[None],
-                joint.pivot[None],
-                lower,
-                upper,
-            )
+            code = np.array([REVOLUTE if joint.kind is JointKind.REVOLUTE else PRISMATIC], np.uint8)
+            ends = (np.array([end]) for end in span)
+            axis = joint.direction[None], joint.pivot[None]
+            *_, depth = _core.sweep(self._meshes, list(moving), rest, code, *axis, *ends)
             self._known[key] = float(depth.max())
         return self._known[key]
 

@@ -21,31 +21,20 @@ F64 = NDArray[np.float64]
 
 MAX_ROTATION_ERROR = math.radians(5.0)
 """Largest rotation error of an accurate part pose, in radians (ANCSH's accuracy at 5 degrees)."""
-MAX_TRANSLATION_ERROR = 0.05
-"""Largest translation error of an accurate part pose, in diagonals."""
+MAX_TRANSLATION_ERROR = 0.05  # largest translation error of an accurate part pose, in diagonals
 
 
 @dataclass(frozen=True, eq=False)
 class FrameScore:
-    """Errors of one scan with K parts. NaN where the part or the joint was not found. Lengths are diagonals of the object.
+    """Errors of one scan with K parts. NaN where the part or the joint was not found. Lengths are diagonals of the object."""
 
-    Attributes:
-        rotation: Rotation errors of the parts [K], in radians.
-        translation: Distances of the parts' middles from the true ones [K].
-        iou: Overlaps of the amodal boxes [K].
-        state: Errors of the joint states [K - 1], in radians, or in diagonals where the joint slides.
-        turn: Errors of the turn of joints that slide and turn [K - 1], in radians.
-        axis: Angles between the joint axes [K - 1], in radians.
-        line: Distances of the joint axes [K - 1]; NaN too for a joint without a pivot.
-    """
-
-    rotation: F64
-    translation: F64
-    iou: F64
-    state: F64
-    turn: F64
-    axis: F64
-    line: F64
+    rotation: F64  # rotation errors of the parts [K], in radians
+    translation: F64  # distances of the parts' middles from the true ones [K]
+    iou: F64  # overlaps of the amodal boxes [K]
+    state: F64  # errors of the joint states [K - 1], in radians, or in diagonals where the joint slides
+    turn: F64  # errors of the turn of joints that slide and turn [K - 1], in radians
+    axis: F64  # angles between the joint axes [K - 1], in radians
+    line: F64  # distances of the joint axes [K - 1]; NaN too for a joint without a pivot
 
     @property
     def is_whole(self) -> bool:
@@ -72,18 +61,10 @@ def nothing_found(structure: Structure) -> FrameScore:
 def true_scan_estimate(
     poses: F64, values: F64, turns: F64, joints: Sequence[Joint], structure: Structure, extents: Extents
 ) -> ScanEstimate:
-    """The true parts and joints of a scan, in the form of an estimate.
+    """The true parts and joints of a scan in the form of an estimate, in the camera's frame and in diagonals of the object.
 
-    Args:
-        poses: True poses of the parts [K, 4, 4], from the normalised frame to the camera's.
-        values: Values of the joints [K - 1], in radians, or in diagonals where the joint slides.
-        turns: Turns of joints that slide and turn [K - 1], in radians.
-        joints: The K - 1 joints in the normalised frame.
-        structure: The structure of the object.
-        extents: The boxes of the parts in the normalised frame.
-
-    Returns:
-        The estimate in the camera's frame, in diagonals of the object.
+    The true poses [K, 4, 4] of the parts lead from the normalised frame, in which joints and boxes are, to the camera's. Values
+    [K - 1] of the joints are in radians, or in diagonals where the joint slides. Turns [K - 1] of screws are in radians.
     """
     rotations, sizes = poses[:, :3, :3], extents.diagonals
     corners = extents.centers - MIDDLE * sizes[:, None]
@@ -98,13 +79,7 @@ def true_scan_estimate(
 
 
 def score_frame(found: ScanEstimate, true: ScanEstimate, structure: Structure) -> FrameScore:
-    """Errors of an estimate.
-
-    Args:
-        found: The estimate in the camera's frame, in diagonals of the object.
-        true: The true one in the same frame and unit (`true_scan_estimate`).
-        structure: The structure of the object.
-    """
+    """Errors of an estimate. Both estimates are in the camera's frame, in diagonals of the object (`true_scan_estimate`)."""
     rotation = [_angle(mine @ right.T) for mine, right in zip(found.poses.rotations, true.poses.rotations, strict=True)]
     signs = np.where((found.directions * true.directions).sum(axis=1) < 0.0, -1.0, 1.0)  # states count along the true axis
     hinged = np.array([kind is JointKind.REVOLUTE for kind in structure.kinds], bool)
@@ -144,12 +119,8 @@ def _box_overlaps(found: ScanEstimate, true: ScanEstimate) -> F64:
     overlaps = np.full(len(found.half_extents), np.nan)
     known = np.flatnonzero(found.poses.found & np.isfinite(found.half_extents).all(axis=1))
     boxes = [
-        (
-            estimate.centers[known],
-            np.swapaxes(estimate.poses.rotations[known], 1, 2).copy(),
-            estimate.half_extents[known],
-        )
-        for estimate in (found, true)
+        (own.centers[known], np.swapaxes(own.poses.rotations[known], 1, 2).copy(), own.half_extents[known])
+        for own in (found, true)
     ]
     overlaps[known] = _core.box_iou(*boxes[0], *boxes[1])
     return overlaps

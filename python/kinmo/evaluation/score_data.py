@@ -15,27 +15,19 @@ TYPE_SETS: dict[str, type[MotionType] | type[CoarseType]] = {kind.__name__: kind
 
 def score_to_data(score: ShapeScore) -> dict[str, Any]:
     """A score as plain data, to be read by `score_from_data`."""
-    return {**asdict(score), "records": [_record_to_data(record) for record in score.records]}
+    data = asdict(score)
+    for record, own in zip(score.records, data["records"], strict=True):
+        predicted = record.predicted_type
+        own["true_type"] = record.true_type.name
+        own["predicted_type"] = None if predicted is None else [type(predicted).__name__, predicted.name]
+    return data
 
 
 def score_from_data(data: Mapping[str, Any]) -> ShapeScore:
-    """The score of data made by `score_to_data`.
-
-    Raises:
-        KeyError, TypeError, ValueError: if the data has another form.
-    """
+    """The score of data made by `score_to_data`. Raises KeyError, TypeError or ValueError for data of another form."""
     records = tuple(_record_from_data(record) for record in data["records"])
     alarms = tuple(FalseAlarm(**alarm) for alarm in data["false_alarms"])
     return ShapeScore(**{**data, "records": records, "false_alarms": alarms})
-
-
-def _record_to_data(record: JointRecord) -> dict[str, Any]:
-    predicted = record.predicted_type
-    types = {
-        "true_type": record.true_type.name,
-        "predicted_type": None if predicted is None else [type(predicted).__name__, predicted.name],
-    }
-    return {**asdict(record), **types}
 
 
 def _record_from_data(data: Mapping[str, Any]) -> JointRecord:

@@ -10,7 +10,18 @@ from typing import Any
 import numpy as np
 
 from kinmo.core.joint import JointKind
-from kinmo.evaluation.aggregate import BOOTSTRAP_DRAWS, Estimate, Figure, Unit, figure_sums, macro, micro
+from kinmo.evaluation.aggregate import (
+    Estimates,
+    Figure,
+    Unit,
+    by_key,
+    detection_figures,
+    figure_sums,
+    macro,
+    mean_figure,
+    median,
+    micro,
+)
 from kinmo.evaluation.joint_records import JointRecord, ShapeScore
 
 MIN_OBJECTS = (8, 3)
@@ -21,12 +32,7 @@ Value = Callable[[JointRecord], float | None]
 
 def _mean(key: str, title: str, unit: Unit, value: Value) -> Figure[ShapeScore]:
     """The mean of a value over the joints that have it."""
-
-    def sums(score: ShapeScore) -> tuple[float, float]:
-        known = [found for record in score.records if (found := value(record)) is not None]
-        return float(sum(known)), len(known)
-
-    return Figure(key, title, unit, sums)
+    return mean_figure(key, title, unit, lambda score: score.records, value)
 
 
 def _share(key: str, title: str, test: Callable[[JointRecord], bool]) -> Figure[ShapeScore]:
@@ -39,16 +45,8 @@ def _fine_types(score: ShapeScore) -> tuple[float, float]:
     return (sum(record.fine_type_ok for record in score.records), len(score.records)) if score.has_fine_types else (0, 0)
 
 
-def _found(score: ShapeScore) -> int:
-    return sum(not record.is_missed for record in score.records)
-
-
-def _precision(score: ShapeScore) -> tuple[float, float]:
-    return _found(score), _found(score) + len(score.false_alarms)
-
-
-def _f1(score: ShapeScore) -> tuple[float, float]:
-    return 2 * _found(score), len(score.records) + _found(score) + len(score.false_alarms)
+def _detections(score: ShapeScore) -> tuple[int, int, int]:
+    return len(score.records), sum(not record.is_missed for record in score.records), len(score.false_alarms)
 
 
 def axis_degrees(record: JointRecord) -> float | None:
@@ -70,10 +68,6 @@ def _raw_line(record: JointRecord) -> float | None:
     return None if record.line_distance is None else record.line_distance * record.diagonal
 
 
-def _flag(value: bool | None) -> float | None:
-    return None if value is None else float(value)
-
-
 FIGURES: tuple[Figure[ShapeScore], ...] = (
     _share("ok", "ok", lambda record: record.is_ok),
     _share("coarse_type", "type (5)", lambda record: record.coarse_type_ok),
@@ -89,12 +83,10 @@ FIGURES: tuple[Figure[ShapeScore], ...] = (
     _mean("pivot", "point to line", Unit.DIAGONALS, lambda record: record.pivot_distance),
     _mean("raw_line", "line (file's lengths)", Unit.LENGTH, _raw_line),
     _mean("range_iou", "range IoU", Unit.SHARE, lambda record: record.range_iou),
-    _mean("parent", "parent", Unit.SHARE, lambda record: _flag(record.parent_ok)),
+    _mean("parent", "parent", Unit.SHARE, lambda record: record.parent_ok),
     _mean("penetration", "penetration", Unit.SHARE, lambda record: record.penetration),
     Figure("edge_type", "edges", Unit.SHARE, lambda score: (score.edges_right, score.edges)),
-    Figure("precision", "P", Unit.SHARE, _precision),
-    _share("recall", "R", lambda record: not record.is_missed),
-    Figure("f1", "F1", Unit.SHARE, _f1),
+    *detection_figures(_detections),
 )
 """All figures, in the order of columns. Shares (ok, type, "axis <= 5 deg", "axis and line", R) are of all true joints."""
 
@@ -102,23 +94,13 @@ FIGURE_BY_KEY: dict[str, Figure[ShapeScore]] = {figure.key: figure for figure in
 MEDIANS: dict[str, Value] = {"axis": axis_degrees, "line": lambda record: record.line_distance}
 """Values that also have a median over joints, by key."""
 
-Estimates = dict[str, Estimate | None]
-"""Estimates by key of the figure."""
-
 
 @dataclass(frozen=True)
 class Summary:
     """The figures of one method on one set of shapes.
 
-    Attributes:
-        objects: Number of shapes; each counts once.
-        joints: Number of true joints; each counts once.
-        runs: Number of scores of each shape (seeds).
-        failures: Number of scores without a prediction.
-        micro: Figures over joints.
-        macro: Means over categories, by smallest number of objects of a category (`MIN_OBJECTS`).
-        medians: Medians over joints.
-        categories: Figures by category.
+    Each object (shape) and each true joint counts once, whatever the number of `runs` (seeds). `failures` are scores without a
+    prediction. Figures are over joints (`micro`), and over categories (`macro`) by their smallest number of objects.
     """
 
     objects: int
@@ -144,14 +126,8 @@ class CategorySummary:
     micro: Estimates
 
 
-def summarise_scores(scores: Sequence[ShapeScore], *, draws: int = BOOTSTRAP_DRAWS, seed: int = 0) -> Summary:
-    """Summarise the scores of a set of shapes.
-
-    Args:
-        scores: Scores of one method. A shape may occur several times, once a seed, and then counts as one object.
-        draws: Number of bootstrap samples. Objects are drawn, with all scores of an object together.
-        seed: Seed of the samples.
-    """
+def summarise_scores(scores: Sequence[ShapeScore]) -> Summary:
+    """Summarise the scores of one method. A shape may occur several times, once a seed, and then counts as one object."""
     by_shape: dict[str, list[ShapeScore]] = {}
     for score in scores:
         by_shape.setdefault(score.shape_id, []).append(score)
@@ -161,17 +137,16 @@ def summarise_scores(scores: Sequence[ShapeScore], *, draws: int = BOOTSTRAP_DRA
 
     def category(name: str) -> CategorySummary:
         inside = np.array(categories) == name
-        figures = _by_key(micro(sums[inside], draws=draws, seed=seed))
-        return CategorySummary(int(inside.sum()), int(joints[inside].sum()), figures)
+        return CategorySummary(int(inside.sum()), int(joints[inside].sum()), by_key(FIGURES, micro(sums[inside])))
 
     return Summary(
         objects=len(by_shape),
         joints=int(joints.sum()),
         runs=max(map(len, by_shape.values()), default=0),
         failures=sum(score.failure is not None for score in scores),
-        micro=_by_key(micro(sums, draws=draws, seed=seed)),
-        macro={count: _by_key(macro(sums, categories, min_objects=count, draws=draws, seed=seed)) for count in MIN_OBJECTS},
-        medians={key: _median(scores, value) for key, value in MEDIANS.items()},
+        micro=by_key(FIGURES, micro(sums)),
+        macro={count: by_key(FIGURES, macro(sums, categories, min_objects=count)) for count in MIN_OBJECTS},
+        medians={key: median(value(record) for score in scores for record in score.records) for key, value in MEDIANS.items()},
         categories={name: category(name) for name in sorted(set(categories))},
     )
 
@@ -180,12 +155,3 @@ def without_controls(scores: Sequence[ShapeScore]) -> list[ShapeScore]:
     """The scores without buttons, knobs and switches, and without the shapes whose joints are all of these."""
     rest = [(score, score.without_controls()) for score in scores]
     return [kept for score, kept in rest if kept.records or not score.records]
-
-
-def _by_key(estimates: Sequence[Estimate | None]) -> Estimates:
-    return {figure.key: estimate for figure, estimate in zip(FIGURES, estimates, strict=True)}
-
-
-def _median(scores: Sequence[ShapeScore], value: Value) -> float | None:
-    known = [found for score in scores for record in score.records if (found := value(record)) is not None]
-    return float(np.median(known)) if known else None

@@ -6,12 +6,13 @@ import csv
 import io
 import json
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from kinmo.core.errors import InputError
 from kinmo.core.wording import counted
+from kinmo.evaluation.aggregate import Estimate
 from kinmo.io.atomic_files import write_text_atomically
 
 Cell = str | float | int | None
@@ -25,18 +26,7 @@ TEXT_WIDTH = 100
 
 @dataclass(frozen=True)
 class Caption:
-    """The facts that a table needs to be understood.
-
-    Attributes:
-        title: The title of the table.
-        data: The data set.
-        shapes: Number of shapes.
-        joints: Number of true joints; 0 for tables of scans.
-        split: The split of the data.
-        seeds: Seeds of the runs.
-        note: Further lines.
-        scans: Number of test scans; 0 for tables of shapes.
-    """
+    """The facts that a table needs to be understood. Tables of scans count test `scans`, others true `joints`."""
 
     title: str
     data: str
@@ -76,9 +66,15 @@ class Column:
             return DASH
         return f"{cell:.{self.decimals}f}" if isinstance(cell, float) and self.decimals is not None else str(cell)
 
+    def interval(self, value: Cell | Estimate) -> str | None:
+        """The printed interval of an estimate; None for other values."""
+        return f"{value.low:.{self.decimals}f} to {value.high:.{self.decimals}f}" if isinstance(value, Estimate) else None
 
-INTERVAL = Column("95 %")
-"""Column of the 95 % intervals of the figures in the column before."""
+
+INTERVAL = Column("95 %")  # column of the 95 % intervals of the figures in the column before
+
+Values = Mapping[str, Cell | Estimate]
+"""Values of a row by title of the column. Those that it lacks are missing figures."""
 
 
 @dataclass(frozen=True)
@@ -93,10 +89,25 @@ class Table:
         if any(len(row) != len(self.columns) for row in self.rows):
             raise ValueError("rows: expected one cell a column in every row")
 
+    @classmethod
+    def of(cls, caption: Caption, columns: Iterable[Column], rows: Iterable[Values]) -> Table:
+        """A table of values by title of the column. An `INTERVAL` shows that of the estimate in the column before."""
+        columns = tuple(columns)
+        return cls(caption, columns, tuple(tuple(_cells(columns, row)) for row in rows))
+
     def cells(self) -> list[list[str]]:
         """Printed text of all cells by row, the head first."""
         body = [[column.text(cell) for column, cell in zip(self.columns, row, strict=True)] for row in self.rows]
         return [[column.title for column in self.columns], *body]
+
+
+def _cells(columns: Sequence[Column], row: Values) -> Iterator[Cell]:
+    values = [row.get(column.title) for column in columns]
+    for place, (column, value) in enumerate(zip(columns, values, strict=True)):
+        if column == INTERVAL:
+            yield columns[place - 1].interval(values[place - 1])
+        else:
+            yield value.value if isinstance(value, Estimate) else value
 
 
 def as_text(table: Table) -> str:
@@ -118,22 +129,13 @@ def as_text(table: Table) -> str:
 
 def as_json(table: Table) -> str:
     """Caption, columns and rows as JSON with full precision, to be read by `read_table`. Missing figures are null."""
-    caption = table.caption
-    document = {
-        **asdict(caption),
-        "columns": [column.title for column in table.columns],
-        "decimals": [column.decimals for column in table.columns],
-        "rows": [list(row) for row in table.rows],
-    }
+    columns = {"columns": [column.title for column in table.columns], "decimals": [column.decimals for column in table.columns]}
+    document = {**asdict(table.caption), **columns, "rows": table.rows}
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def read_table(path: Path) -> Table:
-    """Read a JSON file of `as_json`.
-
-    Raises:
-        InputError: if the file cannot be read or has another form.
-    """
+    """Read a JSON file of `as_json`. Raises InputError if it cannot be read or has another form."""
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
         caption = {key: data[key] for key in ("title", "data", "shapes", "joints", "split", "note", "scans")}
@@ -162,31 +164,20 @@ def as_markdown(table: Table) -> str:
     return "\n".join([f"**{table.caption.title}.** {table.caption.facts}", "", *lines, ""])
 
 
-_LATEX = {
-    "\\": r"\textbackslash{}",
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    "<": r"\textless{}",
-    ">": r"\textgreater{}",
-    DASH: "--",
-    **{character: f"\\{character}" for character in "&%$#_{}"},
-}
-
-
-def latex_escaped(text: str) -> str:
-    """Text with its special characters escaped for LaTeX."""
-    return "".join(_LATEX.get(character, character) for character in text)
+_LATEX = {character: f"\\{character}" for character in "&%$#_{}"} | {"<": r"\textless{}", ">": r"\textgreater{}", DASH: "--"}
+_LATEX |= {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+_ESCAPES = str.maketrans(_LATEX)  # special characters of LaTeX, escaped
 
 
 def as_latex(table: Table) -> str:
     """A LaTeX table environment with rules of the package booktabs."""
-    head, *body = ([latex_escaped(cell) for cell in row] for row in table.cells())
+    head, *body = ([cell.translate(_ESCAPES) for cell in row] for row in table.cells())
     layout = "".join("l" if column.decimals is None else "r" for column in table.columns)
     return "\n".join(
         [
             r"\begin{table}",
             r"\centering",
-            rf"\caption{{{latex_escaped(str(table.caption))}}}",
+            rf"\caption{{{str(table.caption).translate(_ESCAPES)}}}",
             rf"\begin{{tabular}}{{{layout}}}",
             r"\toprule",
             " & ".join(head) + r" \\",

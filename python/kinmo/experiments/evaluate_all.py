@@ -14,10 +14,7 @@ from kinmo.pipeline.scans.scan_networks import trained_runs
 
 @dataclass(frozen=True)
 class EvaluateAll:
-    """Evaluate shapes (Table 1), then scans (Tables 2 to 4).
-
-    Where there are networks for scans, Table 1 may be missing; the reason is noted.
-    """
+    """Evaluate shapes (Table 1), then scans (Tables 2 to 4). If there are networks for scans, Table 1 may be missing."""
 
     shapes: EvaluateShapes
     scans: EvaluateTrained

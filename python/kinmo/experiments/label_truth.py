@@ -6,8 +6,8 @@ rises with the threshold, and accepted joints have smaller errors than refused o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,12 +63,9 @@ class Point:
     refused_line: float | None
 
 
-def curves(
-    scores: Sequence[ShapeScore], *, weights: Mapping[str, Mapping[str, float]] | None = None
-) -> dict[str, tuple[Point, ...]]:
+def curves(scores: Sequence[ShapeScore], weights: Mapping[str, Mapping[str, float]]) -> dict[str, tuple[Point, ...]]:
     """One curve over `THRESHOLDS` for each set of weights."""
-    ways = WEIGHTS if weights is None else weights
-    return {name: tuple(_point(scores, way, float(threshold)) for threshold in THRESHOLDS) for name, way in ways.items()}
+    return {name: tuple(_point(scores, own, float(threshold)) for threshold in THRESHOLDS) for name, own in weights.items()}
 
 
 def _point(scores: Sequence[ShapeScore], weights: Mapping[str, float], threshold: float) -> Point:
@@ -90,23 +87,19 @@ def _point(scores: Sequence[ShapeScore], weights: Mapping[str, float], threshold
         refused=len(answered) + len(alarms) - count,
         precision=right / count if count else None,
         recall=right / len(records) if records else None,
-        accepted_axis=_mean([axis_degrees(record) for record in accepted]),
-        refused_axis=_mean([axis_degrees(record) for record in refused]),
-        accepted_line=_mean([_line(record) for record in accepted]),
-        refused_line=_mean([_line(record) for record in refused]),
+        accepted_axis=_mean(map(axis_degrees, accepted)),
+        refused_axis=_mean(map(axis_degrees, refused)),
+        accepted_line=_mean(record.line_at_part for record in accepted),
+        refused_line=_mean(record.line_at_part for record in refused),
     )
 
 
-def _line(record: JointRecord) -> float | None:
-    return record.line_at_part
-
-
-def _mean(values: Sequence[float | None]) -> float | None:
+def _mean(values: Iterable[float | None]) -> float | None:
     known = [value for value in values if value is not None]
     return float(np.mean(known)) if known else None
 
 
-COLUMNS = (
+COLUMNS = (  # those after the first are the fields of `Point`
     Column("score"),
     Column("tau", 2),
     Column("accepted", 0),
@@ -122,23 +115,7 @@ COLUMNS = (
 
 def label_truth_table(found: Mapping[str, Sequence[Point]], caption: Caption) -> Table:
     """Points of all curves as a table."""
-    rows = tuple(
-        (
-            name,
-            point.threshold,
-            point.accepted,
-            point.refused,
-            point.precision,
-            point.recall,
-            point.accepted_axis,
-            point.refused_axis,
-            point.accepted_line,
-            point.refused_line,
-        )
-        for name, points in found.items()
-        for point in points
-    )
-    return Table(caption, COLUMNS, rows)
+    return Table(caption, COLUMNS, tuple((name, *astuple(point)) for name, points in found.items() for point in points))
 
 
 LABELLING_ROWS = {"kinmo": RANKING_WEIGHTS, "OBB_fine": WEIGHTS}
@@ -152,5 +129,5 @@ def label_truth_tables(rows: Rows, caption: Caption) -> dict[str, Table]:
         if name in rows:
             shapes = rows[name].shapes
             title = replace(caption_for(shapes, caption), title=f"{caption.title}: truth of the pseudo labels of {name}")
-            tables[f"label_truth_{name}"] = label_truth_table(curves(shapes, weights=weights), title)
+            tables[f"label_truth_{name}"] = label_truth_table(curves(shapes, weights), title)
     return tables

@@ -14,17 +14,11 @@ from kinmo.io.readers import DSG_NET
 
 @dataclass(frozen=True)
 class Variant:
-    """Change that makes a derived workspace. Without any change it stands for the original workspace itself.
+    """Change that makes a derived workspace. Without any change it stands for the original workspace itself."""
 
-    Attributes:
-        labels: Share of the training labels of each category that count; the others become oracle labels.
-        generated: Only shapes in DSG-Net's layout are unlabelled ones.
-        is_noisy: Scans are taken with the noisy sensor. Shapes and pseudo labels are those of the original workspace.
-    """
-
-    labels: float = 1.0
-    generated: bool = False
-    is_noisy: bool = False
+    labels: float = 1.0  # share of the training labels of each category that count; the others become oracle labels
+    generated: bool = False  # only shapes in DSG-Net's layout are unlabelled ones
+    is_noisy: bool = False  # scans, but not shapes and pseudo labels, are those of the noisy sensor
 
     @property
     def name(self) -> str:

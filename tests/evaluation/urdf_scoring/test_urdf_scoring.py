@@ -179,7 +179,7 @@ def test_failed_and_missing_objects_are_counted(tmp_path):
     report = score_urdf_folder(predictions, truth, progress=lambda done, total: seen.append((done, total)))
     assert [scored.status for scored in report.objects] == ["scored", "scored", "failed", "missing"]
     assert seen[-1] == (4, 4)
-    figures = json.loads(json.dumps(summarise_urdf_scores(report, draws=50), allow_nan=False))
+    figures = json.loads(json.dumps(summarise_urdf_scores(report), allow_nan=False))
     assert figures["micro"]["recall"]["value"] == pytest.approx(0.5)
     assert figures["micro"]["recall_scored"]["value"] == 1.0
     assert figures["micro"]["precision"]["value"] == 1.0
@@ -333,7 +333,7 @@ def test_the_tables_list_every_category_and_every_failure(tmp_path):
     truth, predictions = folders(tmp_path)
     report = score_urdf_folder(predictions, truth)
     caption = Caption("URDF files", "synthetic", 0, 0, "all", ())
-    table = urdf_table(summarise_urdf_scores(report, draws=10), report, caption)
+    table = urdf_table(summarise_urdf_scores(report), report, caption)
     assert [row[0] for row in table.rows] == ["cabinet", "all parts", "mean of categories"]
     assert (table.caption.shapes, table.caption.joints) == (4, 12)
     assert [(column.title, table.rows[1][place]) for place, column in enumerate(table.columns) if "median" in column.title] == [

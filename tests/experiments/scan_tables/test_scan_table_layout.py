@@ -9,9 +9,8 @@ from kinmo.core.errors import InputError
 from kinmo.core.joint import JointKind
 from kinmo.evaluation.paper_tables import paper_tables
 from kinmo.evaluation.scan_metrics import FrameScore
-from kinmo.evaluation.scan_records import ACCURACIES, ObjectScans, read_scores, write_scores
+from kinmo.evaluation.scan_records import ACCURACIES, ObjectScans, read_scores, summary, write_scores
 from kinmo.evaluation.tables import Caption, as_text
-from kinmo.experiments.scan_tables.scan_summary import measure_titles, summary
 from kinmo.experiments.scan_tables.scan_table_layout import (
     NOT_RUN,
     OUTDATED,
@@ -51,7 +50,7 @@ def test_scores_come_back_from_their_file(tmp_path):
 
 def test_units_are_never_mixed_and_missing_parts_are_no_zeros():
     lost = frame(rotation=(np.nan,) * 3, iou=(np.nan,) * 3, state=(np.nan,) * 2, axis=(np.nan,) * 2, line=(np.nan,) * 2)
-    values = dict(zip(measure_titles(STRUCTURE), summary(objects([frame(), lost]), STRUCTURE), strict=True))
+    values = summary(objects([frame(), lost]), STRUCTURE)
     assert values["rotation (deg)"].value == pytest.approx(np.degrees(0.2))
     assert values["3D IoU (%)"].value == pytest.approx(80.0)
     assert values["state (deg)"].value == pytest.approx(np.degrees(0.2)), "the hinge alone"
@@ -127,7 +126,7 @@ def test_categories_count_equally_and_only_in_their_own_measures():
     assert [row["categories"] for row in found] == [2, 1, NOT_RUN, OUTDATED]
     assert found[0]["rotation (deg)"] == pytest.approx(np.degrees(0.3))
     assert found[1]["rotation (deg)"] == pytest.approx(np.degrees(0.2))
-    alone = summary(doors, STRUCTURE)[measure_titles(STRUCTURE).index("state (deg)")]
+    alone = summary(doors, STRUCTURE)["state (deg)"]
     assert found[0]["state (deg)"] == pytest.approx(alone.value), "a drawer has no angle"
     most = [doors, drawers]
     assert table.caption.shapes == sum(map(len, most))

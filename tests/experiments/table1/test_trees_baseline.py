@@ -8,10 +8,10 @@ from articulated import shape_of_boxes
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
-from kinmo.core.motion_types import MotionType
+from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.evaluation.joint_records import ShapeScore
 from kinmo.evaluation.parts_given import score_parts_given
-from kinmo.experiments.table1.trees_baseline import TreesBaseline, fit_trees
+from kinmo.experiments.table1.trees_baseline import KIND_LEAVES, TreesBaseline, classifier, fit_trees, probabilities
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape
 
@@ -59,3 +59,13 @@ def test_every_body_has_an_estimate_and_a_resting_one_has_no_joint(trees):
     for estimate in found.values():
         assert (estimate.joint is None) == (estimate.type is MotionType.FIXED)
         assert 0.0 <= estimate.score <= 1.0
+
+
+def test_a_class_that_was_never_seen_has_no_probability():
+    rng = np.random.default_rng(0)
+    features = rng.normal(size=(480, 5)) + 6.0 * (np.arange(480)[:, None] % 8 == 0) * [1, 0, 0, 0, 0]
+    kinds = np.where(features[:, 0] > 3.0, CoarseType.R, CoarseType.FIXED)
+    model = classifier(0, KIND_LEAVES, iterations=30).fit(features[:320], kinds[:320])
+    found = probabilities(model, features[320:], len(CoarseType))
+    assert np.mean(found.argmax(axis=1) == kinds[320:]) > 0.95
+    assert np.all(found[:, CoarseType.PR] == 0)

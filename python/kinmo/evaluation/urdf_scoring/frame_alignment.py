@@ -13,16 +13,13 @@ from kinmo.evaluation.urdf_scoring.sampled_surface import NEIGHBOURS, Points, Su
 
 PREFERRED = (Y_UP_TO_Z_UP.T, np.eye(3), np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]))
 """Rotations to prefer where several fit equally well: PartNet-Mobility's z-up, the file's own y-up, plain z-up."""
-COARSE, FINE = 300, 2000
-"""Samples a side in the first and the second round of the search."""
-SHORTLIST = 9
-"""Candidates that pass the first round."""
+COARSE, FINE = 300, 2000  # samples a side in the first and the second round of the search
+SHORTLIST = 9  # candidates that pass the first round
 MAX_COARSE_EXCESS = 0.02
 """Candidates whose coarse residual exceeds the best by more than this (diagonals) are dropped."""
 REFINED, REFINE_ABOVE, REFINE_STEPS = 3, 1e-3, 12
 """The best three candidates are refined in 12 steps, if their residual is above 0.1 % of the diagonal."""
-TRIM = 0.8
-"""Share of the nearer samples that refinement fits."""
+TRIM = 0.8  # share of the nearer samples that refinement fits
 TIE_FACTOR, TIE_OFFSET = 1.1, 1e-4
 """Candidates with a residual of at most 1.1 times the best plus 0.0001 diagonals fit equally well."""
 
@@ -57,13 +54,8 @@ def axis_rotations() -> list[NDArray[np.float64]]:
 def align_surfaces(kept: Surface, everything: Surface, predicted: Surface) -> Similarity:
     """Find the similarity that aligns a prediction with the truth.
 
-    The prediction may contain the truth's junk or not. It is searched for in `everything` and must cover `kept`. The residual
-    is the mean of the two directed mean distances over the diagonal of `kept`.
-
-    Args:
-        kept: Surface of the truth without junk.
-        everything: Surface of the truth with junk.
-        predicted: Surface of the prediction in its own frame.
+    The prediction may contain the truth's junk or not. It is searched for in `everything`, the surface with junk, and must
+    cover `kept`, the surface without. The residual is the mean of the two directed mean distances over the diagonal of `kept`.
     """
 
     def measured(guess: Similarity, count: int, neighbours: int = NEIGHBOURS) -> Similarity:

@@ -12,8 +12,7 @@ from kinmo.evaluation.metrics import axis_error
 from kinmo.io.readers.urdf_meshes import NO_TRIANGLES, Triangles
 from kinmo.io.readers.urdf_reader import JointElement, Matrix, RobotFile
 
-FIXED = "fixed"
-"""Type of a URDF joint that does not move."""
+FIXED = "fixed"  # type of a URDF joint that does not move
 KINDS = {
     "revolute": JointKind.REVOLUTE,
     "continuous": JointKind.REVOLUTE,
@@ -28,14 +27,10 @@ SAME_AXIS_ANGLE = math.radians(5.0)
 
 @dataclass(frozen=True, eq=False)
 class RobotBody:
-    """Links that move as one rigid body.
+    """Links that move as one rigid body, named after the topmost one, with triangles [T, 3, 3] in the frame of the root link.
 
-    Attributes:
-        name: Name of the topmost link.
-        triangles: Triangles [T, 3, 3] in the frame of the root link.
-        parent: Index of the body that this one moves against; None for a top body.
-        joint: The joint to the parent; None if there is none, or none of kinmo's kinds.
-        moves: True if the body moves against its parent, also without a `joint`.
+    `parent` is the index of the body that this one moves against, None for a top body. A body that `moves` by none of kinmo's
+    kinds has no `joint`.
     """
 
     name: str

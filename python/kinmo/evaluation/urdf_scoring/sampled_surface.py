@@ -1,21 +1,24 @@
-"""Sampled surfaces with distance queries."""
+"""Sampled surfaces with distance queries, and the matching of predicted bodies with true parts by their surfaces."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
-from trimesh import triangles as trimesh_triangles
+from trimesh.triangles import closest_point
 
+from kinmo.evaluation.hierarchy_given import one_to_one
 from kinmo.io.readers.urdf_meshes import Triangles
 
-Points = NDArray[np.float64]
-"""Points [N, 3]."""
+Points = NDArray[np.float64]  # points [N, 3]
 
-NEIGHBOURS = 6
-"""Nearest samples whose triangles a distance query looks at."""
+NEIGHBOURS = 6  # nearest samples whose triangles a distance query looks at
+MAX_DISTANCE = 0.01  # largest distance of a point from a surface that it lies on, in diagonals
+TIE_DISTANCE = 5e-4
+"""A point also lies on surfaces that are at most this much farther than the nearest one, in diagonals."""
 
 
 def triangle_areas(triangles: Triangles) -> NDArray[np.float64]:
@@ -25,12 +28,7 @@ def triangle_areas(triangles: Triangles) -> NDArray[np.float64]:
 
 
 class Surface:
-    """Triangles with samples that are uniform by area. Each sample knows its triangle.
-
-    Args:
-        triangles: Triangles [T, 3, 3], connected or not.
-        count: Number N of samples.
-        rng: Source of random numbers.
+    """Triangles [T, 3, 3], connected or not, with N samples that are uniform by area.
 
     Attributes:
         points: The samples [N, 3].
@@ -67,7 +65,9 @@ class Surface:
         """
         count = min(neighbours, len(self.points))
         _, index = self._tree.query(queries, k=list(range(1, count + 1)))
-        feet = closest_points(self.chosen[index].reshape(-1, 3, 3), np.repeat(queries, count, axis=0)).reshape(-1, count, 3)
+        triangles, repeated = self.chosen[index].reshape(-1, 3, 3), np.repeat(queries, count, axis=0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            feet = closest_point(triangles, repeated).reshape(-1, count, 3)  # type: ignore[no-untyped-call]
         feet = np.where(np.isfinite(feet), feet, self.points[index])  # a triangle without area has no foot
         distances = np.linalg.norm(feet - queries[:, None], axis=2)
         best = distances.argmin(axis=1)[:, None]
@@ -82,14 +82,51 @@ class Surface:
         return distances
 
 
-def closest_points(triangles: Triangles, queries: Points) -> Points:
-    """The nearest point [N, 3] of each triangle [N, 3, 3] to its query [N, 3]; not finite for a triangle without area."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.asarray(trimesh_triangles.closest_point(triangles, queries))  # type: ignore[no-untyped-call]
-
-
 def sample_surfaces(pieces: Sequence[Triangles], total: int, min_samples: int, rng: np.random.Generator) -> list[Surface]:
     """Sample several surfaces with about `total` samples in proportion to their areas, and at least `min_samples` each."""
     areas = np.array([triangle_areas(piece).sum() for piece in pieces])
     share = areas / areas.sum() if areas.sum() > 0 else np.zeros(len(pieces))
     return [Surface(piece, max(min_samples, int(total * part)), rng) for piece, part in zip(pieces, share, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """A matching of K true parts with B bodies: overlaps [K, B], and the body of every matched part.
+
+    `home` is the body that holds most of each part's surface, None if no body holds any.
+    """
+
+    iou: NDArray[np.float64]
+    body_of: dict[int, int]
+    home: tuple[int | None, ...]
+
+
+def match_parts(parts: Sequence[Surface], junk: NDArray[np.bool_], bodies: Sequence[Surface], diagonal: float) -> Match:
+    """Match K true parts, with a mask [K] of junk, with B bodies one to one, so that the total overlap of surfaces is largest.
+
+    Let r be the share of a part that lies on a body. Let p be the share of the body that lies on the part, without surface that
+    lies on junk or on nothing. The overlap is rp / (r + p - rp), the intersection over union of two sets with these shares.
+    """
+    recall, _ = surface_shares(parts, bodies, diagonal)
+    precision, on_any = surface_shares(bodies, parts, diagonal)
+    counted = np.maximum(on_any - precision[:, junk].sum(axis=1), 1e-9)
+    precision = np.clip(precision / counted[:, None], 0.0, 1.0).T
+    shared = recall * precision
+    iou = np.divide(shared, recall + precision - shared, out=np.zeros_like(shared), where=shared > 0)
+    iou[junk] = 0.0
+    home = tuple(int(row.argmax()) if row.max() > 0 else None for row in recall)
+    return Match(iou, one_to_one(iou), home)
+
+
+def surface_shares(
+    sources: Sequence[Surface], targets: Sequence[Surface], diagonal: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Shares [S, T] of S surfaces that lie on each of T other ones, and shares [S] that lie on any of these."""
+    shares, on_any = np.zeros((len(sources), len(targets))), np.zeros(len(sources))
+    for index, source in enumerate(sources):
+        distances = np.stack([target.distances_within(source.points, MAX_DISTANCE * diagonal) for target in targets], axis=1)
+        nearest = distances.min(axis=1, keepdims=True)
+        on_some = nearest <= MAX_DISTANCE * diagonal
+        shares[index] = ((distances <= nearest + TIE_DISTANCE * diagonal) & on_some).mean(axis=0)
+        on_any[index] = on_some.mean()
+    return shares, on_any

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from kinmo.core.errors import InputError
 from kinmo.dataset.jobs import Failure, runner_for
-from kinmo.evaluation.aggregate import BOOTSTRAP_DRAWS, Estimate, figure_sums, macro, micro
-from kinmo.evaluation.urdf_scoring.body_matching import MIN_IOU
-from kinmo.evaluation.urdf_scoring.urdf_figures import FIGURES, MEDIANS
-from kinmo.evaluation.urdf_scoring.urdf_scores import FAILED, MISSING, SCORED, ObjectScore, score_urdf
+from kinmo.evaluation.urdf_scoring.urdf_scores import ObjectScore, score_urdf
 from kinmo.io.atomic_files import write_text_atomically
 from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.readers import PARTNET_MOBILITY
@@ -30,21 +25,10 @@ FIRST_CHOICES = ("model.urdf", "mobility.urdf")
 
 @dataclass(frozen=True)
 class UrdfReport:
-    """Scores of many objects.
-
-    Attributes:
-        objects: The scores, in the order of the ids.
-        unreadable: Truths that could not be read, with reasons. Their objects are not scored.
-        min_iou: Smallest overlap of a part and a body that match.
-    """
+    """Scores of objects in the order of their ids, and the truths that could not be read, with reasons."""
 
     objects: tuple[ObjectScore, ...]
     unreadable: dict[str, str]
-    min_iou: float
-
-    def count(self, status: str) -> int:
-        """Number of objects with a status (scored, failed or missing)."""
-        return sum(scored.status == status for scored in self.objects)
 
 
 def score_urdf_folder(
@@ -52,7 +36,6 @@ def score_urdf_folder(
     truth: Path,
     *,
     ids: Iterable[str] | None = None,
-    min_iou: float = MIN_IOU,
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
 ) -> UrdfReport:
@@ -65,9 +48,8 @@ def score_urdf_folder(
         predictions: Folder of URDFs (`find_urdf`).
         truth: Folder of annotated shapes.
         ids: Ids of the shapes to score; all if None.
-        min_iou: Smallest overlap of a part and a body that match.
         workers: Number of processes.
-        progress: Called with the number of objects that are done, and of all.
+        progress: Called with the numbers of objects that are done, and of all.
 
     Raises:
         InputError: if there is no annotated shape, none with one of the `ids`, or no URDF of any of them.
@@ -82,7 +64,7 @@ def score_urdf_folder(
         raise InputError(truth, f"expected a shape {unknown[0]!r}, found none", "ids")
     if not any(find_urdf(predictions, name) for name in wanted):
         raise InputError(predictions, f"expected URDFs named after shapes below {truth}, such as {wanted[0]}.urdf, found none")
-    score = partial(_score_one, predictions=predictions, min_iou=min_iou)
+    score = partial(_score_one, predictions=predictions)
     shapes = (folders[name] for name in wanted)
     scores: dict[str, ObjectScore] = {}
     for done, (shape, found) in enumerate(runner_for(workers).run(score, shapes), start=1):
@@ -92,8 +74,7 @@ def score_urdf_folder(
             unreadable[shape.id] = f"{shape.path}: cannot be scored: {found.reason}" if isinstance(found, Failure) else found
         if progress is not None:
             progress(done, len(wanted))
-    ordered = tuple(scores[name] for name in wanted if name in scores)
-    return UrdfReport(ordered, dict(sorted(unreadable.items())), min_iou)
+    return UrdfReport(tuple(scores[name] for name in wanted if name in scores), dict(sorted(unreadable.items())))
 
 
 def _truths(root: Path) -> tuple[dict[str, ShapeSource], dict[str, str]]:
@@ -109,12 +90,12 @@ def _truths(root: Path) -> tuple[dict[str, ShapeSource], dict[str, str]]:
     return folders, skipped
 
 
-def _score_one(shape: ShapeSource, predictions: Path, min_iou: float) -> ObjectScore | str:
+def _score_one(shape: ShapeSource, predictions: Path) -> ObjectScore | str:
     """The score of one object, or the reason why its truth cannot be read."""
     try:
         check_annotated(shape.path)
         truth = replace(shape.read(), id=shape.id)
-        return score_urdf(truth, find_urdf(predictions, shape.id), predictions, min_iou)
+        return score_urdf(truth, find_urdf(predictions, shape.id), predictions)
     except InputError as error:
         return str(error)
 
@@ -135,48 +116,6 @@ def find_urdf(predictions: Path, name: str) -> Path | None:
         return rank, len(path.parts), str(path)
 
     return min((path for path in (predictions / name).rglob("*.urdf") if is_file(path)), key=order, default=None)
-
-
-def summarise_urdf_scores(report: UrdfReport, *, draws: int = BOOTSTRAP_DRAWS, seed: int = 0) -> dict[str, Any]:
-    """Figures of a report as plain data for JSON: over parts (micro), over categories (macro), and by category.
-
-    Args:
-        report: The scores.
-        draws: Number of bootstrap samples of the objects.
-        seed: Seed of the samples.
-    """
-    sums = figure_sums(report.objects, FIGURES)
-    categories = [scored.category for scored in report.objects]
-    by_category = {
-        name: _group([scored for scored in report.objects if scored.category == name], draws, seed)
-        for name in sorted(set(categories))
-    }
-    return {
-        "match": report.min_iou,
-        "micro": _group(report.objects, draws, seed),
-        "macro": _by_key(macro(sums, categories, draws=draws, seed=seed)),
-        "categories": by_category,
-        "objects": [asdict(scored) for scored in report.objects],
-        "unreadable": report.unreadable,
-    }
-
-
-def _group(objects: Sequence[ObjectScore], draws: int, seed: int) -> dict[str, Any]:
-    parts = [part for scored in objects for part in scored.parts]
-    counts: dict[str, Any] = {"objects": len(objects)}
-    counts |= {status: sum(scored.status == status for scored in objects) for status in (SCORED, FAILED, MISSING)}
-    counts |= {"parts": len(parts), "found": sum(part.found for part in parts)}
-    counts["false_positives"] = sum(scored.false_alarms for scored in objects)
-    for key, value in MEDIANS:
-        known = [found for part in parts if (found := value(part)) is not None]
-        counts[key] = float(np.median(known)) if known else None
-    return counts | _by_key(micro(figure_sums(objects, FIGURES), draws=draws, seed=seed))
-
-
-def _by_key(estimates: Sequence[Estimate | None]) -> dict[str, Any]:
-    return {
-        figure.key: None if estimate is None else asdict(estimate) for figure, estimate in zip(FIGURES, estimates, strict=True)
-    }
 
 
 def write_json(path: Path, summary: dict[str, Any]) -> None:

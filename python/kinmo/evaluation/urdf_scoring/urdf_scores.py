@@ -2,69 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.shape import Shape
 from kinmo.evaluation import metrics
-from kinmo.evaluation.urdf_scoring.body_matching import MIN_IOU, Match, match_parts
 from kinmo.evaluation.urdf_scoring.frame_alignment import Similarity, align_surfaces
 from kinmo.evaluation.urdf_scoring.rest_bodies import RobotBody, robot_bodies
-from kinmo.evaluation.urdf_scoring.sampled_surface import Surface, sample_surfaces
+from kinmo.evaluation.urdf_scoring.sampled_surface import Match, Surface, match_parts, sample_surfaces
 from kinmo.io.readers.urdf_meshes import MAX_NUMBER, NO_TRIANGLES, Triangles
 from kinmo.io.readers.urdf_reader import read_robot_file
 
-SAMPLES, MIN_SAMPLES = 12_000, 1_000
-"""Samples of a whole surface, and the fewest of one part or body."""
+SAMPLES, MIN_SAMPLES = 12_000, 1_000  # samples of a whole surface, and the fewest of one part or body
 MAX_RESIDUAL = 0.01
 """Largest residual of an aligned prediction, in diagonals. One that fits worse is another shape, or an open one."""
 
-MISSING, FAILED, SCORED = "missing", "failed", "scored"
-"""Statuses of an object."""
+MISSING, FAILED, SCORED = "missing", "failed", "scored"  # statuses of an object
 
 
 @dataclass(frozen=True)
 class PartScore:
-    """The score of one movable part of the truth.
+    """The score of one movable part of the truth, the body `body` called `name`. Angles are in radians, lengths in diagonals.
 
-    Angles are in radians, lengths in diagonals. `angle`, `line`, `line_at_part`, `range_iou` and `limited_ok` are of found
-    parts of the right kind only; None where there is none.
-
-    Attributes:
-        body: Index of the body in the truth.
-        name: Name of the body.
-        kind: Kind of the true joint.
-        found: True if the part matches a body that moves against its parent.
-        iou: Overlap with the matched body, or the largest overlap with any body.
-        is_relative: True if the matched body is not the one that holds most of the part's parent.
-        link: Name of the matched body's topmost link.
-        predicted_kind: Kind of the predicted joint; None if it has none of kinmo's kinds.
-        parent_ok: True if the body moves against the one that holds most of the true parent.
-        angle: Axis error.
-        line: Smallest distance of the axis lines.
-        line_at_part: Distance of the axis lines at the part.
-        range_iou: Overlap of the ranges.
-        limited_ok: True if both joints are limited, or both are not.
+    The errors (`angle`, `line`, `line_at_part`, `range_iou`) and `limited_ok` are of found parts of the right kind only.
     """
 
     body: int
     name: str
     kind: JointKind
-    found: bool = False
-    iou: float = 0.0
-    is_relative: bool = False
-    link: str | None = None
-    predicted_kind: JointKind | None = None
-    parent_ok: bool = False
+    found: bool = False  # the part matches a body that moves against its parent
+    iou: float = 0.0  # overlap with the matched body, or the largest overlap with any body
+    is_relative: bool = False  # the matched body is not the one that holds most of the part's parent
+    link: str | None = None  # name of the matched body's topmost link
+    predicted_kind: JointKind | None = None  # None if the predicted joint has none of kinmo's kinds
+    parent_ok: bool = False  # the body moves against the one that holds most of the true parent
     angle: float | None = None
     line: float | None = None
     line_at_part: float | None = None
     range_iou: float | None = None
-    limited_ok: bool = False
+    limited_ok: bool = False  # both joints are limited, or both are not
 
     @property
     def kind_ok(self) -> bool:
@@ -84,16 +66,10 @@ class PartScore:
 
 @dataclass(frozen=True)
 class ObjectScore:
-    """The score of one object.
+    """The score of one object: its status with the reason of a failure, and the scores of the movable parts of the truth.
 
-    Attributes:
-        id: Id of the true shape.
-        category: Its category.
-        status: Missing, failed or scored. None of the parts of an object that is not scored is found.
-        reason: The reason of a failure.
-        parts: Scores of the movable parts of the truth.
-        false_alarms: Number of predicted bodies that move but match no movable part.
-        residual: Mean distance of the aligned surfaces, in diagonals.
+    None of the parts of an object that is not scored is found. `false_alarms` counts predicted bodies that move but match no
+    movable part. `residual` is the mean distance of the aligned surfaces, in diagonals.
     """
 
     id: str
@@ -105,37 +81,19 @@ class ObjectScore:
     residual: float | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class _TruePart:
-    """A body of the truth that has triangles. `parent` is an index into the true parts."""
+def score_urdf(truth: Shape, urdf: Path | None, packages: Path) -> ObjectScore:
+    """Score a predicted URDF, None if there is none, for an annotated shape.
 
-    body: int
-    name: str
-    triangles: Triangles
-    parent: int | None
-    joint: Joint | None
-    is_junk: bool
-
-
-def score_urdf(truth: Shape, urdf: Path | None, packages: Path, min_iou: float = MIN_IOU) -> ObjectScore:
-    """Score a predicted URDF for an annotated shape. Whatever is wrong with the prediction is a failure of this object.
-
-    Args:
-        truth: The annotated shape.
-        urdf: Path of the prediction; None if there is none.
-        packages: Folder up to which `package://` meshes are searched.
-        min_iou: Smallest overlap of a part and a body that match.
-
-    Raises:
-        InputError: if the truth cannot be scored against.
+    Whatever is wrong with the prediction is a failure of this object. `package://` meshes are searched up to the folder
+    `packages`. Raises InputError if the truth cannot be scored against.
     """
-    parts = _true_parts(truth)
-    movable = tuple(PartScore(part.body, part.name, part.joint.kind) for part in parts if part.joint is not None)
+    parts, junk = _true_parts(truth)
+    movable = tuple(PartScore(body, part.name, part.joint.kind) for body, part in parts.items() if part.joint is not None)
     nothing = ObjectScore(truth.id, truth.category, MISSING, "no URDF", movable)
     if urdf is None:
         return nothing
     try:
-        return _scored(nothing, parts, robot_bodies(read_robot_file(urdf, packages)), min_iou)
+        return _scored(nothing, tuple(parts.values()), junk, robot_bodies(read_robot_file(urdf, packages)))
     except InputError as error:
         return replace(nothing, status=FAILED, reason=str(error))
     except (OSError, ValueError, ArithmeticError, IndexError) as error:  # files and numbers may be wrong in any way
@@ -143,7 +101,8 @@ def score_urdf(truth: Shape, urdf: Path | None, packages: Path, min_iou: float =
         return replace(nothing, status=FAILED, reason=str(reason))
 
 
-def _true_parts(truth: Shape) -> list[_TruePart]:
+def _true_parts(truth: Shape) -> tuple[dict[int, RobotBody], NDArray[np.bool_]]:
+    """Bodies of the truth that have triangles, by their indices, and a mask of those that are junk."""
     mobility = truth.mobility
     if mobility is None:
         raise InputError(truth.source, "expected a shape with a mobility")
@@ -152,22 +111,23 @@ def _true_parts(truth: Shape) -> list[_TruePart]:
         for b in mobility.bodies
     ]
     place = {body: index for index, body in enumerate(i for i, own in enumerate(triangles) if len(own))}
-    above = [None if body.parent is None else place.get(body.parent) for body in mobility.bodies]
-    return [
-        _TruePart(i, body.name, triangles[i], above[i], body.joint, mobility.junk >= set(body.leaves))
-        for i, body in enumerate(mobility.bodies)
-        if i in place
-    ]
+    parts = {}
+    for index in place:
+        body = mobility.bodies[index]
+        above = None if body.parent is None else place.get(body.parent)
+        parts[index] = RobotBody(body.name, triangles[index], above, body.joint, body.joint is not None)
+    return parts, np.array([mobility.junk >= set(mobility.bodies[index].leaves) for index in place], bool)
 
 
-def _scored(nothing: ObjectScore, parts: list[_TruePart], bodies: tuple[RobotBody, ...], min_iou: float) -> ObjectScore:
+def _scored(
+    nothing: ObjectScore, parts: Sequence[RobotBody], junk: NDArray[np.bool_], bodies: Sequence[RobotBody]
+) -> ObjectScore:
     rng = np.random.default_rng(0)
-    junk = np.array([part.is_junk for part in parts], bool)
     if junk.all():
         raise InputError(nothing.id, "expected a truth with geometry besides junk")
     if not bodies:
         raise InputError(nothing.id, "expected a prediction with geometry")
-    kept = Surface(np.concatenate([part.triangles for part in parts if not part.is_junk]), SAMPLES, rng)
+    kept = Surface(np.concatenate([part.triangles for part, skip in zip(parts, junk, strict=True) if not skip]), SAMPLES, rng)
     everything = Surface(np.concatenate([part.triangles for part in parts]), SAMPLES, rng) if junk.any() else kept
     predicted = Surface(np.concatenate([body.triangles for body in bodies]), SAMPLES, rng)
     if not predicted.diagonal > 1.0 / MAX_NUMBER:  # squares of its lengths might vanish
@@ -177,29 +137,21 @@ def _scored(nothing: ObjectScore, parts: list[_TruePart], bodies: tuple[RobotBod
         raise InputError(nothing.id, f"misaligned: surfaces are {100 * frame.residual:.2f} % of the diagonal apart")
     surfaces = sample_surfaces([part.triangles for part in parts], SAMPLES, MIN_SAMPLES, rng)
     shapes = sample_surfaces([frame.apply(body.triangles) for body in bodies], SAMPLES, MIN_SAMPLES, rng)
-    found = match_parts(surfaces, junk, shapes, kept.diagonal, min_iou)
-    scores = iter(nothing.parts)
+    found = match_parts(surfaces, junk, shapes, kept.diagonal)
+    moving = [index for index, part in enumerate(parts) if part.moves]
     scored_parts = tuple(
-        _score_part(next(scores), index, parts, bodies, found, frame, kept.diagonal)
-        for index, part in enumerate(parts)
-        if part.joint is not None
+        _score_part(score, index, parts[index], bodies, found, frame, kept.diagonal)
+        for score, index in zip(nothing.parts, moving, strict=True)
     )
     part_of = {body: part for part, body in found.body_of.items()}
-    moving = {index for index, part in enumerate(parts) if part.joint is not None}
     false_alarms = sum(body.moves and part_of.get(index) not in moving for index, body in enumerate(bodies))
     return replace(nothing, status=SCORED, reason="", parts=scored_parts, false_alarms=false_alarms, residual=frame.residual)
 
 
 def _score_part(
-    score: PartScore,
-    index: int,
-    parts: list[_TruePart],
-    bodies: tuple[RobotBody, ...],
-    found: Match,
-    frame: Similarity,
-    diagonal: float,
+    score: PartScore, index: int, part: RobotBody, bodies: Sequence[RobotBody], found: Match, frame: Similarity, diagonal: float
 ) -> PartScore:
-    part, match = parts[index], found.body_of.get(index)
+    match = found.body_of.get(index)
     above = None if part.parent is None else found.home[part.parent]
     score = replace(score, iou=float(found.iou[index].max()))
     if match is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,7 +26,9 @@ def current_scores(workspace: Workspace, name: str, category: str, seeds: Sequen
     Scores of objects with another structure than those in the original workspace cannot stand beside the others: they count as
     outdated.
     """
-    structure = _structure(workspace, category)
+    structure: str | None = None
+    with suppress(InputError):
+        structure = str(open_scan_dataset(workspace, category).structure)
 
     def inputs(row: TableRow, seed: int) -> dict[str, Any] | None:
         found = row.scores(workspace, category, seed).current_inputs()
@@ -34,24 +37,9 @@ def current_scores(workspace: Workspace, name: str, category: str, seeds: Sequen
     return {seed: {row.title: inputs(row, seed) for row in TABLES[name].rows} for seed in seeds}
 
 
-def _structure(workspace: Workspace, category: str) -> str | None:
-    try:
-        return str(open_scan_dataset(workspace, category).structure)
-    except InputError:
-        return None
-
-
 @dataclass(frozen=True)
 class CategoryRows:
-    """Rows of a table for one category.
-
-    Attributes:
-        workspace: The original workspace.
-        name: Name of the table.
-        category: The category.
-        inputs: Inputs of the up-to-date scores.
-        protocol: Definition of the errors.
-    """
+    """Rows of the table `name` for one category, from the scores in the original workspace whose `inputs` are up to date."""
 
     workspace: Workspace
     name: str
@@ -59,12 +47,8 @@ class CategoryRows:
     inputs: InputsBySeed
     protocol: Protocol
 
-    def all(self) -> list[ScanRow]:
-        """All rows, in the order of the table; missing and outdated ones say so."""
-        return [self.row(row) for row in TABLES[self.name].rows]
-
     def row(self, row: TableRow) -> ScanRow:
-        """One row."""
+        """One row of the table; a missing or outdated one says so."""
         scores = {seed: row.scores(self.workspace, self.category, seed) for seed in self.inputs}
         seeds = tuple(seed for seed, known in self.inputs.items() if known[row.title] is not None)
         objects = tuple(read_scores([scores[seed].path(self.protocol) for seed in seeds]))
@@ -95,9 +79,8 @@ class CategoryRows:
         for scores in missing:
             if not scores.path(self.protocol).exists() and (reason := scores.reason()):
                 seeds.setdefault(reason, []).append(str(scores.run.seed))
-        texts = (
-            reason if len(own) == len(self.inputs) else f"seeds {', '.join(own)}: {reason}" for reason, own in seeds.items()
-        )
+        whole = len(self.inputs)
+        texts = (reason if len(own) == whole else f"seeds {', '.join(own)}: {reason}" for reason, own in seeds.items())
         return "; ".join(texts) or None
 
     def _trained_on(self, row: TableRow, seeds: Sequence[int]) -> str | None:

@@ -25,12 +25,8 @@ from kinmo.pipeline.scans.scan_scores import NoTestScans, Protocol, ScanScores
 class EvaluateTrained:
     """Evaluate every trained network for scans, and write the tables that have a row for it.
 
-    Attributes:
-        workspace: The workspace.
-        category: Only this category, with all of the paper's tables that print figures for it; None for all categories.
-        protocol: Definition of errors in the printed tables.
-        device: Where networks run.
-        details: Print the figures of every part.
+    A `category` alone comes with all of the paper's tables that print figures for it. With `details`, the figures of every part
+    are printed, as the `protocol` defines them.
     """
 
     workspace: Workspace
@@ -88,16 +84,11 @@ class EvaluateTrained:
                     if is_wanted and run.setting == row.setting and self._is_possible(row, run.category, name):
                         seeds.setdefault(run.category, set()).add(run.seed)
             if self.category is not None and not seeds and is_printed(name, self.category):
-                seeds = {category: {0} for category in self._spelled(self.category)}
+                with suppress(InputError):  # there are no such shapes
+                    seeds = {spelled: {0} for spelled in open_dataset(self.workspace, self.category).categories()}
             if seeds:
                 found[name] = {category: sorted(seeds[category]) for category in sorted(seeds)}
         return found
-
-    def _spelled(self, category: str) -> tuple[str, ...]:
-        """A category in the spelling of the prepared shapes; nothing without such shapes."""
-        with suppress(InputError):
-            return open_dataset(self.workspace, category).categories()
-        return ()
 
     def _is_possible(self, row: TableRow, category: str, table: str) -> bool:
         """True if a table is about a category, and the scans that a row is tested on are there."""

@@ -38,11 +38,9 @@ WORDS: Mapping[type, str] = {
     EvaluateScans: "evaluate",
 }
 """Short names of the stages, for plans."""
-CATEGORIES_WITH_SEEDS = ("Refrigerator", "Scissors")
-"""Categories that are trained with three seeds by default."""
+CATEGORIES_WITH_SEEDS = ("Refrigerator", "Scissors")  # categories that are trained with three seeds by default
 TOO_LONG = "it would have taken longer than --hours"
-SHARED_SEED = 0
-"""Seed of the stages that all seeds of the networks for scans share."""
+SHARED_SEED = 0  # seed of the stages that all seeds of the networks for scans share
 
 
 class CannotBeRun(InputError):
@@ -51,53 +49,36 @@ class CannotBeRun(InputError):
 
 @dataclass(frozen=True)
 class MakeTable:
-    """Do what is missing for a table, one category and row after the other, and write it.
+    """Do what is missing for a table, one category and row after the other, and write it."""
 
-    Attributes:
-        name: Name of the table, a key of `TABLES`.
-        workspace: The workspace.
-        config: Name or path of the configuration.
-        methods: Methods whose pseudo labels are used.
-        category: The category; None for the table's own categories.
-        seeds: Number of seeds; None for three or one, depending on the category.
-        hours: Begin nothing that would end later.
-        protocol: Definition of errors in the printed table.
-        seed: First seed.
-        device: Where networks are trained and run.
-        workers: Number of processes.
-        start: Continue the motion networks from those of this workspace.
-        details: Print all figures.
-    """
-
-    name: str
+    name: str  # a key of `TABLES`
     workspace: Workspace
-    config: str
-    methods: tuple[str, ...]
-    category: str | None = None
-    seeds: int | None = None
-    hours: float | None = None
-    protocol: Protocol = "kinmo"
-    seed: int = 0
+    config: str  # name or path of the configuration
+    methods: tuple[str, ...]  # methods whose pseudo labels are used
+    category: str | None = None  # None for the table's own categories
+    seeds: int | None = None  # number of seeds; None for three or one, depending on the category
+    hours: float | None = None  # begin nothing that would end later
+    protocol: Protocol = "kinmo"  # definition of errors in the printed table
+    seed: int = 0  # the first one
     device: str = "auto"
     workers: int = 1
-    start: Workspace | None = None
-    details: bool = False
+    start: Workspace | None = None  # continue the motion networks from those of this workspace
+    details: bool = False  # print all figures
 
     def plan(self) -> Plan:
         """List the rows that are not done, with their stages."""
         self._check_options()
         steps, impossible, seconds = [], [], 0.0
         known: dict[Stage, Plan] = {}
-        for category in self._categories():
-            for row, seed in self._rows(category):
-                name = _name(row, category, seed)
-                try:
-                    plan = self._pending(row, category, seed, known)
-                    if plan.steps:
-                        steps.append(f"{name}: {', '.join(plan.steps)}")
-                        seconds += plan.seconds
-                except InputError as error:
-                    impossible.append(f"{name}: cannot be run: {error}")
+        for row, category, seed in self._rows():
+            name = f"{category}, {row.title}, seed {seed}"
+            try:
+                plan = self._pending(row, category, seed, known)
+                if plan.steps:
+                    steps.append(f"{name}: {', '.join(plan.steps)}")
+                    seconds += plan.seconds
+            except InputError as error:
+                impossible.append(f"{name}: cannot be run: {error}")
         return Plan(tuple(steps), seconds, tuple(impossible))
 
     def run(self, observer: Observer) -> Outcome:
@@ -105,26 +86,25 @@ class MakeTable:
         self._check_options()
         limit = float("inf") if self.hours is None else time.monotonic() + 3600.0 * self.hours
         failed = 0
-        for category in self._categories():
-            for row, seed in self._rows(category):
-                name = _name(row, category, seed)
-                scores = row.scores(self.workspace, category, seed)
-                try:
-                    plan = self._pending(row, category, seed, {})
-                    if not plan.steps:
-                        continue
-                    if time.monotonic() + plan.seconds > limit:
-                        observer.problem(f"not run: {name}: {TOO_LONG}")
-                        scores.record_reason(TOO_LONG)
-                        continue
-                    observer.note(name)
-                    for stage in self._stages(row, category, seed):
-                        failed += stage.run(observer).failed
-                except (InputError, ChildProcessError) as error:
-                    observer.problem(f"not run: {name}: {error}")
-                    scores.record_reason(getattr(error, "problem", str(error)))
-                    # few workspaces have oracle labels
-                    failed += not (row.setting == "oracle" and self._cannot_be_run(row, category, seed))
+        for row, category, seed in self._rows():
+            name = f"{category}, {row.title}, seed {seed}"
+            scores = row.scores(self.workspace, category, seed)
+            try:
+                plan = self._pending(row, category, seed, {})
+                if not plan.steps:
+                    continue
+                if time.monotonic() + plan.seconds > limit:
+                    observer.problem(f"not run: {name}: {TOO_LONG}")
+                    scores.record_reason(TOO_LONG)
+                    continue
+                observer.note(name)
+                for stage in self._stages(row, category, seed):
+                    failed += stage.run(observer).failed
+            except (InputError, ChildProcessError) as error:
+                observer.problem(f"not run: {name}: {error}")
+                scores.record_reason(getattr(error, "problem", str(error)))
+                # few workspaces have oracle labels
+                failed += not (row.setting == "oracle" and self._cannot_be_run(row, category, seed))
         seeds = {category: self._shown_seeds(category) for category in self._categories()}
         written = WrittenTables(self.workspace, self.name, self.details).write(seeds, self.protocol)
         return replace(written, failed=failed)
@@ -174,10 +154,8 @@ class MakeTable:
         """True if a row lacks labels to learn from, after everything possible was done."""
         try:
             self._pending(row, category, seed, {})
-        except CannotBeRun:
-            return True
-        except InputError:
-            pass
+        except InputError as error:
+            return isinstance(error, CannotBeRun)
         return False
 
     def _categories(self) -> tuple[str, ...]:
@@ -203,10 +181,10 @@ class MakeTable:
         trained = {run.seed for run in runs if run.category == category and run.setting in settings}
         return sorted(trained.union(self._seeds_of(category)))
 
-    def _rows(self, category: str) -> Iterator[tuple[TableRow, int]]:
-        """All rows of the first seed, then those of the next, so that an interrupted run leaves whole comparisons."""
+    def _rows(self) -> Iterator[tuple[TableRow, str, int]]:
+        """Rows of each category: all of the first seed, then those of the next, so that whole comparisons are done first."""
         rows = [row for row in TABLES[self.name].rows if row.setting != "semi-weakly" or row.method in self.methods]
-        return ((row, seed) for seed in self._seeds_of(category) for row in rows)
+        return ((row, category, seed) for category in self._categories() for seed in self._seeds_of(category) for row in rows)
 
     def _stages(self, row: TableRow, category: str, seed: int) -> Iterator[TrainMotion | LaterStage]:
         root, how = self.workspace, (self.device, self.workers)
@@ -231,7 +209,3 @@ class MakeTable:
         sensor = load_config(self.config).scans.noisy_sensor if variant.is_noisy else None
         place = variant.workspace(self.workspace)
         return RenderScans(place, self.config, category, SHARED_SEED, self.workers, roles, method, sensor)
-
-
-def _name(row: TableRow, category: str, seed: int) -> str:
-    return f"{category}, {row.title}, seed {seed}"

@@ -16,8 +16,7 @@ from kinmo.pipeline.scans.scan_networks import ScanRun
 from kinmo.pipeline.scans.scan_scores import ScanScores
 from kinmo.pipeline.scans.training_settings import Setting
 
-SHARES = (1.0, 0.8, 0.5, 0.3)
-"""Shares of the labels in Table 3."""
+SHARES = (1.0, 0.8, 0.5, 0.3)  # shares of the labels in Table 3
 PAPER = "paper"
 Sensor = Literal["ideal", "noisy"]
 SENSORS: tuple[Sensor, ...] = get_args(Sensor)
@@ -25,23 +24,14 @@ SENSORS: tuple[Sensor, ...] = get_args(Sensor)
 
 @dataclass(frozen=True)
 class TableRow:
-    """A row of a table of scans.
-
-    Attributes:
-        title: Title of the row.
-        setting: Labels besides those of the labelled shapes.
-        variant: Workspace that networks are trained in.
-        printed: Name of the row in the paper; empty if it has none.
-        method: Method whose pseudo labels are used.
-        tested_on: Sensor of the test scans, `ideal` or `noisy`. Rows with other labels have the same test scans.
-    """
+    """A row of a table of scans. Rows with other labels have the same test scans."""
 
     title: str
-    setting: Setting
-    variant: Variant = field(default_factory=Variant)
-    printed: str = ""
-    method: str = DEFAULT_METHOD
-    tested_on: Sensor = "ideal"
+    setting: Setting  # labels besides those of the labelled shapes
+    variant: Variant = field(default_factory=Variant)  # workspace that networks are trained in
+    printed: str = ""  # name of the row in the paper; empty if it has none
+    method: str = DEFAULT_METHOD  # whose pseudo labels are used
+    tested_on: Sensor = "ideal"  # sensor of the test scans
 
     @property
     def tested_variant(self) -> Variant:
@@ -55,13 +45,8 @@ class TableRow:
     def scores(self, root: Workspace, category: str, seed: int) -> ScanScores:
         """Scores of the row's networks."""
         place, scanned = self.variant.workspace(root), self.tested_variant.workspace(root)
-        has_other_sensor = self.variant.is_noisy != self.tested_variant.is_noisy
-        return ScanScores(
-            place,
-            self.run(category, seed),
-            None if scanned == place else scanned,
-            self.tested_on if has_other_sensor else "",
-        )
+        title = self.tested_on if self.variant.is_noisy != self.tested_variant.is_noisy else ""
+        return ScanScores(place, self.run(category, seed), None if scanned == place else scanned, title)
 
 
 def with_method(title: str, method: str) -> str:
@@ -71,23 +56,15 @@ def with_method(title: str, method: str) -> str:
 
 def _of_both_methods(title: str, printed: str = "", variant: Variant | None = None) -> tuple[TableRow, TableRow]:
     """A semi-weakly supervised row with kinmo's pseudo labels, and one with the paper's, beside the printed figures."""
-    own = variant or Variant()
-    return (
-        TableRow(title, "semi-weakly", own),
-        TableRow(with_method(title, PAPER), "semi-weakly", own, printed, PAPER),
-    )
+    own, of_paper = variant or Variant(), with_method(title, PAPER)
+    return TableRow(title, "semi-weakly", own), TableRow(of_paper, "semi-weakly", own, printed, PAPER)
 
 
 @dataclass(frozen=True)
 class ScanTable:
-    """A table of scans.
+    """A table of scans for the categories with printed figures, or else for those that it is made of.
 
-    Attributes:
-        title: Title of the table.
-        categories: Categories with printed figures, or else those that the table is made of.
-        rows: Rows of the table.
-        compared: Pairs of row titles; the difference of the second to the first is shown too.
-        note: Explanation below the table.
+    `compared` are pairs of row titles; the difference of the second to the first is shown too.
     """
 
     title: str
@@ -97,6 +74,11 @@ class ScanTable:
     note: str = ""
 
 
+_ROWS_OF_SHARES = tuple(
+    row
+    for share in SHARES
+    for row in _of_both_methods(f"semi-weakly, {share:.0%}", f"Semi-weakly ({share:.0%})", Variant(labels=share))
+)
 METHODS_NOTE = "Rows with the word paper learn from pseudo labels of --method paper, the others from kinmo's."
 SENSOR_LABELS: Mapping[Setting, str] = {"supervised": "scans", "semi-weakly": "scans and pseudo labels"}
 """Settings in the study of sensors, with the training data in words."""
@@ -128,19 +110,8 @@ TABLES: Mapping[str, ScanTable] = {
     "3": ScanTable(
         "Table 3, fewer labels",
         ("Refrigerator", "Scissors"),
-        (
-            *(
-                row
-                for share in SHARES
-                for row in _of_both_methods(f"semi-weakly, {share:.0%}", f"Semi-weakly ({share:.0%})", Variant(labels=share))
-            ),
-            TableRow("supervised, 100%", "supervised", printed="Supervised (100%)"),
-        ),
-        tuple(
-            ("supervised, 100%", title)
-            for share in SHARES
-            for title in (f"semi-weakly, {share:.0%}", with_method(f"semi-weakly, {share:.0%}", PAPER))
-        ),
+        (*_ROWS_OF_SHARES, TableRow("supervised, 100%", "supervised", printed="Supervised (100%)")),
+        tuple(("supervised, 100%", row.title) for row in _ROWS_OF_SHARES),
         f"{METHODS_NOTE} Fewer labels mean fewer for the motion networks, for axis selection and for ANCSH alike.",
     ),
     "4": ScanTable(

@@ -38,18 +38,14 @@ AGAINST_NOTE = (
     "Rows with the word against show the difference of the first to the second, over the seeds that both have, and over the "
     "parts and joints of each frame that both found."
 )
-Inputs = Mapping[str, InputsBySeed]
-"""Inputs of the up-to-date scores, by category."""
+Inputs = Mapping[str, InputsBySeed]  # inputs of the up-to-date scores, by category
 
 
 @dataclass(frozen=True)
 class WrittenTables:
-    """A table of scans, for one category or several. Missing and outdated rows say so.
+    """The table of scans `name` of `TABLES`, for one category or several. Missing and outdated rows say so.
 
-    Attributes:
-        workspace: The original workspace.
-        name: Name of the table, a key of `TABLES`.
-        details: Print all figures of every part.
+    The workspace is the original one. With `details`, all figures of every part are printed.
     """
 
     workspace: Workspace
@@ -62,20 +58,14 @@ class WrittenTables:
         return self.workspace.evaluation / f"table-{self.name}"
 
     def write(self, seeds: Mapping[str, Sequence[int]], shown: Protocol = "kinmo") -> Outcome:
-        """Write the table by every protocol.
-
-        Args:
-            seeds: Seeds to show, by category.
-            shown: Protocol of the printed table.
-        """
+        """Write the table by every protocol, with some seeds by category; `shown` is the protocol of the printed table."""
         with self.workspace.locked():
-            return self._write(seeds, shown)
+            return self._write(self._inputs_by_category(seeds), shown)
 
-    def _write(self, seeds: Mapping[str, Sequence[int]], shown: Protocol) -> Outcome:
+    def _write(self, whole: Inputs, shown: Protocol) -> Outcome:
         texts, data = [], {}
-        whole = self._inputs_by_category(seeds)
         places = {category: {category: by_seed} for category, by_seed in whole.items()}
-        for place, inputs in (places | {ALL: whole} if len(seeds) > 1 else places).items():
+        for place, inputs in (places | {ALL: whole} if len(whole) > 1 else places).items():
             paths: list[Path] = []
             for protocol in PROTOCOLS:
                 tables = self._of_all(inputs, protocol) if place == ALL else self._of(place, inputs[place], protocol)
@@ -107,14 +97,11 @@ class WrittenTables:
     def _of(self, category: str, inputs: InputsBySeed, protocol: Protocol) -> dict[str, Table]:
         """Tables of one category: a summary, means over all parts with intervals, and part by part."""
         rows = CategoryRows(self.workspace, self.name, category, inputs, protocol)
-        shown, more = rows.all(), MORE_MEASURES[protocol]
-        run = _seeds(shown)
+        shown, more = [rows.row(row) for row in TABLES[self.name].rows], MORE_MEASURES[protocol]
         dataset = self._dataset(category)
         reasons = [f"Not run: {row.name}: {row.reason}." for row in shown if row.reason]
-        has_printed = any(row.printed is not None for row in shown)
         if isinstance(dataset, InputError):
-            caption = self._caption(category, "no scans to test on", run, protocol, has_printed)
-            caption = caption.noting(f"{dataset.problem}.", *reasons)
+            caption = self._caption(category, "no scans to test on", shown, protocol).noting(f"{dataset.problem}.", *reasons)
             printed = next((row.printed for row in shown if row.printed is not None), None)
             if printed is None:
                 return {"means": without_structure(shown, caption)}
@@ -122,11 +109,10 @@ class WrittenTables:
             return {"means": over_parts(shown, structure, caption), "parts": by_part(shown, structure, caption, more)}
         structure = dataset.structure
         objects = objects_in_words(self.workspace, dataset)
-        caption = self._caption(str(structure), objects, run, protocol, has_printed)
-        pairs = [rows.comparable(titles) for titles in TABLES[self.name].compared]
-        compared = [(pair[0], pair[1]) for pair in pairs if pair]
+        caption = self._caption(str(structure), objects, shown, protocol)
+        compared = [pair for titles in TABLES[self.name].compared if (pair := rows.comparable(titles))]
         notes = (*gaps(rows, structure), *seed_by_seed(rows, structure), *pseudo_labels(rows, shown), *reasons)
-        short = Caption(f"{TABLES[self.name].title}: {category}", f"{structure}", 0, 0, "test split", run)
+        short = Caption(f"{TABLES[self.name].title}: {category}", f"{structure}", 0, 0, "test split", caption.seeds)
         return {
             "summary": means_alone(shown, structure, short),
             "means": over_parts(shown, structure, caption.noting(*notes, AGAINST_NOTE if compared else ""), compared),
@@ -140,24 +126,20 @@ class WrittenTables:
         by_category = {name: CategoryRows(self.workspace, self.name, name, own, protocol) for name, own in inputs.items()}
         rows = {row.title: {name: own.row(row) for name, own in by_category.items()} for row in TABLES[self.name].rows}
         every = [row for own in rows.values() for row in own.values()]
-        has_printed = any(row.printed is not None for row in every)
-        caption = self._caption("means over categories", ", ".join(inputs), _seeds(every), protocol, has_printed)
+        caption = self._caption("means over categories", ", ".join(inputs), every, protocol)
         labelled = open_dataset(self.workspace).categories()
         absent = [name for name in TABLES[self.name].categories if not any(same_category(name, there) for there in labelled)]
         if absent:
             caption = caption.noting(f"Not run: {', '.join(absent)}: there are no labelled shapes.")
         return {"means": over_categories(rows, structures, caption)}
 
-    def _caption(self, what: str, of: str, seeds: tuple[int, ...], protocol: Protocol, has_printed: bool) -> Caption:
+    def _caption(self, what: str, of: str, rows: Sequence[ScanRow], protocol: Protocol) -> Caption:
         table = TABLES[self.name]
-        caption = Caption(
-            title=f"{table.title}{PROTOCOL_TITLES[protocol]}: {what}",
-            data=f"{of} of workspace {self.workspace.path.absolute().name}",
-            shapes=0,
-            joints=0,
-            split="test split by hashed id",
-            seeds=seeds,
-        )
+        title = f"{table.title}{PROTOCOL_TITLES[protocol]}: {what}"
+        data = f"{of} of workspace {self.workspace.path.absolute().name}"
+        seeds = tuple(sorted({seed for row in rows for seed in row.seeds}))
+        caption = Caption(title, data, 0, 0, "test split by hashed id", seeds)
+        has_printed = any(row.printed is not None for row in rows)
         return caption.noting(table.note, PRINTED_NOTE if protocol == "kinmo" and has_printed else "")
 
     def _dataset(self, category: str) -> ScanDataset | InputError:
@@ -174,7 +156,3 @@ class WrittenTables:
 def _plain(inputs: Inputs) -> dict[str, Any]:
     """Inputs as JSON has them, with text as keys."""
     return {"scores": {name: {str(seed): dict(rows) for seed, rows in by_seed.items()} for name, by_seed in inputs.items()}}
-
-
-def _seeds(rows: Sequence[ScanRow]) -> tuple[int, ...]:
-    return tuple(sorted({seed for row in rows for seed in row.seeds}))

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 from kinmo.core.errors import InputError
 from kinmo.core.wording import counted
@@ -20,31 +18,22 @@ from kinmo.experiments.self_training.self_labels import self_label
 from kinmo.io.atomic_files import remove_leftovers
 from kinmo.learning.model_folder import networks_digest
 from kinmo.pipeline.network_jobs import network_runner
-from kinmo.pipeline.scans.scan_dataset import COMPLETE, ScanDataset, open_scan_dataset, scans_fingerprint
+from kinmo.pipeline.scans.scan_dataset import COMPLETE, open_scan_dataset, scans_fingerprint
 from kinmo.pipeline.scans.scan_networks import ScanRun
 from kinmo.pipeline.scans.train_scans import self_labels_folder
 from kinmo.scans.ancsh.ancsh_predictor import AncshPredictor
-from kinmo.scans.files.scan_file import FORMAT, ScanFile, ScanProvenance, open_scans, write_scans
+from kinmo.scans.files.scan_file import FORMAT, ScanProvenance, open_scans, write_scans
 
-SECONDS_PER_FRAME = 0.03
-"""First estimate, for one CPU core."""
-PREFIX = "self-label-"
-"""Beginning of the names of all such stages in the journal."""
+SECONDS_PER_FRAME = 0.03  # first estimate, for one CPU core
+PREFIX = "self-label-"  # beginning of the names of all such stages in the journal
 
 
 @dataclass(frozen=True)
 class SelfLabelScans:
-    """Label the scans of the unlabelled objects of a category with its supervised networks.
+    """Label the scans of the unlabelled objects of a category with its supervised networks of a seed.
 
-    The labels are complete once the cache of their folder has a result `COMPLETE`.
-
-    Attributes:
-        workspace: The workspace.
-        category: The category.
-        confidence: Least share of each part's points that must agree on its pose.
-        seed: Seed of the networks.
-        device: Where networks run.
-        workers: Number of processes.
+    The labels are complete once the cache of their folder has a result `COMPLETE`. At least the share `confidence` of each
+    part's points must agree on its pose.
     """
 
     workspace: Workspace
@@ -56,86 +45,76 @@ class SelfLabelScans:
 
     def plan(self) -> Plan:
         """Nothing, if the labels are up to date."""
-        dataset = open_scan_dataset(self.workspace, self.category)
-        self._files(dataset)
-        return Plan((), 0.0) if self._is_current(dataset) else self._labelling(dataset)
+        labels = _Labels(self)
+        return Plan((), 0.0) if labels.are_current else self._labelling(labels)
 
     def guess(self) -> Plan:
         """Estimate for labelling all present scans."""
-        return self._labelling(open_scan_dataset(self.workspace, self.category))
+        return self._labelling(_Labels(self))
 
-    def _labelling(self, dataset: ScanDataset) -> Plan:
-        frames = sum(file.frames for file in self._files(dataset))
-        alone = SECONDS_PER_FRAME / self.workers
-        each = seconds_per_unit(self.workspace, self._stage(dataset), alone, prefix=PREFIX)
-        return Plan((f"label {counted(frames, 'scan')} of {dataset.category} by supervised networks",), frames * each)
+    def _labelling(self, labels: _Labels) -> Plan:
+        frames = sum(file.frames for file in labels.files)
+        each = seconds_per_unit(self.workspace, labels.stage, SECONDS_PER_FRAME / self.workers, prefix=PREFIX)
+        return Plan((f"label {counted(frames, 'scan')} of {labels.category} by supervised networks",), frames * each)
 
     def run(self, observer: Observer) -> Outcome:
         """Label the scans that are not up to date."""
         with self.workspace.locked():
-            dataset = open_scan_dataset(self.workspace, self.category)
-            files, folder = self._files(dataset), self._folder(dataset)
-            if self._is_current(dataset):
-                observer.note(f"{dataset.category}: scans are already labelled")
+            labels = _Labels(self)
+            if labels.are_current:
+                observer.note(f"{labels.category}: scans are already labelled")
             else:
-                self._label(dataset, observer)
-        return Outcome(folder, {"objects": len(list(folder.glob("*.safetensors"))), "of": len(files)})
+                self._label(labels, observer)
+        return Outcome(labels.folder, {"objects": len(list(labels.folder.glob("*.safetensors"))), "of": len(labels.files)})
 
-    def _label(self, dataset: ScanDataset, observer: Observer) -> None:
-        weights = self._run(dataset).weights(self.workspace)
-        if weights is None:
+    def _label(self, labels: _Labels, observer: Observer) -> None:
+        if labels.weights is None:
             problem = f"no supervised networks for scans of {self.category}: run kinmo train ancsh --setting supervised"
             raise InputError(self.workspace.models, problem)
-        files, settings, cache = self._files(dataset), self._settings(dataset), Cache(self._folder(dataset))
+        cache = Cache(labels.folder)
         cache.forget(COMPLETE)
         remove_leftovers(cache.folder)
-        jobs = [SelfLabelJob(file.path, cache_key(scans=file.provenance.key, **settings)) for file in files]
+        jobs = [SelfLabelJob(file.path, cache_key(scans=file.provenance.key, **labels.settings)) for file in labels.files]
         pending = [job for job in jobs if not cache.is_current(job.name, job.key)]
         kept = {job.name for job in jobs if job not in pending}
         cache.forget(*(name for name in cache if name not in kept))
         for path in cache.folder.glob("*.safetensors"):
             if path.stem not in kept:
                 path.unlink()
-        frames = {file.path: file.frames for file in files}
-        labeller = SelfLabeller(cache.folder, weights, networks_digest(weights), self.device, self.confidence, self.seed)
+        frames = {file.path: file.frames for file in labels.files}
+        digest = networks_digest(labels.weights)
+        labeller = SelfLabeller(cache.folder, labels.weights, digest, self.device, self.confidence, self.seed)
         labelling = closing(network_runner(self.workers, self.device).run(labeller, pending))
-        with timed(self.workspace, self._stage(dataset)) as watch, labelling as labelled:
+        with timed(self.workspace, labels.stage) as watch, labelling as labelled:
             for done, (job, is_sure) in enumerate(labelled, start=1 + len(kept)):
                 if isinstance(is_sure, Failure):
                     raise InputError(job.scans, f"cannot be labelled: {is_sure.reason}")
                 cache.store(job.name, job.key, [cache.folder / job.scans.name] if is_sure else [])
-                observer.progress("labelling scans", done, len(files), job.name)
+                observer.progress("labelling scans", done, len(jobs), job.name)
             watch.amount = sum(frames[job.scans] for job in pending)
-            watch.what = f"{counted(watch.amount, 'scan')} of {dataset.category}"
-        cache.store(COMPLETE, self._key(dataset), sorted(cache.folder.glob("*.safetensors")))
+            watch.what = f"{counted(watch.amount, 'scan')} of {labels.category}"
+        cache.store(COMPLETE, labels.key, sorted(cache.folder.glob("*.safetensors")))
 
-    def _files(self, dataset: ScanDataset) -> Sequence[ScanFile]:
-        """Scans to label. Raises InputError if there are none."""
-        if not dataset.files["unlabelled"]:
-            problem = f"no scans of unlabelled objects of {dataset.category}: run kinmo render --unlabelled first"
-            raise InputError(self.workspace.scans, problem)
-        return dataset.files["unlabelled"]
 
-    def _folder(self, dataset: ScanDataset) -> Path:
-        return self_labels_folder(self.workspace, dataset.category, self.seed)
+class _Labels:
+    """Labels of the present scans of unlabelled objects by the present supervised networks. Raises InputError without scans."""
 
-    def _stage(self, dataset: ScanDataset) -> str:
-        return f"{PREFIX}{dataset.category}-{self.seed}"
+    def __init__(self, stage: SelfLabelScans) -> None:
+        dataset = open_scan_dataset(stage.workspace, stage.category)
+        self.category, self.files = dataset.category, dataset.files["unlabelled"]
+        if not self.files:
+            problem = f"no scans of unlabelled objects of {self.category}: run kinmo render --unlabelled first"
+            raise InputError(stage.workspace.scans, problem)
+        self.stage = f"{PREFIX}{self.category}-{stage.seed}"
+        self.folder = self_labels_folder(stage.workspace, self.category, stage.seed)
+        self.weights = ScanRun(self.category, "supervised", stage.seed).weights(stage.workspace)
+        weights = networks_digest(self.weights or ())  # without supervised networks nothing was made with them
+        self.settings = {"weights": weights, "confidence": stage.confidence, "seed": stage.seed, "format": FORMAT}
+        self.key = cache_key(scans=scans_fingerprint(self.files), **self.settings)
 
-    def _run(self, dataset: ScanDataset) -> ScanRun:
-        return ScanRun(dataset.category, "supervised", self.seed)
-
-    def _settings(self, dataset: ScanDataset) -> dict[str, Any]:
-        """Everything but the scans that labels depend on. Without supervised networks nothing was made with them."""
-        weights = self._run(dataset).weights(self.workspace) or ()
-        return {"weights": networks_digest(weights), "confidence": self.confidence, "seed": self.seed, "format": FORMAT}
-
-    def _key(self, dataset: ScanDataset) -> str:
-        """Cache key of all labels together."""
-        return cache_key(scans=scans_fingerprint(dataset.files["unlabelled"]), **self._settings(dataset))
-
-    def _is_current(self, dataset: ScanDataset) -> bool:
-        return Cache(self._folder(dataset)).is_current(COMPLETE, self._key(dataset))
+    @property
+    def are_current(self) -> bool:
+        return Cache(self.folder).is_current(COMPLETE, self.key)
 
 
 @dataclass(frozen=True)
@@ -153,16 +132,7 @@ class SelfLabelJob:
 
 @dataclass(frozen=True)
 class SelfLabeller:
-    """Labels scans with networks, in any process.
-
-    Attributes:
-        folder: Folder of the labelled scans.
-        weights: Weights of both networks.
-        digest: Hash of the networks.
-        device: Where networks run.
-        confidence: Least share of each part's points that must agree on its pose.
-        seed: Seed of the pose fitting.
-    """
+    """Labels scans with both networks, whose hash is `digest`, in any process. `seed` is that of the pose fitting."""
 
     folder: Path
     weights: tuple[Path, Path]

@@ -17,21 +17,12 @@ from kinmo.scans.rendering.labelled_frames import LabelledFrames
 
 F64 = NDArray[np.float64]
 
-UNSURE = "networks were not sure of it"
-"""Reason why frames are skipped."""
+UNSURE = "networks were not sure of it"  # reason why frames are skipped
 
 
 @dataclass(frozen=True, eq=False)
 class PredictedObject:
-    """One object as networks predict it, to be written with its frames (`ScannedObject`).
-
-    Attributes:
-        id: Id of the object.
-        category: Category of the object.
-        structure: Structure that the networks know.
-        joints: Joints of parts 1 and up, in the normalised frame.
-        part_extents: Boxes of the parts, in the normalised frame.
-    """
+    """One object as networks predict it, to be written with its frames (`ScannedObject`), in the normalised frame."""
 
     id: str
     category: str
@@ -61,22 +52,13 @@ def self_label(
     structure: Structure,
     confidence: float,
 ) -> tuple[PredictedObject, LabelledFrames] | None:
-    """Label the frames of one object that the networks are sure of.
+    """Label the frames of one object that the networks are sure of (`is_sure`); None if there is none.
 
     Boxes and joints are medians over these frames. The canonical position of a point follows from the pose of its part, not
-    from the prediction for the point alone.
+    from the prediction for the point alone. Part poses and joint states of the labelled frames are NaN.
 
-    Args:
-        shape_id: Id of the object.
-        category: Category of the object.
-        points: Its F scans [F, n, 3], in the camera frame.
-        predictions: Predictions for the points of each scan.
-        estimates: Estimate for each scan.
-        structure: Structure that the networks know.
-        confidence: Least share of each part's points that must agree on its pose.
-
-    Returns:
-        The object and its labelled frames, with NaN for part poses and joint states; None if the networks are sure of no frame.
+    The F scans [F, n, 3] are in the camera frame, with predictions for the points and an estimate for each. `structure` is the
+    one that the networks know.
     """
     sure = [row for row, estimate in enumerate(estimates) if is_sure(estimate, confidence)]
     if not sure:
@@ -86,20 +68,15 @@ def self_label(
     parts = np.stack([predictions[row].parts for row in sure])
     places = np.zeros((len(sure), *points.shape[1:]), np.float32)
     for frame, row in enumerate(sure):
-        poses = estimates[row].poses
+        found = estimates[row].poses
         for part in range(structure.part_count):
             own = parts[frame] == part
-            npcs = (points[row][own] - poses.translations[part]) @ poses.rotations[part] / poses.scales[part]
+            npcs = (points[row][own] - found.translations[part]) @ found.rotations[part] / found.scales[part]
             places[frame, own] = (npcs - MIDDLE) * extents.diagonals[part] + extents.centers[part]
-    frames = LabelledFrames(
-        points[sure],
-        parts.astype(np.int16),
-        places,
-        poses=np.full((len(sure), structure.part_count, 4, 4), np.nan),
-        values=np.full((len(sure), structure.part_count - 1), np.nan),
-        turns=np.full((len(sure), structure.part_count - 1), np.nan),
-        skipped=Counter({UNSURE: len(estimates) - len(sure)}),
-    )
+    poses = np.full((len(sure), structure.part_count, 4, 4), np.nan)
+    values, turns = np.full((2, len(sure), structure.part_count - 1), np.nan)
+    skipped = Counter({UNSURE: len(estimates) - len(sure)})
+    frames = LabelledFrames(points[sure], parts.astype(np.int16), places, poses, values, turns, skipped)
     return PredictedObject(shape_id, category, structure, joints, extents), frames
 
 
@@ -121,10 +98,8 @@ def _joints(
     found = [np.einsum("kji,kj->ki", own.poses.rotations[parents], own.directions) for own in estimates]
     directions = [_mean_direction(np.stack([own[row] for own in found])) for row in range(len(parents))]
     pivots = np.median([predicted_joints(own, structure)[1] for own in predictions], axis=0)
-    return tuple(
-        Joint(kind, direction, pivot - MIDDLE)
-        for kind, direction, pivot in zip(structure.kinds, directions, pivots, strict=True)
-    )
+    axes = zip(structure.kinds, directions, pivots, strict=True)
+    return tuple(Joint(kind, direction, pivot - MIDDLE) for kind, direction, pivot in axes)
 
 
 def _mean_direction(directions: F64) -> F64:

@@ -10,6 +10,7 @@ from kinmo.core.errors import InputError
 from kinmo.dataset.stage import LaterStage, Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
 from kinmo.experiments.self_training.self_label_scans import SelfLabelScans
+from kinmo.methods import DEFAULT_METHOD
 from kinmo.pipeline.scans.scan_dataset import scanned_categories
 from kinmo.pipeline.scans.train_scans import TrainScans
 from kinmo.pipeline.scans.training_settings import Setting
@@ -17,20 +18,11 @@ from kinmo.pipeline.scans.training_settings import Setting
 
 @dataclass(frozen=True)
 class TrainBySelfTraining:
-    """Train supervised networks, label scans of unlabelled objects with them, and train networks on both.
-
-    Attributes:
-        workspace: The workspace.
-        config: Name or path of the configuration.
-        category: The category; None for all scanned ones.
-        seed: Seed of everything random.
-        device: Where networks are trained and run.
-        workers: Number of processes.
-    """
+    """Train supervised networks, label scans of unlabelled objects with them, and train networks on both."""
 
     workspace: Workspace
     config: str
-    category: str | None = None
+    category: str | None = None  # None for all scanned ones
     seed: int = 0
     device: str = "auto"
     workers: int = 1
@@ -63,12 +55,5 @@ class TrainBySelfTraining:
         yield self._training("self-training")
 
     def _training(self, setting: Setting) -> TrainScans:
-        return TrainScans(
-            self.workspace,
-            self.config,
-            self.category,
-            setting,
-            seed=self.seed,
-            device=self.device,
-            workers=self.workers,
-        )
+        how = DEFAULT_METHOD, self.seed, self.device, self.workers
+        return TrainScans(self.workspace, self.config, self.category, setting, *how)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from kinmo.core.joint import JointKind
 from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
+from kinmo.evaluation.joint_records import score_terms
 from kinmo.experiments.label_truth import WEIGHTS, weighted_score
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods.kinmo.kinmo_method import KinmoMethod
@@ -32,20 +32,13 @@ class Reweighted:
         return replace(prediction, mobility=replace(prediction.mobility, bodies=bodies), estimates=estimates)
 
     def _rescored(self, estimate: JointEstimate) -> JointEstimate:
-        slides = estimate.joint is not None and estimate.joint.kind is JointKind.PRISMATIC
-        terms = {name: value for name, value in estimate.terms.items() if not (slides and name == "position")}
-        score = weighted_score(terms, self.weights)
+        score = weighted_score(score_terms(estimate), self.weights)
         return estimate if score is None else replace(estimate, score=score)
 
 
 @dataclass(frozen=True)
 class AblationRows:
-    """Adds rows to those of the trained methods (see `evaluate_shapes.MoreRows`).
-
-    Attributes:
-        ablations: Rows of OBB_fine with other weights, candidates, terms and edges.
-        hidden_names: Rows with all part names hidden.
-    """
+    """Adds ablations of OBB_fine, or rows without part names, to other rows (see `evaluate_shapes.MoreRows`)."""
 
     ablations: bool = False
     hidden_names: bool = False
@@ -82,16 +75,16 @@ def weight_rows(fine: PaperMethod) -> list[Row]:
 def candidate_rows(fine: PaperMethod) -> list[Row]:
     """OBB_fine with candidates beyond the paper's, and with the sweep as a term of the score."""
 
-    def changed(**values: object) -> PaperMethod:
-        return replace(fine, refinement=replace(fine.refinement, **values))  # type: ignore[arg-type]
+    def changed(name: str, **values: object) -> Row:
+        return Row(f"OBB_fine, {name}", replace(fine, refinement=replace(fine.refinement, **values)))  # type: ignore[arg-type]
 
     return [
-        Row("OBB_fine, both boxes", changed(extra=("boxes",))),
-        Row("OBB_fine, contact lines", changed(extra=("contact",))),
-        Row("OBB_fine, symmetry axes", changed(extra=("symmetry",))),
-        Row("OBB_fine, all candidates", changed(extra=("boxes", "contact", "symmetry"))),
-        Row("OBB_fine, sweep term", changed(weights=SWEEP_WEIGHTS)),
-        Row("OBB_fine, contact pivots of all hinges", changed(contact_pivots="revolute")),
+        changed("both boxes", extra=("boxes",)),
+        changed("contact lines", extra=("contact",)),
+        changed("symmetry axes", extra=("symmetry",)),
+        changed("all candidates", extra=("boxes", "contact", "symmetry")),
+        changed("sweep term", weights=SWEEP_WEIGHTS),
+        changed("contact pivots of all hinges", contact_pivots="revolute"),
     ]
 
 

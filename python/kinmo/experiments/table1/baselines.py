@@ -22,33 +22,24 @@ from kinmo.evaluation.hierarchy_given import score_hierarchy_given
 from kinmo.evaluation.joint_records import ShapeScore
 from kinmo.evaluation.parts_given import score_parts_given
 from kinmo.experiments.table1.rule_baseline import rule_joints, rule_prediction
-from kinmo.experiments.table1.trees import library_version
-from kinmo.experiments.table1.trees_baseline import fit_trees
+from kinmo.experiments.table1.trees_baseline import fit_trees, library_version
 from kinmo.experiments.table1.upper_bound import true_type_candidates, upper_bound
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.pipeline.evaluation.evaluation_folder import test_shapes
 
-UPPER_BOUND, NO_LEARNING, TREES = "upper bound", "no learning", "trees"
-"""Names of the rows, or their beginnings."""
-SEEDS = 1 << 32
-"""Number of seeds that scikit-learn accepts."""
-MAX_TRAINING_SHAPES = 1000
-"""Shapes that the trees are trained on at most."""
+UPPER_BOUND, NO_LEARNING, TREES = "upper bound", "no learning", "trees"  # names of the rows, or their beginnings
+SEEDS = 1 << 32  # number of seeds that scikit-learn accepts
+MAX_TRAINING_SHAPES = 1000  # shapes that the trees are trained on at most
 ALL_CANDIDATES: tuple[Literal["boxes", "contact", "symmetry"], ...] = ("boxes", "contact", "symmetry")
 """Candidates beyond the paper's."""
 
 
 @dataclass(frozen=True)
 class PaperBaselines:
-    """The baseline rows (see `pipeline.evaluation.shape_evaluation.Baselines`).
+    """The baseline rows (`pipeline.evaluation.shape_evaluation.Baselines`)."""
 
-    Attributes:
-        refinement: The paper's candidates.
-        seed: Seed of the trees.
-    """
-
-    refinement: RefinementConfig = field(default_factory=RefinementConfig)
-    seed: int = 0
+    refinement: RefinementConfig = field(default_factory=RefinementConfig)  # the paper's candidates
+    seed: int = 0  # of the trees
 
     @property
     def settings(self) -> Mapping[str, Any]:
@@ -86,13 +77,7 @@ class PaperBaselines:
     def score(
         self, truth: PreparedShape, meshes: _core.Meshes, data: Any
     ) -> tuple[dict[str, ShapeScore], dict[str, ShapeScore]]:
-        """Scores by row, parts given and hierarchy given.
-
-        Args:
-            truth: The annotated shape.
-            meshes: Meshes of its leaves, in the normalised frame.
-            data: Predictions of the trees for the shape; None without the row.
-        """
+        """Scores by row, parts given and hierarchy given; `data` are predictions of the trees, None without their row."""
         every = replace(self.refinement, extra=ALL_CANDIDATES, contact_pivots="revolute")
         estimates = {
             f"{UPPER_BOUND}, paper's candidates": upper_bound(truth, true_type_candidates(truth, meshes, self.refinement)),

@@ -26,14 +26,10 @@ from kinmo.features.prepared_shape import PreparedShape
 
 F64 = NDArray[np.float64]
 
-MAX_BUTTON_SIZE = 0.2
-"""Diagonal (of the object's) below which a part is pressed rather than turned."""
-MAX_PANEL_THICKNESS = 0.3
-"""Thickness of a panel at most, as a share of its middle extent."""
-CONTACT_SHARE = 0.05
-"""Share of a part's points that counts as its contact with the rest."""
-EDGE_OFFSET = 0.5
-"""Distance from the middle (in half extents) beyond which contact is at an edge."""
+MAX_BUTTON_SIZE = 0.2  # diagonal (of the object's) below which a part is pressed rather than turned
+MAX_PANEL_THICKNESS = 0.3  # thickness of a panel at most, as a share of its middle extent
+CONTACT_SHARE = 0.05  # share of a part's points that counts as its contact with the rest
+EDGE_OFFSET = 0.5  # distance from the middle (in half extents) beyond which contact is at an edge
 
 
 def rule_joints(truth: PreparedShape) -> dict[int, JointEstimate]:

@@ -21,26 +21,18 @@ F64 = NDArray[np.float64]
 
 
 def upper_bound(truth: PreparedShape, candidates: Mapping[int, tuple[F64, F64]]) -> dict[int, JointEstimate]:
-    """Best candidate for every movable body.
+    """Best candidate for every movable body that has any, in the normalised frame.
 
     The best candidate has the smallest worse error: axis error over 5 degrees, or line distance at the part over 0.05
-    diagonals. It has no range.
-
-    Args:
-        truth: The annotated shape.
-        candidates: Unit directions [K, 3] and pivots [K, 3] by body, in the normalised frame.
-
-    Returns:
-        Estimates by body, in the normalised frame; a body without candidates has none.
+    diagonals. It has no range. Candidates are unit directions [K, 3] and pivots [K, 3] by body, in the normalised frame.
     """
     mobility, boxes = truth.annotation
     best = {}
     for index, body in mobility.movable():
         true = body.joint
-        directions, pivots = candidates.get(index, (np.zeros((0, 3)), np.zeros((0, 3))))
-        if true is None or not len(directions):
+        if true is None or index not in candidates or not len(candidates[index][0]):
             continue
-        joints = [Joint(true.kind, d, p) for d, p in zip(directions, pivots, strict=True)]
+        joints = [Joint(true.kind, direction, pivot) for direction, pivot in zip(*candidates[index], strict=True)]
         joint = min(joints, key=lambda found: _error(true, found, boxes[index].center))
         best[index] = JointEstimate(joint, truth.body_types[index], 1.0, source="upper bound")
     return best
@@ -49,15 +41,9 @@ def upper_bound(truth: PreparedShape, candidates: Mapping[int, tuple[F64, F64]])
 def true_type_candidates(
     truth: PreparedShape, meshes: _core.Meshes | None, config: RefinementConfig
 ) -> dict[int, tuple[F64, F64]]:
-    """Candidates of every movable body for its true motion type.
+    """Candidates of every movable body for its true motion type: unit directions [K, 3] and pivots [K, 3], normalised frame.
 
-    Args:
-        truth: The annotated shape.
-        meshes: Meshes of the leaves, in the normalised frame; needed for candidates beyond the paper's.
-        config: The kinds of candidates.
-
-    Returns:
-        Unit directions [K, 3] and pivots [K, 3] by body, in the normalised frame.
+    Candidates beyond the paper's need the meshes of the leaves, in the same frame.
     """
     mobility, _ = truth.annotation
     roles = leaf_roles(truth, mobility.bodies)

@@ -8,7 +8,7 @@ import numpy as np
 from scanned_objects import cupboard_object
 
 from kinmo.config import ScansConfig
-from kinmo.experiments.scan_tables.pseudo_label_truth import LabelCounts, count_labels
+from kinmo.experiments.scan_tables.table_notes import LabelCounts, count_labels
 from kinmo.scans.files.scan_file import ScanFile, ScanProvenance, open_scans, write_scans
 from kinmo.scans.rendering.labelled_frames import scan_object
 
