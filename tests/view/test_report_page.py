@@ -12,6 +12,8 @@ from browser import assert_shown_without_complaint, needs_browser
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.shape import Mesh
+from kinmo.evaluation.tables import INTERVAL, Caption, Column
+from kinmo.evaluation.tables import Table as FigureTable
 from kinmo.view.report_page import Page, Picture, Section, Table, render
 from kinmo.view.shape_picture import Axis, object_picture
 from kinmo.view.training_curves import line_chart
@@ -69,3 +71,15 @@ def test_columns_of_words_and_of_numbers_are_told_apart() -> None:
     rows = [("a", "240 shapes below x", "0.02..0.35", "–"), ("b", "8 rows", "–", "–")]
     table = Table("", ("name", "what", "interval", "nothing"), rows)
     assert [table.is_text(column) for column in range(4)] == [True, True, False, False]
+
+
+def test_intervals_stand_below_their_figures_and_facts_below_the_table() -> None:
+    caption = Caption("Table 2", "sample", 3, 4, "test", (0, 1), "a note")
+    columns = (Column("trained on"), Column("rotation", 1), INTERVAL, Column("axis", 1), INTERVAL)
+    rows = (("some", 21.44, "16 to 27", 0.4, "0.2 to 0.7"), ("authors' data", 8.0, None, None, None))
+    found = Table.of(FigureTable(caption, columns, rows))
+    assert found.caption == "Table 2"
+    assert found.note == "sample; 3 shapes, 4 joints; test; seeds 0, 1.\na note"
+    assert found.header == ["trained on", "rotation\n95 %", "axis\n95 %"]
+    assert found.rows == [["some", "21.4\n16 to 27", "0.4\n0.2 to 0.7"], ["authors' data", "8.0", "–"]]
+    assert [found.is_text(column) for column in range(3)] == [True, False, False]

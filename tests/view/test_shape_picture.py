@@ -9,7 +9,7 @@ import numpy as np
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.shape import Mesh
-from kinmo.view.picture_camera import front_left
+from kinmo.view.picture_raster import front_left
 from kinmo.view.shape_picture import Axis, object_picture
 
 UP = np.array([0.0, 1.0, 0.0])

@@ -34,14 +34,12 @@ from kinmo.pipeline.pseudo_label_files import REPORT as ACCEPTANCE
 from kinmo.pipeline.pseudo_label_files import labels_folder, stage_of
 from kinmo.pipeline.scans.scan_networks import MODEL as SCAN_MODELS
 from kinmo.pipeline.score_urdfs import URDF_FILES
-from kinmo.view.example_pictures import draw_example
 from kinmo.view.report_page import Page, Picture, Section, Table, render
-from kinmo.view.report_tables import page_table
 from kinmo.view.scan_sections import picture_sections, table_sections
+from kinmo.view.shape_picture import draw_example
 from kinmo.view.training_curves import line_chart
 
-MAX_PICTURES = 12
-"""Pictures of right predictions, and of wrong ones, for each row."""
+MAX_PICTURES = 12  # pictures of right predictions, and of wrong ones, for each row
 PICTURED_TOGETHER = (("kinmo", None), ("OBB_fine", "GNN_fine"), ("GNN_fine", "GNN_coarse"))
 """Rows with pictures, and the row drawn beside: the effect of refinement and of fine types (the paper's figures 4, 6, 3)."""
 SECONDS_PER_PICTURE = 1.0
@@ -72,12 +70,12 @@ class Report:
         """Write the page."""
         store = PreparedStore(self.workspace.prepared)
         tables = [*self._tables(), *table_sections(self.workspace)]
-        details = [self._data(store), *self._pseudo_labels(), self._curves(), self._runs()]
+        details = [self._data(store), *self._pseudo_labels(), *self._curves(), self._runs()]
         sections = [
             *self._pictures(store, observer),
             *picture_sections(self.workspace),
             *tables,
-            *(replace(section, is_folded=True) for section in details if section is not None),
+            *(replace(section, is_folded=True) for section in details),
         ]
         facts = [("workspace", str(self.workspace.path.absolute())), ("prepared shapes", str(len(store)))]
         page = Page("kinmo report", facts, sections)
@@ -89,10 +87,8 @@ class Report:
         return self.workspace.report / "index.html"
 
     def _runs(self) -> Section:
-        rows = [
-            (run.stage, run.what, run.started.replace("T", " ")[:19], f"{run.seconds:.1f}", run.kinmo)
-            for run in runs(self.workspace)
-        ]
+        found = ((run, run.started.replace("T", " ")[:19]) for run in runs(self.workspace))
+        rows = [(run.stage, run.what, started, f"{run.seconds:.1f}", run.kinmo) for run, started in found]
         return Section("Runs", tables=[Table("Stages", ("stage", "what", "started (UTC)", "seconds", "kinmo"), rows)])
 
     def _data(self, store: PreparedStore) -> Section:
@@ -118,28 +114,24 @@ class Report:
             for setting in SETTINGS:
                 found = {path.stem: read_table(path) for path in sorted((evaluated.path / setting).glob("*.json"))}
                 more = [*PRINTED_TABLES, *(name for name in found if name not in (*PRINTED_TABLES, "summary"))]
-                charts = [
-                    chart
-                    for name, table in found.items()
-                    if name.startswith("label_truth")
-                    for chart in _truth_charts(name, table)
-                ]
+                labels = [(name, table) for name, table in found.items() if name.startswith("label_truth")]
+                charts = [chart for name, table in labels for chart in _truth_charts(name, table)]
                 title = f"Table 1, {setting.replace('_', ' ')}{of}"
-                summary = [page_table(found["summary"])]
-                yield Section(title, tables=summary, charts=charts, more=[page_table(found[name]) for name in more])
+                summary = [Table.of(found["summary"])]
+                yield Section(title, tables=summary, charts=charts, more=[Table.of(found[name]) for name in more])
         files = sorted((self.workspace.evaluation / URDF_FILES).glob("*.json"))
         if files:
-            yield Section("URDF files", tables=[page_table(read_table(path)) for path in files])
+            yield Section("URDF files", tables=[Table.of(read_table(path)) for path in files])
 
-    def _curves(self) -> Section | None:
+    def _curves(self) -> Iterator[Section]:
         charts: list[str] = []
         for path in sorted(self.workspace.models.rglob(METRICS)):
             parts = path.parent.relative_to(self.workspace.models).parts
             name = " ".join(parts[1:] if parts[0] == SCAN_MODELS else parts)
             with expecting("one entry per epoch", path):
-                charts += _training_charts(name, _json(path) or [])
-        charts = [chart for chart in charts if chart]
-        return Section("Training", charts=charts) if charts else None
+                charts += filter(None, _training_charts(name, _json(path) or []))
+        if charts:
+            yield Section("Training", charts=charts)
 
     def _pseudo_labels(self) -> Iterator[Section]:
         for method, models in METHOD_MODELS.items():
@@ -157,12 +149,12 @@ class Report:
         key = KEY
         for row, beside in PICTURED_TOGETHER:
             predicted = [example for example in examples if row in example.predictions]
+            roles = {"refined": row} | ({"network": beside} if beside else {})
             for title, wanted in ((f"{row}: right", True), (f"{row}: wrong", False)):
                 own = [example for example in predicted if example.predictions[row].is_ok is wanted]
-                chosen = spread_over_categories(own, MAX_PICTURES)
-                pictures = list(self._draw(store, chosen, row, beside, title, observer))
+                pictures = list(self._draw(store, spread_over_categories(own, MAX_PICTURES), roles, title, observer))
                 if pictures:
-                    legend = [("truth", "true axis"), ("refined", row), *([("network", beside)] if beside else [])]
+                    legend = [("truth", "true axis"), *roles.items()]
                     counts = f"{len(own)} of {len(predicted)} true joints of the test shapes, parts given"
                     text = f"{counts}; {counted(len(pictures), 'picture')}, by category in turn. {key}".rstrip()
                     yield Section(title, text, pictures=pictures, legend=legend)
@@ -173,10 +165,9 @@ class Report:
         return read_examples(evaluated.path / EXAMPLES) if evaluated.is_current else []
 
     def _draw(
-        self, store: PreparedStore, examples: Sequence[Example], row: str, beside: str | None, what: str, observer: Observer
+        self, store: PreparedStore, examples: Sequence[Example], roles: Mapping[str, str], what: str, observer: Observer
     ) -> Iterator[Picture]:
         for done, example in enumerate(examples):
-            roles = {"refined": row} | ({"network": beside} if beside else {})
             try:
                 svg = draw_example(store, example, roles)
             except InputError as error:
@@ -206,10 +197,10 @@ def _training_charts(name: str, history: Sequence[Mapping[str, float]]) -> list[
 def _truth_charts(name: str, table: FigureTable) -> Iterator[str]:
     """Charts of precision and recall of pseudo labels over the threshold, one line for each score."""
     titles = [column.title for column in table.columns]
+    rows = [dict(zip(titles, row, strict=True)) for row in table.rows]
     for figure in ("precision", "recall"):
         series: dict[str, list[tuple[float, float]]] = {}
-        for row in table.rows:
-            cells = dict(zip(titles, row, strict=True))
+        for cells in rows:
             tau, value = cells["tau"], cells[figure]
             if isinstance(tau, float | int) and isinstance(value, float | int):
                 series.setdefault(str(cells["score"]), []).append((tau, value))

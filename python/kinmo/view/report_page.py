@@ -10,24 +10,30 @@ from importlib import resources
 import jinja2
 
 from kinmo._core import __version__
+from kinmo.evaluation.tables import DASH, INTERVAL
+from kinmo.evaluation.tables import Table as FigureTable
 from kinmo.view.training_curves import COLOURS
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of text.
-
-    Attributes:
-        caption: Title of the table.
-        header: Titles of the columns.
-        rows: Cells of each row; the first one names the row. Lines after the first in a cell are small.
-        note: Text below the table.
-    """
+    """A table of text with a note below it. The first cell of a row names it. Lines after the first in a cell are small."""
 
     caption: str
     header: Sequence[str]
     rows: Sequence[Sequence[str]]
     note: str = ""
+
+    @classmethod
+    def of(cls, figures: FigureTable) -> Table:
+        """A table of figures with its facts below, and with intervals below their figures."""
+        titles, *rows = figures.cells()
+        for place in reversed(range(len(titles))):
+            if figures.columns[place] == INTERVAL:
+                for cells in (titles, *rows):
+                    interval = cells.pop(place)
+                    cells[place - 1] += "" if interval == DASH else f"\n{interval}"
+        return cls(figures.caption.title, titles, rows, figures.caption.facts)
 
     def is_text(self, column: int) -> bool:
         """True if a cell of the column has a letter in its first line, unlike numbers and times."""
@@ -45,17 +51,10 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the page.
+    """A part of the page: a heading, a paragraph of text, and contents. It may be folded away as a whole.
 
-    Attributes:
-        title: Heading.
-        text: Paragraph below it.
-        tables: Tables.
-        charts: SVGs of `kinmo.view.training_curves`.
-        pictures: Pictures.
-        more: Tables that are folded away.
-        legend: Role and meaning of the axes in the pictures.
-        is_folded: The whole section is folded away.
+    Charts are SVGs of `kinmo.view.training_curves`. `more` tables are folded away. The legend has the role and the meaning of
+    the axes in the pictures.
     """
 
     title: str

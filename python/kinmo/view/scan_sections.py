@@ -13,8 +13,7 @@ from kinmo.pipeline.scans.scan_networks import trained_runs
 from kinmo.pipeline.scans.scan_pictures import HIT_DEGREES, HIT_IOU, ScanPicture, read_pictures
 from kinmo.pipeline.scans.scan_scores import ScanScores
 from kinmo.pipeline.scans.training_settings import SETTINGS
-from kinmo.view.report_page import Picture, Section
-from kinmo.view.report_tables import page_table
+from kinmo.view.report_page import Picture, Section, Table
 
 LEGEND = (
     "Left the prediction, right the truth, as the camera sees them: points in the colours of their parts, amodal boxes, and "
@@ -31,8 +30,8 @@ def table_sections(workspace: Workspace) -> Iterator[Section]:
         for folder in sorted(path for path in written.folder.glob("*") if path.is_dir()):
             found = {path.stem: read_table(path) for path in sorted(folder.glob("*.json"))}
             first = "summary" if "summary" in found else "means"
-            tables = [page_table(found[first])] if first in found else []
-            more = [page_table(other) for key, other in found.items() if key != first]
+            tables = [Table.of(found[first])] if first in found else []
+            more = [Table.of(other) for key, other in found.items() if key != first]
             note = "" if written.is_current(folder.name) else OUTDATED
             yield Section(f"{table.title}: {folder.name}", note, tables=tables, more=more)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 
@@ -11,18 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
+from kinmo.core.normalisation import Normalisation
 from kinmo.core.shape import Mesh, join
 from kinmo.core.vector import Vector
-from kinmo.view.picture_camera import Camera, front_left
-from kinmo.view.picture_raster import shade
+from kinmo.dataset.store import PreparedStore
+from kinmo.features.prepared_shape import check_unchanged
+from kinmo.io.discover import ShapeSource
+from kinmo.pipeline.evaluation.example_predictions import Example
+from kinmo.view.picture_raster import Camera, front_left, shade
 
-SIZE = 300
-"""Width and height of a picture in pixels."""
+SIZE = 300  # width and height of a picture in pixels
 MOVING = (0.36, 0.58, 0.86)
 STILL = (0.80, 0.80, 0.78)
-OVERHANG = 0.08
-"""Length of an axis beyond the moving part, in diagonals."""
+OVERHANG = 0.08  # length of an axis beyond the moving part, in diagonals
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,32 +37,44 @@ class Axis:
     role: str
 
 
-def object_picture(
-    meshes: tuple[Mesh, ...], moving: frozenset[int], axes: tuple[Axis, ...], up: Vector, label: str, size: int = SIZE
-) -> str:
-    """Draw an object from the front left, with its joint axes as arrows.
+def draw_example(store: PreparedStore, example: Example, roles: Mapping[str, str]) -> str:
+    """SVG of a true joint and its predictions in their shape; `roles` has the name of the table's row for each style of axis.
 
-    A slider's axis has no position and is drawn through the middle of the moving part.
-
-    Args:
-        meshes: Meshes of the object's leaves.
-        moving: Positions in `meshes` of the leaves to colour.
-        axes: Joints to draw, in the frame of the meshes.
-        up: Unit vector [3] that points up in that frame.
-        label: Text for readers who do not see pictures.
-        size: Width and height in pixels.
-
-    Returns:
-        An SVG.
+    Raises InputError if the shape is gone, is not annotated any more, or cannot be read from its source.
     """
-    camera = front_left(join(*meshes).corners, up, size)
+    entry = next((e for e in store.entries if (e.id, e.layout) == (example.shape_id, example.layout)), None)
+    if entry is None:
+        raise InputError(store.folder, f"there is no shape {example.shape_id} any more: run kinmo eval again")
+    prepared = store.load(entry)
+    if prepared.mobility is None or example.body >= len(prepared.mobility.bodies):
+        raise InputError(entry.source, "expected an annotated shape: run kinmo eval again")
+    shape = ShapeSource.of(entry).read()
+    check_unchanged(shape, prepared)
+    frame = Normalisation(prepared.center, prepared.diagonal)
+    bodies = [prepared.mobility.bodies[index] for index in prepared.mobility.descendants(example.body)]
+    place = {leaf: position for position, leaf in enumerate(shape.leaves)}
+    moving = frozenset(place[leaf] for body in bodies for leaf in body.leaves)
+    joints = {"truth": prepared.mobility.bodies[example.body].joint}
+    joints |= {role: example.predictions[row].joint for role, row in roles.items()}
+    axes = (Axis(joint, role) for role, joint in joints.items() if joint is not None)
+    label = f"{example.category} {example.shape_id}: {example.name}"
+    return object_picture(tuple(map(frame.mesh, shape.meshes())), moving, tuple(axes), prepared.up, label)
+
+
+def object_picture(meshes: tuple[Mesh, ...], moving: frozenset[int], axes: tuple[Axis, ...], up: Vector, label: str) -> str:
+    """SVG of the meshes of an object's leaves from the front left, coloured where they move, with its joint axes as arrows.
+
+    A slider's axis has no position and is drawn through the middle of the moving part. Axes and the unit vector `up` [3] are in
+    the frame of the meshes. The label is for readers who do not see pictures.
+    """
+    camera = front_left(join(*meshes).corners, up, SIZE)
     colors = np.array([MOVING if part in moving else STILL for part in range(len(meshes))])
     image = _png(shade(camera, meshes, colors))
     around = join(*(meshes[part] for part in sorted(moving) or range(len(meshes)))).corners
     arrows = "".join(_arrow(camera, axis, around, 2.0 * camera.radius * OVERHANG) for axis in axes)
     return (
-        f'<svg class="object" viewBox="0 0 {size} {size}" role="img" aria-label="{escape(label, quote=True)}">'
-        f'<image href="data:image/png;base64,{image}" width="{size}" height="{size}"/>{arrows}</svg>'
+        f'<svg class="object" viewBox="0 0 {SIZE} {SIZE}" role="img" aria-label="{escape(label, quote=True)}">'
+        f'<image href="data:image/png;base64,{image}" width="{SIZE}" height="{SIZE}"/>{arrows}</svg>'
     )
 
 

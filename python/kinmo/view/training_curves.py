@@ -8,28 +8,19 @@ from html import escape
 
 WIDTH = 340
 """Width of a chart. All lengths are in units of the SVG."""
-PLOT = 136
-"""Height of the area between the axes."""
-LETTER, GAP, ROW = 5.4, 12, 13
-"""Width of a letter in the key (roughly), space between two names, and height of a row."""
+PLOT = 136  # height of the area between the axes
+LETTER, GAP, ROW = 5.4, 12, 13  # width of a letter in the key (roughly), space between two names, and height of a row
 LEFT, RIGHT, TITLE, BOTTOM = 46, 14, 15, 28
 """Margins around the area between the axes; the key stands between it and the title."""
-COLOURS = 10
-"""Number of colours of lines; the page defines them."""
+COLOURS = 10  # number of colours of lines; the page defines them
 
 Points = Sequence[tuple[float, float]]
 
 
 def line_chart(title: str, series: Mapping[str, Points], x_label: str) -> str:
-    """Draw lines on one pair of linear axes.
+    """SVG of lines on one pair of linear axes, from points (x, y) by name of the line; empty if no series has a point.
 
-    Args:
-        title: Title of the chart.
-        series: Points (x, y) by name of the line. Points that are not finite are skipped.
-        x_label: Label of the horizontal axis.
-
-    Returns:
-        An SVG; empty if no series has a point.
+    Points that are not finite are skipped.
     """
     drawn = {name: [(x, y) for x, y in points if math.isfinite(x) and math.isfinite(y)] for name, points in series.items()}
     drawn = {name: points for name, points in drawn.items() if points}
