@@ -44,13 +44,6 @@ class Cache:
 
     A result is stored after its files are in place, so that an interrupted run makes it again. Only the process that holds the
     folder's lock may store or forget.
-
-    Example:
-        >>> cache = Cache(folder)
-        >>> key = cache_key(files=hashes, seed=0)
-        >>> if not cache.is_current("cabinet", key):
-        ...     (folder / "cabinet.json").write_text(make())
-        ...     cache.store("cabinet", key, [folder / "cabinet.json"])
     """
 
     def __init__(self, folder: Path) -> None:

@@ -25,9 +25,6 @@ from kinmo.io.source_files import fingerprint, have_same_contents
 ORACLE = "oracle"
 """Subfolder in which `kinmo synth --oracle` writes annotated copies of unlabelled shapes."""
 
-Progress = Callable[[int, int, str], None]
-"""Called with the number of shapes done, the number of all shapes, and the id of the last one."""
-
 
 @dataclass(frozen=True, slots=True)
 class ReportEntry:
@@ -85,7 +82,7 @@ def prepare_folder(
     points: int = POINTS_PER_LEAF,
     oracle: Sequence[Path] = (),
     cluster: str | None = None,
-    on_progress: Progress = lambda done, total, name: None,
+    on_progress: Callable[[int, int, str], None] = lambda done, total, name: None,
 ) -> PreparationReport:
     """Prepare all shapes below a folder into a workspace, and list them in its index.
 
@@ -93,14 +90,12 @@ def prepare_folder(
     first readable one is included. Index and files do not depend on `workers`, nor on interruptions.
 
     Args:
-        root: the folder with the shapes.
         workspace: the workspace whose `prepared` folder gets them.
-        workers: number of processes.
         seed: seed of the sampled points.
         points: samples per leaf part.
         oracle: folders whose labels are oracle labels (`IndexEntry.is_oracle`).
         cluster: address of a Ray cluster that runs the jobs; None for this machine.
-        on_progress: called after each shape.
+        on_progress: called after each shape with the number of shapes done, the number of all shapes, and the id of the last.
 
     Raises:
         InputError: `root` or an oracle folder is no folder, no shape is below `root`, or another process works in the

@@ -56,9 +56,7 @@ class IndexEntry:
     Attributes:
         id: id of the shape, unique within its layout.
         layout: input format, a key of `kinmo.io.readers.READERS`.
-        category: object category, spelled as in the source.
         file: path of the prepared shape, relative to the store (or absolute).
-        source: path that the shape was read from.
         key: cache key of the prepared shape: it changes with the source files and with the preparation.
         partnet_id: PartNet annotation that the shape comes from; None if unknown.
         geometry_hash: hash of the surface, equal for copies.

@@ -23,12 +23,7 @@ def write_atomically(path: Path) -> Iterator[Path]:
     If the block fails or the process is killed, `path` is unchanged. A folder may be absent while it is being replaced. The
     draft has a fixed name beside `path`: the next run removes what a killed run left. Parent folders are created.
 
-    Yields:
-        The path of the draft.
-
-    Raises:
-        FileNotFoundError: the block wrote nothing.
-        OSError: the file system refused. The error names `path`.
+    Yields the path of the draft. Raises FileNotFoundError if the block wrote nothing. Other OSErrors name `path`.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -57,7 +57,7 @@ class ShapeSource:
 def discover(
     root: Path, *, skip: tuple[Path, ...] = (), report: Callable[[InputError], None] = lambda error: None
 ) -> Iterator[ShapeSource]:
-    """Find all shapes at or below a folder.
+    """Find all shapes at or below a folder, in the order of their names, those of a folder before those of its subfolders.
 
     Hidden files and folders, and kinmo's workspaces, are skipped. Links to folders are not followed.
 
@@ -65,9 +65,6 @@ def discover(
         root: the folder to search, the folder of one shape, or the file of one shape.
         skip: folders to skip.
         report: receives a note about each link that leads out of `root` and each folder that cannot be listed.
-
-    Yields:
-        The shapes in the order of their names, those of a folder before those of its subfolders.
 
     Raises:
         InputError: `root` does not exist, or is a file of an unknown format.

@@ -23,7 +23,7 @@ _HARMLESS_EXTENSIONS = (
     "KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "EXT_lights_", "MSFT_texture_", "KHR_xmp_"
 )  # fmt: skip
 """Prefixes of the names of extensions that do not change geometry."""
-_DTYPES: dict[int, np.dtype[Any]] = dict(zip((*INDEX_TYPES, FLOAT), map(np.dtype, ("<u1", "<u2", "<u4", "<f4")), strict=True))
+_DTYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", FLOAT: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC3": 3}
 
 
@@ -60,7 +60,7 @@ class GltfFile:
         accessor = self.entry("accessors", index)
         component = accessor["componentType"]
         if component.integer() not in component_types:
-            names = ", ".join(_DTYPES[each].name for each in component_types)
+            names = ", ".join(np.dtype(_DTYPES[each]).name for each in component_types)
             raise component.fail(f"expected {names}, got type {component.integer()}: export without quantization")
         if accessor["type"].text() != kind:
             raise accessor["type"].fail(f"expected {kind}")
@@ -68,7 +68,7 @@ class GltfFile:
             raise accessor.fail("expected all numbers in a bufferView: export without sparse accessors and compression")
         view = self.entry("bufferViews", accessor["bufferView"])
         data = self._buffer(view["buffer"])
-        dtype = _DTYPES[component.integer()]
+        dtype = np.dtype(_DTYPES[component.integer()])
         size = dtype.itemsize * _WIDTHS[kind]
         begin = _count(view["byteOffset"]) + _count(accessor["byteOffset"])
         end = min(_count(view["byteOffset"]) + _count(view["byteLength"]), len(data))

@@ -88,7 +88,8 @@ def read_meta(folder: Path, root_name: str) -> Meta:
         reason = "meta.json is missing" if is_missing else "meta.json has no model_cat"
         if root_name:
             return Meta(canonical_category(root_name), number, (f"{reason}: category taken from the root part",))
-        return Meta(UNKNOWN_CATEGORY, number, (f"{reason}, and the root part has no name: category {UNKNOWN_CATEGORY}",))
+        note = f"{reason}, and the root part has no name: category {UNKNOWN_CATEGORY}"
+        return Meta(UNKNOWN_CATEGORY, number, (note,))
     name = meta["model_cat"].text()
     if not name:
         raise meta["model_cat"].fail("expected a category")
