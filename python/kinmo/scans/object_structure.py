@@ -14,9 +14,6 @@ from kinmo.core.joint import JointKind
 
 F64 = NDArray[np.float64]
 
-JOINT_PATTERN = rf"(?P<kind>{'|'.join(JointKind)}) on (?P<parent>\d+)"
-"""Regular expression of a joint in tables and settings, such as `R on 0`."""
-
 
 @dataclass(frozen=True)
 class Structure:
@@ -30,24 +27,14 @@ class Structure:
 
     @classmethod
     def parse(cls, joints: Sequence[str]) -> Structure:
-        """Read a structure from joints as tables write them.
-
-        Args:
-            joints: One text per part, from part 1 on, such as `R on 0`.
-
-        Returns:
-            The structure with `len(joints) + 1` parts.
-
-        Raises:
-            ValueError: If a text has another form, or names a parent that does not precede its part.
-        """
+        """Read a structure from one text per part, from part 1 on, such as `R on 0`; ValueError for any other text."""
         kinds, parents = [], []
         for part, text in enumerate(joints, start=1):
-            found = re.fullmatch(JOINT_PATTERN, text)
-            if found is None or int(found["parent"]) >= part:
+            found = re.fullmatch(rf"({'|'.join(JointKind)}) on (\d+)", text)
+            if found is None or int(found[2]) >= part:
                 raise ValueError(f"expected {', '.join(JointKind)} on a part before part {part}, such as R on 0, got {text!r}")
-            kinds.append(JointKind(found["kind"]))
-            parents.append(int(found["parent"]))
+            kinds.append(JointKind(found[1]))
+            parents.append(int(found[2]))
         return cls(tuple(kinds), tuple(parents))
 
     @property

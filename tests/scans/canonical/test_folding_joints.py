@@ -113,8 +113,6 @@ def test_equal_bars_open_to_their_wider_side() -> None:
     for lower, upper, ends in ((-0.2, 0.5, (0.0, WIDEST)), (-0.5, 0.2, (-WIDEST, 0.0))):
         joint = with_folding_limits(replace(AXIS, lower=lower, upper=upper), folding, WIDEST)
         assert (joint.lower, joint.upper) == pytest.approx(ends)
-    with pytest.raises(ValueError, match="expected a hinge with limits"):
-        with_folding_limits(AXIS, folding, WIDEST)
 
 
 def test_only_limited_hinges_parallel_to_the_pin_fold() -> None:

@@ -117,7 +117,7 @@ def test_guessed_limits_do_not_decide_the_closed_pose_of_an_object() -> None:
     joint = bodies[place].joint
     assert joint is not None
     bodies[place] = replace(bodies[place], joint=replace(joint, lower=-1.2, upper=1.0))
-    found = articulated_object(shape, Mobility(tuple(bodies)), max_guessed_opening=QUARTER)
+    found = articulated_object(replace(shape, mobility=Mobility(tuple(bodies))), max_guessed_opening=QUARTER)
     true = articulated_object(shape)
     for mesh, other in zip(found.meshes, true.meshes, strict=True):
         np.testing.assert_allclose(mesh.vertices, other.vertices, atol=1e-6)

@@ -19,8 +19,9 @@ from kinmo.core.normalisation import Normalisation
 from kinmo.core.shape import Mesh, Shape, join
 from kinmo.core.vector import Vector
 from kinmo.scans.canonical.canonical_pose import to_canonical_pose, to_estimated_canonical_pose
+from kinmo.scans.canonical.closed_pose import area_normals
 from kinmo.scans.canonical.object_variants import MIRROR, apply_variant
-from kinmo.scans.canonical.part_order import canonical_order
+from kinmo.scans.canonical.part_order import canonical_order, reordered
 from kinmo.scans.object_structure import Extents, Structure
 
 F64 = NDArray[np.float64]
@@ -34,8 +35,6 @@ class ArticulatedObject:
     """An object in its normalised frame: its box has the middle at the origin and the diagonal 1.
 
     Attributes:
-        id: Id of the shape.
-        category: Category of the shape.
         up: Unit vector [3].
         mobility: K bodies, one per part. Part 0 is the base; each other part has a joint and follows its parent.
         meshes: K meshes in the canonical pose.
@@ -71,41 +70,38 @@ class ArticulatedObject:
 
 def articulated_object(
     shape: Shape,
-    mobility: Mobility | None = None,
     *,
     min_part_size: float = ScansConfig.smallest_part,
     closes: bool = True,
     max_guessed_opening: float | None = None,
     variant_matrix: F64 | None = None,
 ) -> ArticulatedObject:
-    """Make an articulated object from a shape and its joints.
+    """Articulated object of a shape with joints, in its canonical pose and normalised frame.
 
     Bodies that are fixed to each other are one part. A part smaller than `min_part_size` is fixed to its parent. Junk is left
     out. Parts are in the order of `part_order`.
 
     Args:
         shape: The shape.
-        mobility: Joints in the frame of the shape. Default: `shape.mobility`.
         min_part_size: Smallest diagonal of a part, in diagonals of the object.
         closes: True for the closed pose, False for the pose of the file, as in the paper's release.
         max_guessed_opening: For joints with guessed limits: the largest width of a hinge's range, rad. The closed pose is then
             estimated. None: limits are true.
         variant_matrix: Matrix [3, 3] of `sample_variant_matrix`, for a mirrored or stretched variant of the object.
 
-    Returns:
-        The object in its canonical pose and normalised frame.
-
     Raises:
         InputError: If the joints are unknown, all leaves are junk, no part moves, or there is no base to move against.
     """
-    mobility = shape.mobility if mobility is None else mobility
+    mobility = shape.mobility
     if mobility is None:
         raise InputError(shape.source, "no joints are known of it")
     meshes = {leaf: mesh for leaf, mesh in zip(shape.leaves, shape.meshes(), strict=True) if leaf not in mobility.junk}
     if not meshes:
         raise InputError(shape.source, "all of it is marked as junk")
     frame = Normalisation.about(meshes.values())
-    mobility = frame.mobility(_without_junk(mobility))
+    kept = [tuple(leaf for leaf in body.leaves if leaf not in mobility.junk) for body in mobility.bodies]
+    bodies = (replace(body, leaves=leaves) for body, leaves in zip(mobility.bodies, kept, strict=True))
+    mobility = frame.mobility(Mobility(tuple(bodies)))
     up = np.asarray(shape.up, np.float64)
     meshes = {leaf: frame.mesh(mesh) for leaf, mesh in meshes.items()}
     links = _without_small(links_of(mobility), meshes, min_part_size)
@@ -129,10 +125,8 @@ def articulated_object(
         frame = Normalisation.about(joined)
         parts, joined = frame.mobility(parts), tuple(map(frame.mesh, joined))
     order = canonical_order(parts.bodies, _extents(mesh.vertices for mesh in joined).centers @ to_z_up.T)
-    place = {index: position for position, index in enumerate(order)}
-    bodies = (parts.bodies[index] for index in order)
-    ordered = (replace(b, id=place[b.id], parent=None if b.parent is None else place[b.parent]) for b in bodies)
-    return ArticulatedObject(shape.id, shape.category, up, Mobility(tuple(ordered)), tuple(joined[index] for index in order))
+    ordered = Mobility(reordered(parts.bodies, order))
+    return ArticulatedObject(shape.id, shape.category, up, ordered, tuple(joined[index] for index in order))
 
 
 def single_part_object(shape: Shape) -> ArticulatedObject:
@@ -141,13 +135,6 @@ def single_part_object(shape: Shape) -> ArticulatedObject:
     base = Body(0, "base", tuple(shape.leaves), None, None)
     mesh = join(*(frame.mesh(mesh) for mesh in shape.meshes()))
     return ArticulatedObject(shape.id, shape.category, np.asarray(shape.up, np.float64), Mobility((base,)), (mesh,))
-
-
-def _without_junk(mobility: Mobility) -> Mobility:
-    bodies = (
-        replace(body, leaves=tuple(leaf for leaf in body.leaves if leaf not in mobility.junk)) for body in mobility.bodies
-    )
-    return Mobility(tuple(bodies))
 
 
 def _without_small(links: Sequence[Link], meshes: dict[int, Mesh], min_size: float) -> list[Link]:
@@ -176,10 +163,7 @@ def _extents(clouds: Iterable[F64]) -> Extents:
 
 def _axis_aligned_share(mesh: Mesh) -> float:
     """Share of the surface that faces an axis of the frame."""
-    places = np.ascontiguousarray(mesh.vertices.T)  # NumPy is faster along rows, and than its own cross product
-    first, second, third = (np.take(places, corner, axis=1) for corner in mesh.faces.T)
-    (ax, ay, az), (bx, by, bz) = second - first, third - first
-    normals = np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
-    areas = np.linalg.norm(normals, axis=0)
-    is_aligned = np.abs(normals).max(axis=0) >= MIN_ALIGNED_COSINE * areas
+    normals = area_normals(mesh)
+    areas = np.linalg.norm(normals, axis=1)
+    is_aligned = np.abs(normals).max(axis=1) >= MIN_ALIGNED_COSINE * areas
     return float(areas[is_aligned].sum() / max(areas.sum(), np.finfo(float).tiny))

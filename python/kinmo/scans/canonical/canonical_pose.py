@@ -11,32 +11,22 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import joint_motion, rotation_about
 from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Mesh
-from kinmo.scans.canonical.closed_pose import close_joints, transform_points
+from kinmo.scans.canonical.closed_pose import Parts, box_middle, close_joints, transform_points
 from kinmo.scans.canonical.folding_joints import align_tips, find_folding_joints
 from kinmo.scans.canonical.pseudo_label_closed_pose import estimate_closed_limits
 from kinmo.scans.canonical.visible_base import transform_object, with_first_part_as_base, with_visible_base
 
 F64 = NDArray[np.float64]
-Parts = tuple[Mobility, tuple[Mesh, ...]]
-"""Joints of an object and the meshes of its bodies."""
 
 TEST_ANGLE = 0.5
 """Opening of a hinge at which its opening direction is measured, rad."""
 
 
 def to_canonical_pose(mobility: Mobility, meshes: Sequence[Mesh], min_size: float, to_z_up: F64, closes: bool) -> Parts:
-    """Bring an object with known limits to its canonical pose.
+    """Bring an object with known limits to its canonical pose, with a visible base; arguments as in `with_visible_base`.
 
-    Args:
-        mobility: Joints; body 0 is the base.
-        meshes: Meshes of the bodies, one each, of an object with the diagonal 1.
-        min_size: Smallest diagonal of a visible part.
-        to_z_up: Matrix [3, 3] to a frame with z up and the front at -x. It may mirror left and right, to choose the base that
-            the mirrored object will have.
-        closes: True to close all joints and turn the object so that it opens to the front.
-
-    Returns:
-        The object with a visible base, in the canonical pose.
+    If it `closes`, all joints are closed, and the object is turned so that it opens to the front. `to_z_up` may mirror left and
+    right, to choose the base that the mirrored object will have.
     """
     open_parts, open_meshes, base_joint = with_visible_base(mobility, meshes, min_size, to_z_up)
     if not closes:
@@ -50,20 +40,11 @@ def to_canonical_pose(mobility: Mobility, meshes: Sequence[Mesh], min_size: floa
 def to_estimated_canonical_pose(
     mobility: Mobility, meshes: Sequence[Mesh], min_size: float, to_z_up: F64, max_guessed_opening: float
 ) -> Parts:
-    """Bring an object with guessed limits to its canonical pose.
+    """Bring an object with guessed limits to its canonical pose; arguments as in `to_canonical_pose`.
 
-    Joints close where `estimate_closed_limits` says. If the base is invisible, folding joints close where their tips meet, and
-    the object is turned so that the tips are axis-aligned (`folding_joints`).
-
-    Args:
-        mobility: Joints with guessed limits; body 0 is the base.
-        meshes: As in `to_canonical_pose`.
-        min_size: As in `to_canonical_pose`.
-        to_z_up: As in `to_canonical_pose`.
-        max_guessed_opening: Largest width of a hinge's range, rad.
-
-    Returns:
-        The closed object with a visible base, in the canonical pose.
+    Joints close where `estimate_closed_limits` says, and hinges open by `max_guessed_opening` rad at most. If the base is
+    invisible, folding joints close where their tips meet, and the object is turned so that the tips are axis-aligned
+    (`folding_joints`).
     """
     mobility, meshes, base_joint = with_visible_base(mobility, meshes, min_size, to_z_up)
     foldings = {} if base_joint is None else find_folding_joints(mobility, meshes, base_joint)
@@ -77,23 +58,14 @@ def to_estimated_canonical_pose(
 
 
 def open_to_the_front(mobility: Mobility, meshes: Sequence[Mesh], to_z_up: F64) -> Parts:
-    """Turn a closed object half round about up if its parts open mostly to the back.
+    """Turn a closed object half round about up if its summed opening motion points to the back more than anywhere else.
 
-    The front of a door that is the same from both sides is arbitrary in its file.
-
-    Args:
-        mobility: Joints, at rest where they are closed.
-        meshes: Meshes of the bodies, one each.
-        to_z_up: Matrix [3, 3] to a frame with z up and the front at -x.
-
-    Returns:
-        The object, turned if the summed opening motion points to the back more than in any other direction.
+    The front of a door that is the same from both sides is arbitrary in its file. `to_z_up` is as in `to_canonical_pose`.
     """
     motion = np.zeros(3)
     for index, body in mobility.movable():
         if body.joint is not None:
-            vertices = meshes[index].vertices
-            motion += to_z_up @ _opening_motion(body.joint, np.mean([vertices.min(axis=0), vertices.max(axis=0)], axis=0))
+            motion += to_z_up @ _opening_motion(body.joint, box_middle(meshes[index].vertices))
     if motion[0] <= 0.0 or motion[0] < np.abs(motion).max():
         return mobility, tuple(meshes)
     return transform_object(mobility, meshes, rotation_about(Joint(JointKind.REVOLUTE, to_z_up[2], np.zeros(3)), np.pi))

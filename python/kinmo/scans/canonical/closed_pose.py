@@ -3,28 +3,36 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 from kinmo.core.joint import Joint, JointKind
-from kinmo.core.kinematics import Pose, forward
-from kinmo.core.mobility import Mobility
+from kinmo.core.kinematics import Pose, forward, joint_motion
+from kinmo.core.mobility import Mobility, path_to_root
 from kinmo.core.shape import Mesh
-from kinmo.scans.canonical.axis_alignment import axis_aligned_values
 
 F64 = NDArray[np.float64]
+Parts = tuple[Mobility, tuple[Mesh, ...]]
+"""Joints of an object and the meshes of its bodies."""
 
 EQUAL_SHARE = 0.01
 """Relative difference up to which two volumes, or two openings, count as equal."""
 MIN_SWING, MAX_INNER_VOLUME = math.radians(40.0), 0.75
 """A swing door is closed between its ends. Such a hinge opens by at least `MIN_SWING` rad to either side, and the object's
 box is smaller there than `MAX_INNER_VOLUME` times the box at either end."""
+ANGLE_STEP = math.radians(3.0)
+"""Step of the search for axis-aligned angles, rad."""
+MAX_MISALIGNMENT = 1.12
+"""Largest misalignment (`axis_aligned_values`) of an axis-aligned part; an axis-aligned box has 1."""
+MISALIGNMENT_TOLERANCE = 0.03
+"""Excess over the least misalignment up to which another angle is axis-aligned too."""
 
 
-def close_joints(mobility: Mobility, meshes: Sequence[Mesh], base_is_visible: bool = True) -> tuple[Mobility, tuple[Mesh, ...]]:
+def close_joints(mobility: Mobility, meshes: Sequence[Mesh], base_is_visible: bool = True) -> Parts:
     """Move an object to its closed pose.
 
     The closed end of a joint is chosen by these rules, in this order:
@@ -37,14 +45,8 @@ def close_joints(mobility: Mobility, meshes: Sequence[Mesh], base_is_visible: bo
     5. A joint half way between equal ends stays there, given that the base is visible.
     6. Otherwise the end nearer to the file's state is the closed one.
 
-    Args:
-        mobility: Joints, with rest values that describe `meshes`.
-        meshes: Meshes of the bodies, one each.
-        base_is_visible: False if the base is too small to be seen (`visible_base`).
-
-    Returns:
-        The mobility and meshes in the closed pose. Joint directions point from closed to open. The direction of a joint that
-        opens equally to both sides has its largest coordinate positive.
+    Rest values describe `meshes`, one per body. In the result, joint directions point from closed to open. The direction of a
+    joint that opens equally to both sides has its largest coordinate positive.
     """
     clouds = [mesh.corners for mesh in meshes]
     joints = {index: body.joint for index, body in mobility.movable() if body.joint is not None}
@@ -78,10 +80,11 @@ def _closed_end(
         inside = min(aligned, key=volume, default=None)
         if inside is not None and volume(inside) < MAX_INNER_VOLUME * min(low, high):
             return _closed_inside(joint, float(inside), inside - joint.lower, joint.upper - inside)
-    if base_is_visible and _equal_volumes(low, high):
-        own = (index, *_ancestors(index, mobility))
+    if base_is_visible and are_equal_volumes(low, high):
+        parents = {i: body.parent for i, body in enumerate(mobility.bodies) if body.parent is not None}
+        own = tuple(path_to_root(parents, index))
         low, high = volume(joint.lower, own), volume(joint.upper, own)
-    if not _equal_volumes(low, high):
+    if not are_equal_volumes(low, high):
         return _closed_at(joint, joint.upper if high < low else joint.lower)
     if base_is_visible and rests_midway(joint):
         return _closed_inside(joint, joint.rest, joint.rest - joint.lower, joint.upper - joint.rest)
@@ -115,20 +118,54 @@ def with_positive_direction(joint: Joint) -> Joint:
     return joint if joint.direction[np.argmax(np.abs(joint.direction))] > 0.0 else joint.reversed()
 
 
-def _ancestors(index: int, mobility: Mobility) -> Iterator[int]:
-    """Ancestors of a body, from its parent to the base."""
-    while (parent := mobility.bodies[index].parent) is not None:
-        yield parent
-        index = parent
+def axis_aligned_values(joint: Joint, mesh: Mesh, low: float, high: float) -> F64:
+    """Values [n] of a hinge, strictly between `low` and `high`, at which its part is axis-aligned.
+
+    The misalignment of a part is the mean of |nx| + |ny| + |nz| over its surface, for unit normals n. The result holds its
+    least local minima. A part without flat sides has none. A part that is equally aligned at any angle has none either, such
+    as a lid that turns in its plane. `mesh` shows the part at the joint's rest value.
+    """
+    if low >= high:
+        return np.zeros(0)
+    normals = area_normals(mesh)
+    area = float(np.linalg.norm(normals, axis=1).sum())
+
+    def misalignment(value: float) -> float:
+        turned = normals @ joint_motion(joint, value)[:3, :3].T
+        return float(np.abs(turned).sum()) / max(area, np.finfo(float).tiny)
+
+    values = np.arange(low, high + ANGLE_STEP, ANGLE_STEP)
+    sampled = np.array([misalignment(value) for value in values])
+    if np.ptp(sampled) <= MISALIGNMENT_TOLERANCE:
+        return np.zeros(0)
+    minima = 1 + np.flatnonzero((sampled[1:-1] <= sampled[:-2]) & (sampled[1:-1] <= sampled[2:]))
+    found = [
+        minimize_scalar(misalignment, bounds=(value - ANGLE_STEP, min(value + ANGLE_STEP, high)), method="bounded")
+        for value in values[minima]
+    ]
+    limit = min(MAX_MISALIGNMENT, min((float(end.fun) for end in found), default=math.inf) + MISALIGNMENT_TOLERANCE)
+    return np.array([float(end.x) for end in found if end.fun <= limit])
 
 
-def _equal_volumes(one: float, other: float) -> bool:
+def area_normals(mesh: Mesh) -> F64:
+    """Normals [F, 3] of a mesh's faces; their lengths are twice the areas."""
+    corners = mesh.triangles
+    return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+
+
+def are_equal_volumes(one: float, other: float) -> bool:
+    """True for volumes that differ by `EQUAL_SHARE` at most."""
     return abs(one - other) <= EQUAL_SHARE * max(one, other)
 
 
 def box_volume(points: F64) -> float:
     """Volume of the axis-aligned box of points [n, 3]; each side counts 1e-9 at least."""
     return float(np.prod(np.maximum(np.ptp(points, axis=0), 1e-9)))
+
+
+def box_middle(points: F64) -> F64:
+    """Middle [3] of the axis-aligned box of points [n, 3]."""
+    return np.asarray(0.5 * (points.min(axis=0) + points.max(axis=0)))
 
 
 def transform_points(pose: Pose, points: F64) -> F64:

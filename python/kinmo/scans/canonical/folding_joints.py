@@ -18,6 +18,7 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import rotation_about
 from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Mesh
+from kinmo.scans.canonical.closed_pose import Parts, area_normals
 from kinmo.scans.canonical.visible_base import transform_object
 
 F64 = NDArray[np.float64]
@@ -52,95 +53,66 @@ class FoldingJoint:
 
 
 def find_folding_joints(mobility: Mobility, meshes: Sequence[Mesh], base_joint: Joint) -> dict[int, FoldingJoint]:
-    """Folding joints between the base and its children.
+    """Folding joints of the base's children, by body index: hinges with limits that are parallel to the hinge `base_joint`.
 
-    Args:
-        mobility: Joints; their rest values describe `meshes`.
-        meshes: Meshes of the bodies, one each, as in the file.
-        base_joint: Joint by which the base hung from an invisible pin (`visible_base`).
-
-    Returns:
-        Folding joints by body index: hinges with limits that are parallel to the hinge `base_joint`.
+    By `base_joint` the base hung from an invisible pin (`visible_base`). The joints' rest values describe `meshes`.
     """
     found = {}
     for index, body in mobility.movable():
         joint = body.joint
         if body.parent != 0 or joint is None or not joint.is_limited:
             continue
-        if not joint.kind is base_joint.kind is JointKind.REVOLUTE:
-            continue
-        if abs(float(joint.direction @ base_joint.direction)) < MIN_PARALLEL_COSINE:
-            continue
-        folding = find_folding_joint(joint, meshes[index], meshes[0])
-        if folding is not None:
-            found[index] = folding
+        are_hinges = joint.kind is base_joint.kind is JointKind.REVOLUTE
+        if are_hinges and abs(float(joint.direction @ base_joint.direction)) >= MIN_PARALLEL_COSINE:
+            folding = find_folding_joint(joint, meshes[index], meshes[0])
+            if folding is not None:
+                found[index] = folding
     return found
 
 
 def find_folding_joint(joint: Joint, mesh: Mesh, parent: Mesh) -> FoldingJoint | None:
-    """Folding joint of a part about a hinge.
+    """Folding joint of a part about a hinge; None if no tip of the part reaches as far as a tip of the parent.
 
-    Tips are paired by their angle about the hinge: the nearest two, and the other two.
-
-    Args:
-        joint: The hinge.
-        mesh: Mesh of the part, as in the file.
-        parent: Mesh of the parent, as in the file.
-
-    Returns:
-        The folding joint; None if no tip of the part reaches as far as a tip of the parent.
+    Tips are paired by their angle about the hinge: the nearest two, and the other two. Both meshes are as in the file.
     """
-    across = _plane(joint)
+    first = np.linalg.svd(joint.direction[None])[2][1]
+    across = np.stack([first, np.cross(joint.direction, first)])  # the second is a quarter turn from the first
     own, fixed = _tips(joint, mesh, across), _tips(joint, parent, across)
     farthest = max(float(np.abs([own, fixed]).max()), np.finfo(float).tiny)
-    pairings = [_TipPairing.of(tips, fixed, farthest) for tips in (own, own[::-1])]
-    pairing = min(pairings, key=lambda pairing: abs(pairing.angles[0]) if pairing.count else math.inf)
-    if not pairing.count:
+    pairings = [_paired(tips, fixed, farthest) for tips in (own, own[::-1])]
+    (closed, beyond), count, tip = min(pairings, key=lambda pairing: abs(pairing[0][0]) if pairing[1] else math.inf)
+    if not count:
         return None
-    closed, beyond = pairing.angles
     opens = 0.0
-    if pairing.count == 2 and abs(beyond - closed) > SAME_ANGLE:
+    if count == 2 and abs(beyond - closed) > SAME_ANGLE:
         opens = -math.copysign(1.0, beyond - closed)
     elif abs(closed) > SAME_ANGLE:
         opens = -math.copysign(1.0, closed)
-    tip = pairing.tip / abs(pairing.tip)
+    tip /= abs(tip)
     tips, between = (across.T @ [way.real, way.imag] for way in (tip, tip * np.exp(-0.5j * closed)))
-    return FoldingJoint(closed, opens, tips, between, pairing.count == 2)
+    return FoldingJoint(closed, opens, tips, between, count == 2)
 
 
 def with_folding_limits(joint: Joint, folding: FoldingJoint, max_guessed_opening: float) -> Joint:
-    """The hinge with one limit at its closed pose and the other `max_guessed_opening` rad from there.
+    """The hinge, which has limits, with one at its closed pose and the other `max_guessed_opening` rad from there.
 
     A hinge whose tips do not tell its opening direction opens to the wider side of its own limits.
-
-    Raises:
-        ValueError: If the joint has no limits.
     """
-    if joint.lower is None or joint.upper is None:
-        raise ValueError("expected a hinge with limits, got one without")
+    assert joint.lower is not None and joint.upper is not None
     closed = joint.rest + folding.closed
     opens = folding.opens or (1.0 if joint.upper - closed >= closed - joint.lower else -1.0)
-    ends = sorted((closed, closed + opens * max_guessed_opening))
-    return replace(joint, lower=ends[0], upper=ends[1])
+    lower, upper = sorted((closed, closed + opens * max_guessed_opening))
+    return replace(joint, lower=lower, upper=upper)
 
 
-def align_tips(
-    mobility: Mobility, meshes: Sequence[Mesh], axis: Joint, foldings: Mapping[int, FoldingJoint]
-) -> tuple[Mobility, tuple[Mesh, ...]]:
-    """Turn a folding object as a whole about its hinge, so that its tips will meet along an axis of the frame.
+def align_tips(mobility: Mobility, meshes: Sequence[Mesh], axis: Joint, foldings: Mapping[int, FoldingJoint]) -> Parts:
+    """Turn a folding object as a whole about its hinge `axis`, so that its tips will meet along an axis of the frame.
 
-    Args:
-        mobility: The object's joints.
-        meshes: Meshes of the bodies, one each, as in the file.
-        axis: The hinge that alone holds the object.
-        foldings: At least one folding joint, by body index.
-
-    Returns:
-        The turned object. The axis is the one nearest to the middle between the tips in the file, projected along the hinge.
+    That axis is the one nearest to the middle between the tips in the file, projected along the hinge. There is at least one
+    folding joint.
     """
-    tips, between = (
-        np.sum(ways, axis=0) for ways in zip(*((each.tips, each.between) for each in foldings.values()), strict=True)
-    )
+    tips = np.sum([each.tips for each in foldings.values()], axis=0)
+    between = np.sum([each.between for each in foldings.values()], axis=0)
     across = np.eye(3) - np.outer(axis.direction, axis.direction)
     place = int(np.argmax(np.abs(between)))
     near = across[place] * np.sign(between[place])
@@ -148,23 +120,14 @@ def align_tips(
     return transform_object(mobility, meshes, rotation_about(axis, angle))
 
 
-def _plane(joint: Joint) -> F64:
-    """Two unit vectors [2, 3] across the hinge; the second is a quarter turn from the first."""
-    first = np.linalg.svd(joint.direction[None])[2][1]
-    return np.stack([first, np.cross(joint.direction, first)])
-
-
-def _projected(joint: Joint, mesh: Mesh, across: F64) -> C128:
-    """Triangle corners [triangles, 3] projected along the hinge as complex numbers; a turn about it multiplies by a phase."""
-    flat = (mesh.vertices - joint.pivot) @ across.T
-    return np.asarray((flat[:, 0] + 1j * flat[:, 1])[mesh.faces])
-
-
 def _tips(joint: Joint, mesh: Mesh, across: F64) -> C128:
-    """Projected tips [2] on both sides of the hinge, along the surface's principal direction; 0 for a side without points."""
-    seen = _projected(joint, mesh, across)
-    corners = mesh.vertices[mesh.faces]
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    """Projected tips [2] on both sides of the hinge, along the surface's principal direction; 0 for a side without points.
+
+    Projections along the hinge are complex numbers. A turn about it multiplies them by a phase.
+    """
+    flat = (mesh.vertices - joint.pivot) @ across.T
+    seen = (flat[:, 0] + 1j * flat[:, 1])[mesh.faces]
+    areas = np.linalg.norm(area_normals(mesh), axis=1)
     squares = np.square(seen).sum(axis=1) + np.square(seen.sum(axis=1))  # 12 times the mean square over a triangle
     long_side = np.exp(0.5j * np.angle(areas @ squares))
     points = np.unique(seen)
@@ -177,20 +140,12 @@ def _tip(points: C128) -> complex:
     return complex(points[distances >= TIP_SHARE * distances.max()].mean()) if len(points) else 0j
 
 
-@dataclass(frozen=True)
-class _TipPairing:
-    """Paired tips of a part and its parent: `angles` from the part's tips to the parent's.
+def _paired(own: C128, fixed: C128, farthest: float) -> tuple[tuple[float, float], int, complex]:
+    """Angles from a part's tips to its parent's, the number of pairs of true tips, and the parent's tip of the first pair.
 
-    `count` pairs consist of true tips, nearest first; `tip` is the parent's tip of the first pair.
+    Pairs of true tips come first, the nearest before the other.
     """
-
-    angles: tuple[float, float]
-    count: int
-    tip: complex
-
-    @classmethod
-    def of(cls, own: C128, fixed: C128, farthest: float) -> _TipPairing:
-        angles = np.angle(fixed * np.conj(own))
-        is_tip = np.minimum(np.abs(own), np.abs(fixed)) >= MIN_TIP_SHARE * farthest
-        order = np.argsort(np.where(is_tip, np.abs(angles), np.inf))
-        return cls((float(angles[order[0]]), float(angles[order[1]])), int(is_tip.sum()), complex(fixed[order[0]]))
+    angles = np.angle(fixed * np.conj(own))
+    is_tip = np.minimum(np.abs(own), np.abs(fixed)) >= MIN_TIP_SHARE * farthest
+    first, second = np.argsort(np.where(is_tip, np.abs(angles), np.inf))
+    return (float(angles[first]), float(angles[second])), int(is_tip.sum()), complex(fixed[first])

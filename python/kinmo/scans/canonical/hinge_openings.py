@@ -26,27 +26,18 @@ def with_sampled_openings(
 ) -> Mobility:
     """Replace guessed ends of hinges by openings of known hinges.
 
-    A hinge at least `max_guessed_opening` wide has no known end: limits are guessed up to that width.
-
-    Args:
-        mobility: The object's joints, at rest where they are closed.
-        max_guessed_opening: Largest width of a guessed range, rad.
-        openings: Openings of hinges of labelled objects, rad (`hinge_opening`). Without any, nothing changes.
-        rng: Source of random numbers.
-
-    Returns:
-        The mobility whose hinges without a known end open as far as one of `openings`, drawn at random.
+    A hinge at least `max_guessed_opening` rad wide has no known end: limits are guessed up to that width. It gets one of
+    `openings` (`hinge_opening` of labelled objects), drawn at random. Without any, nothing changes.
     """
-    if not openings:
-        return mobility
-    bodies = []
-    for body in mobility.bodies:
-        joint = body.joint
-        if joint is not None and joint.kind is JointKind.REVOLUTE and joint.lower is not None and joint.upper is not None:
-            opening = openings[int(rng.integers(len(openings)))]
-            if joint.upper - joint.lower >= max_guessed_opening - ROUNDING:
-                # A hinge that is closed between its ends opens to both sides.
-                lower = joint.rest - opening if joint.rest > joint.lower + ROUNDING else joint.lower
-                joint = replace(joint, lower=lower, upper=joint.rest + opening)
-        bodies.append(replace(body, joint=joint))
-    return replace(mobility, bodies=tuple(bodies))
+
+    def opened(joint: Joint) -> Joint:
+        if joint.kind is not JointKind.REVOLUTE or joint.lower is None or joint.upper is None:
+            return joint
+        opening = openings[int(rng.integers(len(openings)))]
+        if joint.upper - joint.lower < max_guessed_opening - ROUNDING:
+            return joint
+        # A hinge that is closed between its ends opens to both sides.
+        lower = joint.rest - opening if joint.rest > joint.lower + ROUNDING else joint.lower
+        return replace(joint, lower=lower, upper=joint.rest + opening)
+
+    return mobility.with_joints(opened) if openings else mobility

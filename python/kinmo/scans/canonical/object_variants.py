@@ -13,7 +13,7 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Mesh
 from kinmo.core.vector import Vector
-from kinmo.scans.canonical.closed_pose import rests_midway, with_positive_direction
+from kinmo.scans.canonical.closed_pose import Parts, rests_midway, with_positive_direction
 
 F64 = NDArray[np.float64]
 
@@ -22,15 +22,9 @@ MIRROR = np.diag([1.0, -1.0, 1.0])
 
 
 def sample_variant_matrix(up: Vector, stretch: float, rng: np.random.Generator) -> F64:
-    """Draw a matrix that mirrors an object with probability 1/2 and stretches it.
+    """Draw a matrix [3, 3] that mirrors an object with the unit vector `up` [3] with probability 1/2 and stretches it.
 
-    Args:
-        up: Up direction [3] of the object.
-        stretch: Largest factor >= 1 of each of the three directions (sideways, to the front, up); 1 / `stretch` is the least.
-        rng: Source of random numbers.
-
-    Returns:
-        Matrix [3, 3] for `apply_variant`.
+    The factors of the three directions (sideways, to the front, up) are 1 / `stretch` to `stretch`.
     """
     to_z_up = z_up_rotation(up)
     lengths = np.exp(rng.uniform(-1.0, 1.0, 3) * np.log(stretch))
@@ -38,16 +32,10 @@ def sample_variant_matrix(up: Vector, stretch: float, rng: np.random.Generator) 
     return np.asarray(to_z_up.T @ sides @ np.diag(lengths) @ to_z_up)
 
 
-def apply_variant(mobility: Mobility, meshes: Sequence[Mesh], matrix: F64) -> tuple[Mobility, tuple[Mesh, ...]]:
-    """Map an object's points and axes by a matrix; joint angles stay.
+def apply_variant(mobility: Mobility, meshes: Sequence[Mesh], matrix: F64) -> Parts:
+    """Map a closed object's points and axes by a matrix [3, 3] of `sample_variant_matrix`; joint angles stay.
 
-    Args:
-        mobility: Joints of a closed object. A stretched open object would not close any more.
-        meshes: Meshes of the bodies, one each.
-        matrix: Matrix [3, 3] of `sample_variant_matrix`.
-
-    Returns:
-        The mapped joints and meshes, with faces that still point outwards.
+    Faces still point outwards. A stretched open object would not close any more.
     """
     is_mirrored = bool(np.linalg.det(matrix) < 0.0)
     faces = (mesh.faces[:, ::-1] if is_mirrored else mesh.faces for mesh in meshes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,16 +19,10 @@ ROW_GAP = 0.03
 
 
 def canonical_order(bodies: Sequence[Body], centers: NDArray[np.float64]) -> list[int]:
-    """Canonical order of an object's bodies, parents first.
+    """Indices of an object's bodies in canonical order, parents first; body 0 is the base.
 
-    Siblings are grouped by joint kind and by the subtree below them. `spatial_order` orders each group.
-
-    Args:
-        bodies: N bodies; body 0 is the base.
-        centers: Box centers [N, 3] in diagonals, in a frame with z up and the front at -x.
-
-    Returns:
-        Indices of all bodies.
+    Siblings are grouped by joint kind and by the subtree below them. `spatial_order` of the box centers [N, 3] orders each
+    group.
     """
     below: list[list[int]] = [[i for i, body in enumerate(bodies) if body.parent == index] for index in range(len(bodies))]
 
@@ -46,15 +41,10 @@ def canonical_order(bodies: Sequence[Body], centers: NDArray[np.float64]) -> lis
 
 
 def spatial_order(centers: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Order of positions from the top, from the left or from the front, along the direction of largest spread.
+    """Indices of positions from the top, from the left or from the front, along the direction of largest spread.
 
-    Positions in one row across that direction (`ROW_GAP`) are ordered within the row.
-
-    Args:
-        centers: Positions [N, 3] in diagonals, in a frame with z up and the front at -x.
-
-    Returns:
-        Indices [N].
+    Positions in one row across that direction (`ROW_GAP`) are ordered within the row. Positions [N, 3] are in diagonals, in a
+    frame with z up and the front at -x.
     """
     x, y, z = np.ptp(centers, axis=0)
     sideways = (1, 0) if y >= x else (0, 1)
@@ -65,3 +55,10 @@ def spatial_order(centers: NDArray[np.float64]) -> NDArray[np.intp]:
         if len(rows) > 1:
             return np.concatenate([row[spatial_order(centers[row])] for row in rows])
     return orders[0]
+
+
+def reordered(bodies: Sequence[Body], order: Sequence[int]) -> tuple[Body, ...]:
+    """Bodies in a new order, which their ids and parents follow. The children of a dropped body move to the new first one."""
+    place: dict[int | None, int | None] = {index: position for position, index in enumerate(order)}
+    place[None] = None
+    return tuple(replace(bodies[i], id=new, parent=place.get(bodies[i].parent, 0)) for new, i in enumerate(order))

@@ -17,8 +17,7 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import joint_motion
 from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Mesh
-from kinmo.scans.canonical.axis_alignment import axis_aligned_values
-from kinmo.scans.canonical.closed_pose import EQUAL_SHARE, box_volume, transform_points
+from kinmo.scans.canonical.closed_pose import are_equal_volumes, axis_aligned_values, box_volume, transform_points
 from kinmo.scans.canonical.folding_joints import FoldingJoint, find_folding_joint, with_folding_limits
 from kinmo.scans.canonical.hinge_openings import ROUNDING
 
@@ -46,16 +45,8 @@ def estimate_closed_limits(
 
     A guessed limit that is `max_guessed_opening` away from the file's pose is no known end: such a hinge gets this width. A
     hinge whose part has no axis-aligned pose folds if the part crosses its parent, as one half of scissors does. Otherwise it
-    keeps its limits. Sliders that do not protrude keep theirs too.
-
-    Args:
-        mobility: Joints with guessed limits.
-        meshes: Meshes of the bodies, one each, as in the file.
-        max_guessed_opening: Largest width of a hinge's range, rad.
-        foldings: Folding joints by body index; these close where their tips meet.
-
-    Returns:
-        The mobility; one limit of each changed joint is its closed pose.
+    keeps its limits. Sliders that do not protrude keep theirs too. The `foldings` by body index close where their tips meet.
+    Meshes are those of the bodies, as in the file.
     """
     foldings = foldings or {}
     bodies = list(mobility.bodies)
@@ -80,8 +71,8 @@ def _close_slider(joint: Joint, cloud: F64, parent: F64) -> Joint:
     if protrusions[sign] <= MIN_PROTRUSION * float(np.ptp(own)) or joint.lower is None or joint.upper is None:
         return joint
     closed = joint.rest - sign * protrusions[sign]
-    ends = sorted((closed, closed + sign * max(joint.upper - joint.lower, protrusions[sign])))
-    return replace(joint, lower=ends[0], upper=ends[1])
+    lower, upper = sorted((closed, closed + sign * max(joint.upper - joint.lower, protrusions[sign])))
+    return replace(joint, lower=lower, upper=upper)
 
 
 def _close_hinge(joint: Joint, mesh: Mesh, parent: Mesh, max_guessed_opening: float) -> Joint:
@@ -102,8 +93,8 @@ def _close_hinge(joint: Joint, mesh: Mesh, parent: Mesh, max_guessed_opening: fl
     is_known = abs(end - joint.rest) < max_guessed_opening - ROUNDING and widths[sign] > TEST_OPENING
     # A known end stays narrower than `max_guessed_opening`, which marks unknown ends.
     width = min(widths[sign], max_guessed_opening - 2.0 * ROUNDING) if is_known else max_guessed_opening
-    ends = sorted((joint.rest + closed, joint.rest + closed + sign * width))
-    return replace(joint, lower=ends[0], upper=ends[1])
+    lower, upper = sorted((joint.rest + closed, joint.rest + closed + sign * width))
+    return replace(joint, lower=lower, upper=upper)
 
 
 def _opening_sign(joint: Joint, cloud: F64, fixed: F64, closed: float, widths: Mapping[float, float]) -> float:
@@ -111,8 +102,7 @@ def _opening_sign(joint: Joint, cloud: F64, fixed: F64, closed: float, widths: M
     if abs(closed) > CLOSED_TOLERANCE:
         return -math.copysign(1.0, closed)
     volumes = {sign: _volume(joint, cloud, fixed, closed + sign * TEST_OPENING) for sign in widths}
-    equal = abs(volumes[1.0] - volumes[-1.0]) <= EQUAL_SHARE * max(volumes.values())
-    scores = widths if equal else volumes
+    scores = widths if are_equal_volumes(volumes[1.0], volumes[-1.0]) else volumes
     return max(scores, key=lambda sign: scores[sign])
 
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import Pose
-from kinmo.core.mobility import Body, Mobility
+from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Mesh, join
-from kinmo.scans.canonical.closed_pose import transform_points
-from kinmo.scans.canonical.part_order import spatial_order
+from kinmo.scans.canonical.closed_pose import Parts, box_middle, transform_points
+from kinmo.scans.canonical.part_order import reordered, spatial_order
 
 F64 = NDArray[np.float64]
 
@@ -39,19 +39,18 @@ def with_visible_base(
         mobility: Joints; body 0 is the base, and each other body has a joint and follows its parent.
         meshes: Meshes of the bodies, one each, of an object with the diagonal 1.
         min_size: Smallest diagonal of a visible part.
-        to_z_up: Rotation [3, 3] to a frame with z up and the front at -x.
+        to_z_up: Matrix [3, 3] to a frame with z up and the front at -x.
 
     Returns:
         The mobility, the meshes, and the joint by which the new base hung from the old one; None if the base stays.
     """
-    children, base = _children(mobility, 0), mobility.bodies[0]
+    children, chosen = _children_of_base(mobility), None
     is_visible = len(meshes[0].faces) > 0 and _diagonal(meshes[0]) >= min_size
-    if len(mobility.bodies) < 3 or is_visible:
-        return mobility, tuple(meshes), None
-    chosen = _first_of_largest(children, meshes, min_size, to_z_up) if len(children) > 1 else children[0]
+    if len(mobility.bodies) >= 3 and not is_visible:
+        chosen = _first_of_largest(children, meshes, min_size, to_z_up) if len(children) > 1 else children[0]
     if chosen is None:
         return mobility, tuple(meshes), None
-    base_joint = mobility.bodies[chosen].joint
+    base, base_joint = mobility.bodies[0], mobility.bodies[chosen].joint
     mobility, others = _without_base(mobility, meshes, chosen)
     if len(children) == 1:
         mobility, others = with_first_part_as_base(mobility, others, min_size, to_z_up)
@@ -59,30 +58,29 @@ def with_visible_base(
     return replace(mobility, bodies=(whole, *mobility.bodies[1:])), (join(meshes[0], others[0]), *others[1:]), base_joint
 
 
-def transform_object(mobility: Mobility, meshes: Sequence[Mesh], pose: Pose) -> tuple[Mobility, tuple[Mesh, ...]]:
+def transform_object(mobility: Mobility, meshes: Sequence[Mesh], pose: Pose) -> Parts:
     """Move parts and joints as a whole by a pose [4, 4]."""
-    moved = tuple(Mesh(transform_points(pose, mesh.vertices), mesh.faces) for mesh in meshes)
-    return replace(mobility, bodies=tuple(_moved(body, pose) for body in mobility.bodies)), moved
+
+    def moved(joint: Joint) -> Joint:
+        return replace(joint, direction=pose[:3, :3] @ joint.direction, pivot=transform_points(pose, joint.pivot))
+
+    return mobility.with_joints(moved), tuple(Mesh(transform_points(pose, mesh.vertices), mesh.faces) for mesh in meshes)
 
 
-def _moved(body: Body, pose: Pose) -> Body:
-    joint = body.joint
-    if joint is None:
-        return body
-    direction, pivot = pose[:3, :3] @ joint.direction, transform_points(pose, joint.pivot)
-    return replace(body, joint=replace(joint, direction=direction, pivot=pivot))
-
-
-def with_first_part_as_base(
-    mobility: Mobility, meshes: Sequence[Mesh], min_size: float, to_z_up: F64
-) -> tuple[Mobility, tuple[Mesh, ...]]:
+def with_first_part_as_base(mobility: Mobility, meshes: Sequence[Mesh], min_size: float, to_z_up: F64) -> Parts:
     """Make the first of the largest among the base and its children the base; arguments as in `with_visible_base`."""
-    chosen = _first_of_largest([0, *_children(mobility, 0)], meshes, min_size, to_z_up)
-    return _exchanged(mobility, meshes, chosen) if chosen else (mobility, tuple(meshes))
+    chosen = _first_of_largest([0, *_children_of_base(mobility)], meshes, min_size, to_z_up)
+    if not chosen:
+        return mobility, tuple(meshes)
+    bodies, joint = list(mobility.bodies), mobility.bodies[chosen].joint
+    back = None if joint is None else replace(joint, direction=-joint.direction)  # seen from the other part
+    bodies[0], bodies[chosen] = replace(bodies[0], parent=chosen, joint=back), replace(bodies[chosen], parent=None, joint=None)
+    order = [chosen, *(index for index in range(len(bodies)) if index != chosen)]
+    return replace(mobility, bodies=reordered(bodies, order)), tuple(meshes[index] for index in order)
 
 
-def _children(mobility: Mobility, parent: int) -> list[int]:
-    return [index for index, body in enumerate(mobility.bodies) if body.parent == parent]
+def _children_of_base(mobility: Mobility) -> list[int]:
+    return [index for index, body in enumerate(mobility.bodies) if body.parent == 0]
 
 
 def _first_of_largest(bodies: Sequence[int], meshes: Sequence[Mesh], min_size: float, to_z_up: F64) -> int | None:
@@ -91,47 +89,26 @@ def _first_of_largest(bodies: Sequence[int], meshes: Sequence[Mesh], min_size: f
     largest = [index for index in bodies if sizes[index] >= max(EQUAL_SIZE * max(sizes.values()), min_size)]
     if not largest:
         return None
-    boxes = ((meshes[index].vertices.min(axis=0), meshes[index].vertices.max(axis=0)) for index in largest)
-    centers = np.stack([0.5 * (low + high) for low, high in boxes])
-    return largest[int(spatial_order(centers @ to_z_up.T)[0])]
+    middles = np.stack([box_middle(meshes[index].vertices) for index in largest])
+    return largest[int(spatial_order(middles @ to_z_up.T)[0])]
 
 
-def _without_base(mobility: Mobility, meshes: Sequence[Mesh], chosen: int) -> tuple[Mobility, tuple[Mesh, ...]]:
+def _without_base(mobility: Mobility, meshes: Sequence[Mesh], chosen: int) -> Parts:
     """The object without its base; a child of the base takes its place."""
-    bodies = mobility.bodies
+    base_joint, bodies = mobility.bodies[chosen].joint, list(mobility.bodies)
+    for index in _children_of_base(mobility):
+        joint = bodies[index].joint
+        if joint is not None and base_joint is not None:
+            bodies[index] = replace(bodies[index], joint=relative_joint(joint, base_joint))
+    bodies[chosen] = replace(bodies[chosen], parent=None, joint=None)
     order = [chosen, *(index for index in range(1, len(bodies)) if index != chosen)]
-    place = {index: position for position, index in enumerate(order)} | {0: 0}
-    found = [replace(bodies[chosen], id=0, parent=None, joint=None)]
-    for body in (bodies[index] for index in order[1:]):
-        joint, base = body.joint, bodies[chosen].joint
-        if body.parent == 0 and joint is not None and base is not None:
-            joint = relative_joint(joint, base)
-        found.append(replace(body, id=place[body.id], parent=None if body.parent is None else place[body.parent], joint=joint))
-    return replace(mobility, bodies=tuple(found)), tuple(meshes[index] for index in order)
-
-
-def _exchanged(mobility: Mobility, meshes: Sequence[Mesh], chosen: int) -> tuple[Mobility, tuple[Mesh, ...]]:
-    """The object with a child of the base and the base exchanged."""
-    bodies = mobility.bodies
-    joint = bodies[chosen].joint
-    back = None if joint is None else replace(joint, direction=-joint.direction)  # seen from the other part
-    order = [chosen, 0, *(index for index in range(1, len(bodies)) if index != chosen)]
-    place = {index: position for position, index in enumerate(order)}
-    found = [replace(bodies[chosen], id=0, parent=None, joint=None), replace(bodies[0], id=1, parent=0, joint=back)]
-    for body in (bodies[index] for index in order[2:]):
-        found.append(replace(body, id=place[body.id], parent=None if body.parent is None else place[body.parent]))
-    return replace(mobility, bodies=tuple(found)), tuple(meshes[index] for index in order)
+    return replace(mobility, bodies=reordered(bodies, order)), tuple(meshes[index] for index in order)
 
 
 def relative_joint(joint: Joint, base_joint: Joint) -> Joint:
-    """Joint between two parts that hang from the same thing.
+    """Joint of a part against another one, which becomes the base; both hang from the same thing.
 
-    Args:
-        joint: Joint of the moving part.
-        base_joint: Joint of the part that becomes the base.
-
-    Returns:
-        For two hinges about one axis, or two sliders along one direction, the joint with combined limits. Otherwise `joint`.
+    For two hinges about one axis, or two sliders along one direction, the limits are combined. Otherwise `joint` stays.
     """
     along = float(joint.direction @ base_joint.direction)
     if joint.kind is not base_joint.kind or joint.kind is JointKind.SCREW or abs(along) < SAME_DIRECTION:
