@@ -9,7 +9,7 @@ from scanned_objects import UP, cupboard_object
 
 from kinmo.core.kinematics import forward
 from kinmo.core.shape import Mesh
-from kinmo.scans.rendering.joint_states import sample_joint_states
+from kinmo.scans.rendering.labelled_frames import sample_joint_states
 from kinmo.scans.rendering.pinhole_camera import Camera, Viewpoints
 from kinmo.scans.rendering.renderers import NO_PART, open_renderer
 
@@ -20,7 +20,7 @@ def test_pybullet_and_the_z_buffer_give_equal_images() -> None:
     target, rng = cupboard_object(), np.random.default_rng(0)
     states = list(sample_joint_states(target.mobility, 6, rng))
     cameras = [Viewpoints(target_offset=0.0).sample(rng, np.zeros(3), 0.5, target.up) for _ in states]
-    poses = np.stack([pose @ forward(target.mobility, s.values, s.turns) for s, pose in zip(states, cameras, strict=True)])
+    poses = np.stack([pose @ forward(target.mobility, *s) for s, pose in zip(states, cameras, strict=True)])
     with open_renderer("raster", target.meshes) as ours, open_renderer("pybullet", target.meshes) as theirs:
         mine, reference = ours.render(poses, CAMERA), theirs.render(poses, CAMERA)
     assert (mine.parts != NO_PART).mean() > 0.05

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.config import ScansConfig
+from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import forward
+from kinmo.core.mobility import Mobility
 from kinmo.scans.canonical.articulated_object import ArticulatedObject
-from kinmo.scans.rendering.joint_states import JointStates, sample_joint_states
 from kinmo.scans.rendering.pinhole_camera import Camera, Viewpoints
-from kinmo.scans.rendering.renderers import NO_PART, DepthImages, Renderer, open_renderer
+from kinmo.scans.rendering.renderers import NO_PART, DepthImages, open_renderer
 from kinmo.scans.rendering.sensor import apply_sensor
 
 F32 = NDArray[np.float32]
@@ -23,6 +25,10 @@ F64 = NDArray[np.float64]
 VIEWPOINTS = Viewpoints()
 NEAR, FAR = 0.01, 10.0
 """Visible depths in diagonals, as in the paper's rendering pipeline."""
+DEFAULT_RANGE = (-0.5 * math.pi, 0.5 * math.pi)
+"""Range of a hinge without limits around its rest, and of a screw's turn; rad."""
+RELEASE_ANGLES, RELEASE_SHIFTS = (math.radians(-90.0), math.radians(30.0)), (0.0, 0.4)
+"""Ranges of all hinges (rad) and all sliders (diagonals) in the paper's release, whatever their limits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +63,6 @@ def scan_object(
     """Scan an object in random joint states from random viewpoints.
 
     Args:
-        target: The object.
         config: Numbers of states and views, image size, renderer and sensor. Cameras and states do not depend on the sensor.
         seed: Seed of all random numbers.
         to_train: True for the numbers of states and views of training objects, False for those of test objects.
@@ -69,71 +74,82 @@ def scan_object(
     states, views = (config.states, config.views) if to_train else (config.test_states, config.test_views)
     rng, sensor_rng = (np.random.default_rng([seed, purpose]) for purpose in range(2))
     camera = Camera.from_field_of_view(config.size, config.size, VIEWPOINTS.field_of_view, NEAR, FAR)
-    skipped = Counter[str]()
-    frames: list[_Frame] = []
+    skipped, frames = Counter[str](), list[tuple[object, ...]]()
+    joints = range(1, len(target.meshes))
     with open_renderer(config.renderer, target.meshes) as renderer:
-        for state in sample_joint_states(target.mobility, states, rng, subset, like_release=config.release):
-            for frame in _frames_in_state(target, state, views, renderer, camera, config, rng, sensor_rng):
-                if isinstance(frame, str):
-                    skipped[frame] += 1
-                else:
-                    frames.append(frame)
+        for values, turns in sample_joint_states(target.mobility, states, rng, subset, like_release=config.release):
+            moved = forward(target.mobility, values, turns)
+            cameras, floors = _cameras(target, moved, views, config.release, rng)
+            poses = cameras[:, None] @ moved
+            rendered = renderer.render(poses, camera)
+            sensed = apply_sensor(rendered, config.sensor, camera, floors, sensor_rng)
+            state = [values[joint] for joint in joints], [turns.get(joint, 0.0) for joint in joints]
+            for row in range(views):
+                reason = _reason_to_skip(rendered, sensed, row, len(target.meshes), config.least_pixels)
+                if reason:
+                    skipped[reason] += 1
+                    continue
+                sampled = _sampled_points(rendered, sensed, row, camera, poses[row], config.points, sensor_rng)
+                frames.append((*sampled, poses[row], *state))
     return _stacked(frames, config.points, len(target.meshes), skipped)
 
 
-@dataclass(frozen=True, eq=False)
-class _Frame:
-    points: F64
-    parts: NDArray[np.int64]
-    places: F64
-    poses: F64
-    state: JointStates
+def joint_range(joint: Joint) -> tuple[float, float]:
+    """Limits of a joint. A hinge without limits turns a quarter to either side of its rest; other joints stay."""
+    if joint.lower is not None and joint.upper is not None:
+        return joint.lower, joint.upper
+    if joint.kind is JointKind.REVOLUTE:
+        return joint.rest + DEFAULT_RANGE[0], joint.rest + DEFAULT_RANGE[1]
+    return joint.rest, joint.rest
 
 
-def _frames_in_state(
-    target: ArticulatedObject,
-    state: JointStates,
-    views: int,
-    renderer: Renderer,
-    camera: Camera,
-    config: ScansConfig,
-    rng: np.random.Generator,
-    sensor_rng: np.random.Generator,
-) -> Iterator[_Frame | str]:
-    """Frames from `views` cameras, each one a frame or the reason to skip it."""
-    moved = forward(target.mobility, state.values, state.turns)
+def sample_joint_states(
+    mobility: Mobility, count: int, rng: np.random.Generator, subset: slice = slice(None), *, like_release: bool = False
+) -> Iterator[tuple[dict[int, float], dict[int, float]]]:
+    """Values and turns of all joints by body index, in `count` sampled states of which `subset` selects some.
+
+    Each value is drawn from its joint's range. With `like_release` all joints move in equal steps through `RELEASE_ANGLES` and
+    `RELEASE_SHIFTS`.
+    """
+    joints = {index: body.joint for index, body in mobility.movable() if body.joint is not None}
+    ranges = {index: joint_range(joint) for index, joint in joints.items()}
+    if like_release:
+        limits = {i: RELEASE_ANGLES if j.kind is JointKind.REVOLUTE else RELEASE_SHIFTS for i, j in joints.items()}
+        ranges = {i: (low + joints[i].rest, high + joints[i].rest) for i, (low, high) in limits.items()}
+    screws = [index for index, joint in joints.items() if joint.kind is JointKind.SCREW]
+
+    def sample(limits: tuple[float, float], step: float) -> float:
+        share = float(step if like_release else rng.uniform())
+        return (1.0 - share) * limits[0] + share * limits[1]
+
+    for step in np.linspace(0.0, 1.0, count)[subset]:
+        values = {index: sample(limits, step) for index, limits in ranges.items()}
+        yield values, {index: sample(DEFAULT_RANGE, step) for index in screws}
+
+
+def _cameras(target: ArticulatedObject, moved: F64, count: int, release: bool, rng: np.random.Generator) -> tuple[F64, F64]:
+    """Camera poses [count, 4, 4] around an object whose parts have the poses `moved`, and the floor [count, 4] in each."""
     low, high, floor = _bounds(target, moved)
-    if config.release:
+    if release:
         low, high, _ = _bounds(target, np.broadcast_to(np.eye(4), moved.shape))
     center, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
-    cameras = np.stack([VIEWPOINTS.sample(rng, center, radius, target.up) for _ in range(views)])
-    poses = cameras[:, None] @ moved
-    rendered = renderer.render(poses, camera)
-    floors = np.array([_plane_in(pose, target.up, floor) for pose in cameras])
-    sensed = apply_sensor(rendered, config.sensor, camera, floors, sensor_rng)
-    for row in range(views):
-        # Count rendered pixels, so that a noisy sensor and an ideal one keep the same frames.
-        counts = np.array([np.count_nonzero(rendered.parts[row] == part) for part in range(len(target.meshes))])
-        if counts.min() < config.least_pixels:
-            yield f"part {counts.argmin()} has fewer than {config.least_pixels} pixels"
-            continue
-        if not ((sensed.parts[row] >= 0) & (sensed.depths[row] > 0.0)).any():
-            yield "the sensor saw nothing of it"
-            continue
-        yield _frame(rendered, sensed, row, camera, poses[row], state, config.points, sensor_rng)
+    cameras = np.stack([VIEWPOINTS.sample(rng, center, radius, target.up) for _ in range(count)])
+    return cameras, np.array([_plane_in(pose, target.up, floor) for pose in cameras])
 
 
-def _frame(
-    rendered: DepthImages,
-    sensed: DepthImages,
-    row: int,
-    camera: Camera,
-    poses: F64,
-    state: JointStates,
-    count: int,
-    rng: np.random.Generator,
-) -> _Frame:
-    """Points drawn from one sensed image; their canonical positions come from the rendered one."""
+def _reason_to_skip(rendered: DepthImages, sensed: DepthImages, row: int, part_count: int, least_pixels: int) -> str | None:
+    """Reason to skip a frame. Rendered pixels count, so that a noisy sensor and an ideal one keep the same frames."""
+    counts = np.array([np.count_nonzero(rendered.parts[row] == part) for part in range(part_count)])
+    if counts.min() < least_pixels:
+        return f"part {counts.argmin()} has fewer than {least_pixels} pixels"
+    is_seen = ((sensed.parts[row] >= 0) & (sensed.depths[row] > 0.0)).any()
+    return None if is_seen else "the sensor saw nothing of it"
+
+
+def _sampled_points(
+    rendered: DepthImages, sensed: DepthImages, row: int, camera: Camera, poses: F64, count: int, rng: np.random.Generator
+) -> tuple[F64, NDArray[np.int64], F64]:
+    """Points drawn from one sensed image, with their parts; their canonical positions come from the rendered image."""
     pixels = np.flatnonzero(sensed.depths[row].ravel() > 0.0)
     chosen = rng.choice(pixels, count, replace=len(pixels) < count)
     parts = sensed.parts[row].ravel()[chosen].astype(np.int64)
@@ -142,7 +158,7 @@ def _frame(
     back = np.linalg.inv(poses)[np.maximum(parts, 0)]
     places = np.einsum("nij,nj->ni", back[:, :3, :3], true) + back[:, :3, 3]
     places[parts == NO_PART] = 0.0
-    return _Frame(points, parts, places, poses, state)
+    return points, parts, places
 
 
 def _bounds(target: ArticulatedObject, moved: F64) -> tuple[F64, F64, float]:
@@ -162,16 +178,11 @@ def _plane_in(pose: F64, up: F64, height: float) -> F64:
     return np.array([*normal, height + normal @ pose[:3, 3]])
 
 
-def _stacked(frames: list[_Frame], count: int, parts: int, skipped: Counter[str]) -> LabelledFrames:
-    joints, rows = range(1, parts), len(frames)
-    values = [[frame.state.values[joint] for joint in joints] for frame in frames]
-    turns = [[frame.state.turns.get(joint, 0.0) for joint in joints] for frame in frames]
-    return LabelledFrames(
-        np.array([frame.points for frame in frames], np.float32).reshape(rows, count, 3),
-        np.array([frame.parts for frame in frames], np.int16).reshape(rows, count),
-        np.array([frame.places for frame in frames], np.float32).reshape(rows, count, 3),
-        np.array([frame.poses for frame in frames], np.float64).reshape(rows, parts, 4, 4),
-        np.array(values, np.float64).reshape(rows, parts - 1),
-        np.array(turns, np.float64).reshape(rows, parts - 1),
-        skipped,
-    )
+def _stacked(frames: Sequence[tuple[object, ...]], points: int, parts: int, skipped: Counter[str]) -> LabelledFrames:
+    """Frames as arrays, in the order of `LabelledFrames`."""
+    shapes = (points, 3), (points,), (points, 3), (parts, 4, 4), (parts - 1,), (parts - 1,)
+    columns = zip(*frames, strict=True) if frames else [()] * len(shapes)
+    arrays = [np.array(own).reshape(len(frames), *shape) for own, shape in zip(columns, shapes, strict=True)]
+    types = np.float32, np.int16, np.float32, np.float64, np.float64, np.float64
+    seen, labels, places, poses, values, turns = (array.astype(kind) for array, kind in zip(arrays, types, strict=True))
+    return LabelledFrames(seen, labels, places, poses, values, turns, skipped)

@@ -1,7 +1,6 @@
 """Pinhole cameras and random viewpoints around an object.
 
-The camera frame has x to the right, y down and z forward (as in OpenCV). Its origin is the pinhole; lengths are those of the
-shape.
+The camera frame has x to the right, y down and z forward (as in OpenCV). Its origin is the pinhole; lengths are the shape's.
 """
 
 from __future__ import annotations
@@ -40,13 +39,9 @@ class Camera:
         return cls(width, height, np.full(2, focal), 0.5 * np.array([width, height], float), near, far)
 
     def rays(self, pixels: NDArray[np.intp] | None = None) -> F64:
-        """Directions through pixel centers, with z = 1.
+        """Directions [..., 3] in the camera frame through the centers of `pixels`, with z = 1.
 
-        Args:
-            pixels: Indices [...], row * width + column. Default: all pixels.
-
-        Returns:
-            Directions [..., 3] in the camera frame, or [height, width, 3] for all pixels.
+        Pixels are indices [...], row * width + column. By default they are all pixels [height, width].
         """
         if pixels is None:
             pixels = np.arange(self.height * self.width).reshape(self.height, self.width)
@@ -60,15 +55,9 @@ class Camera:
 
 
 def look_at(eye: Vector, target: Vector, up: Vector) -> Pose:
-    """World-to-camera pose of a camera at `eye` that looks at `target`.
+    """World-to-camera pose [4, 4] of a camera at `eye` [3] that looks at `target` [3].
 
-    Args:
-        eye: Position [3] of the camera.
-        target: Point [3] at the middle of the image.
-        up: Unit vector [3] that points up in the image. A camera that looks along `up` gets an arbitrary roll.
-
-    Returns:
-        Pose [4, 4] from the frame of the arguments to the camera frame.
+    The unit vector `up` [3] points up in the image. A camera that looks along it gets an arbitrary roll.
     """
     forward = (target - eye) / np.linalg.norm(target - eye)
     right = np.cross(forward, up)
@@ -100,16 +89,9 @@ class Viewpoints:
     target_offset: float = 0.4
 
     def sample(self, rng: np.random.Generator, center: Vector, radius: float, up: Vector) -> Pose:
-        """Draw one camera.
+        """Draw a pose [4, 4] from the object's frame to the camera frame.
 
-        Args:
-            rng: Source of random numbers.
-            center: Middle [3] of the object's box.
-            radius: Half of the box's diagonal.
-            up: Unit vector [3].
-
-        Returns:
-            Pose [4, 4] from the object's frame to the camera frame.
+        The object's box has the middle `center` [3] and half the diagonal `radius`; `up` is a unit vector [3].
         """
         unit = radius * np.tan(np.radians(0.5 * self.field_of_view))
         yaw, pitch = np.radians(rng.uniform(*self.yaw)), np.radians(rng.uniform(*self.pitch))

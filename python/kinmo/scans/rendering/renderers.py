@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import ModuleType, TracebackType
+from types import ModuleType
 from typing import Literal, Protocol
 
 import numpy as np
@@ -25,8 +25,10 @@ F64 = NDArray[np.float64]
 
 NO_PART = -1
 """Part id of pixels and points that are on no part of the object."""
-
-RendererName = Literal["raster", "pybullet"]
+TINY_RENDERER_SHIFT = np.array([-0.5, 0.5])
+"""Sampling offset of TinyRenderer in pixels, to the right and down."""
+BODY_MASK = (1 << 24) - 1
+"""Bits of a segmentation id that hold the body; the bits above hold the link."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,18 +43,13 @@ class Renderer(AbstractContextManager["Renderer"], Protocol):
     """Renderer of the part meshes of one object; a context manager that frees what it holds outside Python."""
 
     def render(self, poses: F64, camera: Camera) -> DepthImages:
-        """Render F images.
+        """Render F images, from poses [F, K, 4, 4] of each part's frame in the camera frame."""
 
-        Args:
-            poses: Poses [F, K, 4, 4] from each part's frame to the camera frame.
-            camera: Camera of all images.
-
-        Returns:
-            Depths and part ids of the F images.
-        """
+    def __exit__(self, *error: object) -> None:
+        return
 
 
-def open_renderer(name: RendererName, meshes: Sequence[Mesh]) -> Renderer:
+def open_renderer(name: Literal["raster", "pybullet"], meshes: Sequence[Mesh]) -> Renderer:
     """Open a renderer by its name: `raster` (kinmo's z-buffer) or `pybullet` (the paper's)."""
     return RasterRenderer(meshes) if name == "raster" else PybulletRenderer(meshes)
 
@@ -62,9 +59,6 @@ class RasterRenderer(Renderer):
 
     def __init__(self, meshes: Sequence[Mesh]) -> None:
         self._meshes = _core.Meshes([mesh.vertices for mesh in meshes], [mesh.faces for mesh in meshes])
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        pass
 
     def render(self, poses: F64, camera: Camera) -> DepthImages:
         size = (camera.width, camera.height)
@@ -82,21 +76,18 @@ class PybulletRenderer(Renderer):
     def __init__(self, meshes: Sequence[Mesh], both_sides: bool = True) -> None:
         self._bullet = pybullet = _pybullet()
         self._client = pybullet.connect(pybullet.DIRECT)
-        self._bodies = [self._body(_two_sided(mesh) if both_sides else mesh) for mesh in meshes]
+        self._bodies = [self._body(mesh, both_sides) for mesh in meshes]
 
-    def _body(self, mesh: Mesh) -> int:
+    def _body(self, mesh: Mesh, both_sides: bool) -> int:
+        faces = np.concatenate([mesh.faces, mesh.faces[:, ::-1]]) if both_sides else mesh.faces
         # A file, because PyBullet limits the size of meshes that are passed in memory.
         with TemporaryDirectory() as folder:
             path = Path(folder) / "part.obj"
-            trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(path, digits=16)
-            visual = self._bullet.createVisualShape(
-                self._bullet.GEOM_MESH,
-                fileName=str(path),
-                physicsClientId=self._client,
-            )
+            trimesh.Trimesh(mesh.vertices, faces, process=False).export(path, digits=16)
+            visual = self._bullet.createVisualShape(self._bullet.GEOM_MESH, fileName=str(path), physicsClientId=self._client)
         return int(self._bullet.createMultiBody(0.0, baseVisualShapeIndex=visual, physicsClientId=self._client))
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, *error: object) -> None:
         self._bullet.disconnect(self._client)
 
     def render(self, poses: F64, camera: Camera) -> DepthImages:
@@ -158,13 +149,3 @@ def _pybullet() -> ModuleType:
         os.close(nowhere)
     module: ModuleType = pybullet
     return module
-
-
-def _two_sided(mesh: Mesh) -> Mesh:
-    return Mesh(mesh.vertices, np.concatenate([mesh.faces, mesh.faces[:, ::-1]]))
-
-
-TINY_RENDERER_SHIFT = np.array([-0.5, 0.5])
-"""Sampling offset of TinyRenderer in pixels, to the right and down."""
-BODY_MASK = (1 << 24) - 1
-"""Bits of a segmentation id that hold the body; the bits above hold the link."""

@@ -26,17 +26,10 @@ MIN_FACING_COSINE = 0.2
 def apply_sensor(
     images: DepthImages, sensor: SensorConfig, camera: Camera, floors: NDArray[np.float64], rng: np.random.Generator
 ) -> DepthImages:
-    """Degrade rendered images to what a noisy sensor measures.
+    """Degrade F rendered images to what a noisy sensor measures; an ideal sensor leaves them unchanged.
 
-    Args:
-        images: F rendered images.
-        sensor: Faults to add. The default is the ideal sensor, which returns `images` unchanged.
-        camera: Camera of the images.
-        floors: Planes [F, 4] below the object in the camera frame: n . x = d for (n, d), where n points up.
-        rng: Source of random numbers.
-
-    Returns:
-        New images. Floor pixels have a depth and the part `NO_PART`; empty pixels have the depth 0 and `NO_PART`.
+    Floors [F, 4] are planes below the object in the camera frame: n . x = d for (n, d), where n points up. Floor pixels get a
+    depth and the part `NO_PART`; empty pixels have the depth 0 and `NO_PART`.
     """
     if sensor == SensorConfig():
         return images
@@ -95,7 +88,7 @@ def _add_floor(depth: F32, part: NDArray[np.int32], rays: F32, camera: Camera, f
 
 
 def _facing_cosines(depth: F32, rays: F32, focal: Vector) -> F32:
-    """Cosine [rows, columns] between each pixel's ray and the surface normal there.
+    """Cosines [rows, columns] of each pixel's ray and the surface normal there.
 
     A pixel shows the point depth * ray, and rays change by 1 / `focal` per pixel. The cross product of the point's changes
     along rows and columns, over depth / (focal * focal), is the normal below. Its product with the ray is the depth.
