@@ -11,47 +11,30 @@ from kinmo import _core
 from kinmo.core.joint import JointKind
 from kinmo.scans.object_structure import Structure
 from kinmo.scans.poses.category_prior import CategoryPrior
-from kinmo.scans.poses.point_predictions import PointPredictions, joint_voters
+from kinmo.scans.poses.point_predictions import MAX_MISFIT, PointPredictions, joint_voters
+from kinmo.scans.poses.scan_estimate import Poses
 
 F64 = NDArray[np.float64]
 
 MIN_SNAP_COSINE = np.cos(np.radians(20.0))
 """Cosine from which on a predicted direction may snap to an axis."""
-
 MAX_COST_RATIO = 1.5
 """Largest ratio of the fitting cost with the axis to the one with the predicted direction at which the direction snaps."""
-
 MIN_VOTERS = 2
 """Number of voters from which on their spread shows how reliable they are."""
-
 CERTAINTY = 100.0
 """Ratio of the distance to the axis over the voters' spread from which on the prediction is certain. The common error of
 predictions is a few times their spread at most."""
 
 
 def snap_directions(
-    predictions: Sequence[PointPredictions],
-    directions: Sequence[F64],
-    poses: tuple[F64, F64, F64],
-    structure: Structure,
-    prior: CategoryPrior,
-    threshold: float,
+    predictions: Sequence[PointPredictions], directions: Sequence[F64], poses: Poses, structure: Structure, prior: CategoryPrior
 ) -> list[F64]:
-    """Snap joint directions to the nearest axis of NAOCS.
+    """Snap the joint directions [K - 1, 3] of each scan to the nearest axis of NAOCS.
 
     A joint that is along an axis in the category, and predicted within 20 degrees of one, snaps to it. It keeps its predicted
-    direction if its voters agree far too well to be wrong, or if its two parts then fit their points clearly worse.
-
-    Args:
-        predictions: Predictions for F scans.
-        directions: Predicted unit directions [K - 1, 3] of each scan, in NAOCS.
-        poses: Rotations, scales and translations of all parts of all scans, fitted without joints.
-        structure: Structure of the objects.
-        prior: Category prior.
-        threshold: Largest distance of a point that fits, in the input frame.
-
-    Returns:
-        Directions [K - 1, 3] of each scan.
+    direction if its voters agree far too well to be wrong, or if its two parts then fit their points clearly worse. `poses`
+    are those of all parts of all scans, fitted without joints.
     """
     snapped = [own.copy() for own in directions]
     for frame, each in enumerate(predictions):
@@ -62,9 +45,9 @@ def snap_directions(
                 continue
             parts = structure.parents[row], int(row) + 1
             rotations, scales, translations = (values[frame * structure.part_count + np.array(parts)] for values in poses)
-            both = np.stack([axis, direction])
-            along, as_predicted = _costs(each, parts, (rotations, scales, translations), structure.kinds[row], both, threshold)
-            if not along > MAX_COST_RATIO * as_predicted:
+            two = each, parts, (rotations, scales, translations), structure.kinds[row]
+            are_found = np.isfinite(scales).all()
+            if not (are_found and _cost(*two, axis) > MAX_COST_RATIO * _cost(*two, direction)):
                 snapped[frame][row] = axis
     return snapped
 
@@ -88,37 +71,20 @@ def _is_certain(axes: F64, direction: F64, axis: F64) -> bool:
     return bool(np.linalg.norm(axis - direction) > CERTAINTY * spread)
 
 
-def _costs(
-    predictions: PointPredictions,
-    parts: tuple[int, int],
-    poses: tuple[F64, F64, F64],
-    kind: JointKind,
-    directions: F64,
-    threshold: float,
-) -> F64:
-    """Fitting costs [n] of two parts, tied by a joint along each of the `directions` [n, 3].
-
-    The points are those that fit the `poses` of the parts alone. Costs are NaN if a part has no pose.
-    """
-    rotations, scales, translations = poses
-    if not np.isfinite(scales).all():
-        return np.full(len(directions), np.nan)
+def _cost(predictions: PointPredictions, parts: tuple[int, int], poses: Poses, kind: JointKind, direction: F64) -> float:
+    """Fitting cost of two parts, tied by a joint, over the points that fit the `poses` of the parts alone."""
     clouds = []
-    for row, part in enumerate(parts):
+    for part, *pose in zip(parts, *poses, strict=True):
         source, target = predictions.on_part(part)
-        fits = _residuals(source, target, rotations[row], scales[row], translations[row]) < threshold
+        fits = _residuals(source, target, *pose) < MAX_MISFIT
         clouds.append((source[fits], target[fits]))
-    count = len(directions)
-    source, target = (np.concatenate([cloud[side] for cloud in clouds] * count) for side in (0, 1))
-    offsets = np.cumsum([0, *[len(own) for own, _ in clouds] * count], dtype=np.int64)
-    ties = np.arange(2 * count, dtype=np.uint32).reshape(count, 2), np.full(count, kind.code, np.uint8), directions
-    begin = np.tile(rotations, (count, 1, 1)), np.tile(scales, count), np.tile(translations, (count, 1))
-    tied = _core.fit_constrained_poses(
-        source, target, offsets, *ties, *begin, frames=2 * np.arange(count + 1, dtype=np.int64), threshold=threshold
-    )
-    residuals = [_residuals(*clouds[pose % 2], *(values[pose] for values in tied)) for pose in range(2 * count)]
-    costs = [np.minimum(each, threshold).sum() for each in residuals]
-    return np.asarray(np.reshape(costs, (count, 2)).sum(axis=1))
+    source, target = (np.concatenate([cloud[side] for cloud in clouds]) for side in (0, 1))
+    offsets = np.cumsum([0, *(len(own) for own, _ in clouds)], dtype=np.int64)
+    tie = np.array([[0, 1]], np.uint32), np.array([kind.code], np.uint8), direction[None]
+    frames = np.array([0, 2], np.int64)
+    tied = _core.fit_constrained_poses(source, target, offsets, *tie, *poses, frames=frames, threshold=MAX_MISFIT)
+    residuals = (_residuals(*cloud, *pose) for cloud, pose in zip(clouds, zip(*tied, strict=True), strict=True))
+    return float(sum(np.minimum(each, MAX_MISFIT).sum() for each in residuals))
 
 
 def _residuals(source: F64, target: F64, rotation: F64, scale: float, translation: F64) -> F64:

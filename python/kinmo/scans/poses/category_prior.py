@@ -64,11 +64,7 @@ class CategoryPrior:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any], structure: Structure) -> CategoryPrior:
-        """Prior from the data of `to_data`.
-
-        Raises:
-            KeyError, TypeError, ValueError: If the data is not a prior of objects with this structure.
-        """
+        """Prior from the data of `to_data`; KeyError, TypeError or ValueError if it is none of objects with this structure."""
         turns = [(np.nan, np.nan) if pair is None else (float(pair[0]), float(pair[1])) for pair in data["turn_ranges"]]
         axis_aligned, along_axes = (np.array(data[name], bool) for name in ("axis_aligned", "along_axes"))
         if not len(turns) == len(along_axes) == len(axis_aligned) - 1 == len(structure.kinds):

@@ -15,19 +15,16 @@ I64 = NDArray[np.int64]
 
 MIDDLE = np.full(3, 0.5)
 """Middle of a part in NPCS, and of the object in NAOCS."""
-
 MIN_DIRECTION_LENGTH = 1e-6
 """Length of a median of predicted axes below which it gives no direction."""
+MAX_MISFIT = 0.1
+"""Largest distance of a point that fits the pose of its part, in the input frame, where the object or its visible part has the
+diagonal 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class GlobalPredictions:
-    """Predictions for a scan as a whole.
-
-    Attributes:
-        half_sizes: Half sides [K, 3] of the parts' boxes in NPCS.
-        pivots: Points [K - 1, 3] on the joint axes, in NAOCS.
-    """
+    """Predictions for a scan as a whole: half sides [K, 3] of the parts' boxes in NPCS, and pivots [K - 1, 3] in NAOCS."""
 
     half_sizes: F64
     pivots: F64
@@ -74,10 +71,9 @@ class PointPredictions:
 
 
 def predicted_half_sizes(predictions: PointPredictions) -> F64:
-    """Half sides of the parts' boxes in NPCS, centered at `MIDDLE`.
+    """Half sides [K, 3] of the parts' boxes in NPCS, centered at `MIDDLE`.
 
-    Returns:
-        Half sides [K, 3]. Without global predictions they enclose the visible points, and are NaN for invisible parts.
+    Without global predictions they enclose the visible points, and are NaN for invisible parts.
     """
     if predictions.whole is not None:
         return predictions.whole.half_sizes
@@ -92,14 +88,9 @@ def joint_voters(predictions: PointPredictions, joint: int) -> NDArray[np.bool_]
 
 
 def predicted_joints(predictions: PointPredictions, structure: Structure) -> tuple[F64, F64]:
-    """Joint axes as medians over the votes of points (ANCSH, Li 2020).
+    """Unit directions and pivots [K - 1, 3] of the joint axes in NAOCS: medians over the votes of points (ANCSH, Li 2020).
 
-    Args:
-        predictions: Predictions for one scan.
-        structure: Structure of the object.
-
-    Returns:
-        Unit directions and pivots [K - 1, 3] in NAOCS; NaN without votes. Global predictions override the pivots.
+    They are NaN without votes. Global predictions override the pivots.
     """
     directions, pivots = (np.full((structure.part_count - 1, 3), np.nan) for _ in range(2))
     for joint in range(1, structure.part_count):

@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 from kinmo.scans.poses.point_predictions import MIDDLE
 
 F64 = NDArray[np.float64]
+Poses = tuple[F64, F64, F64]
+"""Rotations [P, 3, 3], scales [P] and translations [P, 3] from NPCS to the input frame. P counts all parts of some scans, one
+scan after the other. Parts that were not found are NaN."""
 
 
 @dataclass(frozen=True, eq=False)
 class PartPoses:
-    """Similarities of K parts: camera = `scales` * `rotations` @ npcs + `translations`.
+    """Similarities of K parts: camera = scales [K] * rotations [K, 3, 3] @ npcs + translations [K, 3].
 
-    Attributes:
-        rotations: Rotations [K, 3, 3]; NaN for parts that were not found, as all arrays.
-        scales: Scales [K].
-        translations: Translations [K, 3].
+    Parts that were not found are NaN.
     """
 
     rotations: F64
