@@ -28,7 +28,7 @@ PARTS = np.array([[0, 1, 3, 3]])
 
 def test_a_point_near_two_hinges_gets_the_nearest_or_in_the_release_the_last() -> None:
     nearest = joint_targets(PLACES, PARTS, AXES, STRUCTURE)
-    release = joint_targets(PLACES, PARTS, AXES, STRUCTURE, nearest=False, lines_only=True)
+    release = joint_targets(PLACES, PARTS, AXES, STRUCTURE, like_release=True)
     assert nearest.joints.tolist() == [[1, 1, 3, 3]]
     assert release.joints.tolist() == [[2, 1, 3, 0]], (
         "the last joint on the base, its own on door 1, and the points near the line on the drawer"
@@ -44,7 +44,7 @@ def test_all_points_of_a_slider_get_its_joint_which_has_a_place_only_in_the_rele
     assert found.has_pivot.tolist() == [[True, True, False, False]]
     assert found.heatmap[0, 2:].tolist() == [0.0, 0.0]
     np.testing.assert_array_equal(found.axes[0, 2:], [AHEAD, AHEAD])
-    release = joint_targets(PLACES, PARTS, AXES, STRUCTURE, nearest=False, lines_only=True)
+    release = joint_targets(PLACES, PARTS, AXES, STRUCTURE, like_release=True)
     assert release.has_pivot.tolist() == [[True, True, True, False]]
     assert release.heatmap[0, 2] == pytest.approx(1.0), "it lies on the line through the stored origin"
 
@@ -54,11 +54,10 @@ def test_targets_of_a_batch_equal_those_of_each_scan(release: bool) -> None:
     rng = np.random.default_rng(0)
     places, parts = rng.uniform(-0.3, 0.3, (5, 40, 3)), rng.integers(-1, 4, (5, 40))
     objects = [[Joint(kind, unit(rng), rng.uniform(-0.2, 0.2, 3)) for kind in STRUCTURE.kinds] for _ in range(5)]
-    options = {"nearest": not release, "lines_only": release}
-    together = joint_targets(places, parts, JointAxes.of(objects), STRUCTURE, **options)
+    together = joint_targets(places, parts, JointAxes.of(objects), STRUCTURE, release)
     for row, joints in enumerate(objects):
-        alone = joint_targets(places[row : row + 1], parts[row : row + 1], JointAxes.of([joints]), STRUCTURE, **options)
-        for name, values in vars(alone).items():
+        alone = joint_targets(places[row : row + 1], parts[row : row + 1], JointAxes.of([joints]), STRUCTURE, release)
+        for name, values in alone._asdict().items():
             np.testing.assert_array_equal(getattr(together, name)[row], values[0], err_msg=name)
 
 

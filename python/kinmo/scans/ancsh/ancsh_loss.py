@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from kinmo.config import AncshConfig, MeanOver
-from kinmo.scans.ancsh.ancsh_network import JointOutput, PartOutput
+from kinmo.scans.ancsh.ancsh_network import JointOutput, PartOutput, at_part
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,16 +49,10 @@ class ScanBatch:
 
 
 def relaxed_iou_loss(log_probabilities: Tensor, truth: Tensor) -> Tensor:
-    """One minus the mean relaxed IoU of the classes (Li et al. 2020, section 4).
+    """One minus the mean relaxed IoU of the classes: a scalar in [0, 1] (Li et al. 2020, section 4).
 
     The relaxed IoU of a class is p.g / (sum p + sum g - p.g), with probabilities p and true indicators g over the points.
-
-    Args:
-        log_probabilities: Logarithms of the class probabilities [B, n, C].
-        truth: True classes [B, n].
-
-    Returns:
-        The loss, a scalar in [0, 1].
+    Log-probabilities are [B, n, C], true classes [B, n].
     """
     probabilities = log_probabilities.exp()
     marked = torch.nn.functional.one_hot(truth, log_probabilities.shape[-1]).to(probabilities.dtype)
@@ -68,15 +62,9 @@ def relaxed_iou_loss(log_probabilities: Tensor, truth: Tensor) -> Tensor:
 
 
 def part_losses(output: PartOutput, batch: ScanBatch, mean_over: MeanOver) -> dict[str, Tensor]:
-    """Losses `parts` (relaxed IoU) and `npcs` (mean distance at the true part).
+    """Losses `parts` (relaxed IoU) and `npcs` (mean distance at the true part), scalars by name.
 
-    Args:
-        output: Output of the network.
-        batch: The labelled scans.
-        mean_over: "points" for means over all points, as in the release, or "parts" for means over the visible parts.
-
-    Returns:
-        Scalars by name.
+    Means are over all points, as in the release, or over the visible parts.
     """
     return {
         "parts": relaxed_iou_loss(output.parts, batch.parts),
@@ -88,16 +76,8 @@ def joint_losses(parts: PartOutput, output: JointOutput, batch: ScanBatch, mean_
     """Losses `naocs`, `joints`, `heatmap`, `toward` and `axes`; with a global head also `sizes` and `pivots`.
 
     `heatmap`, `toward` and `axes` are means over all points, although only points near a joint contribute (Li et al. 2020).
-    `sizes` compares logarithms: what counts for a box are ratios.
-
-    Args:
-        parts: Parts and NPCS of the same network.
-        output: Output of the network.
-        batch: The labelled scans.
-        mean_over: As in `part_losses`.
-
-    Returns:
-        Scalars by name.
+    `sizes` compares logarithms: what counts for a box are ratios. `parts` is the output of the same network, whose NPCS give
+    `naocs`; otherwise as in `part_losses`.
     """
     near = (batch.joints > 0).to(batch.points.dtype)
     near_line = near * batch.has_pivot
@@ -128,12 +108,10 @@ def _distance_at_true_part(predicted: Tensor, truth: Tensor, parts: Tensor, mean
     """
     count = predicted.shape[2]
     known = parts < count
-    own = torch.where(known, parts, 0)
-    index = own.view(*parts.shape, 1, 1).expand(-1, -1, 1, 3)
-    distances: Tensor = torch.linalg.vector_norm(torch.gather(predicted, 2, index).squeeze(2) - truth, dim=-1) * known
+    distances: Tensor = torch.linalg.vector_norm(at_part(predicted, parts) - truth, dim=-1) * known
     if mean_over == "points":
         return distances.mean()
-    marked = torch.nn.functional.one_hot(own, count).to(distances.dtype) * known.unsqueeze(-1)
+    marked = torch.nn.functional.one_hot(parts.clamp(max=count - 1), count).to(distances.dtype) * known.unsqueeze(-1)
     visible = marked.sum(1)
     means = (distances.unsqueeze(-1) * marked).sum(1) / visible.clamp(min=1)
     return means.sum() / (visible > 0).sum().clamp(min=1)

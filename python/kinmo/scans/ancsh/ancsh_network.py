@@ -12,9 +12,10 @@ from kinmo.scans.ancsh.pointnet2 import PointNetPlusPlus, SharedLayers
 
 KIND = "ancsh"
 """Kind of network in the header of its weights (`kinmo.learning.weights`)."""
-
 GLOBAL_WIDTH = 256
 """Width of the hidden layer of heads on the global feature."""
+SIGMOID_SLOPE = 4.0
+"""Slope of the inverse of the sigmoid at its middle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,12 +35,9 @@ class PartOutput:
 
 @dataclass(frozen=True, eq=False)
 class GlobalOutput:
-    """Quantities of B scans as wholes, each of an object with K parts.
+    """Quantities of B scans as wholes: half sides of the parts' boxes in NPCS [B, K, 3], and pivots in NAOCS [B, K - 1, 3].
 
-    Attributes:
-        half_sizes: Half sides of the parts' boxes in NPCS [B, K, 3].
-        pivots: Points on the axes of the joints of parts 1 and up, in NAOCS [B, K - 1, 3]. Each is the point of the axis that
-            is nearest to the middle of its part.
+    A pivot is the point of the joint's axis that is nearest to the middle of the moving part.
     """
 
     half_sizes: Tensor
@@ -78,10 +76,7 @@ class JointOutput:
 class PartNetwork(nn.Module):
     """Network named `npcs`: the part of every point, and its place on that part.
 
-    Args:
-        config: Sizes of the layers.
-        parts: Number of parts K.
-        classes: Number of classes C: `parts`, or one more if points may belong to no part.
+    Points have `classes` classes: the `parts`, and one more if points may belong to no part.
     """
 
     def __init__(self, config: AncshConfig, parts: int, classes: int) -> None:
@@ -117,14 +112,7 @@ class PartMaps(nn.Module):
 
     The NPCS of a rigid part are a linear map of its points. The sigmoid after it bends the map a little, and the head for
     single points adds corrections.
-
-    Args:
-        features: Width C of the global feature.
-        parts: Number of parts K.
     """
-
-    SLOPE = 4.0
-    """Slope of the inverse of the sigmoid at its middle."""
 
     def __init__(self, features: int, parts: int) -> None:
         super().__init__()
@@ -136,16 +124,11 @@ class PartMaps(nn.Module):
         maps = self.layers(whole).view(len(points), self.parts, 3, 4)
         matrices, shifts = maps[..., :3], maps[:, None, :, :, 3]
         mapped: Tensor = torch.einsum("bkij,bnj->bnki", matrices, points) + shifts
-        return self.SLOPE * mapped
+        return SIGMOID_SLOPE * mapped
 
 
 class GlobalHead(nn.Module):
-    """Head for quantities that are the same for all points of a scan, predicted from the global feature.
-
-    Args:
-        features: Width C of the global feature.
-        parts: Number of parts K.
-    """
+    """Head for quantities that are the same for all points of a scan, predicted from the global feature."""
 
     def __init__(self, features: int, parts: int) -> None:
         super().__init__()
@@ -159,13 +142,7 @@ class GlobalHead(nn.Module):
 
 
 class AncshNetwork(PartNetwork):
-    """Network named `ancsh`: all quantities of ANCSH.
-
-    Args:
-        config: Sizes of the layers.
-        parts: Number of parts K.
-        classes: Number of classes C: `parts`, or one more if points may belong to no part.
-    """
+    """Network named `ancsh`: all quantities of ANCSH."""
 
     def __init__(self, config: AncshConfig, parts: int, classes: int) -> None:
         super().__init__(config, parts, classes)
@@ -198,3 +175,9 @@ class AncshNetwork(PartNetwork):
             whole=None if self.global_head is None else self.global_head(whole),
         )
         return self._part_output(points, features, whole), joints
+
+
+def at_part(values: Tensor, parts: Tensor) -> Tensor:
+    """Values [B, n, 3] out of [B, n, K, 3], at `parts` [B, n]; for points of no part those of the last one."""
+    index = parts.clamp(max=values.shape[2] - 1).view(*parts.shape, 1, 1).expand(-1, -1, 1, 3)
+    return torch.gather(values, 2, index).squeeze(2)

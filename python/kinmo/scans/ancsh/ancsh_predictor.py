@@ -14,7 +14,7 @@ from kinmo.config import AncshConfig
 from kinmo.core.errors import InputError
 from kinmo.core.joint import JointKind
 from kinmo.learning.weights import Weights, load_weights, pick_device
-from kinmo.scans.ancsh.ancsh_network import KIND, AncshNetwork, GlobalOutput, PartNetwork
+from kinmo.scans.ancsh.ancsh_network import KIND, AncshNetwork, PartNetwork, at_part
 from kinmo.scans.ancsh.ancsh_targets import JOINT_RADIUS
 from kinmo.scans.object_structure import Structure
 from kinmo.scans.poses.category_prior import CategoryPrior
@@ -38,10 +38,7 @@ class AncshPredictor:
     Attributes:
         joints: Network named `ancsh`, which predicts the joints.
         parts: Network named `npcs`, which decides on parts and NPCS.
-        config: Configuration of the networks.
-        structure: Structure of the objects.
         prior: Prior of the category, from the objects that the networks were trained on.
-        device: Device to compute on.
 
     Example:
         >>> networks = AncshPredictor.load(Path("ancsh/weights.safetensors"), Path("npcs/weights.safetensors"))
@@ -57,12 +54,7 @@ class AncshPredictor:
 
     @classmethod
     def load(cls, weights: Path, part_weights: Path, device: str = "auto") -> AncshPredictor:
-        """Load the weights that `train_ancsh` wrote.
-
-        Args:
-            weights: Weights of the network `ancsh`.
-            part_weights: Weights of the network `npcs`.
-            device: "cpu", "cuda", "mps", or "auto".
+        """Load the weights of the networks `ancsh` and `npcs` that `train_ancsh` wrote.
 
         Raises:
             InputError: A file does not hold such weights, is cut, or the two are for different objects or inputs.
@@ -88,16 +80,7 @@ class AncshPredictor:
     def predict(
         self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None, *, seed: int = 0
     ) -> tuple[list[PointPredictions], list[ScanEstimate]]:
-        """Point predictions for scans, and the poses and joints that follow from them.
-
-        Args:
-            scans: As in `predict_points`.
-            diagonals: As in `predict_points`.
-            seed: Seed of RANSAC.
-
-        Returns:
-            Predictions and an estimate for each scan.
-        """
+        """Point predictions for each scan, and the poses and joints that follow from them; arguments as in `predict_points`."""
         predictions = self.predict_points(scans, diagonals)
         options = PoseOptions(ties=self.config.ties, boxes=self.config.boxes, seed=seed)
         return predictions, estimate_poses(predictions, self.structure, options, self.prior)
@@ -106,14 +89,11 @@ class AncshPredictor:
     def predict_points(
         self, scans: Sequence[NDArray[np.floating]], diagonals: Sequence[float] | None = None
     ) -> list[PointPredictions]:
-        """Predictions of the networks for the points of scans.
+        """Predictions for each scan.
 
         Args:
             scans: Points [n, 3] of each scan in the camera frame. All scans have the same number of points.
             diagonals: Diagonal of each object, for networks with `release = true`; default 1.
-
-        Returns:
-            Predictions for each scan.
         """
         sizes = np.ones(len(scans)) if diagonals is None else diagonals
         if not len(scans):
@@ -123,8 +103,8 @@ class AncshPredictor:
             rotations = np.tile(np.eye(3), (len(points), 1, 1))
         else:
             rotations = manhattan_axes(points)
-            parts = np.concatenate([self._most_likely_parts(inputs) for inputs, _ in self._batches(scans, sizes, rotations)])
-            rotations = base_axes(points, parts == 0, rotations)
+            labels = [self.parts(inputs).parts.argmax(-1).cpu().numpy() for inputs, _ in self._batches(scans, sizes, rotations)]
+            rotations = base_axes(points, np.concatenate(labels) == 0, rotations)
         batches = self._batches(scans, sizes, rotations)
         return [prediction for inputs, frames in batches for prediction in self._predict_batch(inputs, frames)]
 
@@ -139,56 +119,37 @@ class AncshPredictor:
             inputs = np.stack([frame.apply(points) for frame, (points, _, _) in zip(frames, each, strict=True)])
             yield torch.from_numpy(inputs).to(self.device), frames
 
-    def _most_likely_parts(self, inputs: torch.Tensor) -> NDArray[np.int64]:
-        """Most likely part [B, n] of every point."""
-        return np.asarray(self.parts(inputs).parts.argmax(-1).cpu().numpy())
-
     def _predict_batch(self, inputs: torch.Tensor, frames: Sequence[InputFrame]) -> list[PointPredictions]:
         """Predictions for a batch of inputs [B, n, 3], combined from both networks."""
         own, joints = self.joints.forward_all(inputs)
         parts = self.parts(inputs)
         naocs = joints.naocs(own.npcs)
-        labels = parts.parts.argmax(-1)
-        own_labels = own.parts.argmax(-1)
-        pivots = _at_part(naocs, own_labels) + joints.toward * ((1.0 - joints.heatmap) * JOINT_RADIUS).unsqueeze(-1)
-        arrays = [
-            values.cpu().double().numpy()
-            for values in (inputs, _at_part(parts.npcs, labels), pivots, joints.axes, own.npcs, naocs)
-        ]
-        part_labels, home_labels, joint_labels = (
-            values.cpu().numpy() for values in (labels, own_labels, joints.joints.argmax(-1))
-        )
+        labels, own_labels = parts.parts.argmax(-1), own.parts.argmax(-1)
+        pivots = at_part(naocs, own_labels) + joints.toward * ((1.0 - joints.heatmap) * JOINT_RADIUS).unsqueeze(-1)
+        tensors = inputs, at_part(parts.npcs, labels), pivots, joints.axes, own.npcs, naocs
+        arrays = [values.cpu().double().numpy() for values in tensors]
+        chosen = (values.cpu().numpy() for values in (labels, own_labels, joints.joints.argmax(-1)))
+        part_labels, home_labels, joint_labels = chosen
         part_labels = np.where(part_labels >= self.structure.part_count, -1, part_labels)
-        wholes = [None] * len(frames) if joints.whole is None else _global_predictions(joints.whole)
+        wholes: list[GlobalPredictions | None] = [None] * len(frames)
+        if joints.whole is not None:
+            both = (values.cpu().double().numpy() for values in (joints.whole.half_sizes, joints.whole.pivots))
+            wholes = [GlobalPredictions(*each) for each in zip(*both, strict=True)]
         predictions = []
         for row, frame in enumerate(frames):
             points, npcs, pivot, axes, own_npcs, own_naocs = (array[row] for array in arrays)
             scales, shifts = npcs_to_naocs(own_npcs, own_naocs, home_labels[row])
-            predictions.append(
-                PointPredictions(
-                    frame, points, part_labels[row], npcs, scales, shifts, joint_labels[row], axes, pivot, wholes[row]
-                )
-            )
+            on_points = points, part_labels[row], npcs, scales, shifts, joint_labels[row], axes, pivot
+            predictions.append(PointPredictions(frame, *on_points, wholes[row]))
         return predictions
-
-
-def _global_predictions(output: GlobalOutput) -> list[GlobalPredictions]:
-    half_sizes, pivots = (values.cpu().double().numpy() for values in (output.half_sizes, output.pivots))
-    return [GlobalPredictions(*both) for both in zip(half_sizes, pivots, strict=True)]
 
 
 def npcs_to_naocs(npcs: F64, naocs: F64, parts: NDArray[np.integer]) -> tuple[F64, F64]:
     """Scale and shift of every part from NPCS to NAOCS, by means and standard deviations, as in the code of ANCSH.
 
-    The predicted scale and shift of a single point are right only together, because a shift can make up for any scale.
-
-    Args:
-        npcs: NPCS [n, K, 3] of each point on each part.
-        naocs: NAOCS [n, K, 3] of each point on each part.
-        parts: Part of each point [n]. A part with fewer than two points uses all points.
-
-    Returns:
-        Scales [K] and shifts [K, 3].
+    The predicted scale and shift of a single point are right only together, because a shift can make up for any scale. `npcs`
+    and `naocs` [n, K, 3] are those of each point on each part. Scales [K] and shifts [K, 3] come from the points on a part
+    [n], or from all points if there are fewer than two.
     """
     scales, shifts = np.empty(npcs.shape[1]), np.empty((npcs.shape[1], 3))
     for part in range(npcs.shape[1]):
@@ -197,12 +158,6 @@ def npcs_to_naocs(npcs: F64, naocs: F64, parts: NDArray[np.integer]) -> tuple[F6
         scales[part] = np.sqrt(target.var(axis=0).sum() / max(source.var(axis=0).sum(), 1e-12))
         shifts[part] = target.mean(axis=0) - scales[part] * source.mean(axis=0)
     return scales, shifts
-
-
-def _at_part(values: torch.Tensor, parts: torch.Tensor) -> torch.Tensor:
-    """Values [B, n, 3] out of [B, n, K, 3], at `parts` [B, n]."""
-    index = parts.clamp(max=values.shape[2] - 1).view(*parts.shape, 1, 1).expand(-1, -1, 1, 3)
-    return torch.gather(values, 2, index).squeeze(2)
 
 
 def _structure_of(loaded: Weights) -> Structure:

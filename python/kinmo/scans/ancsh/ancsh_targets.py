@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,19 +17,15 @@ F64 = NDArray[np.float64]
 
 JOINT_RADIUS = 0.2
 """Distance from a joint axis, in diagonals of the object, within which points predict the joint."""
-
 MIN_HALF_SIZE = 1e-3
 """Least half side of a part's box in NPCS. A flat part has a side of zero, and ratios to zero are meaningless."""
 
 
 @dataclass(frozen=True, eq=False)
 class JointAxes:
-    """Axes of the J joints of each of B objects, in the normalised frame.
+    """Axes of the J joints of each of B objects in the normalised frame: unit directions and pivots [B, J, 3].
 
-    Attributes:
-        directions: Unit directions [B, J, 3].
-        pivots: Points on the axes [B, J, 3].
-        has_pivot: Whether the axis has a place [B, J]; the axis of a slider has none.
+    `has_pivot` [B, J] is False for sliders, whose axes have no place.
     """
 
     directions: F64
@@ -45,17 +42,8 @@ class JointAxes:
         return cls(directions, pivots, has_pivot)
 
 
-@dataclass(frozen=True, eq=False)
-class JointTargets:
-    """Joint near each of n points in B scans.
-
-    Attributes:
-        joints: The joint [B, n]; 0 for none.
-        heatmap: Closeness to its axis [B, n], 1 on the axis and 0 at `JOINT_RADIUS`.
-        toward: Unit vector to the axis in NAOCS [B, n, 3].
-        axes: Direction of the axis in NAOCS [B, n, 3].
-        has_pivot: Whether there is a joint and its axis has a place [B, n].
-    """
+class JointTargets(NamedTuple):
+    """Joint near each of n points in B scans, as in `ancsh_loss.ScanBatch`. The heatmap is 0 at `JOINT_RADIUS`."""
 
     joints: NDArray[np.int64]
     heatmap: F32
@@ -68,15 +56,7 @@ def canonical_coordinates(points: NDArray[np.floating], parts: NDArray[np.intege
     """NPCS and NAOCS of points on an object in its canonical pose (Li et al. 2020, section 4).
 
     The axis-aligned box of a part in NPCS, and that of the object in NAOCS, has its middle at (0.5, 0.5, 0.5) and a diagonal
-    of 1.
-
-    Args:
-        points: Points [..., n, 3] in the normalised frame.
-        parts: Part of each point [..., n]; negative for none, which counts as part 0.
-        extents: Boxes of the K parts [..., K].
-
-    Returns:
-        NPCS and NAOCS, both [..., n, 3].
+    of 1. Points [..., n, 3] are in the normalised frame. Negative parts [..., n] are none, and count as part 0.
     """
     own = np.maximum(parts, 0)[..., None]
     centers, diagonals = (np.take_along_axis(each, own, -2) for each in (extents.centers, extents.diagonals[..., None]))
@@ -84,31 +64,15 @@ def canonical_coordinates(points: NDArray[np.floating], parts: NDArray[np.intege
 
 
 def joint_targets(
-    points: NDArray[np.floating],
-    parts: NDArray[np.integer],
-    axes: JointAxes,
-    structure: Structure,
-    *,
-    nearest: bool = True,
-    lines_only: bool = False,
+    points: NDArray[np.floating], parts: NDArray[np.integer], axes: JointAxes, structure: Structure, like_release: bool = False
 ) -> JointTargets:
     """Joint near every point, and the position of its axis relative to the point (Li et al. 2020, section 4).
 
     A joint with a pivot is near the points of its moving part and of that part's parent within `JOINT_RADIUS` of the axis. A
-    joint without one is near all points of its moving part.
-
-    Args:
-        points: Points [B, n, 3] in the normalised frame.
-        parts: Part of each point [B, n].
-        axes: Axes of the joints of the B objects.
-        structure: Structure that all objects have.
-        nearest: Whether a point near several joints gets the nearest; otherwise, as in the release, the last.
-        lines_only: Whether to treat every axis as a line through its stored origin, as in the release.
-
-    Returns:
-        The targets of each point.
+    joint without one is near all points of its moving part. A point near several joints gets the nearest. The release takes
+    the last of them, and treats every axis as a line through its stored origin. Points [B, n, 3] are in the normalised frame.
     """
-    is_line = axes.has_pivot | lines_only
+    is_line = axes.has_pivot | like_release
     offsets, directions = axes.pivots[:, :, None] - points[:, None], axes.directions[:, :, None]
     offsets -= np.einsum("bjnk,bjok->bjn", offsets, directions)[..., None] * directions
     distances = np.linalg.norm(offsets, axis=-1)
@@ -116,10 +80,10 @@ def joint_targets(
     is_moved, is_parent = parts[:, None] == moved, parts[:, None] == parents
     near = np.where(is_line[..., None], (is_moved | is_parent) & (distances < JOINT_RADIUS), is_moved)  # [B, J, n]
     distances = np.where(is_line[..., None], distances, JOINT_RADIUS)
-    if nearest:
-        chosen = np.where(near, distances, np.inf).argmin(axis=1)
-    else:
+    if like_release:
         chosen = len(structure.parents) - 1 - near[:, ::-1].argmax(axis=1)
+    else:
+        chosen = np.where(near, distances, np.inf).argmin(axis=1)
     scans, columns = np.arange(len(points))[:, None], np.arange(points.shape[1])
     distances, offsets = distances[scans, chosen, columns], offsets[scans, chosen, columns]
     is_near = near.any(axis=1)
@@ -134,15 +98,9 @@ def joint_targets(
 
 
 def global_targets(extents: Extents, axes: JointAxes) -> tuple[F32, F32]:
-    """Targets of the global head for B objects with K parts.
+    """Targets of the global head: half sides of the parts' boxes in NPCS [B, K, 3], and pivots in NAOCS [B, K - 1, 3].
 
-    Args:
-        extents: Boxes of the parts in the canonical pose [B, K].
-        axes: Axes of the joints of parts 1 and up.
-
-    Returns:
-        Half sides of the parts' boxes in NPCS [B, K, 3], and pivots in NAOCS [B, K - 1, 3]. The pivots are the points of the
-        axes that are nearest to the middles of the moving parts.
+    The pivots are the points of the axes that are nearest to the middles of the moving parts.
     """
     half_sizes = np.maximum(0.5 * extents.sizes / extents.diagonals[..., None], MIN_HALF_SIZE)
     along = np.sum((extents.centers[:, 1:] - axes.pivots) * axes.directions, axis=-1, keepdims=True)

@@ -42,25 +42,13 @@ def train_ancsh(
 ) -> FitResult:
     """Train one network and write `weights.safetensors` and `weights.json` of the kept epoch.
 
-    Args:
-        training: Scans to train on, of objects of one structure.
-        validation: Scans to choose the best epoch by, of the same structure.
-        config: Configuration of the network and its training.
-        run_dir: Folder for the results. An interrupted training there is resumed (`kinmo.learning.training_loop.fit`).
-        which: "ancsh" for the network with all heads, "npcs" for parts and NPCS only.
-        labelled: Number of labelled training objects, to be noted in the header of the weights.
-        seed: Seed of everything random.
-        device: "cpu", "cuda", "mps", or "auto".
-        fingerprint: Hash of the data, which a checkpoint must agree with to be resumed.
-        on_progress: Called after every epoch.
-
-    Returns:
-        The kept epoch and the metrics of all epochs.
+    Validation scans choose the best epoch. The header of the weights notes the number of `labelled` training objects. An
+    interrupted training in `run_dir` is resumed (`fit`, which explains the other arguments).
 
     Raises:
         InputError: Either set has no frames, structures differ, or the training fails (`fit`).
     """
-    structure = common_structure([*training, *validation])
+    structure = _common_structure([*training, *validation])
     for name, files in (("training", training), ("validation", validation)):
         if not any(file.frames for file in files):
             raise InputError(f"{name} scans", "expected at least one frame")
@@ -88,12 +76,8 @@ def train_ancsh(
     return result
 
 
-def common_structure(files: Sequence[ScanFile]) -> Structure:
-    """Structure that the objects of all files have.
-
-    Raises:
-        InputError: There is no file, or a structure differs.
-    """
+def _common_structure(files: Sequence[ScanFile]) -> Structure:
+    """Structure that the objects of all files have; InputError if there is no file, or a structure differs."""
     if not files:
         raise InputError("scans", "expected those of at least one object")
     for file in files:
@@ -103,14 +87,7 @@ def common_structure(files: Sequence[ScanFile]) -> Structure:
 
 
 class AncshLearner(Learner):
-    """An ANCSH network with the weighted sum of its losses, which is also the validation error.
-
-    Args:
-        config: Configuration of the network and its training.
-        which: "ancsh" for the network with all heads, "npcs" for parts and NPCS only.
-        parts: Number of parts K.
-        classes: Number of classes of points: `parts`, or one more if points may belong to no part.
-    """
+    """An ANCSH network with the weighted sum of its losses, which is also the validation error."""
 
     def __init__(self, config: AncshConfig, which: AncshNetworkName, parts: int, classes: int) -> None:
         super().__init__(config.training)

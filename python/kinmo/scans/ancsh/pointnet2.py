@@ -18,10 +18,8 @@ from kinmo.learning.network_layers import channel_norm, gather_points, max_over_
 
 MIN_DISTANCE = 1e-6
 """Least distance in the weights of an interpolation."""
-
 MANY_ROWS = 8192
 """Number of rows of few features above which a CPU's convolutions are faster than its matrix products."""
-
 HAS_ONEDNN: bool = torch.backends.mkldnn.is_available()  # type: ignore[no-untyped-call]
 
 
@@ -53,16 +51,8 @@ def point_levels(
 ) -> tuple[PointLevel, ...]:
     """Groups of points on several levels; the centers of one level are the points of the next.
 
-    All levels are found on the CPU at once. A GPU would otherwise have to wait for each of them.
-
-    Args:
-        points: Points [B, n, 3].
-        centers: Number of centers m on each level.
-        radii: Radius of the groups on each level.
-        neighbours: Number of points k in a group on each level.
-
-    Returns:
-        The levels, on the device of the points.
+    All levels are found on the CPU at once. A GPU would otherwise have to wait for each of them. Each level has a number of
+    centers m, a radius of the groups, and a number of points k in a group.
     """
     current, levels = points.detach().float().cpu(), []
     for count, radius, size in zip(centers, radii, neighbours, strict=True):
@@ -87,13 +77,9 @@ def product(x: Tensor, weight: Tensor) -> Tensor:
 
 
 class SharedLinear(nn.Linear):
-    """Linear layer without a bias over the last axis, from `before` to `after` channels."""
-
-    def __init__(self, before: int, after: int) -> None:
-        super().__init__(before, after, bias=False)
+    """Linear layer without a bias over the last axis."""
 
     def forward(self, x: Tensor) -> Tensor:
-        """Features [..., after] of features [..., before]."""
         return product(x, self.weight)
 
 
@@ -101,25 +87,17 @@ class SharedLayers(nn.Sequential):
     """Linear layers without a bias over the last axis, each with a batch norm and a ReLU.
 
     The first layer is linear in its input. It can therefore run before features are gathered or interpolated (`first`), on few
-    points instead of many; the other layers follow (`after_first`).
-
-    Args:
-        widths: Number of channels of the input and of each layer.
+    points instead of many; the other layers follow (`after_first`). `widths` are the channels of the input and of each layer.
     """
 
     def __init__(self, widths: Sequence[int]) -> None:
         layers: list[nn.Module] = []
         for before, after in pairwise(widths):
-            layers += [SharedLinear(before, after), channel_norm("batch", after), nn.ReLU()]
+            layers += [SharedLinear(before, after, bias=False), channel_norm("batch", after), nn.ReLU()]
         super().__init__(*layers)
 
     def first(self, x: Tensor, start: int = 0) -> Tensor:
-        """Share of the first layer's output [..., C'] that comes from some of its input channels.
-
-        Args:
-            x: Values [..., C] of the input channels `start`, ..., `start` + C - 1.
-            start: First of these channels.
-        """
+        """Share of the first layer's output [..., C'] that comes from its input channels `start` to `start` + C - 1 alone."""
         weight: Tensor = self[0].weight  # type: ignore[assignment]
         return product(x, weight[:, start : start + x.shape[-1]])
 
@@ -142,9 +120,7 @@ class SharedLayers(nn.Sequential):
 class SetAbstraction(nn.Module):
     """Features of groups of points, from the points' coordinates relative to the center and from their features.
 
-    Args:
-        before: Number of feature channels C of the points; 0 for none.
-        widths: Number of channels of each layer; the last is C'.
+    The features have `before` channels C, 0 for none; the last of the layers' `widths` is C'.
     """
 
     def __init__(self, before: int, widths: Sequence[int]) -> None:
@@ -154,10 +130,7 @@ class SetAbstraction(nn.Module):
     def forward(self, points: Tensor, features: Tensor | None, level: PointLevel | None) -> Tensor:
         """Features [B, m, C'] of the groups of a level, or [B, 1, C'] of all points together if there is no level.
 
-        Args:
-            points: Points [B, n, 3].
-            features: Features of the points [B, n, C], if they have any.
-            level: The groups.
+        Points are [B, n, 3], and their features [B, n, C].
         """
         if level is None:
             inputs = self.layers.first(points if features is None else torch.cat([points, features], -1))
@@ -173,9 +146,7 @@ class SetAbstraction(nn.Module):
 class FeaturePropagation(nn.Module):
     """Features of many points, from their own features and from those of the centers of a level.
 
-    Args:
-        before: Number of input channels: those of the centers and those of the points.
-        widths: Number of channels of each layer; the last is C'.
+    The `before` input channels are those of the centers and those of the points; the last of the layers' `widths` is C'.
     """
 
     def __init__(self, before: int, widths: Sequence[int]) -> None:
@@ -183,12 +154,9 @@ class FeaturePropagation(nn.Module):
         self.layers = SharedLayers((before, *widths))
 
     def forward(self, own: Tensor, features: Tensor, level: PointLevel | None) -> Tensor:
-        """Features of the points [B, n, C'].
+        """Features of the points [B, n, C'], from their own [B, n, C] and those of the centers [B, m, D].
 
-        Args:
-            own: Features of the points [B, n, C].
-            features: Features of the centers [B, m, D], or of all points together [B, 1, D] if there is no level.
-            level: The groups, whose weights interpolate the features of the centers.
+        Without a level, `features` [B, 1, D] are of all points together.
         """
         spread = self.layers.first(features)
         spread = spread if level is None else level.interpolate(spread)
@@ -198,23 +166,11 @@ class FeaturePropagation(nn.Module):
 class PointNetPlusPlus(nn.Module):
     """PointNet++ with two levels of groups and one global feature, the backbone of ANCSH.
 
-    The attributes `features` and `global_features` are the widths of the results.
-
-    Args:
-        centers: Number of centers on each of the two levels.
-        radii: Radius of the groups on each level.
-        neighbours: Number of points in a group on each level.
-        width: Factor on the printed widths of all layers.
-        dropout: Share of the last features that dropout sets to zero in training.
+    The arguments are those of `AncshConfig`. The attributes `features` and `global_features` are the widths of the results.
     """
 
     def __init__(
-        self,
-        centers: Sequence[int],
-        radii: Sequence[float],
-        neighbours: Sequence[int],
-        width: float,
-        dropout: float,
+        self, centers: Sequence[int], radii: Sequence[float], neighbours: Sequence[int], width: float, dropout: float
     ) -> None:
         super().__init__()
 

@@ -16,7 +16,6 @@ from kinmo.scans.files.scan_file import ScanFile
 from kinmo.scans.object_structure import Extents
 from kinmo.scans.preprocessing.input_frame import InputFrame
 
-F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
@@ -28,12 +27,7 @@ class ScanData:
     """Batches of frames of many objects, all of one structure.
 
     In training, every object is drawn with the same probability, whatever the number of its frames or files. Objects with true
-    labels together have at least the probability `min_trusted_share`.
-
-    Args:
-        training: Scans to train on.
-        validation: Scans to choose the best epoch by.
-        config: Configuration of the network and its training.
+    labels together have at least the probability `min_trusted_share`. Validation chooses the best epoch.
     """
 
     def __init__(self, training: Sequence[ScanFile], validation: Sequence[ScanFile], config: AncshConfig) -> None:
@@ -60,45 +54,30 @@ class ScanData:
             yield self.batch(frames[start : start + self.config.batch_frames], np.random.default_rng(0))
 
     def batch(self, frames: Sequence[tuple[ScanFile, int]], rng: np.random.Generator) -> ScanBatch:
-        """Batch of B frames with random points.
-
-        Args:
-            frames: File and row of each frame. All objects have the same structure.
-            rng: Source of randomness.
-
-        Returns:
-            The points as the network sees them, and the targets.
-        """
+        """Batch of frames, each given by file and row, with random points; all objects have the same structure."""
         files = [file for file, _ in frames]
         inputs, parts, points = map(np.stack, zip(*(self._sampled(file, row, rng) for file, row in frames), strict=True))
-        structure, labels = files[0].structure, self.config.joint_labels
+        structure = files[0].structure
         extents, axes = Extents.stack([file.extents for file in files]), JointAxes.of([file.joints for file in files])
-        near = joint_targets(points, parts, axes, structure, nearest=labels == "nearest", lines_only=labels == "release")
         targets = (
             np.where(parts < 0, structure.part_count, parts),
             *canonical_coordinates(points, parts, extents),
-            *(near.joints, near.heatmap, near.toward, near.axes, near.has_pivot),
+            *joint_targets(points, parts, axes, structure, self.config.joint_labels == "release"),
             *global_targets(extents, axes),
             axes.has_pivot,
         )
         return ScanBatch(*map(torch.from_numpy, (inputs, *targets)))
 
-    def _sampled(self, file: ScanFile, row: int, rng: np.random.Generator) -> tuple[F32, I64, F64]:
+    def _sampled(self, file: ScanFile, row: int, rng: np.random.Generator) -> tuple[NDArray[np.float32], I64, F64]:
         """Random points of a frame: in the input frame [n, 3], their parts [n], and in the normalised frame [n, 3]."""
-        rotation = self._rotation(file, row, rng)
+        rotation = np.eye(3)
+        if not self.config.release:
+            rotation = file.read("input_axes", row)[0 if rng.random() < FIRST_PASS_SHARE else 1]
         points, parts, places = (file.read(name, row) for name in ("points", "parts", "places"))
         frame = InputFrame.of(points, self.config.normalised, rotation=rotation)  # from all points, as in prediction
         parts = parts.astype(np.int64)
         chosen = sample_points(parts, self.config.points, self.config.balance, rng)
         return frame.apply(points[chosen]), parts[chosen], places[chosen].astype(np.float64)
-
-    def _rotation(self, file: ScanFile, row: int, rng: np.random.Generator) -> F64:
-        """Axes of the input frame [3, 3]."""
-        if self.config.release:
-            return np.eye(3)
-        is_first = rng.random() < FIRST_PASS_SHARE
-        rotation: F64 = file.read("input_axes", row)[0 if is_first else 1]
-        return rotation
 
 
 def min_trusted_share(training: Sequence[ScanFile], config: AncshConfig) -> float:
@@ -111,15 +90,9 @@ def min_trusted_share(training: Sequence[ScanFile], config: AncshConfig) -> floa
 
 
 def file_probabilities(objects: Sequence[Hashable], trusted: Sequence[bool], min_trusted: float) -> F64:
-    """Probability that each of n files is drawn.
+    """Probabilities [n] that each of n files is drawn, from the object of each file and whether its labels are true.
 
-    Args:
-        objects: Object of each file. All objects have the same probability, except for the next rule.
-        trusted: Whether each file has true labels.
-        min_trusted: Least probability of all files with true labels together.
-
-    Returns:
-        Probabilities [n] that add up to 1.
+    All objects have the same probability, except that files with true labels together have `min_trusted` or more.
     """
     is_trusted, files = np.array(trusted, bool), Counter(objects)
     weights = np.array([1.0 / files[one] for one in objects])
@@ -131,17 +104,10 @@ def file_probabilities(objects: Sequence[Hashable], trusted: Sequence[bool], min
 
 
 def sample_points(parts: I64, count: int, balance: float, rng: np.random.Generator) -> I64:
-    """Random choice of the points of a scan.
+    """Indices [count] of random points of a scan with the `parts` [n], negative for none; they repeat only if there are fewer.
 
-    Args:
-        parts: Part of each point [n]; negative for none.
-        count: Number of points to choose. Points repeat only if there are fewer.
-        balance: 0 draws all points with the same probability, 1 as many from every part. Of a part with m points, about
-            m ** (1 - balance) are drawn for every one of a part with a single point.
-        rng: Source of randomness.
-
-    Returns:
-        Indices [count].
+    A `balance` of 0 draws all points with the same probability, 1 as many from every part. Of a part with m points, about
+    m ** (1 - balance) are drawn for every one of a part with a single point.
     """
     weights = (np.maximum(np.bincount(parts + 1), 1) ** -balance)[parts + 1]
     if len(parts) < count:
