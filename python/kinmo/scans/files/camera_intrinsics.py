@@ -22,42 +22,29 @@ class Intrinsics:
 
     @classmethod
     def parse(cls, text: str) -> Intrinsics:
-        """Read `fx,fy,cx,cy` from the command line.
-
-        Raises:
-            InputError: If the text has another form.
-        """
+        """Read `fx,fy,cx,cy` from the command line; InputError if the text has another form."""
         try:
-            values = [float(value) for value in text.split(",")]
-            return cls._checked(values, "--intrinsics")
+            return cls._checked([float(value) for value in text.split(",")])
         except ValueError:
             problem = f"expected fx,fy,cx,cy in pixels, fx and fy above 0, got {text!r}"
             raise InputError("--intrinsics", problem) from None
 
     @classmethod
     def from_matrix(cls, matrix: NDArray[np.generic], source: Path) -> Intrinsics:
-        """Read [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] or (fx, fy, cx, cy).
-
-        Args:
-            matrix: The numbers.
-            source: File that they come from, for messages.
-
-        Raises:
-            InputError: If the array has another form.
-        """
+        """Read [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] or (fx, fy, cx, cy) from a file; InputError for any other array."""
         values = np.asarray(matrix, np.float64)
         if values.shape == (3, 3):
             fx, fy, cx, cy = numbers = values[[0, 1, 0, 1], [0, 1, 2, 2]]
             is_matrix = np.allclose(values, [[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]], rtol=0.0, atol=1e-6)
             values = numbers if is_matrix else np.zeros(0)
         try:
-            return cls._checked(values.tolist() if values.ndim == 1 else [], str(source))
+            return cls._checked(values.tolist() if values.ndim == 1 else [])
         except ValueError:
             problem = "expected the matrix [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], or fx, fy, cx, cy"
             raise InputError(source, problem, "intrinsics") from None
 
     @classmethod
-    def _checked(cls, values: list[float], where: str) -> Intrinsics:
+    def _checked(cls, values: list[float]) -> Intrinsics:
         if len(values) != 4 or not np.isfinite(values).all() or min(values[:2]) <= 0.0:
-            raise ValueError(where)
+            raise ValueError(values)
         return cls(*values)

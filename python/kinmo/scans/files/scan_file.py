@@ -41,7 +41,6 @@ class ScanProvenance:
 
     Attributes:
         key: Cache key: a hash of everything that the frames depend on.
-        role: Use of the object.
         layout: Layout of the object's files.
         variant: 0 for the object itself, else the number of its variant (`object_variants`).
     """
@@ -62,16 +61,11 @@ class ScanFile:
     """The frames of one object; arrays stay on disk until they are read.
 
     Attributes:
-        path: The file.
-        id: Id of the object.
-        category: Category of the object.
-        structure: Joint kinds and parents of its K parts.
         joints: Joints of parts 1 and up, in the normalised frame.
-        extents: Boxes of the parts in the canonical pose, in the normalised frame.
+        extents: Boxes of the K parts in the canonical pose, in the normalised frame.
         axis_aligned_shares: Share [K] of each part's surface that is axis-aligned; NaN if unknown.
         frames: Number of frames.
         skipped: Number of skipped frames by reason.
-        provenance: Origin of the frames.
     """
 
     path: Path
@@ -86,18 +80,10 @@ class ScanFile:
     provenance: ScanProvenance
 
     def read(self, name: str, frames: slice | int = slice(None)) -> NDArray[Any]:
-        """Read an array of some frames.
+        """Read an array of some frames, which are along its first axis; InputError if the file is damaged.
 
-        Args:
-            name: Array of `LabelledFrames`, or `input_axes` [F, 2, 3, 3] (`two_pass_axes`). They are stored because their
-                computation takes longer than everything else that training needs of a frame.
-            frames: Frames to read.
-
-        Returns:
-            The array, with the frames along its first axis.
-
-        Raises:
-            InputError: If the file is damaged.
+        Arrays are those of `LabelledFrames`, and `input_axes` [F, 2, 3, 3] (`two_pass_axes`). These are stored because their
+        computation takes longer than everything else that training needs of a frame.
         """
         try:
             array: NDArray[Any] = self._tensors.get_slice(name)[frames]
@@ -166,15 +152,10 @@ def write_scans(path: Path, target: ScannedObject, scans: LabelledFrames, proven
 
 
 def open_scans(path: Path) -> ScanFile:
-    """Open a file that `write_scans` wrote, without reading its frames.
-
-    Raises:
-        InputError: If it is no such file.
-    """
+    """Open a file that `write_scans` wrote, without reading its frames; InputError for any other file."""
     known = _opened(path)
-    extents = Extents(known.extents.centers, known.extents.sizes)
     # A new object each time: it keeps the file mapped, but no longer than it lives.
-    return replace(known, extents=extents, skipped=dict(known.skipped))
+    return replace(known, extents=Extents(known.extents.centers, known.extents.sizes), skipped=dict(known.skipped))
 
 
 @kept_while_unchanged

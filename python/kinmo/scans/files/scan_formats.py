@@ -52,11 +52,7 @@ class DepthImage:
 
 
 def scan_suffix(path: Path) -> str:
-    """Suffix of a file that may be a scan, in lower case.
-
-    Raises:
-        InputError: If there is no such file, or its suffix is none of `SCAN_SUFFIXES`.
-    """
+    """Suffix of a file in lower case; InputError if there is no such file, or its suffix is none of `SCAN_SUFFIXES`."""
     if not path.is_file():
         raise InputError(path, f"expected a scan: {'this is a folder' if path.is_dir() else 'there is no such file'}")
     suffix = path.suffix.lower()
@@ -66,14 +62,7 @@ def scan_suffix(path: Path) -> str:
 
 
 def parse_scan(path: Path) -> F64 | DepthImage:
-    """Parse a scan file.
-
-    Returns:
-        Points [n, 3], or a depth image.
-
-    Raises:
-        InputError: If the file holds neither.
-    """
+    """Points [n, 3] or depth image in a scan file; InputError if it holds neither."""
     suffix = scan_suffix(path)
     if suffix == ".ply":
         return _parse_ply(path)
@@ -91,9 +80,9 @@ def _parse_arrays(path: Path) -> F64 | DepthImage:
             arrays = {name: loaded[name] for name in names if name in loaded.files}
             if not {"points", "depth"} & arrays.keys():
                 raise InputError(path, f"expected points or depth, got {', '.join(loaded.files) or 'nothing'}")
+    except InputError:
+        raise
     except READ_ERRORS as error:
-        if isinstance(error, InputError):
-            raise
         is_pickle = isinstance(error, ValueError) and "pickle" in str(error)
         reason = "it is none, or holds objects" if is_pickle else error
         raise InputError(path, f"expected arrays of NumPy ({reason})") from None

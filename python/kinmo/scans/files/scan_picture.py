@@ -14,7 +14,7 @@ from kinmo.core.joint import JointKind
 F64 = NDArray[np.float64]
 
 SIZE = 300
-"""Side of a picture, pixels."""
+"""Side of a view, pixels."""
 MARGIN = 0.08
 """Empty border, as a share of the side."""
 BOX_MARGIN = 0.5
@@ -51,22 +51,16 @@ class ScanView:
     pivots: F64
 
 
-def scan_picture(views: Sequence[ScanView], label: str, size: int = SIZE) -> str:
-    """Draw one view of a scan, or several side by side.
+def scan_picture(views: Sequence[ScanView], label: str) -> str:
+    """SVG picture of views of one scan side by side, such as prediction and truth, with an accessible description.
 
-    Args:
-        views: Views of one scan, such as prediction and truth. The points of the first and the boxes of all set the scale.
-        label: Accessible description of the picture.
-        size: Side of each view, pixels.
-
-    Returns:
-        The picture as SVG.
+    The points of the first view and the boxes of all set the scale.
     """
-    frame = _Frame.of(views, size)
+    frame = _Frame.of(views)
     panes = "".join(
-        f'<svg x="{size * place}" width="{size}" height="{size}">{_pane(frame, view)}</svg>' for place, view in enumerate(views)
+        f'<svg x="{SIZE * place}" width="{SIZE}" height="{SIZE}">{_pane(frame, view)}</svg>' for place, view in enumerate(views)
     )
-    head = f'<svg class="scan" viewBox="0 0 {size * len(views)} {size}" role="img" aria-label="{escape(label, quote=True)}"'
+    head = f'<svg class="scan" viewBox="0 0 {SIZE * len(views)} {SIZE}" role="img" aria-label="{escape(label, quote=True)}"'
     return f'{head} xmlns="http://www.w3.org/2000/svg">{panes}</svg>'
 
 
@@ -89,15 +83,15 @@ class _Frame:
     shift: tuple[float, float]
 
     @classmethod
-    def of(cls, views: Sequence[ScanView], size: int) -> _Frame:
+    def of(cls, views: Sequence[ScanView]) -> _Frame:
         points = _projected(views[0].points)
         low, high = points.min(axis=0), points.max(axis=0)
         room = BOX_MARGIN * float(np.max(high - low))
         corners = [_corners(view, part) for view in views for part in range(len(view.centers)) if _has_box(view, part)]
         boxes = np.clip(_projected(np.reshape(corners, (-1, 3))), low - room, high + room)
         low, high = np.vstack([boxes, low]).min(axis=0), np.vstack([boxes, high]).max(axis=0)
-        scale = (1.0 - 2.0 * MARGIN) * size / max(float(np.max(high - low)), 1e-9)
-        x, y = (0.5 * size - scale * 0.5 * (low + high)).tolist()
+        scale = (1.0 - 2.0 * MARGIN) * SIZE / max(float(np.max(high - low)), 1e-9)
+        x, y = (0.5 * SIZE - scale * 0.5 * (low + high)).tolist()
         return cls(scale, (x, y))
 
     def map(self, points: NDArray[np.floating]) -> F64:

@@ -74,12 +74,10 @@ def read_scan(
     if not 0.0 < scale < np.inf:
         raise InputError("--depth-scale", f"expected a number above 0, got {scale:g}")
     parsed = parse_scan(path)
-    warning = None
     if isinstance(parsed, DepthImage):
-        depths, camera = _depths(parsed, scale, path), _intrinsics(parsed, intrinsics, path)
-        points, warning = _back_projected(depths, camera), _warning(depths, camera)
+        points, warning = _from_image(parsed, scale, intrinsics, path)
     else:
-        points = parsed
+        points, warning = parsed, None
         for option, value in (("--intrinsics", intrinsics), ("--depth-scale", depth_scale)):
             if value is not None and not ignore_unused_options:
                 raise InputError(option, f"applies only to depth images; {path} holds points")
@@ -110,37 +108,27 @@ def write_points(path: Path, points: NDArray[np.floating], **arrays: NDArray[Any
     write_bytes_atomically(path, file.getvalue())
 
 
-def _depths(image: DepthImage, scale: float, path: Path) -> F64:
-    """Depths [height, width]; 0 for the largest 16-bit number, which marks depths out of range."""
+def _from_image(image: DepthImage, scale: float, camera: Intrinsics | None, path: Path) -> tuple[F64, str | None]:
+    """Points [height x width, 3] of the pixels, row by row, and a warning if the principal point is outside the image.
+
+    Resized images need other intrinsics, cropped ones may be right. The given intrinsics override those of the file.
+    """
     stored = np.squeeze(image.depths)
     if stored.ndim != 2:
         raise InputError(path, f"expected one depth a pixel, [height, width], got {list(np.shape(image.depths))}", "depth")
     depths = np.asarray(stored, np.float64) / scale
-    has_16_bits = (stored.dtype.kind, stored.dtype.itemsize) == ("u", 2)  # in either byte order
-    return np.where(stored == np.iinfo(np.uint16).max, 0.0, depths) if has_16_bits else depths
-
-
-def _intrinsics(image: DepthImage, intrinsics: Intrinsics | None, path: Path) -> Intrinsics:
-    """The given intrinsics, or else those of the file."""
-    if intrinsics is None and image.intrinsics is not None:
-        intrinsics = Intrinsics.from_matrix(image.intrinsics, path)
-    if intrinsics is None:
+    if (stored.dtype.kind, stored.dtype.itemsize) == ("u", 2):  # in either byte order; the largest number is out of range
+        depths = np.where(stored == np.iinfo(np.uint16).max, 0.0, depths)
+    if camera is None and image.intrinsics is not None:
+        camera = Intrinsics.from_matrix(image.intrinsics, path)
+    if camera is None:
         raise InputError(path, "a depth image needs the camera's intrinsics: --intrinsics fx,fy,cx,cy")
-    return intrinsics
-
-
-def _warning(depths: F64, camera: Intrinsics) -> str | None:
-    """Warning about a principal point outside the image; resized images need other intrinsics, cropped ones may be right."""
     height, width = depths.shape
-    if -0.5 <= camera.cx <= width - 0.5 and -0.5 <= camera.cy <= height - 0.5:
-        return None
-    place = f"({camera.cx:g}, {camera.cy:g})"
-    return f"the principal point {place} is outside of its {width} x {height} pixels: are these the intrinsics of another?"
-
-
-def _back_projected(depths: F64, camera: Intrinsics) -> F64:
-    """Points [height x width, 3] of the pixels, row by row."""
+    warning: str | None = None
+    if not (-0.5 <= camera.cx <= width - 0.5 and -0.5 <= camera.cy <= height - 0.5):
+        place, size = f"({camera.cx:g}, {camera.cy:g})", f"{width} x {height}"
+        warning = f"the principal point {place} is outside of its {size} pixels: are these the intrinsics of another?"
     rows, columns = np.indices(depths.shape)
     x, y = (columns - camera.cx) / camera.fx, (rows - camera.cy) / camera.fy
     with np.errstate(invalid="ignore"):  # NaN stays NaN
-        return np.stack([x * depths, y * depths, depths], axis=-1).reshape(-1, 3)
+        return np.stack([x * depths, y * depths, depths], axis=-1).reshape(-1, 3), warning

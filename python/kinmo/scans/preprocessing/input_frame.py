@@ -10,15 +10,10 @@ from numpy.typing import NDArray
 
 from kinmo import _core
 
-F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
-
-InputScale = Literal["object", "scan"]
-"""Normalisation of a scan: by the object's true diagonal, keeping its position, or by the box of the visible points."""
 
 MIN_BASE_POINTS = 50
 """Number of base points from which on the base tells the axes better than the whole scan."""
-
 MIN_PITCH, MAX_PITCH = np.radians([-5.0, 90.0])
 """Range of the angle by which cameras look down, rad: from slightly below the object to straight from above."""
 
@@ -33,15 +28,16 @@ class InputFrame:
 
     @classmethod
     def of(
-        cls, points: NDArray[np.floating], normalised: InputScale, diagonal: float = 1.0, rotation: F64 | None = None
+        cls,
+        points: NDArray[np.floating],
+        normalised: Literal["object", "scan"],
+        diagonal: float = 1.0,
+        rotation: F64 | None = None,
     ) -> InputFrame:
-        """Input frame of a scan.
+        """Input frame of a scan with points [n, 3] in the camera frame.
 
-        Args:
-            points: Points [n, 3] in the camera frame.
-            normalised: Normalisation of position and scale.
-            diagonal: True diagonal of the object, for `object` only.
-            rotation: Axes of the input as columns [3, 3] in the camera frame. Default: the camera's.
+        `object` divides by the object's true `diagonal` and keeps its position. `scan` uses the box of the points. The columns
+        of `rotation` [3, 3] are the axes of the input in the camera frame; by default they are the camera's.
         """
         rotation = np.eye(3) if rotation is None else rotation
         if normalised == "object":
@@ -51,7 +47,7 @@ class InputFrame:
         center = 0.5 * rotation @ (low + high).astype(np.float64)
         return cls(center, 1.0 / max(float(np.linalg.norm(high - low)), 1e-9), rotation)
 
-    def apply(self, points: NDArray[np.floating]) -> F32:
+    def apply(self, points: NDArray[np.floating]) -> NDArray[np.float32]:
         """Map points [..., 3] from the camera frame to the input frame."""
         return np.asarray((points - self.center) @ self.rotation * self.scale, np.float32)
 
@@ -65,15 +61,10 @@ class InputFrame:
 
 
 def base_axes(points: NDArray[np.floating], is_base: NDArray[np.bool_], first: F64) -> F64:
-    """Input axes of the second pass: those that the base faces. In the whole scan, an open door may decide.
+    """Input axes [F, 3, 3] of the second pass: those that the base faces. In the whole scan, an open door may decide.
 
-    Args:
-        points: Scans [F, n, 3] in the camera frame.
-        is_base: Mask [F, n] of the base points.
-        first: Axes [F, 3, 3] of the first pass, kept for scans with fewer than `MIN_BASE_POINTS` base points.
-
-    Returns:
-        Axes as columns [F, 3, 3] in the camera frame.
+    `is_base` [F, n] marks the base points. Scans with fewer than `MIN_BASE_POINTS` keep their axes of the first pass.
+    Otherwise as in `manhattan_axes`.
     """
     are_enough = is_base.sum(axis=1) >= MIN_BASE_POINTS
     axes: F64 = first.copy()
@@ -82,15 +73,7 @@ def base_axes(points: NDArray[np.floating], is_base: NDArray[np.bool_], first: F
 
 
 def two_pass_axes(points: NDArray[np.floating], parts: NDArray[np.integer]) -> F64:
-    """Input axes of both passes for scans with known parts.
-
-    Args:
-        points: Scans [F, n, 3] in the camera frame.
-        parts: Part [F, n] of each point; the base is 0.
-
-    Returns:
-        Axes as columns [F, 2, 3, 3] in the camera frame: of the first and of the second pass.
-    """
+    """Input axes [F, 2, 3, 3] of the first and the second pass for scans with known parts [F, n]; the base is part 0."""
     first = manhattan_axes(points)
     return np.stack([first, base_axes(points, parts == 0, first)], axis=1)
 
@@ -99,14 +82,8 @@ def manhattan_axes(points: NDArray[np.floating], mask: NDArray[np.bool_] | None 
     """Axes that most surfaces of a scan face (its Manhattan frame), ordered like a camera's.
 
     Of the six directions, up is the one nearest to up for an upright camera. Forward is the level direction that points most
-    away from the camera.
-
-    Args:
-        points: Scans [F, n, 3] in the camera frame.
-        mask: Mask [F, n] of the points that count, at least one per scan. Default: all points.
-
-    Returns:
-        Axes as columns [F, 3, 3] in the camera frame: right, down, forward.
+    away from the camera. In scans [F, n, 3] the points in `mask` [F, n] count, at least one each. The axes right, down and
+    forward are columns [F, 3, 3] in the camera frame, as the points are.
     """
     mask = np.ones(points.shape[:2], bool) if mask is None else mask
     counted = mask[..., None]

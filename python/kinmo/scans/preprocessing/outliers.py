@@ -24,16 +24,10 @@ cluster of few points, but it is nearly always nearer. Nearer outliers hardly ch
 
 
 def find_outliers(points: NDArray[np.floating], sample: NDArray[np.floating]) -> NDArray[np.bool_]:
-    """Find the outliers of a scan.
+    """Mask [n] of the outliers among points [n, 3].
 
-    Points are outliers if they lie outside the box of all clusters that are too large to be outliers, by `MARGIN` or more.
-
-    Args:
-        points: Points [n, 3].
-        sample: Some of the points [m, 3], from which the box is computed; a thousand are enough.
-
-    Returns:
-        Mask [n] of the outliers.
+    Outliers lie outside the box of all clusters that are too large to be outliers, by `MARGIN` or more. The box comes from a
+    `sample` [m, 3] of the points; a thousand are enough.
     """
     low, high = _inlier_box(np.unique(np.asarray(sample, np.float64), axis=0))
     return np.asarray(((points < low) | (points > high)).any(axis=1))
