@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -21,7 +21,6 @@ from kinmo.pipeline.label_acceptance import (
     count_by_type,
     decide,
     decision_from_data,
-    decision_to_data,
 )
 
 scores = st.lists(st.floats(0.0, 1.0), max_size=5)
@@ -84,7 +83,7 @@ def test_a_shape_without_moving_parts_is_refused() -> None:
 @given(scores, st.floats(0.0, 1.0))
 def test_a_decision_survives_its_plain_data(found: list[float], threshold: float) -> None:
     decision = decide(prediction(*found), "partnet", threshold)
-    assert decision_from_data(json.loads(json.dumps(decision_to_data(decision)))) == decision
+    assert decision_from_data(json.loads(json.dumps(asdict(decision)))) == decision
 
 
 @pytest.mark.parametrize("data", [{}, {"joints": [{}]}, {"joints": [], "shape": 3}])

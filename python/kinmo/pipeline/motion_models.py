@@ -6,34 +6,18 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from kinmo.config import GnnConfig
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.motion_gnn.gnn_training import train_motion_gnn
-from kinmo.learning.training_loop import FitResult, Progress
+from kinmo.learning.training_loop import FitResult
 from kinmo.methods import METHOD_MODELS
 from kinmo.methods.kinmo.ranking.ranking_network import KIND as RANKING
 from kinmo.methods.kinmo.ranking.ranking_training import train_joint_ranking
 from kinmo.methods.paper.axis_selection.axis_selection_training import train_axis_selection
 
-
-class Trainer(Protocol):
-    """A function such as `train_motion_gnn`; `config` is its section of the configuration."""
-
-    def __call__(
-        self,
-        training: list[PreparedShape],
-        validation: list[PreparedShape],
-        config: Any,
-        run_dir: Path,
-        *,
-        seed: int,
-        device: str,
-        fingerprint: str,
-        on_progress: Callable[[Progress], None],
-    ) -> FitResult:
-        """Train a network in the folder `run_dir`, from the last checkpoint there."""
+Trainer = Callable[..., FitResult]  # a function such as `train_motion_gnn`
 
 
 def _train_on_contact_edges(

@@ -10,12 +10,6 @@ JOBS_PER_PROCESS = 4
 
 
 def network_runner(workers: int, device: str, cluster: str | None = None) -> JobRunner:
-    """Runner whose processes may have networks on a device.
-
-    Args:
-        workers: Number of processes; fewer share an accelerator.
-        device: Where networks run.
-        cluster: Address of a Ray cluster; None for this machine.
-    """
+    """Runner whose processes may have networks on a device. Fewer than `workers` processes share an accelerator."""
     gpus = 0.0 if pick_device(device) == "cpu" else 1.0 / ACCELERATOR_PROCESSES
     return runner_for(processes_on(device, workers), cluster, jobs_per_worker=JOBS_PER_PROCESS, gpus=gpus)

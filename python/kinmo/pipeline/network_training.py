@@ -4,29 +4,27 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from kinmo.config import TrainingConfig
 from kinmo.core.errors import expecting
 from kinmo.core.wording import counted
 from kinmo.dataset.jobs import Failure, LocalRunner, allow_kill, report
 from kinmo.dataset.journal import timed
-from kinmo.dataset.stage import Observer, Outcome
+from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
-from kinmo.io.atomic_files import write_bytes_atomically
+from kinmo.io.atomic_files import remove_leftovers, write_bytes_atomically
 from kinmo.learning.model_folder import HEADER, METRICS, METRICS_TABLE, WEIGHTS
 from kinmo.learning.training_loop import FitResult, Progress
 from kinmo.learning.weights import processes_on
 
-OUTPUTS = (WEIGHTS, HEADER, METRICS, METRICS_TABLE)
-"""Files of a finished training."""
-MALLOC_VARIABLE = "GLIBC_TUNABLES"
-"""Environment variable with the settings of glibc's malloc."""
+OUTPUTS = (WEIGHTS, HEADER, METRICS, METRICS_TABLE)  # files of a finished training
+MALLOC_VARIABLE = "GLIBC_TUNABLES"  # environment variable with the settings of glibc's malloc
 MALLOC_SETTINGS = "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=1073741824"
 """glibc's malloc uses large pages, and keeps up to 1 GiB of freed blocks below 32 MiB for the next step."""
 
@@ -45,39 +43,23 @@ class Workload:
         return self.schedule.epochs * self.units * self.seconds_per_unit
 
 
-class TrainingTask(Protocol):
+@dataclass(frozen=True, eq=False)
+class TrainingTask:
     """One network to train.
 
     A finished network is put into its `folder` when all tasks of the same `group` are finished; until then the networks of an
     earlier training stay in use.
     """
 
-    @property
-    def name(self) -> str:
-        """Name for people."""
-
-    @property
-    def stage(self) -> str:
-        """Name of the training's record in the workspace."""
-
-    @property
-    def folder(self) -> Path:
-        """Folder of the trained network, below the workspace's `models`."""
-
-    @property
-    def group(self) -> str:
-        """Name shared by networks that replace earlier ones together."""
-
-    @property
-    def inputs(self) -> dict[str, Any]:
-        """Everything that the network depends on, as plain data."""
-
-    @property
-    def work(self) -> Workload:
-        """Amount of training."""
-
-    def fit(self, folder: Path, on_progress: Callable[[Progress], None]) -> FitResult:
-        """Train the network in a folder, from the last checkpoint there. Runs in another process."""
+    name: str  # for people
+    stage: str  # name of the training's record in the workspace
+    folder: Path  # of the trained network, below the workspace's `models`
+    group: str
+    inputs: dict[str, Any]  # everything that the network depends on, as plain data
+    work: Workload
+    data: tuple[str, str]  # what it is trained on and validated on, in words
+    fit: Callable[[Path, Callable[[Progress], None]], FitResult]
+    """Trains the network in a folder, from the last checkpoint there. It runs in another process."""
 
 
 @dataclass(frozen=True)
@@ -91,18 +73,28 @@ class NetworkTrainer:
     device: str
     workers: int
 
-    def pending(self, tasks: Sequence[TrainingTask]) -> list[TrainingTask]:
-        """Tasks whose networks were not trained from the same inputs."""
-        return [task for task in tasks if not self.workspace.is_current(task.stage, task.inputs)]
+    def plan(self, tasks: Sequence[TrainingTask]) -> Plan:
+        """List the networks that were not trained from the same inputs."""
+        pending = self._pending(tasks)
+        steps = tuple(
+            f"train {task.name} on {task.data[0]} for {counted(task.work.schedule.epochs, 'epoch')}, validate on {task.data[1]}"
+            for task in pending
+        )
+        return Plan(steps, self.seconds([task.work for task in pending]))
 
     def seconds(self, works: Sequence[Workload]) -> float:
         """Estimated duration of all training."""
         alone = [work.seconds for work in works]
         return max([sum(alone) / max(self._processes(works), 1), *alone], default=0.0)
 
-    def run(self, tasks: Sequence[TrainingTask], observer: Observer) -> None:
-        """Train the pending networks, the longest trainings first."""
-        pending = self.pending(tasks)
+    def run(self, tasks: Sequence[TrainingTask], observer: Observer) -> Outcome:
+        """Train the pending networks, the longest trainings first. The caller holds the lock of the workspace.
+
+        The outcome has the epochs of each network, the epoch that was kept, and its validation error.
+        """
+        for folder in (self.workspace.models, self.workspace.training):
+            remove_leftovers(folder)
+        pending = self._pending(tasks)
         for task in tasks:
             if task not in pending:
                 observer.note(f"{task.name}: already trained")
@@ -116,18 +108,26 @@ class NetworkTrainer:
         processes = self._processes([task.work for task in pending])
         if processes > 1:
             pending = sorted(pending, key=lambda task: -task.work.seconds)
-        done: set[str] = set()
-        # no job outlives the lock
-        running = closing(LocalRunner(processes, threads=0).run(partial(_fit, self), pending, on_progress))
+        unfinished = list(pending)
+        runner = LocalRunner(processes, threads=0)
+        running = closing(runner.run(partial(_fit, self), pending, on_progress))  # no job outlives the lock
         with _memory_kept(), running as finished:
             for task, answer in finished:
                 if isinstance(answer, Failure):
                     raise ChildProcessError(f"{task.name} could not be trained: {answer.reason}")
-                done.add(task.name)
-                group = [other for other in pending if other.group == task.group]
-                if all(other.name in done for other in group):
-                    for other in group:
+                unfinished.remove(task)
+                if not any(other.group == task.group for other in unfinished):
+                    for other in (other for other in pending if other.group == task.group):
                         self._put_in_place(other)
+        results = {task.name: _result(task.folder) for task in tasks}
+        lines = [
+            f"{name}: {counted(result['epochs'], 'epoch')}, kept epoch {result['kept']}, validation error {result['error']:.4f}"
+            for name, result in results.items()
+        ]
+        return Outcome(self.workspace.models, results, "\n".join(lines))
+
+    def _pending(self, tasks: Sequence[TrainingTask]) -> list[TrainingTask]:
+        return [task for task in tasks if not self.workspace.is_current(task.stage, task.inputs)]
 
     def training_folder(self, task: TrainingTask) -> Path:
         """Folder of a network during its training."""
@@ -188,14 +188,18 @@ def _fit(trainer: NetworkTrainer, task: TrainingTask) -> None:
         watch.what = f"{task.name} for {counted(len(epochs), 'epoch')}"
 
 
-def training_outcome(workspace: Workspace, tasks: Sequence[TrainingTask]) -> Outcome:
-    """Outcome of finished trainings: epochs, the epoch that was kept, and its validation error, by network."""
-    results = {task.name: _result(task.folder) for task in tasks}
-    lines = [
-        f"{name}: {counted(result['epochs'], 'epoch')}, kept epoch {result['kept']}, validation error {result['error']:.4f}"
-        for name, result in results.items()
-    ]
-    return Outcome(workspace.models, results, "\n".join(lines))
+def fit_on_files(
+    trainer: Callable[..., FitResult],
+    read: Callable[[Path], Any],
+    files: Sequence[Sequence[Path]],
+    section: Any,
+    options: Mapping[str, Any],
+    folder: Path,
+    on_progress: Callable[[Progress], None],
+) -> FitResult:
+    """Train a network in a folder, on what is read from training and validation files."""
+    training, validation = ([read(path) for path in paths] for paths in files)
+    return trainer(training, validation, section, folder, **options, on_progress=on_progress)
 
 
 def _result(folder: Path) -> dict[str, Any]:

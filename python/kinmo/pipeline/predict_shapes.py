@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -37,14 +37,10 @@ from kinmo.methods.method import Method
 from kinmo.pipeline.network_jobs import network_runner
 from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 
-SECONDS_PER_SHAPE = 3.0
-"""Estimate, for one CPU core."""
-SUSPICIOUS_SIZE = 20.0
-"""Diagonal in metres above which an object is probably in millimetres."""
-MAX_REPAIRED_LINES = 40
-"""Repaired shapes that are listed on the terminal; joints.json and --json have all repairs."""
-FORMATS = ("urdf", "joints_json")
-"""Formats of a prediction's folder."""
+SECONDS_PER_SHAPE = 3.0  # estimate, for one CPU core
+SUSPICIOUS_SIZE = 20.0  # diagonal in metres above which an object is probably in millimetres
+MAX_REPAIRED_LINES = 40  # repaired shapes that are listed on the terminal; joints.json and --json have all repairs
+FORMATS = ("urdf", "joints_json")  # formats of a prediction's folder
 
 
 @dataclass(frozen=True)
@@ -52,18 +48,6 @@ class PredictShapes:
     """Predict every shape at or below a path, each into a folder of its own. An unreadable shape does not stop the others.
 
     joints.json is in the frame and units of the shape's file. URDFs are z-up and in metres.
-
-    Attributes:
-        source: A shape, or a folder with shapes.
-        out: Folder for the results.
-        workspace: The workspace with the trained networks.
-        method: `kinmo` or `paper`.
-        seed: Seed of the sampled points.
-        device: Where networks run.
-        workers: Number of processes.
-        up: Axis of the file's frame that points up.
-        metres_per_unit: Metres per unit of the file.
-        cluster: Address of a Ray cluster that runs the jobs; None for this machine.
     """
 
     source: Path
@@ -73,32 +57,23 @@ class PredictShapes:
     seed: int = 0
     device: str = "auto"
     workers: int = 1
-    up: Up = "y"
+    up: Up = "y"  # axis of the file's frame
     metres_per_unit: float = 1.0
-    cluster: str | None = None
+    cluster: str | None = None  # address of a Ray cluster that runs the jobs; None for this machine
 
     def plan(self) -> Plan:
         """Count the shapes without an up-to-date prediction."""
-        skipped: list[InputError] = []
-        targets = self._targets(skipped.append)
-        if not skipped:
-            self._check_any(targets)
-        writer, cache = self._writer(), Cache(self.out)
-        count = sum(not writer.is_done(cache, found, folder) for found, folder in targets)
+        targets, _ = self._targets()
+        jobs, unreadable = self._pending(targets, self._writer(), Cache(self.out))
+        count = len(jobs) + len(unreadable)
         step = f"predict {counted(count, 'shape')} into {self.out}"
         return Plan((step,) if count else (), count * SECONDS_PER_SHAPE / self.workers)
 
     def run(self, observer: Observer) -> Outcome:
         """Predict the shapes without an up-to-date prediction."""
-        skipped: list[str] = []
-
-        def skip(error: InputError) -> None:
-            skipped.append(str(error))
-            observer.problem(f"skipped: {error}")
-
-        targets = self._targets(skip)
-        if not skipped:
-            self._check_any(targets)
+        targets, skipped = self._targets()
+        for problem in skipped:
+            observer.problem(f"skipped: {problem}")
         writer = self._writer()
         with locked(self.out):
             problems = self._predict(targets, writer, observer)
@@ -110,48 +85,46 @@ class PredictShapes:
                 else:
                     documents.append(_summary(found, folder))
             except InputError as error:
-                skip(error)
-        data = {"shapes": documents, "skipped": skipped}
-        joints = sum(document["joints"] for document in documents)
+                skipped.append(str(error))
+                observer.problem(f"skipped: {error}")
         repaired = [document for document in documents if document["repairs"]]
         for document in repaired[:MAX_REPAIRED_LINES]:
             observer.note(f"repaired: {document['id']}: {'; '.join(document['repairs'])}")
-        repairs = f", {len(repaired)} repaired" if repaired else ""
         for document in documents:
             if (size := document["diagonal"] * self.metres_per_unit) > SUSPICIOUS_SIZE:
                 observer.note(f"{document['id']}: {size:.0f} m across: set --metres-per-unit if the file is not in metres")
-        text = f"{counted(len(documents), 'shape')}, {counted(joints, 'joint')}{repairs}, {len(skipped)} skipped"
-        return Outcome(self.out, data, text, failed=len(skipped))
+        joints = counted(sum(document["joints"] for document in documents), "joint")
+        repairs = f", {len(repaired)} repaired" if repaired else ""
+        text = f"{counted(len(documents), 'shape')}, {joints}{repairs}, {len(skipped)} skipped"
+        return Outcome(self.out, {"shapes": documents, "skipped": skipped}, text, failed=len(skipped))
 
-    def _check_any(self, targets: Sequence[tuple[ShapeSource, Path]]) -> None:
-        """Raise InputError if there is no shape."""
-        if targets:
-            return
-        if self.out.resolve() == self.source.resolve():
-            raise InputError("--out", "is the folder with the shapes: name another")
-        scans = sum(path.suffix.lower() in SCAN_SUFFIXES for path in self.source.rglob("*"))
-        hint = f". Found {counted(scans, 'scan')}: for scans, add --category" if scans else ""
-        raise InputError(self.source, f"expected at least one shape at or below it (docs/reference/formats.md){hint}")
+    def _pending(
+        self, targets: Sequence[tuple[ShapeSource, Path]], writer: PredictionWriter, cache: Cache
+    ) -> tuple[list[PredictionJob], dict[Path, str]]:
+        """Shapes without an up-to-date prediction, maybe edited, and by folder the problems with those that cannot be read."""
+        jobs: list[PredictionJob] = []
+        problems: dict[Path, str] = {}
+        for found, folder in targets:
+            try:
+                key = writer.key(found)
+            except InputError as error:
+                problems[folder] = str(error)
+                continue
+            if not cache.is_current(folder.name, key, edited=True) or _stated_source(folder) is None:
+                jobs.append(PredictionJob(found, folder, key, _source_in(cache, folder)))
+        return jobs, problems
 
     def _predict(
         self, targets: Sequence[tuple[ShapeSource, Path]], writer: PredictionWriter, observer: Observer
     ) -> dict[Path, str]:
         """Predict shapes whose files or settings are new. Returns problems by folder."""
-        problems: dict[Path, str] = {}
-        jobs = []
         cache = Cache(self.out)
-        for found, folder in targets:
-            try:
-                job = PredictionJob(found, folder, writer.key(found), _source_in(cache, folder))
-            except InputError as error:
-                problems[folder] = str(error)
-                observer.problem(f"skipped: {error}")
-                continue
-            if not _is_current(cache, folder, job.key):
-                jobs.append(job)
+        jobs, problems = self._pending(targets, writer, cache)
+        for problem in problems.values():
+            observer.problem(f"skipped: {problem}")
         done = len(targets) - len(jobs)
-        results = closing(network_runner(self.workers, self.device, self.cluster).run(writer, jobs))  # no job outlives the lock
-        with results as finished:
+        runner = network_runner(self.workers, self.device, self.cluster)
+        with closing(runner.run(writer, jobs)) as finished:  # no job outlives the lock
             for job, answer in finished:
                 if isinstance(answer, Failure):
                     answer = f"{printable_path(job.found.path)}: cannot be predicted: {answer.reason}"
@@ -169,39 +142,37 @@ class PredictShapes:
         method = load_method(self.method, ModelFolder(self.workspace.models), self.device)
         return PredictionWriter(method, self.seed, self.up, self.metres_per_unit)
 
-    def _targets(self, report: Callable[[InputError], None] = lambda error: None) -> list[tuple[ShapeSource, Path]]:
-        """Every shape with a folder of its own, named after its id.
+    def _targets(self) -> tuple[list[tuple[ShapeSource, Path]], list[str]]:
+        """Every shape with a folder of its own, named after its id, and problems. Raises InputError if there are neither.
 
         Shapes with the same id are named after their paths below `source`. The only PartNet-Mobility shape among them keeps the
         id, because other tools look for its URDF under it. Long names are cut.
         """
-        shapes = list(discover(self.source, skip=(self.out,), report=report))
+        problems: list[InputError] = []
+        shapes = list(discover(self.source, skip=(self.out,), report=problems.append))
+        if not shapes and not problems:
+            if self.out.resolve() == self.source.resolve():
+                raise InputError("--out", "is the folder with the shapes: name another")
+            scans = sum(path.suffix.lower() in SCAN_SUFFIXES for path in self.source.rglob("*"))
+            hint = f". Found {counted(scans, 'scan')}: for scans, add --category" if scans else ""
+            raise InputError(self.source, f"expected at least one shape at or below it (docs/reference/formats.md){hint}")
         names = [short_name(found.id, found.id) for found in shapes]
         for with_endings in (False, True):
             counts = Counter(names)
-            keeping = Counter(name for name, found in zip(names, shapes, strict=True) if _keeps_id(found))
-            names = [
-                name
-                if counts[name] == 1 or (_keeps_id(found) and keeping[name] == 1)
-                else _path_name(found.path, self.source, with_endings)
-                for name, found in zip(names, shapes, strict=True)
-            ]
+            keeping = Counter(name for name, found in zip(names, shapes, strict=True) if found.layout == PARTNET_MOBILITY)
+            for place, found in enumerate(shapes):
+                name = names[place]
+                keeps_id = found.layout == PARTNET_MOBILITY and keeping[name] == 1
+                if counts[name] > 1 and not keeps_id:
+                    names[place] = _path_name(found.path, self.source, with_endings)
         if len(set(names)) < len(names):  # a folder may have the name that a path becomes here
             names = [f"{number}-{name}" for number, name in enumerate(names)]
-        return [(found, self.out / name) for found, name in zip(shapes, names, strict=True)]
+        targets = [(found, self.out / name) for found, name in zip(shapes, names, strict=True)]
+        return targets, list(map(str, problems))
 
 
 def predict_shape(shape: Shape, method: Method, *, seed: int = 0) -> ShapeEstimate:
-    """Predict the joints of one shape.
-
-    Args:
-        shape: The shape, in its file's frame and units.
-        method: The trained method.
-        seed: Seed of the sampled points.
-
-    Returns:
-        The prediction, in the shape's own frame and units.
-    """
+    """Predict the joints of one shape, in the shape's own frame and units; `seed` is that of the sampled points."""
     rotation = y_up_rotation(np.asarray(shape.up, float))
     standing = shape.rotated(rotation)
     prepared = prepare_shape(standing, seed=seed)
@@ -220,14 +191,7 @@ class PredictionJob:
 
 @dataclass(frozen=True)
 class PredictionWriter:
-    """Predicts shapes and writes their folders, in any process.
-
-    Attributes:
-        method: The trained method.
-        seed: Seed of the sampled points.
-        up: Axis of the file's frame that points up.
-        metres_per_unit: Metres per unit of the file.
-    """
+    """Predicts shapes and writes their folders, in any process."""
 
     method: Method
     seed: int
@@ -238,13 +202,6 @@ class PredictionWriter:
         """Cache key of a prediction. Raises InputError if the shape's files cannot be read."""
         settings = [self.method.name, self.method.weights, dict(self.method.config), self.seed, self.up, self.metres_per_unit]
         return cache_key(source=_source(found), files=fingerprint(found), settings=settings)
-
-    def is_done(self, cache: Cache, found: ShapeSource, folder: Path) -> bool:
-        """True if a folder has the prediction for a shape, maybe edited by its user."""
-        try:
-            return _is_current(cache, folder, self.key(found))
-        except InputError:
-            return False
 
     def __call__(self, job: PredictionJob) -> list[str] | str:
         """Write the folder of a shape. Returns the names of its files, or a message if the shape cannot be predicted."""
@@ -270,20 +227,9 @@ def _summary(found: ShapeSource, folder: Path) -> dict[str, Any]:
         joints = sum(body["joint"] is not None for body in document["bodies"])
         repairs = [str(repair) for repair in document["shape"].get("repairs", ())]
         diagonal = float(document["shape"]["diagonal"])
+    place = {"id": found.id, "source": printable_path(found.path), "folder": str(folder)}
     urdf = str(folder / f"{folder.name}.urdf")
-    return {
-        "id": found.id,
-        "source": printable_path(found.path),
-        "folder": str(folder),
-        "joints": joints,
-        "urdf": urdf,
-        "diagonal": diagonal,
-        "repairs": repairs,
-    }
-
-
-def _keeps_id(found: ShapeSource) -> bool:
-    return found.layout == PARTNET_MOBILITY
+    return {**place, "joints": joints, "urdf": urdf, "diagonal": diagonal, "repairs": repairs}
 
 
 def _path_name(path: Path, source: Path, with_ending: bool) -> str:
@@ -295,11 +241,6 @@ def _path_name(path: Path, source: Path, with_ending: bool) -> str:
 
 def _source(found: ShapeSource) -> str:
     return printable_path(found.path.absolute())
-
-
-def _is_current(cache: Cache, folder: Path, key: str) -> bool:
-    """True if a folder has all files of the prediction with a cache key, maybe edited, and its joints.json is readable."""
-    return cache.is_current(folder.name, key, edited=True) and _stated_source(folder) is not None
 
 
 def _source_in(cache: Cache, folder: Path) -> str | None:

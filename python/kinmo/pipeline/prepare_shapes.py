@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from kinmo.core.errors import InputError
@@ -18,33 +20,21 @@ from kinmo.dataset.workspace import Workspace
 from kinmo.io.atomic_files import write_text_atomically
 
 STAGE = "prepare"
-REPORT = "report.json"
-"""File beside the index that lists the outcome for every shape."""
-SECONDS_PER_SHAPE = 0.25
-"""First estimate, for one CPU core."""
-MAX_LINES = 40
-"""Skipped shapes that are listed on the terminal; the report has all of them."""
+REPORT = "report.json"  # file beside the index that lists the outcome for every shape
+SECONDS_PER_SHAPE = 0.25  # first estimate, for one CPU core
+MAX_LINES = 40  # skipped shapes that are listed on the terminal; the report has all of them
 
 
 @dataclass(frozen=True)
 class Prepare:
-    """Prepare every shape below a folder.
-
-    Attributes:
-        root: The folder.
-        workspace: The workspace that gets the prepared shapes.
-        workers: Number of processes.
-        seed: Seed of the sampled points.
-        oracle: Folders whose labels are oracle labels: nothing is trained on them.
-        cluster: Address of a Ray cluster that runs the jobs; None for this machine.
-    """
+    """Prepare every shape below a folder."""
 
     root: Path
     workspace: Workspace
     workers: int = 1
     seed: int = 0
-    oracle: tuple[Path, ...] = ()
-    cluster: str | None = None
+    oracle: tuple[Path, ...] = ()  # folders whose labels are oracle labels: nothing is trained on them
+    cluster: str | None = None  # address of a Ray cluster that runs the jobs; None for this machine
 
     def plan(self) -> Plan:
         """Count the shapes; unchanged ones are only checked."""
@@ -55,8 +45,14 @@ class Prepare:
 
     def run(self, observer: Observer) -> Outcome:
         """Prepare new and changed shapes, and write the index."""
-        self._warn_of_oracle_folders(observer)
-        before = _sources(self.workspace)
+        below = printable_path(self.root)
+        for folder in filter(Path.is_dir, [*self.root.glob(ORACLE), *self.root.glob(f"*/{ORACLE}")]):  # of kinmo synth
+            if not any(folder.resolve().is_relative_to(given.resolve()) for given in self.oracle):
+                use = f"included as labelled shapes; with --oracle {folder} nothing is trained on their labels"
+                observer.note(f"{folder}: {use}")
+        before: set[str] = set()
+        with suppress(InputError):  # nothing is prepared yet, or the index cannot be read
+            before = {entry.source for entry in PreparedStore(self.workspace.prepared).entries}
         with timed(self.workspace, STAGE) as watch:
             report = prepare_folder(
                 self.root,
@@ -65,45 +61,23 @@ class Prepare:
                 seed=self.seed,
                 oracle=self.oracle,
                 cluster=self.cluster,
-                on_progress=lambda done, total, name: observer.progress("preparing shapes", done, total, name),
+                on_progress=partial(observer.progress, "preparing shapes"),
             )
-            watch.amount, watch.what = report.new, f"{counted(report.new, 'shape')} below {printable_path(self.root)}"
-        self._warn_of_empty_oracle_folders(observer)
-        if gone := len(before - _sources(self.workspace)):
-            observer.note(
-                f"{counted(gone, 'earlier shape')} not found below {printable_path(self.root)}: removed from the workspace"
-            )
+            watch.amount, watch.what = report.new, f"{counted(report.new, 'shape')} below {below}"
+        entries = PreparedStore(self.workspace.prepared).entries
+        oracle = [Path(entry.source).resolve() for entry in entries if entry.is_oracle]
+        for folder in self.oracle:
+            if not any(path.is_relative_to(folder.resolve()) for path in oracle):
+                missing = "no shape at or below it was prepared, so there are no oracle labels from it"
+                observer.note(f"{printable_path(folder)}: {missing}")
+        if gone := len(before - {entry.source for entry in entries}):
+            observer.note(f"{counted(gone, 'earlier shape')} not found below {below}: removed from the workspace")
         data = report.as_data()
         write_text_atomically(self.workspace.prepared / REPORT, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
         usable = len(report.included) + len(report.repaired)
         if not usable and report.skipped:
             observer.problem(f"no shape could be prepared: {report.skipped[0].reasons[0]}")
         return Outcome(self.workspace.prepared, data, summary(report), failed=0 if usable else 1)
-
-    def _warn_of_oracle_folders(self, observer: Observer) -> None:
-        """Tell of labels that `kinmo synth` wrote as oracle labels and that would be trained on."""
-        for folder in filter(Path.is_dir, [*self.root.glob(ORACLE), *self.root.glob(f"*/{ORACLE}")]):
-            if not any(folder.resolve().is_relative_to(given.resolve()) for given in self.oracle):
-                observer.note(
-                    f"{folder}: included as labelled shapes; with --oracle {folder} nothing is trained on their labels"
-                )
-
-    def _warn_of_empty_oracle_folders(self, observer: Observer) -> None:
-        """Tell of oracle folders without a prepared shape."""
-        oracle = [Path(entry.source).resolve() for entry in PreparedStore(self.workspace.prepared).entries if entry.is_oracle]
-        for folder in self.oracle:
-            if not any(path.is_relative_to(folder.resolve()) for path in oracle):
-                observer.note(
-                    f"{printable_path(folder)}: no shape at or below it was prepared, so there are no oracle labels from it"
-                )
-
-
-def _sources(workspace: Workspace) -> set[str]:
-    """Sources of all prepared shapes; none if there is no readable index."""
-    try:
-        return {entry.source for entry in PreparedStore(workspace.prepared).entries}
-    except InputError:
-        return set()
 
 
 def summary(report: PreparationReport) -> str:

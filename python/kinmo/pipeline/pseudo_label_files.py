@@ -9,10 +9,8 @@ from kinmo.dataset.store import IndexEntry
 from kinmo.dataset.workspace import Workspace
 from kinmo.io.readers import PARTNET
 
-LABEL = "mobility_v2.json"
-"""File with the joints of a pseudo label, in PartNet-Mobility's layout."""
-REPORT = "acceptance.json"
-"""File of the acceptance report, in the folder of the pseudo labels."""
+LABEL = "mobility_v2.json"  # file with the joints of a pseudo label, in PartNet-Mobility's layout
+REPORT = "acceptance.json"  # file of the acceptance report, in the folder of the pseudo labels
 
 
 def labels_folder(workspace: Workspace, method: str) -> Path:

@@ -7,7 +7,7 @@ import os
 import shutil
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,18 +29,11 @@ from kinmo.io.writers import ExportOptions, export
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods import DEFAULT_METHOD, load_method
 from kinmo.methods.method import Method
-from kinmo.pipeline.label_acceptance import (
-    LabelDecision,
-    acceptance_report,
-    decide,
-    decision_from_data,
-    decision_to_data,
-)
+from kinmo.pipeline.label_acceptance import LabelDecision, acceptance_report, decide, decision_from_data
 from kinmo.pipeline.network_jobs import network_runner
 from kinmo.pipeline.pseudo_label_files import LABEL, REPORT, label_name, labels_folder, stage_of
 
-SECONDS_PER_SHAPE = 1.5
-"""First estimate, for one CPU core."""
+SECONDS_PER_SHAPE = 1.5  # first estimate, for one CPU core
 
 
 @dataclass(frozen=True)
@@ -49,24 +42,15 @@ class PseudoLabel:
 
     The acceptance report covers all labels of the method, those of earlier runs for other categories too. Labels of shapes that
     are gone, or that have become labelled ones, are removed.
-
-    Attributes:
-        workspace: The workspace.
-        category: Only shapes of this category; None for all.
-        method: The method that predicts.
-        threshold: Score that every joint must exceed; None for that of the configuration.
-        device: Where networks run.
-        workers: Number of processes.
-        cluster: Address of a Ray cluster that runs the jobs; None for this machine.
     """
 
     workspace: Workspace
     category: str | None = None
     method: str = DEFAULT_METHOD
-    threshold: float | None = None
+    threshold: float | None = None  # score that every joint must exceed; None for that of the configuration
     device: str = "auto"
     workers: int = 1
-    cluster: str | None = None
+    cluster: str | None = None  # address of a Ray cluster that runs the jobs; None for this machine
 
     def plan(self) -> Plan:
         """Count the shapes without an up-to-date decision."""
@@ -74,10 +58,8 @@ class PseudoLabel:
         settings = self._settings(load_method(self.method, self._models, self.device))
         # shapes that are gone are tried, and reported, each time; other stages need not wait for them
         jobs = [job for job in self._jobs(dataset, settings) if os.path.lexists(job.entry.source)]
-        if not jobs and self._is_reported(settings):
-            return Plan((), 0.0)
         if not jobs:
-            return Plan(("report on the current pseudo labels",), 0.0)
+            return Plan(() if self._is_reported(settings) else ("report on the current pseudo labels",), 0.0)
         copies = f", skip {len(dataset.copies)} copies of labelled shapes" if dataset.copies else ""
         return self._labelling(len(jobs), copies)
 
@@ -94,7 +76,7 @@ class PseudoLabel:
         """Label the shapes without an up-to-date decision, and write the report."""
         dataset = open_dataset(self.workspace, self.category)
         method = load_method(self.method, self._models, self.device)
-        settings = self._settings(method)
+        settings, file = self._settings(method), self._folder / REPORT
         failures: list[str] = []
         with self.workspace.locked():
             jobs = self._jobs(dataset, settings)
@@ -110,10 +92,10 @@ class PseudoLabel:
                 decisions = [decision_from_data(result.data) for result in results if result is not None]
                 outdated = _outdated(whole.unlabelled, results, settings)
                 report = acceptance_report(decisions, self.method, len(whole.copies), outdated)
-                write_text_atomically(self._report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
-                self.workspace.record(stage_of(self.method), self._reported(settings), [self._report])
-        with expecting("the report of kinmo pseudo-label", self._report):
-            data = json.loads(self._report.read_text(encoding="utf-8"))
+                write_text_atomically(file, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
+                self.workspace.record(stage_of(self.method), self._reported(settings), [file])
+        with expecting("the report of kinmo pseudo-label", file):
+            data = json.loads(file.read_text(encoding="utf-8"))
             return Outcome(self._folder, {**data, "failed": failures}, data["text"], len(failures))
 
     @property
@@ -123,10 +105,6 @@ class PseudoLabel:
     @property
     def _folder(self) -> Path:
         return labels_folder(self.workspace, self.method)
-
-    @property
-    def _report(self) -> Path:
-        return self._folder / REPORT
 
     def _settings(self, method: Method) -> dict[str, Any]:
         """Everything but the shape that a decision depends on."""
@@ -176,10 +154,8 @@ class PseudoLabel:
         done = total - len(jobs)
         failures: list[str] = []
         with timed(self.workspace, stage_of(self.method)) as watch:
-            results = closing(
-                network_runner(self.workers, self.device, self.cluster).run(labeller, jobs)
-            )  # no job outlives the lock
-            with results as finished:
+            runner = network_runner(self.workers, self.device, self.cluster)
+            with closing(runner.run(labeller, jobs)) as finished:  # no job outlives the lock
                 for job, decision in finished:
                     if isinstance(decision, Failure):
                         failures.append(f"{job.entry.source}: cannot be labelled: {decision.reason}")
@@ -187,7 +163,7 @@ class PseudoLabel:
                         failures.append(decision)
                     else:
                         files = [job.folder / LABEL] if decision.is_accepted else []
-                        cache.store(job.folder.name, job.key, files, decision_to_data(decision))
+                        cache.store(job.folder.name, job.key, files, asdict(decision))
                     done += 1
                     observer.progress("labelling shapes", done, total, job.entry.id)
             watch.amount, watch.what = len(jobs), f"{counted(len(jobs), 'shape')} by {self.method}"
@@ -203,14 +179,11 @@ def _key(entry: IndexEntry, settings: dict[str, Any]) -> str:
 
 def _outdated(entries: Sequence[IndexEntry], results: Sequence[Result | None], settings: dict[str, Any]) -> list[str]:
     """Categories with decisions that anything but the threshold would change now."""
-    known = ((entry, result) for entry, result in zip(entries, results, strict=True) if result is not None)
-    return sorted(
-        {
-            entry.category
-            for entry, result in known
-            if result.key != _key(entry, settings | {"threshold": result.data["threshold"]})
-        }
-    )
+    outdated = set()
+    for entry, result in zip(entries, results, strict=True):
+        if result is not None and result.key != _key(entry, settings | {"threshold": result.data["threshold"]}):
+            outdated.add(entry.category)
+    return sorted(outdated)
 
 
 @dataclass(frozen=True)
@@ -224,14 +197,7 @@ class LabelJob:
 
 @dataclass(frozen=True)
 class Labeller:
-    """Predicts shapes and writes the accepted labels, in any process.
-
-    Attributes:
-        store: Folder of the prepared shapes.
-        method: The trained method.
-        threshold: Score that every joint must exceed.
-        max_doubt: Largest accepted probability that a resting part moves.
-    """
+    """Predicts shapes and writes the accepted labels, in any process; `store` is the folder of the prepared shapes."""
 
     store: Path
     method: Method
@@ -249,18 +215,13 @@ class Labeller:
             return str(error)
         try:
             prediction = self.method.predict(prepared, meshes)
+            decision = decide(prediction, entry.layout, self.threshold, self.max_doubt)
         except ValueError as error:
-            shutil.rmtree(job.folder, ignore_errors=True)
             refusal = f"failed: {error}"
-            return LabelDecision(entry.id, entry.layout, entry.category, refusal=refusal, threshold=self.threshold)
-        decision = decide(prediction, entry.layout, self.threshold, self.max_doubt)
+            decision = LabelDecision(entry.id, entry.layout, entry.category, refusal=refusal, threshold=self.threshold)
         if decision.is_accepted:
-            facts = {
-                "layout": entry.layout,
-                "score": decision.score,
-                "method": prediction.method,
-                "weights": self.method.weights,
-            }
+            made = {"method": prediction.method, "weights": self.method.weights}
+            facts = {"layout": entry.layout, "score": decision.score, **made}
             export(shape, prediction, job.folder, [PARTNET_MOBILITY], ExportOptions(meta={PSEUDO_LABEL: facts}))
         else:
             shutil.rmtree(job.folder, ignore_errors=True)

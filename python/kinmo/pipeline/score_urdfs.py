@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from kinmo.core.categories import same_category
@@ -16,27 +17,17 @@ from kinmo.evaluation.urdf_scoring.urdf_folders import write_json
 from kinmo.io.discover import discover
 from kinmo.io.readers import PARTNET_MOBILITY
 
-URDF_FILES = "urdf_files"
-"""Folder of the scores of URDF files, below the evaluations of the workspace."""
-SECONDS_PER_SHAPE = 1.0
-"""Estimate, for one CPU core."""
+URDF_FILES = "urdf_files"  # folder of the scores of URDF files, below the evaluations of the workspace
+SECONDS_PER_SHAPE = 1.0  # estimate, for one CPU core
 
 
 @dataclass(frozen=True)
 class ScoreUrdfs:
-    """Score URDF files against annotated shapes.
+    """Score URDF files against annotated shapes."""
 
-    Attributes:
-        predictions: Folder with the URDF files, each named after a shape or in a folder named after it.
-        truth: Folder with the annotated shapes, in PartNet-Mobility's layout.
-        workspace: The workspace that gets the scores.
-        category: Only shapes of this category; None for all.
-        workers: Number of processes.
-    """
-
-    predictions: Path
-    truth: Path
-    workspace: Workspace
+    predictions: Path  # folder with the URDF files, each named after a shape or in a folder named after it
+    truth: Path  # folder with the annotated shapes, in PartNet-Mobility's layout
+    workspace: Workspace  # gets the scores
     category: str | None = None
     workers: int = 1
 
@@ -48,29 +39,27 @@ class ScoreUrdfs:
 
     def run(self, observer: Observer) -> Outcome:
         """Score the files, and write the tables."""
-        with self.workspace.locked():
-            return self._run(observer)
-
-    def _run(self, observer: Observer) -> Outcome:
-        report = score_urdf_folder(
-            self.predictions,
-            self.truth,
-            ids=self._ids(observer),
-            workers=self.workers,
-            progress=lambda done, total: observer.progress("scoring URDFs", done, total),
-        )
-        for reason in report.unreadable.values():
-            observer.problem(f"skipped: {reason}")
-        for scored in report.objects:
-            if scored.reason:
-                observer.problem(f"failed: {scored.id}: {scored.reason}")
-        summary = summarise_urdf_scores(report)
         caption = Caption("URDF files", str(self.predictions), 0, 0, f"{self.category or 'all'} of {self.truth}", ())
-        table = urdf_table(summary, report, caption)
         folder = self.workspace.evaluation / URDF_FILES
-        write_table(table, folder, "by_category")
-        write_table(urdf_failures_table(report, replace(caption, title="URDF files that were not scored")), folder, "failures")
-        write_json(folder.with_suffix(".json"), summary)
+        with self.workspace.locked():
+            report = score_urdf_folder(
+                self.predictions,
+                self.truth,
+                ids=self._ids(observer),
+                workers=self.workers,
+                progress=partial(observer.progress, "scoring URDFs"),
+            )
+            for reason in report.unreadable.values():
+                observer.problem(f"skipped: {reason}")
+            for scored in report.objects:
+                if scored.reason:
+                    observer.problem(f"failed: {scored.id}: {scored.reason}")
+            summary = summarise_urdf_scores(report)
+            table = urdf_table(summary, report, caption)
+            failures = urdf_failures_table(report, replace(caption, title="URDF files that were not scored"))
+            write_table(table, folder, "by_category")
+            write_table(failures, folder, "failures")
+            write_json(folder.with_suffix(".json"), summary)
         return Outcome(folder, summary, as_text(table), failed=0 if report.objects else len(report.unreadable))
 
     def _ids(self, observer: Observer) -> list[str] | None:

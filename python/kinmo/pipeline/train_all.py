@@ -33,26 +33,16 @@ class TrainAll:
     """Train the motion networks on all categories, label unlabelled shapes, scan both, and train networks for the scans.
 
     Networks for scans learn from pseudo labels where there are any, otherwise from the labelled shapes alone.
-
-    Attributes:
-        workspace: The workspace.
-        config: Name or path of the configuration.
-        category: Label and scan this category alone; None for all, with scans of the paper's five categories.
-        method: The method that gives pseudo labels.
-        seed: Seed of everything random.
-        device: Where networks are trained and run.
-        workers: Number of processes.
-        start: Continue the motion networks from those of this workspace.
     """
 
     workspace: Workspace
     config: str
-    category: str | None = None
-    method: str = DEFAULT_METHOD
+    category: str | None = None  # label and scan it alone; None for all, with scans of the paper's five categories
+    method: str = DEFAULT_METHOD  # gives the pseudo labels
     seed: int = 0
     device: str = "auto"
     workers: int = 1
-    start: Workspace | None = None
+    start: Workspace | None = None  # continue the motion networks from its networks
 
     def plan(self) -> Plan:
         """List what is left to do; estimate stages whose inputs are missing or will change."""
@@ -80,20 +70,18 @@ class TrainAll:
         results: dict[str, Any] = {}
         trains_scans, failed = False, 0
         for stage in chain([self._motion], self._later(open_dataset(self.workspace))):
-            if isinstance(stage, TrainScans) and stage.setting == "supervised" and self._has_unlabelled(stage.category):
-                observer.note(f"{stage.category}: {NO_LABELS}")
+            if isinstance(stage, TrainScans):
+                trains_scans = True
+                if stage.setting == "supervised" and open_dataset(self.workspace, stage.category).unlabelled:
+                    observer.note(f"{stage.category}: {NO_LABELS}")
             outcome = stage.run(observer)
             texts.append(outcome.text)
             failed += outcome.failed
-            trains_scans |= isinstance(stage, TrainScans)
             if isinstance(stage, (TrainMotion, TrainScans)):
                 results |= outcome.data
         if not trains_scans:
             observer.note(NO_CATEGORY)
         return Outcome(self.workspace.models, results, "\n".join(filter(None, texts)), failed)
-
-    def _has_unlabelled(self, category: str | None) -> bool:
-        return bool(open_dataset(self.workspace, category).unlabelled)
 
     @property
     def _motion(self) -> TrainMotion:
@@ -123,8 +111,6 @@ class TrainAll:
         wanted = PAPER_CATEGORIES if self.category is None else (self.category,)
         found = [name for want in wanted for name in known if same_category(name, want)]
         if self.category is not None and not found:
-            near = did_you_mean(self.category, known)
-            there = f"; there are {', '.join(known)}" if known else ""
-            problem = f"expected a labelled shape of {self.category} to train on{near}{there}"
-            raise InputError(self.workspace.prepared, problem)
+            near, there = did_you_mean(self.category, known), f"; there are {', '.join(known)}" if known else ""
+            raise InputError(self.workspace.prepared, f"expected a labelled shape of {self.category} to train on{near}{there}")
         return found

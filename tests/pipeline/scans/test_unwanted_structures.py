@@ -87,7 +87,7 @@ def test_objects_are_scanned_once_their_structure_has_become_the_usual_one(
     skipped_before = skipped_structures(stage, "oracle")
     other = next(file.structure for file in scans_of(stage, "train") if str(file.structure) in skipped_before)
     assert other not in {file.structure for file in dataset_of(mixed).files["train"]}
-    monkeypatch.setattr("kinmo.pipeline.scans.scan_caches.usual_structure", lambda _: other)
+    monkeypatch.setattr("kinmo.pipeline.scans.render_jobs.usual_structure", lambda _: other)
     assert stage.plan().steps
     stage.run(Recorder())
     assert other in {file.structure for file in scans_of(stage, "oracle")}

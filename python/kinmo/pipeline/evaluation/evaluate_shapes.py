@@ -40,8 +40,7 @@ from kinmo.pipeline.evaluation.method_rows import Row, method_rows
 from kinmo.pipeline.evaluation.shape_evaluation import Baselines, ShapeScores, evaluate_shape
 from kinmo.pipeline.network_jobs import network_runner
 
-SECONDS_PER_SHAPE = 2.0
-"""First estimate, for one CPU core."""
+SECONDS_PER_SHAPE = 2.0  # first estimate, for one CPU core
 
 MoreTables = Callable[[Rows, Caption], Mapping[str, Table]]
 """Function of all scores of a setting and a caption that returns further tables by name."""
@@ -59,35 +58,23 @@ class MoreRows(Protocol):
 
 @dataclass(frozen=True)
 class EvaluateShapes:
-    """Score the trained methods on the test shapes of a workspace, and write Table 1.
-
-    Attributes:
-        workspace: The workspace.
-        methods: `kinmo`, `paper` or both.
-        category: Only shapes of this category; None for all.
-        baselines: Rows that need no trained method.
-        more_rows: Adds rows, such as ablations.
-        more_tables: Adds tables.
-        device: Where networks run.
-        workers: Number of processes.
-        details: Print all figures.
-    """
+    """Score the trained methods on the test shapes of a workspace, and write Table 1."""
 
     workspace: Workspace
-    methods: tuple[str, ...] = tuple(METHOD_MODELS)
+    methods: tuple[str, ...] = tuple(METHOD_MODELS)  # `kinmo`, `paper` or both
     category: str | None = None
     baselines: Baselines | None = None
     more_rows: MoreRows | None = None
     more_tables: MoreTables | None = None
     device: str = "auto"
     workers: int = 1
-    details: bool = False
+    details: bool = False  # print all figures
 
     def plan(self) -> Plan:
         """Nothing, if the tables are up to date."""
         dataset, rows = open_dataset(self.workspace, self.category), self._rows()
         folder = EvaluationFolder(self.workspace, dataset.category)
-        if self.workspace.is_current(folder.stage, self._inputs(dataset.category, rows)):
+        if self._is_current(folder.stage, self._inputs(dataset.category, rows)):
             return Plan((), 0.0)
         count = len(test_shapes(dataset))
         step = f"score {len(rows)} rows on {count} test shapes, parts given and hierarchy given"
@@ -100,21 +87,20 @@ class EvaluateShapes:
         folder = EvaluationFolder(self.workspace, dataset.category)
         with self.workspace.locked():
             inputs = self._inputs(dataset.category, rows)
-            if self.workspace.is_current(folder.stage, inputs):
+            if self._is_current(folder.stage, inputs):
                 observer.note("already evaluated")
-            else:
-                self.workspace.forget(folder.stage)
-                remove_leftovers(self.workspace.evaluation)
-                missing = self.more_rows.missing(rows) if self.more_rows else ""
-                if missing:
-                    observer.note(missing)
-                with timed(self.workspace, folder.stage) as watch:
-                    scored = self._scores(dataset, rows, observer)
-                    with write_folder_atomically(folder.path) as draft:
-                        seeds = self._models.seeds(_models_of(rows))
-                        self._write(draft, scored, dataset.category, seeds, missing)
-                    watch.amount, watch.what = len(scored), f"{len(rows)} rows on {len(scored)} test shapes"
-                self.workspace.record(folder.stage, inputs, sorted(p for p in folder.path.rglob("*") if p.is_file()))
+                return _outcome(folder.path, self.details)
+            self.workspace.forget(folder.stage)
+            remove_leftovers(self.workspace.evaluation)
+            missing = self.more_rows.missing(rows) if self.more_rows else ""
+            if missing:
+                observer.note(missing)
+            with timed(self.workspace, folder.stage) as watch:
+                scored = self._scores(dataset, rows, observer)
+                with write_folder_atomically(folder.path) as draft:
+                    self._write(draft, scored, dataset.category, self._models.seeds(_models_of(rows)), missing)
+                watch.amount, watch.what = len(scored), f"{len(rows)} rows on {len(scored)} test shapes"
+            self.workspace.record(folder.stage, inputs, sorted(path for path in folder.path.rglob("*") if path.is_file()))
         return _outcome(folder.path, self.details)
 
     @property
@@ -127,11 +113,14 @@ class EvaluateShapes:
 
     def _inputs(self, category: str | None, rows: Sequence[Row]) -> dict[str, Any]:
         """Everything that the tables depend on."""
-        return workspace_inputs(self.workspace, category, _models_of(rows)) | {
-            "rows": _settings(rows),
-            "baselines": self._baseline_settings,
-            "tables": self.more_tables is not None,
-        }
+        own = {"rows": _settings(rows), "baselines": self._baseline_settings, "tables": self.more_tables is not None}
+        return workspace_inputs(self.workspace, category, _models_of(rows)) | own
+
+    def _is_current(self, stage: str, inputs: dict[str, Any]) -> bool:
+        """True if the tables are up to date. They may have baselines and further tables that this evaluation does not add."""
+        recorded = self.workspace.inputs_of(stage) or {}
+        extra = {name: recorded.get(name) for name in ("baselines", "tables") if not inputs[name]}
+        return self.workspace.is_current(stage, inputs | extra)
 
     @property
     def _baseline_settings(self) -> dict[str, Any] | None:
@@ -154,8 +143,8 @@ class EvaluateShapes:
             else:
                 jobs.append(job)
         scorer = ShapeScorer(dataset.store.folder, tuple(rows), self.baselines)
-        results = closing(network_runner(self.workers, self.device).run(scorer, jobs))  # no job outlives the lock
-        with results as finished:
+        runner = network_runner(self.workers, self.device)
+        with closing(runner.run(scorer, jobs)) as finished:  # no job outlives the lock
             for job, scored in finished:
                 if isinstance(scored, Failure):
                     raise InputError(job.entry.source, f"cannot be evaluated: {scored.reason}")
@@ -179,23 +168,19 @@ class EvaluateShapes:
             caption = Caption(title, data, 0, 0, "test split by hashed id", seeds, note)
             scores = _by_row(scored, setting)
             headline = {name: own for name, own in scores.items() if "," not in name}  # ablations have a comma
-            tables = (
-                {"summary": summary_table(scores, caption)}
-                | overviews(scores, caption)
-                | category_tables(headline, caption, whole=category is None)
-            )
+            tables = {"summary": summary_table(scores, caption)} | overviews(scores, caption)
+            tables |= category_tables(headline, caption, whole=category is None)
             tables |= self.more_tables(scores, caption) if self.more_tables else {}
             for name, table in tables.items():
                 write_table(table, folder / setting, name)
-            figures = {name: own.summary.to_json() for name, own in scores.items()}
-            text = json.dumps(figures, indent=1, ensure_ascii=False) + "\n"
-            write_text_atomically(folder / SUMMARIES / f"{setting}.json", text)
+            text = json.dumps({name: own.summary.to_json() for name, own in scores.items()}, indent=1, ensure_ascii=False)
+            write_text_atomically(folder / SUMMARIES / f"{setting}.json", text + "\n")
         write_examples(folder / EXAMPLES, (example for scores in scored for example in scores.examples))
 
 
 @dataclass(frozen=True)
 class ScoreJob:
-    """One test shape to score, with the baselines' data for it; `key` is the cache key of the file `path`."""
+    """One test shape to score into the file `path`, with the baselines' data for it and the cache key."""
 
     entry: IndexEntry
     baselines: Any
@@ -213,12 +198,10 @@ class ShapeScorer:
 
     def __call__(self, job: ScoreJob) -> dict[str, Any]:
         """Scores of a shape as plain data."""
-        entry = job.entry
-        truth = read_prepared(self.store / entry.file)
-        shape = ShapeSource.of(entry).read()
-        meshes = leaf_meshes(shape, truth)
+        truth = read_prepared(self.store / job.entry.file)
+        meshes = leaf_meshes(ShapeSource.of(job.entry).read(), truth)
         first = self.baselines.score(truth, meshes, job.baselines) if self.baselines else ({}, {})
-        return evaluate_shape(truth, meshes, entry.layout, self.rows, first).to_data()
+        return evaluate_shape(truth, meshes, job.entry.layout, self.rows, first).to_data()
 
 
 def _models_of(rows: Sequence[Row]) -> tuple[str, ...]:
@@ -254,8 +237,5 @@ def _outcome(folder: Path, details: bool) -> Outcome:
 
 
 def _plain(table: Table) -> dict[str, Any]:
-    return {
-        "caption": str(table.caption),
-        "columns": [column.title for column in table.columns],
-        "rows": [list(row) for row in table.rows],
-    }
+    columns = [column.title for column in table.columns]
+    return {"caption": str(table.caption), "columns": columns, "rows": [list(row) for row in table.rows]}

@@ -16,18 +16,12 @@ from kinmo.dataset.store import IndexEntry
 from kinmo.dataset.workspace import Workspace
 from kinmo.learning.model_folder import ModelFolder
 
-SETTINGS = ("parts_given", "hierarchy_given")
-"""The two settings; each has a folder of tables."""
-PRINTED_TABLES = ("overview_micro", "angle", "distance")
-"""Tables that are printed with --details; all tables are written."""
-EXAMPLES = "examples.jsonl"
-"""File of predictions for true joints, for the report's pictures."""
-SUMMARIES = "summaries"
-"""Folder with all figures of all rows, a file for each setting."""
-SHAPE_SCORES = "shape_scores"
-"""Folder of the scores of each test shape, below the workspace's evaluations."""
-ALL = "all"
-"""Folder of the evaluation of all categories; that of one category has the category's name."""
+SETTINGS = ("parts_given", "hierarchy_given")  # the two settings; each has a folder of tables
+PRINTED_TABLES = ("overview_micro", "angle", "distance")  # printed with --details; all tables are written
+EXAMPLES = "examples.jsonl"  # file of predictions for true joints, for the report's pictures
+SUMMARIES = "summaries"  # folder with all figures of all rows, a file for each setting
+SHAPE_SCORES = "shape_scores"  # folder of the scores of each test shape, below the workspace's evaluations
+ALL = "all"  # folder of the evaluation of all categories; that of one category has the category's name
 
 
 @dataclass(frozen=True)
@@ -53,11 +47,6 @@ class EvaluationFolder:
         return f"evaluate-{self.name}"
 
     @property
-    def exists(self) -> bool:
-        """True if there are tables, up to date or not."""
-        return any((self.path / setting).is_dir() for setting in SETTINGS)
-
-    @property
     def is_current(self) -> bool:
         """True if the evaluation was finished, and its shapes, networks and settings are still the same."""
         recorded = self.workspace.inputs_of(self.stage)
@@ -71,15 +60,9 @@ class EvaluationFolder:
 
 
 def workspace_inputs(workspace: Workspace, category: str | None, models: Iterable[str]) -> dict[str, Any]:
-    """Everything in a workspace that an evaluation depends on, as plain data.
+    """Everything in a workspace that an evaluation of a category (None for all) by some models depends on, as plain data.
 
-    Args:
-        workspace: The workspace.
-        category: The category of the evaluation; None for all.
-        models: Names of the models that it uses.
-
-    Raises:
-        InputError: There are no test shapes, or a file of the workspace cannot be read.
+    Raises InputError if there are no test shapes, or a file of the workspace cannot be read.
     """
     folder, every = ModelFolder(workspace.models), open_dataset(workspace)
     own = every if category is None else open_dataset(workspace, category)
@@ -92,23 +75,17 @@ def workspace_inputs(workspace: Workspace, category: str | None, models: Iterabl
 
 
 def evaluation_folders(workspace: Workspace, categories: tuple[str, ...]) -> list[EvaluationFolder]:
-    """Evaluations with tables: that of all categories, and those of single ones."""
+    """Evaluations with tables, up to date or not: that of all categories, and those of single ones."""
     folders = [EvaluationFolder(workspace, category) for category in (None, *categories)]
-    return [folder for folder in folders if folder.exists]
+    return [folder for folder in folders if any((folder.path / setting).is_dir() for setting in SETTINGS)]
 
 
 def test_shapes(dataset: ShapeDataset) -> tuple[IndexEntry, ...]:
-    """Test shapes with at least one joint.
-
-    Raises:
-        InputError: There are none.
-    """
+    """Test shapes with at least one joint. Raises InputError if there are none."""
     entries = tuple(entry for entry in dataset.labelled[Split.TEST] if entry.joint_count)
     if not entries:
         of = f" of {dataset.category}" if dataset.category else ""
         tests, known = len(dataset.labelled[Split.TEST]), sum(map(len, dataset.labelled.values()))
-        problem = (
-            f"expected a labelled test shape{of} with a joint; {tests} of {known} shapes are in the test split: prepare more"
-        )
-        raise InputError(dataset.store.folder, problem)
+        found = f"{tests} of {known} shapes are in the test split"
+        raise InputError(dataset.store.folder, f"expected a labelled test shape{of} with a joint; {found}: prepare more")
     return entries

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from kinmo.core.errors import InputError
+from kinmo.core.errors import expecting
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.shape_estimate import JointEstimate
 from kinmo.evaluation.joint_records import JointRecord
@@ -20,25 +20,15 @@ from kinmo.io.atomic_files import write_text_atomically
 
 @dataclass(frozen=True)
 class ExamplePrediction:
-    """One method's prediction for a true joint.
+    """One method's prediction for a true joint, in the normalised frame. Direction, pivot and kind are None without a joint."""
 
-    Attributes:
-        type: Predicted motion type, or "none".
-        direction: Unit direction of the axis in the normalised frame; None without a joint.
-        pivot: Point on the axis, likewise.
-        kind: Kind of the joint, likewise.
-        axis_degrees: Angle to the true axis; None for a missed joint.
-        line: Distance from the true axis line at the part, in diagonals; None for sliders and missed joints.
-        is_ok: The joint is right (`kinmo.evaluation.metrics`).
-    """
-
-    type: str
+    type: str  # motion type, or "none"
     direction: tuple[float, ...] | None
     pivot: tuple[float, ...] | None
     kind: str | None
-    axis_degrees: float | None
-    line: float | None
-    is_ok: bool
+    axis_degrees: float | None  # angle to the true axis; None for a missed joint
+    line: float | None  # distance from the true axis line at the part, in diagonals; None for sliders and missed joints
+    is_ok: bool  # the joint is right (`kinmo.evaluation.metrics`)
 
     @property
     def joint(self) -> Joint | None:
@@ -58,17 +48,7 @@ class ExamplePrediction:
 
 @dataclass(frozen=True)
 class Example:
-    """One true joint of a test shape, with the predictions of several methods, parts given.
-
-    Attributes:
-        shape_id: Id of the shape.
-        layout: Dataset layout of the shape.
-        category: Category of the shape.
-        body: Index of the body that the joint moves.
-        name: Name of that body.
-        true_type: True motion type.
-        predictions: Predictions by name of the table's row.
-    """
+    """The true joint of one `body` of a test shape, with the predictions of several methods (by row of the table)."""
 
     shape_id: str
     layout: str
@@ -81,16 +61,12 @@ class Example:
 
 def example_prediction(record: JointRecord, estimate: JointEstimate | None) -> ExamplePrediction:
     """The prediction `estimate` with the errors of its `record`."""
+    kind = "none" if record.predicted_type is None else record.predicted_type.name
     joint = None if estimate is None or record.is_missed else estimate.joint
-    return ExamplePrediction(
-        record.predicted_type.name if record.predicted_type is not None else "none",
-        None if joint is None else tuple(joint.direction.tolist()),
-        None if joint is None else tuple(joint.pivot.tolist()),
-        None if joint is None else joint.kind.value,
-        axis_degrees(record),
-        record.line_at_part,
-        record.is_ok,
-    )
+    axis: tuple[Any, Any, Any] = (None, None, None)
+    if joint is not None:
+        axis = (tuple(joint.direction.tolist()), tuple(joint.pivot.tolist()), joint.kind.value)
+    return ExamplePrediction(kind, *axis, axis_degrees(record), record.line_at_part, record.is_ok)
 
 
 def write_examples(path: Path, examples: Iterable[Example]) -> None:
@@ -99,17 +75,11 @@ def write_examples(path: Path, examples: Iterable[Example]) -> None:
 
 
 def read_examples(path: Path) -> list[Example]:
-    """Read the examples of a file; none if there is no file.
-
-    Raises:
-        InputError: `write_examples` did not write the file.
-    """
+    """Read the examples of a file; none if there is no file. Raises InputError if `write_examples` did not write it."""
     if not path.exists():
         return []
-    try:
+    with expecting("examples of kinmo eval", path):
         return [example_from_data(json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
-    except (ValueError, TypeError, KeyError) as error:
-        raise InputError(path, f"expected examples of kinmo eval ({error})") from error
 
 
 def example_from_data(data: Mapping[str, Any]) -> Example:

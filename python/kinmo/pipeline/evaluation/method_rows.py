@@ -17,40 +17,25 @@ from kinmo.methods.paper.paper_method import PaperMethod
 TYPE_SETS: tuple[TypeSet, ...] = ("coarse", "fine")
 
 
-def unchanged(prediction: ShapeEstimate) -> ShapeEstimate:
-    """The prediction itself."""
-    return prediction
-
-
 def gnn_alone(prediction: ShapeEstimate) -> ShapeEstimate:
     """The motion GNN's own prediction, before refinement."""
-    bodies = tuple(
-        replace(body, joint=estimate.joint)
-        for body, estimate in zip(prediction.mobility.bodies, prediction.gnn_estimates, strict=True)
-    )
-    estimates = tuple((estimate,) for estimate in prediction.gnn_estimates)
-    return replace(prediction, mobility=replace(prediction.mobility, bodies=bodies), estimates=estimates)
+    mobility, found = prediction.mobility, prediction.gnn_estimates
+    bodies = tuple(replace(body, joint=estimate.joint) for body, estimate in zip(mobility.bodies, found, strict=True))
+    estimates = tuple((estimate,) for estimate in found)
+    return replace(prediction, mobility=replace(mobility, bodies=bodies), estimates=estimates)
 
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a table: its name, the method that predicts, and the change that turns its prediction into the row's.
-
-    Rows with the same method share its predictions.
-    """
+    """A row of a table: its name, the method that predicts, and a change of its prediction if there is one."""
 
     name: str
     method: Method
-    change: Callable[[ShapeEstimate], ShapeEstimate] = unchanged
+    change: Callable[[ShapeEstimate], ShapeEstimate] | None = None
 
 
 def method_rows(models: ModelFolder, methods: Sequence[str], device: str) -> list[Row]:
-    """Rows of the methods, in the order of printing.
-
-    Args:
-        models: The folder with the trained networks.
-        methods: `kinmo`, `paper` or both.
-        device: Where networks run.
+    """Rows of the methods (`kinmo`, `paper` or both), in the order of printing.
 
     Raises:
         InputError: There is no such method, or one of its networks is missing or cannot be read.

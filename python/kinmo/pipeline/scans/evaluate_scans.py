@@ -18,18 +18,12 @@ from kinmo.pipeline.scans.scan_scores import PROTOCOLS, Protocol, ScanScores
 from kinmo.scans.ancsh.ancsh_predictor import AncshPredictor
 from kinmo.scans.files.scan_file import ScanFile
 
-SECONDS_PER_FRAME = 0.1
-"""First estimate."""
+SECONDS_PER_FRAME = 0.1  # first estimate
 
 
 @dataclass(frozen=True)
 class EvaluateScans:
-    """Score the networks of a run on every test scan of its category.
-
-    Attributes:
-        scores: The networks, and the test scans.
-        device: Where networks run.
-    """
+    """Score the networks of a run on every test scan of its category."""
 
     scores: ScanScores
     device: str = "auto"
@@ -60,28 +54,25 @@ class EvaluateScans:
             inputs, files = own.inputs(), own.files()
             workspace.forget(own.stage)
             network = AncshPredictor.load(*weights, device=self.device)
+            scores: dict[Protocol, list[tuple[str, FrameScore]]] = {protocol: [] for protocol in PROTOCOLS}
+            structure = network.structure
+            book = None if own.title else PictureBook(structure, common_frames(files))
             with timed(workspace, own.stage) as watch:
-                scores: dict[Protocol, list[tuple[str, FrameScore]]] = {protocol: [] for protocol in PROTOCOLS}
-                book = None if own.title else PictureBook(network.structure, common_frames(files))
                 for done, file in enumerate(files, start=1):
                     for frame in evaluated_frames(file, network, run.seed):
                         if book is not None:
                             book.offer(frame)
                         scores["kinmo"].append((file.id, frame.score))
-                        as_coded = score_as_ancsh(
-                            frame.found, frame.true, network.structure, frame.points, frame.predicted_parts
-                        )
+                        as_coded = score_as_ancsh(frame.found, frame.true, structure, frame.points, frame.predicted_parts)
                         scores["ancsh"].append((file.id, as_coded))
                     observer.progress(f"evaluating {run}", done, len(files), file.id)
                 watch.amount = len(scores["kinmo"])
                 watch.what = f"{counted(watch.amount, 'scan')} of {run.category}"
-            written = []
             if book is not None:
-                written.append(own.pictures)
                 write_pictures(own.pictures, book.pictures())
-            for protocol, own_scores in scores.items():
-                written.append(own.path(protocol))
-                write_scores(written[-1], own_scores)
+            for protocol in PROTOCOLS:
+                write_scores(own.path(protocol), scores[protocol])
+            written = [*([own.pictures] if book else []), *map(own.path, PROTOCOLS)]
             workspace.record(own.stage, inputs, written)
         return Outcome(own.path("kinmo"))
 

@@ -18,23 +18,15 @@ from kinmo.scans.files.scan_file import ScanFile
 from kinmo.scans.files.scan_formats import READ_ERRORS
 from kinmo.scans.files.scan_reader import write_points
 
-MARK = "example_of"
-"""Array beside the points with the id of the object."""
+MARK = "example_of"  # array beside the points with the id of the object
 
 
 @dataclass(frozen=True)
 class ExampleScan:
     """Write one test scan of a category to an .npz file: points in the camera's frame.
 
-    The object is drawn by the seed; the scan is the one that shows all its parts best. Scans are rendered only if there are
-    none yet.
-
-    Attributes:
-        workspace: The workspace.
-        category: The category.
-        path: The file to write; only an earlier example is replaced.
-        rendering: The stage that makes scans.
-        seed: Seed of the choice.
+    The object is drawn by the seed; the scan is the one that shows all its parts best. Scans are rendered (by `rendering`) only
+    if there are none yet. Only an earlier example is replaced.
     """
 
     workspace: Workspace
@@ -46,9 +38,11 @@ class ExampleScan:
     def plan(self) -> Plan:
         """Rendering, if needed, and writing the file."""
         self._check_replaceable()
+        before = Plan((), 0.0)
         if self._is_scanned():
-            self._files()
-        before = Plan((), 0.0) if self._is_scanned() else self.rendering.plan()
+            self._files()  # raises if no test object was scanned
+        else:
+            before = self.rendering.plan()
         return Plan((*before.steps, f"write a test scan of a {self.category} to {self.path}"), before.seconds)
 
     def run(self, observer: Observer) -> Outcome:
@@ -64,7 +58,6 @@ class ExampleScan:
         file = files[int(np.random.default_rng(self.seed).integers(len(files)))]
         seen = np.array([(file.read("parts") == part).sum(axis=1) for part in range(file.structure.part_count)])
         row = int(seen.min(axis=0).argmax())
-        self.path.parent.mkdir(parents=True, exist_ok=True)
         write_points(self.path, file.read("points", row), **{MARK: np.array(file.id)})
         return Outcome(self.path, {"scan": str(self.path), "object": file.id}, f"a scan of {file.id}", failed)
 
@@ -73,12 +66,10 @@ class ExampleScan:
         dataset = open_scan_dataset(self.workspace, self.category)
         files = dataset.files["test"]
         if not files:
-            others = sum(count for (_, role, _), count in dataset.others.items() if role == "test")
-            problem = (
-                f"expected scans of a test object with {dataset.structure.in_words}, like most training objects; found "
-                f"{counted(others, 'other test object')}. Prepare more shapes, or name their joints (scans.joints)"
-            )
-            raise InputError(self.workspace.scans / dataset.category, problem)
+            others = counted(sum(n for (_, role, _), n in dataset.others.items() if role == "test"), "other test object")
+            wanted = f"a test object with {dataset.structure.in_words}, like most training objects"
+            remedy = "Prepare more shapes, or name their joints (scans.joints)"
+            raise InputError(self.workspace.scans / dataset.category, f"expected scans of {wanted}; found {others}. {remedy}")
         return files
 
     def _is_scanned(self) -> bool:

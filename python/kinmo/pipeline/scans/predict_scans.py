@@ -4,32 +4,35 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from kinmo._core import __version__
 from kinmo.core.errors import InputError
+from kinmo.core.joint import JointKind
 from kinmo.core.wording import clean_text, counted, printable_path
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
 from kinmo.io.atomic_files import check_can_be_written, write_text_atomically
-from kinmo.pipeline.scans.scan_json import scan_document, scan_name
 from kinmo.pipeline.scans.scan_pictures import view_of
 from kinmo.pipeline.scans.scan_predictor import ScanPredictor, choose_run
 from kinmo.scans.files.camera_intrinsics import Intrinsics
 from kinmo.scans.files.scan_formats import SCAN_SUFFIXES, scan_suffix
 from kinmo.scans.files.scan_picture import scan_picture
 from kinmo.scans.files.scan_reader import read_scan, write_points
+from kinmo.scans.object_structure import Structure
+from kinmo.scans.poses.scan_estimate import ScanEstimate
 
-SECONDS = 5.0
-SECONDS_PER_SCAN = 0.1
-"""Estimates for loading the networks, and for each scan."""
-PARTS_ENDING = ".parts.npz"
-"""Ending of the file with the part of every point."""
-MAX_LINES = 40
-"""Scans whose joints are listed on the terminal; their files and --json have all."""
+SECONDS, SECONDS_PER_SCAN = 5.0, 0.1  # estimates for loading the networks, and for each scan
+DOCUMENT, PICTURE, PARTS = ".json", ".svg", ".parts.npz"
+"""Endings of the results for a scan: the prediction, its picture, and the part of every point."""
+SCHEMA_VERSION = 1  # of the prediction
+MAX_LINES = 40  # scans whose joints are listed on the terminal; their files and --json have all
 
 
 @dataclass(frozen=True)
@@ -38,26 +41,15 @@ class PredictScans:
 
     Each scan gets NAME.json (the prediction), NAME.parts.npz (the part of every point) and NAME.svg (a picture), in folders
     like those of the scans. A problem with one scan of a folder does not stop the others.
-
-    Attributes:
-        source: A scan, or a folder with scans.
-        out: Folder for the results.
-        workspace: The workspace with the trained networks.
-        category: Category of the objects.
-        intrinsics: Camera of depth images.
-        depth_scale: Number that depths are divided by.
-        method: Only networks that learned from pseudo labels of this method; None for the best ones.
-        seed: Seed for the choice of points.
-        device: Where networks run.
     """
 
     source: Path
     out: Path
     workspace: Workspace
     category: str
-    intrinsics: Intrinsics | None = None
-    depth_scale: float | None = None
-    method: str | None = None
+    intrinsics: Intrinsics | None = None  # camera of depth images
+    depth_scale: float | None = None  # number that depths are divided by
+    method: str | None = None  # only networks that learned from its pseudo labels; None for the best ones
     seed: int = 0
     device: str = "auto"
 
@@ -75,13 +67,15 @@ class PredictScans:
         """Predict every scan."""
         predictor = ScanPredictor.load(self.workspace, self.category, method=self.method, seed=self.seed, device=self.device)
         targets = self._targets()
-        for link in self._links():
-            observer.note(f"{link}: a link to a folder, which is skipped: name the folder itself")
+        for link in sorted(self.source.rglob("*")) if self.source.is_dir() else ():
+            if link.is_symlink() and link.is_dir():  # it may lead round in circles
+                name = clean_text(printable_path(link.relative_to(self.source)))
+                observer.note(f"{name}: a link to a folder, which is skipped: name the folder itself")
         if predictor.network.config.release:
             observer.note("these networks expect the size of the whole object; they get the size of its visible part")
         if not self.source.is_dir():
             document = self._predict(predictor, targets[0], observer)
-            return Outcome(targets[0].document, document, _text(document))
+            return Outcome(targets[0].file(DOCUMENT), document, _text(document))
         documents: list[dict[str, Any]] = []
         skipped: list[str] = []
         lines: list[str] = []
@@ -89,7 +83,8 @@ class PredictScans:
             try:
                 documents.append(self._predict(predictor, target, observer))
                 if len(documents) <= MAX_LINES:
-                    lines.append(f"{target.name}: {_joints_text(documents[-1])}")
+                    joints = (f"part {joint['part']} {_joint_text(joint)}" for joint in documents[-1]["joints"])
+                    lines.append(f"{target.name}: {', '.join(joints)}")
             except (InputError, OSError) as error:
                 problem = str(error) if isinstance(error, InputError) else f"{target.name}: {self._problem_of(error)}"
                 skipped.append(problem)
@@ -123,25 +118,16 @@ class PredictScans:
         view = view_of(found.seen, found.seen_parts, found.estimate, predictor.structure)
         text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
         picture = scan_picture([view], clean_text(printable_path(target.scan.stem)))
-        target.document.parent.mkdir(parents=True, exist_ok=True)
-        write_text_atomically(target.document, text)
-        write_text_atomically(target.picture, picture)
-        write_points(target.parts, scan.points, parts=found.parts, places=scan.indices)
+        write_text_atomically(target.file(DOCUMENT), text)
+        write_text_atomically(target.file(PICTURE), picture)
+        write_points(target.file(PARTS), scan.points, parts=found.parts, places=scan.indices)
         return document
-
-    def _links(self) -> list[str]:
-        """Links to other folders, which are skipped because they may lead round in circles."""
-        below = sorted(self.source.rglob("*")) if self.source.is_dir() else []
-        return [
-            clean_text(printable_path(path.relative_to(self.source))) for path in below if path.is_symlink() and path.is_dir()
-        ]
 
     def _targets(self) -> list[_Target]:
         """All scans with the paths of their results. Hidden files and earlier results are skipped.
 
-        Results have the name of the scan without its ending; they keep the ending where names would clash.
-
-        Raises InputError where there is no scan, or the output folder cannot be written to.
+        Results have the name of the scan without its ending; they keep the ending where names would clash. Raises InputError
+        where there is no scan, or the output folder cannot be written to.
         """
         check_can_be_written(self.out)
         if not self.source.is_dir():
@@ -152,7 +138,7 @@ class PredictScans:
             place
             for place in places
             if place.suffix.lower() in SCAN_SUFFIXES
-            and not place.name.endswith(PARTS_ENDING)
+            and not place.name.endswith(PARTS)
             and not any(name.startswith(".") for name in place.parts)
         ]
         if not scans:
@@ -174,26 +160,18 @@ class _Target:
     path: Path
     name: str
 
-    @property
-    def document(self) -> Path:
-        return self.path.with_name(f"{self.path.name}.json")
-
-    @property
-    def picture(self) -> Path:
-        return self.path.with_name(f"{self.path.name}.svg")
-
-    @property
-    def parts(self) -> Path:
-        return self.path.with_name(f"{self.path.name}{PARTS_ENDING}")
+    def file(self, ending: str) -> Path:
+        """One of the results."""
+        return self.path.with_name(self.path.name + ending)
 
     def check(self) -> None:
         """Raise InputError if the results would replace anything but earlier results for the same scan."""
         try:
-            written = json.loads(self.document.read_text(encoding="utf-8"))
+            written = json.loads(self.file(DOCUMENT).read_text(encoding="utf-8"))
             is_own = "schema_version" in written and written["scan"] == scan_name(self.scan)
         except (OSError, ValueError, KeyError, TypeError):
             is_own = False
-        for path in (self.document, self.picture, self.parts):
+        for path in map(self.file, (DOCUMENT, PICTURE, PARTS)):
             if path.exists() and not is_own:
                 raise InputError(path, "exists, and is no prediction for this scan: name another folder by --out")
 
@@ -207,12 +185,64 @@ def _text(document: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _joints_text(document: dict[str, Any]) -> str:
-    return ", ".join(f"part {joint['part']} {_joint_text(joint)}" for joint in document["joints"])
-
-
 def _joint_text(joint: dict[str, Any]) -> str:
     state = joint["state"]
     if state is None:
         return f"{joint['kind']}, state not found"
     return f"{joint['kind']}, state " + (f"{np.degrees(state):.1f}°" if joint["unit"] == "radians" else f"{state:.3f}")
+
+
+def scan_document(
+    found: ScanEstimate, of_points: NDArray[np.integer], structure: Structure, source: Path, made_by: Mapping[str, str]
+) -> dict[str, Any]:
+    """A prediction as plain data, in the frame and units of the scan (x to the right, y down, z forward).
+
+    Unknown values are None. `of_points` is the part [n] of every point; `made_by` are facts about the networks.
+    """
+    parts = [
+        {
+            "id": part,
+            "points": int((of_points == part).sum()),
+            "inliers": _number(found.inliers[part]),
+            "box": {
+                "center": _list(found.centers[part]),
+                "axes": _list(found.poses.rotations[part].T),
+                "half_sizes": _list(found.half_extents[part]),
+            },
+            "pose": {
+                "rotation": _list(found.poses.rotations[part]),
+                "scale": _number(found.poses.scales[part]),
+                "translation": _list(found.poses.translations[part]),
+            },
+        }
+        for part in range(structure.part_count)
+    ]
+    has_axis = np.asarray(np.isfinite(found.directions).all(axis=1))
+    joints = [
+        {
+            "part": row + 1,
+            "parent": structure.parents[row],
+            "kind": kind.value,
+            "direction": _list(found.directions[row]),
+            "pivot": _list(found.pivots[row]) if kind is not JointKind.PRISMATIC and has_axis[row] else None,
+            "state": _number(found.states[row]),
+            "turn": _number(found.turns[row]),
+            "unit": "radians" if kind is JointKind.REVOLUTE else "lengths of the scan",
+        }
+        for row, kind in enumerate(structure.kinds)
+    ]
+    versions = {"schema_version": SCHEMA_VERSION, "kinmo": __version__}
+    return {**versions, **made_by, "scan": scan_name(source), "parts": parts, "joints": joints}
+
+
+def scan_name(scan: Path) -> str:
+    """Absolute path of a scan without links, as it is written into files."""
+    return printable_path(scan.resolve())
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _list(values: NDArray[np.float64]) -> Any:
+    return values.tolist() if np.isfinite(values).all() else None

@@ -1,4 +1,4 @@
-"""Scanning of one object, in any process."""
+"""Render jobs: scanning of one object, in any process, and the results of earlier jobs."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ import numpy as np
 
 from kinmo.config import ScansConfig
 from kinmo.core.shape import Shape
+from kinmo.dataset.cache import Cache
 from kinmo.features.joint_limits import MAX_HINGE_ANGLE
 from kinmo.io.discover import ShapeSource
+from kinmo.pipeline.scans.scan_dataset import usual_structure
 from kinmo.scans.canonical.articulated_object import ArticulatedObject, articulated_object, single_part_object
-from kinmo.scans.canonical.hinge_openings import with_sampled_openings
+from kinmo.scans.canonical.hinge_openings import hinge_opening, with_sampled_openings
 from kinmo.scans.canonical.object_variants import sample_variant_matrix
-from kinmo.scans.files.scan_file import Role, ScanProvenance, write_scans
+from kinmo.scans.files.scan_file import Role, ScanFile, ScanProvenance, open_scans, write_scans
 from kinmo.scans.object_structure import Structure
 from kinmo.scans.rendering.labelled_frames import scan_object
 
@@ -32,36 +34,18 @@ OPENING_STREAM, VARIANT_STREAM = 10, 11
 
 @dataclass(frozen=True)
 class RenderJob:
-    """One object, or one variant of it, to scan.
-
-    Attributes:
-        found: The shape's files.
-        category: Category of the shape.
-        role: Use of the scans.
-        layout: Dataset layout of the original shape.
-        path: File for the scans.
-        key: Cache key of the scans.
-        references: Scans of the labelled objects of the category; they show how far hinges open, unlike pseudo labels.
-        openings: Opening angles of the hinges in those scans, in radians.
-        variant: 0 for the object itself, otherwise the number of the variant.
-        wanted: Structure that the object must have to be scanned; None for any.
-    """
+    """One object, or one variant of it, to scan into the file `path`."""
 
     found: ShapeSource
     category: str
     role: Role
-    layout: str
+    layout: str  # of the original shape
     path: Path
-    key: str
-    references: tuple[Path, ...] = ()
-    openings: tuple[float, ...] = ()
-    variant: int = 0
-    wanted: Structure | None = None
-
-    @property
-    def name(self) -> str:
-        """Name of the scans in the cache of their folder."""
-        return self.path.stem
+    key: str  # cache key of the scans
+    references: tuple[Path, ...] = ()  # scans of labelled objects, which show how far hinges open; pseudo labels do not
+    openings: tuple[float, ...] = ()  # opening angles of the hinges in those scans, in radians
+    variant: int = 0  # 0 for the object itself, otherwise the number of the variant
+    wanted: Structure | None = None  # structure that the object must have to be scanned; None for any
 
     @property
     def object(self) -> tuple[Role, str, str]:
@@ -85,14 +69,10 @@ class ObjectRenderer:
     seed: int
 
     def __call__(self, jobs: Sequence[RenderJob]) -> list[NotScanned | None] | str:
-        """Scan one object, which is read once.
+        """Scan an object, which is read once: itself, which comes first if it is among the jobs, and its variants.
 
-        Args:
-            jobs: The object, which comes first if it is among them, and its variants.
-
-        Returns:
-            For each job None if its scans were written, or the reason why not. A message if the object could not be read: it
-            could when it was prepared, so that is no final result.
+        Returns None for each job whose scans were written, or the reason why not. A message if the object could not be read: it
+        could when it was prepared, so that is no final result.
         """
         jobs[0].path.parent.mkdir(parents=True, exist_ok=True)
         try:
@@ -107,14 +87,14 @@ class ObjectRenderer:
             except ValueError as error:
                 results.append(NotScanned(str(error)))
                 continue
-            if job.wanted is None or target.structure == job.wanted:
+            if job.wanted is not None and target.structure != job.wanted:
+                unwanted = NotScanned(f"{job.found.path}: has {target.structure.in_words}", str(target.structure))
+                if not job.variant:  # variants have the same structure
+                    return [unwanted] * len(jobs)
+                results.append(unwanted)
+            else:
                 self._scan(target, job, seed)
                 results.append(None)
-                continue
-            unwanted = NotScanned(f"{job.found.path}: has {target.structure.in_words}", str(target.structure))
-            if not job.variant:  # variants have the same structure
-                return [unwanted] * len(jobs)
-            results.append(unwanted)
         return results
 
     def _articulated(self, shape: Shape, job: RenderJob, seed: int) -> ArticulatedObject:
@@ -130,9 +110,9 @@ class ObjectRenderer:
     def _scan(self, target: ArticulatedObject, job: RenderJob, seed: int) -> None:
         rng = np.random.default_rng([seed, OPENING_STREAM])
         target = replace(target, mobility=with_sampled_openings(target.mobility, MAX_HINGE_ANGLE, job.openings, rng))
-        to_train = job.role not in EVALUATED_ROLES
-        which = _states(self.config, job) if to_train else slice(None)
-        scans = scan_object(target, self.config, seed, to_train=to_train, subset=which)
+        is_evaluated = job.role in EVALUATED_ROLES
+        which = slice(None) if is_evaluated else _states(self.config, job)
+        scans = scan_object(target, self.config, seed, to_train=not is_evaluated, subset=which)
         write_scans(job.path, target, scans, ScanProvenance(job.key, job.role, job.layout, job.variant))
 
 
@@ -149,10 +129,8 @@ def _states(config: ScansConfig, job: RenderJob) -> slice:
 
 
 def count_variants(config: ScansConfig) -> int:
-    """Number of variants of a training object, itself included, each with at least one joint state.
-
-    Only closed objects have variants: an object that is stretched while open does not close any more.
-    """
+    """Number of variants of a training object, itself included, each with at least one joint state."""
+    # an object that is stretched while open does not close any more
     return min(config.variants, config.states) if config.closes_objects else 1
 
 
@@ -164,3 +142,62 @@ def by_object(jobs: Iterable[RenderJob]) -> Iterator[tuple[RenderJob, ...]]:
 def count_objects_of(jobs: Sequence[RenderJob]) -> int:
     """Number of objects; variants do not count."""
     return len({job.object for job in jobs})
+
+
+class ScanCaches(dict[Path, Cache]):
+    """The caches of all folders of scans, each read once."""
+
+    def __missing__(self, folder: Path) -> Cache:
+        self[folder] = Cache(folder)
+        return self[folder]
+
+    def is_done(self, job: RenderJob) -> bool:
+        """True if a job's scans are up to date, or it is known that there can be none."""
+        found = self[job.path.parent].find(job.path.stem)
+        if found is None or found.key != job.key:
+            return False
+        structure = (found.data or {}).get("structure")
+        return structure is None or (job.wanted is not None and structure != str(job.wanted))
+
+    def not_scanned(self, path: Path) -> NotScanned | None:
+        """The reason why there are no scans in a file; None if there are some, or none were tried."""
+        data = self[path.parent].data(path.stem) or {}
+        return NotScanned(data["reason"], data.get("structure")) if "reason" in data else None
+
+    def store(self, jobs: Sequence[RenderJob], results: Sequence[NotScanned | None]) -> None:
+        """Store the results of one object."""
+        for job, skip in zip(jobs, results, strict=True):
+            cache = self[job.path.parent]
+            if skip is None:
+                cache.store(job.path.stem, job.key, [job.path])
+            else:
+                job.path.unlink(missing_ok=True)
+                facts = {"reason": skip.reason, "structure": skip.structure, "layout": job.layout, "variant": job.variant}
+                cache.store(job.path.stem, job.key, data=facts)
+
+    def remove(self, jobs: Sequence[RenderJob]) -> None:
+        """Remove scans of an object that cannot be read now: they may come from other settings."""
+        for job in jobs:
+            self[job.path.parent].forget(job.path.stem)
+            job.path.unlink(missing_ok=True)
+
+
+def with_structure(jobs: Sequence[RenderJob], structure: Structure | None, caches: ScanCaches) -> list[RenderJob]:
+    """The jobs, each with the structure that it must have: the given one, or the usual one of the training scans so far.
+
+    Training objects must only have a given structure, and unlabelled objects none.
+    """
+    if structure is not None:
+        return [job if job.role == "unlabelled" else replace(job, wanted=structure) for job in jobs]
+    scanned: dict[str, list[ScanFile]] = {}
+    for job in jobs:
+        if job.role == "train" and caches.is_done(job) and job.path.exists():
+            scanned.setdefault(job.category, []).append(open_scans(job.path))
+    structures = {category: usual_structure(files) for category, files in scanned.items()}
+    return [job if job.role in ("train", "unlabelled") else replace(job, wanted=structures.get(job.category)) for job in jobs]
+
+
+def known_openings(paths: Iterable[Path]) -> tuple[float, ...]:
+    """Known opening angles of the hinges in some scans, in radians."""
+    joints = (joint for path in paths if path.exists() for joint in open_scans(path).joints)
+    return tuple(filter(None, map(hinge_opening, joints)))

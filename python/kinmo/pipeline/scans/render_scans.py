@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Generator, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 from zlib import crc32
 
 from kinmo.config import ScansConfig, SensorConfig, load_config
@@ -19,7 +18,7 @@ from kinmo.core.wording import counted
 from kinmo.dataset.cache import Cache, cache_key
 from kinmo.dataset.jobs import Failure, runner_for
 from kinmo.dataset.journal import seconds_per_unit, timed
-from kinmo.dataset.shape_dataset import ShapeDataset, open_dataset
+from kinmo.dataset.shape_dataset import open_dataset
 from kinmo.dataset.splits import Split
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.store import IndexEntry
@@ -34,32 +33,24 @@ from kinmo.pipeline.scans.render_jobs import (
     NotScanned,
     ObjectRenderer,
     RenderJob,
+    ScanCaches,
     by_object,
     count_frames,
     count_objects_of,
     count_variants,
+    known_openings,
+    with_structure,
 )
 from kinmo.pipeline.scans.render_summary import summarise, summary_text
-from kinmo.pipeline.scans.scan_caches import ScanCaches, known_openings, with_structure
-from kinmo.pipeline.scans.scan_dataset import (
-    COMPLETE,
-    LABELLED,
-    PAPER_CATEGORIES,
-    object_name,
-    scanned_categories,
-    scans_folder,
-)
+from kinmo.pipeline.scans.scan_dataset import COMPLETE, LABELLED, PAPER_CATEGORIES, scanned_categories, scans_folder
 from kinmo.scans.files.scan_file import FORMAT, ROLES, Role, open_scans
 from kinmo.scans.object_structure import Structure
 
 STAGE = "render"
-WITH_LABELS: tuple[Role, ...] = ("oracle", "pseudo")
-"""Additional roles of shapes whose joints are known or predicted."""
-SECONDS_PER_FRAME = 0.012
-"""First estimate, for one CPU core."""
+WITH_LABELS: tuple[Role, ...] = ("oracle", "pseudo")  # additional roles of shapes whose joints are known or predicted
+SECONDS_PER_FRAME = 0.012  # first estimate, for one CPU core
 USED_SHARE = 0.4
 """Share of unlabelled shapes that usually get accepted labels with the usual structure (docs/background, pseudo labels)."""
-WAITING = "{} with pseudo labels: skipped because scans of {} are missing, which show how far hinges open"
 
 
 @dataclass(frozen=True)
@@ -68,17 +59,6 @@ class RenderScans:
 
     All labelled training shapes are scanned. Other objects are scanned only if they have the structure that most training
     objects have, since networks know no other. Unlabelled ones are scanned as they stand. Frames that are up to date stay.
-
-    Attributes:
-        workspace: The workspace.
-        config: Name or path of the configuration.
-        category: The category; None for the paper's five.
-        seed: Seed of views and joint states.
-        workers: Number of processes.
-        extra: Roles to scan besides those of labelled shapes.
-        method: The method whose pseudo labels are used.
-        sensor: Sensor in place of the configuration's.
-        cluster: Address of a Ray cluster that runs the jobs; None for this machine.
     """
 
     workspace: Workspace
@@ -86,10 +66,10 @@ class RenderScans:
     category: str | None = None
     seed: int = 0
     workers: int = 1
-    extra: tuple[Role, ...] = WITH_LABELS
-    method: str = DEFAULT_METHOD
-    sensor: SensorConfig | None = None
-    cluster: str | None = None
+    extra: tuple[Role, ...] = WITH_LABELS  # roles to scan besides those of labelled shapes
+    method: str = DEFAULT_METHOD  # whose pseudo labels are used
+    sensor: SensorConfig | None = None  # in place of the configuration's
+    cluster: str | None = None  # address of a Ray cluster that runs the jobs; None for this machine
 
     def plan(self) -> Plan:
         """Count the frames that are not up to date."""
@@ -109,24 +89,29 @@ class RenderScans:
         """Jobs to do, without shapes that are gone: these are reported each time, but no other stage needs to wait for them."""
         caches = ScanCaches()
         jobs = with_structure(list(self._jobs(config)), self._named_structure(config), caches)
-        return [job for job in jobs if self._is_asked(job) and not caches.is_done(job) and os.path.lexists(job.found.path)]
+        return [job for job in jobs if job.role in self._roles and not caches.is_done(job) and os.path.lexists(job.found.path)]
 
     def _scanning(self, config: ScansConfig, jobs: Sequence[RenderJob]) -> Plan:
-        frames = sum(count_frames(config, job) for job in jobs)
-        each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
-        what = ", ".join(sorted({job.category for job in jobs}))
         if jobs:
+            frames = sum(count_frames(config, job) for job in jobs)
+            each = seconds_per_unit(self.workspace, STAGE, SECONDS_PER_FRAME / self.workers)
+            what = ", ".join(sorted({job.category for job in jobs}))
             step = f"scan {counted(count_objects_of(jobs), 'object')} ({what}), {counted(frames, 'frame')}"
             return Plan((step,), frames * each)
-        interrupted = [category for category in scanned_categories(self.workspace) if self._was_interrupted(category)]
+        interrupted = [
+            category
+            for category in scanned_categories(self.workspace)
+            if _is_wanted(category, self.category)
+            and any(tuple(cache) and COMPLETE not in cache for cache in map(Cache, self._folders(category)))
+        ]
         return Plan(tuple(f"check the scans of {category}, which were interrupted" for category in interrupted), 0.0)
 
-    def _was_interrupted(self, category: str) -> bool:
-        caches = map(Cache, self._folders(category) if _is_wanted(category, self.category) else ())
-        return any(tuple(cache) and COMPLETE not in cache for cache in caches)
+    @property
+    def _roles(self) -> tuple[Role, ...]:
+        return (*LABELLED, *self.extra)
 
     def _folders(self, category: str) -> list[Path]:
-        return [scans_folder(self.workspace, category, role, self.method) for role in (*LABELLED, *self.extra)]
+        return [scans_folder(self.workspace, category, role, self.method) for role in self._roles]
 
     def run(self, observer: Observer) -> Outcome:
         """Scan what is not up to date, and remove scans of shapes that are gone."""
@@ -137,13 +122,13 @@ class RenderScans:
             caches = ScanCaches()
             structure = self._named_structure(config)
             every = with_structure(list(self._jobs(config)), structure, caches)
-            jobs = [job for job in every if self._is_asked(job)]
+            jobs = [job for job in every if job.role in self._roles]
             pending = [job for job in jobs if not caches.is_done(job)]
             if jobs and not pending:
                 observer.note("already scanned")
             for category in {job.category for job in pending}:  # training scans decide what is scanned in other roles
                 for folder in self._folders(category):
-                    caches.of(folder).forget(COMPLETE)
+                    caches[folder].forget(COMPLETE)
             failed: list[tuple[RenderJob, str]] = []
             total = count_objects_of(pending)
             scanning = closing(self._scan(config, jobs, structure, caches))  # no job outlives the lock
@@ -159,18 +144,18 @@ class RenderScans:
                         caches.store(own, answer)
                     observer.progress("scanning objects", done, max(done, total), own[0].found.id)
                 watch.amount = sum(count_frames(config, job) for job in pending)
-                watch.what = counted(count_objects_of(pending), "object")
+                watch.what = counted(total, "object")
             self._remove_stale(with_structure(every, structure, caches), caches)
             for category in {job.category for job in every}:
                 for folder in self._folders(category):
-                    caches.of(folder).store(COMPLETE, "")
+                    caches[folder].store(COMPLETE, "")
             return self._outcome(jobs, failed, caches, observer)
 
     def _outcome(
         self, jobs: Sequence[RenderJob], failed: Sequence[tuple[RenderJob, str]], caches: ScanCaches, observer: Observer
     ) -> Outcome:
         files = [open_scans(job.path) for job in jobs if job.path.exists()]
-        skips = [(job, skip) for job in jobs if (skip := caches.not_scanned(job)) is not None]
+        skips = [(job, skip) for job in jobs if (skip := caches.not_scanned(job.path)) is not None]
         unwanted = [(job.category, skip.structure) for job, skip in skips if skip.structure and not job.variant]
         reasons = [(job, skip.reason) for job, skip in skips if skip.structure is None]
         skipped: dict[Role, dict[str, str]] = {}  # an id may occur in several roles
@@ -182,9 +167,6 @@ class RenderScans:
         for category in without:
             observer.problem(f"{category}: no frame of a training object")
         return Outcome(self.workspace.scans, data, summary_text(data), failed=len(failed) + len(without))
-
-    def _is_asked(self, job: RenderJob) -> bool:
-        return job.role in (*LABELLED, *self.extra)
 
     def _scan(
         self, config: ScansConfig, jobs: Sequence[RenderJob], structure: Structure | None, caches: ScanCaches
@@ -206,10 +188,12 @@ class RenderScans:
         openings: dict[tuple[Path, ...], tuple[float, ...]] = {}
         for references in dict.fromkeys(job.references for job in guessed):
             # without one of them, scans would have other openings, and keep them
-            missing = [path for path in references if not path.exists() and not caches.is_skipped(path)]
+            missing = [path for path in references if not path.exists() and not caches.not_scanned(path)]
             if missing:
                 waiting = tuple(job for job in guessed if job.references == references)
-                yield waiting, WAITING.format(counted(count_objects_of(waiting), "object"), missing[0].stem)
+                objects = f"{counted(count_objects_of(waiting), 'object')} with pseudo labels"
+                why = f"scans of {missing[0].stem} are missing, which show how far hinges open"
+                yield waiting, f"{objects}: skipped because {why}"
             else:
                 openings[references] = known_openings(references)
         guessed = [replace(job, openings=openings[job.references]) for job in guessed if job.references in openings]
@@ -250,22 +234,15 @@ class RenderScans:
         examples: dict[str, list[RenderJob]] = {}
         for role, entries in chosen.items():
             for entry in entries:
-                found = ShapeSource.of(entry)
-                job = self._job(found, entry, role, cache_key(shape=entry.key, settings=settings, role=role))
+                key = cache_key(shape=entry.key, settings=settings, role=role)
+                job = self._job(ShapeSource.of(entry), entry, role, key)
                 if role == "train":
                     examples.setdefault(entry.category, []).append(job)
                 yield job
-        yield from self._pseudo_labelled(dataset, examples, settings, labelled)
-
-    def _pseudo_labelled(
-        self, dataset: ShapeDataset, examples: Mapping[str, Sequence[RenderJob]], settings: dict[str, Any], labelled: bool
-    ) -> Iterator[RenderJob]:
-        """Jobs for shapes with pseudo labels (or still without) in the categories of `examples`, their training objects."""
-        labels = labels_folder(self.workspace, self.method)
         for entry in dataset.unlabelled:
-            folder = labels / label_name(entry)
-            if entry.category in examples and (folder / LABEL).exists() == labelled:
-                known = examples[entry.category]
+            folder = labels_folder(self.workspace, self.method) / label_name(entry)
+            known = examples.get(entry.category, [])
+            if known and (folder / LABEL).exists() == labelled:
                 label = crc32((folder / LABEL).read_bytes()) if labelled else None
                 references = [job.key for job in known]
                 key = cache_key(shape=entry.key, settings=settings, label=label, references=references)
@@ -274,7 +251,7 @@ class RenderScans:
 
     def _job(self, found: ShapeSource, entry: IndexEntry, role: Role, key: str) -> RenderJob:
         folder = scans_folder(self.workspace, entry.category, role, self.method)
-        path = folder / f"{object_name(name_on_disk(found.id), entry.layout)}.safetensors"
+        path = folder / f"{name_on_disk(found.id)}-{entry.layout}.safetensors"
         return RenderJob(found, entry.category, role, entry.layout, path, key)
 
     def _remove_stale(self, jobs: Collection[RenderJob], caches: ScanCaches) -> None:
@@ -282,7 +259,7 @@ class RenderScans:
         current = {job.path for job in jobs if caches.is_done(job)}
         for category in {job.category for job in jobs}:
             for role in ROLES:
-                cache = caches.of(scans_folder(self.workspace, category, role, self.method))
+                cache = caches[scans_folder(self.workspace, category, role, self.method)]
                 names = {path.stem for path in current if path.parent == cache.folder}
                 cache.forget(*(name for name in cache if name not in names | {COMPLETE}))
                 for path in cache.folder.glob("*.safetensors"):

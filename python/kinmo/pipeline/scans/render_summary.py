@@ -9,20 +9,11 @@ from typing import Any
 from kinmo.core.wording import counted
 from kinmo.scans.files.scan_file import ScanFile
 
-MAX_LINES = 8
-"""Structures that are listed on the terminal; --json has all."""
+MAX_LINES = 8  # structures that are listed on the terminal; --json has all
 
 
 def summarise(files: Sequence[ScanFile], unwanted: Sequence[tuple[str, str]]) -> dict[str, Any]:
-    """Count objects and frames.
-
-    Args:
-        files: The scans.
-        unwanted: Category and structure of each object that was not scanned because of its structure.
-
-    Returns:
-        By category: objects by role, frames, objects by structure, objects not scanned by structure, skipped frames by reason.
-    """
+    """Count objects and frames by category; `unwanted` has category and structure of each object of another structure."""
     found: dict[str, Any] = {}
     for category in sorted({*(file.category for file in files), *(name for name, _ in unwanted)}):
         own = [file for file in files if file.category == category]
@@ -57,9 +48,8 @@ def summary_text(data: dict[str, Any]) -> str:
 
 def _structure_lines(counts: Mapping[str, int], ending: str = "") -> list[str]:
     """Objects by structure, the most frequent first, and the rare ones together."""
-    ordered = sorted(counts.items(), key=lambda item: -item[1])
+    ordered = Counter(counts).most_common()
     lines = [f"    {count:5} {structure}{ending}" for structure, count in ordered[:MAX_LINES]]
-    others = ordered[MAX_LINES:]
-    if others:
+    if others := ordered[MAX_LINES:]:
         lines.append(f"    {sum(count for _, count in others):5} of {len(others)} more structures{ending}")
     return lines

@@ -21,13 +21,9 @@ from kinmo.pipeline.scans.training_settings import Setting
 from kinmo.scans.files.scan_file import ROLES, Role, ScanFile, open_scans
 from kinmo.scans.object_structure import Structure
 
-PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")
-"""Categories of the paper's Table 2."""
-
-LABELLED: tuple[Role, ...] = tuple(split.value for split in Split)
-"""Roles of labelled shapes."""
-COMPLETE = "complete"
-"""Name in a folder's cache that says that all scans of the folder were made."""
+PAPER_CATEGORIES = ("Refrigerator", "Dishwasher", "Table", "Door", "Scissors")  # categories of the paper's Table 2
+LABELLED: tuple[Role, ...] = tuple(split.value for split in Split)  # roles of labelled shapes
+COMPLETE = "complete"  # name in a folder's cache that says that all scans of the folder were made
 NO_FRAME, NO_SCAN = "no frame", "no scan"
 """Stand for the structure of objects without a usable frame, and of objects that cannot be scanned."""
 
@@ -37,19 +33,11 @@ def scans_folder(workspace: Workspace, category: str, role: Role, method: str = 
     return workspace.scans / category / (f"pseudo-{method}" if role == "pseudo" else role)
 
 
-def object_name(shape_id_on_disk: str, layout: str, variant: int = 0) -> str:
-    """Name of an object's file of scans, without ending; variants have a number."""
-    return f"{shape_id_on_disk}-{layout}" + (f".{variant}" if variant else "")
-
-
 @dataclass(frozen=True)
 class ScanDataset:
-    """The scans of a category's objects with one structure, by role.
+    """The scans of a category's objects with one structure, by role. Scans of unlabelled objects have no structure.
 
     Attributes:
-        category: The category, spelled as in the workspace.
-        structure: Parts and joints of the objects; networks know no other. Scans of unlabelled objects have none.
-        files: Scans by role.
         others: Number of objects that are not used, by their structure (or `NO_FRAME`, `NO_SCAN`), role and layout.
         oracle_ids: Id of the shape with the oracle label, by id and layout (`ShapeDataset.oracle_ids`).
     """
@@ -99,18 +87,10 @@ def scanned_categories(workspace: Workspace) -> tuple[str, ...]:
 
 
 def open_scan_dataset(workspace: Workspace, category: str, method: str = DEFAULT_METHOD) -> ScanDataset:
-    """Open the scans of a category.
+    """Open the scans of a category in any spelling. A role whose scanning was interrupted has none.
 
     The structure is the most frequent one among the training objects (`usual_structure`). If no validation object has it, some
     training objects become validation objects; they are trained on too if there are no others.
-
-    Args:
-        workspace: The workspace.
-        category: The category, in any spelling.
-        method: The method whose pseudo labels count.
-
-    Returns:
-        The scans by role. A role whose scanning was interrupted has none.
 
     Raises:
         InputError: Nothing of the category was scanned, or the scanning of labelled shapes was interrupted.
@@ -118,19 +98,19 @@ def open_scan_dataset(workspace: Workspace, category: str, method: str = DEFAULT
     known = scanned_categories(workspace)
     spelling = next((name for name in known if same_category(name, category)), None)
     if spelling is None:
-        near = did_you_mean(category, known)
-        there = f"; there are {', '.join(known)}" if known else ""
+        near, there = did_you_mean(category, known), f"; there are {', '.join(known)}" if known else ""
         raise InputError(workspace.scans, f"no scans of {category}{near}{there}: run kinmo render first")
     caches = {role: Cache(scans_folder(workspace, spelling, role, method)) for role in ROLES}
     done: list[Role] = [role for role in ROLES if COMPLETE in caches[role]]
     if not set(LABELLED) <= set(done):
         raise InputError(workspace.scans / spelling, "scanning was interrupted: run kinmo render again")
-    found = {role: _open_all(caches[role].folder) if role in done else [] for role in ROLES}
+    paths = {role: sorted(caches[role].folder.glob("*.safetensors")) if role in done else [] for role in ROLES}
+    found = {role: [open_scans(path) for path in paths[role]] for role in ROLES}
     structure = usual_structure(found["train"])
     if structure is None:
         raise InputError(workspace.scans / spelling, _nothing_to_train_on(caches["train"]))
     dataset = open_dataset(workspace, spelling)
-    fitting = {role: [file for file in found[role] if file.frames and file.structure == structure] for role in ROLES}
+    fitting = {role: [file for file in found[role] if file.frames and file.structure == structure] for role in LABELLED}
     moved = frozenset[str]()
     if not fitting["validation"]:
         moved = validation_from_training({file.id for file in fitting["train"] if not file.provenance.variant})
@@ -145,10 +125,9 @@ def open_scan_dataset(workspace: Workspace, category: str, method: str = DEFAULT
     for role, own in found.items():
         files[role] = tuple(f for f in own if f.frames > 0 and (role == "unlabelled" or f.structure == structure))
         used = {file.object for file in files[role]}
-        rest = (file for file in own if file.object not in used)
-        structures: dict[tuple[object, str], str] = {}  # an object counts once, by its structure if any frame shows it
-        for f in sorted(rest, key=lambda f: f.frames > 0):
-            structures[f.object, f.provenance.layout] = str(f.structure) if f.frames else NO_FRAME
+        rest = sorted((file for file in own if file.object not in used), key=lambda file: file.frames > 0)
+        # an object counts once, by its structure if any frame shows it
+        structures = {file.object: str(file.structure) if file.frames else NO_FRAME for file in rest}
         others.update((name, role, layout) for (_, layout), name in structures.items())
         others.update((name, role, layout) for name, layout in _skipped(caches[role]) if role in done)
     return ScanDataset(spelling, structure, files, others, dataset.oracle_ids)
@@ -157,31 +136,19 @@ def open_scan_dataset(workspace: Workspace, category: str, method: str = DEFAULT
 def usual_structure(training: Sequence[ScanFile]) -> Structure | None:
     """Structure of most training objects; of equally frequent ones the one with fewer parts. None without any frame."""
     structures = Counter(structure for structure, _ in {(file.structure, file.object) for file in training if file.frames})
-    if not structures:
-        return None
-    most = max(structures.values())
-    return min((s for s, count in structures.items() if count == most), key=lambda s: (s.part_count, str(s)))
+    return min(structures, key=lambda s: (-structures[s], s.part_count, str(s)), default=None)
 
 
 def _skipped(cache: Cache) -> list[tuple[str, str]]:
     """Structure (or `NO_SCAN`) and layout of the objects of a folder that were not scanned; variants are left out."""
-    skipped = []
-    for name in cache:
-        data = cache.data(name)
-        if isinstance(data, dict) and "reason" in data and not data.get("variant"):
-            skipped.append((data.get("structure") or NO_SCAN, str(data.get("layout"))))
-    return skipped
+    known = (cache.data(name) or {} for name in cache)
+    skipped = (data for data in known if "reason" in data and not data["variant"])
+    return [(data["structure"] or NO_SCAN, data["layout"]) for data in skipped]
 
 
 def _nothing_to_train_on(cache: Cache) -> str:
     """Message for a category without scans to train on: its objects may have other joints than the configuration names."""
     structures = Counter(name for name, _ in _skipped(cache) if name != NO_SCAN)
-    problem = "expected scans of a labelled shape to train on"
-    if structures:
-        names = ", ".join(name for name, _ in structures.most_common())
-        problem += f"; the shapes have {names}, not the joints of scans.joints"
-    return problem
-
-
-def _open_all(folder: Path) -> list[ScanFile]:
-    return [open_scans(path) for path in sorted(folder.glob("*.safetensors"))]
+    names = ", ".join(name for name, _ in structures.most_common())
+    hint = f"; the shapes have {names}, not the joints of scans.joints" if structures else ""
+    return f"expected scans of a labelled shape to train on{hint}"

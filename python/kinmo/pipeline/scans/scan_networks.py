@@ -13,21 +13,17 @@ from kinmo.methods import DEFAULT_METHOD
 from kinmo.pipeline.scans.training_settings import SETTINGS, Setting
 
 NETWORKS: tuple[AncshNetworkName, ...] = ("ancsh", "npcs")
-MODEL = "ancsh"
-"""Folder of all networks for scans, below the workspace's `models`."""
+MODEL = "ancsh"  # folder of all networks for scans, below the workspace's `models`
 
 
 @dataclass(frozen=True, order=True)
 class ScanRun:
-    """One pair of networks for scans: the category, the labels and the seed that they were trained with.
-
-    `method` is the method whose pseudo labels they learn from; it matters for the setting `semi-weakly` alone.
-    """
+    """One pair of networks for scans: the category, the labels and the seed that they were trained with."""
 
     category: str
     setting: Setting
     seed: int
-    method: str = DEFAULT_METHOD
+    method: str = DEFAULT_METHOD  # whose pseudo labels they learn from, in the setting `semi-weakly`
 
     def __str__(self) -> str:
         labels = "" if self.setting != "semi-weakly" or self.method == DEFAULT_METHOD else f", labels by {self.method}"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -21,10 +22,8 @@ from kinmo.scans.poses.scan_estimate import ScanEstimate
 
 HIT_DEGREES, HIT_IOU = 10.0, 0.5
 """Largest rotation error (degrees) and smallest box IoU of any part in a frame that counts as a hit."""
-PICTURES = 6
-"""Number of pictures of hits, and of failures."""
-COMMON = 4
-"""Number of frames that the pictures of every run of a category show."""
+PICTURES = 6  # number of pictures of hits, and of failures
+COMMON = 4  # number of frames that the pictures of every run of a category show
 DRAWN_POINTS = 512
 
 
@@ -60,18 +59,10 @@ class EvaluatedFrame:
         return bool((turned <= HIT_DEGREES).all() and (self.score.iou >= HIT_IOU).all())
 
 
-def view_of(points: NDArray[np.floating], parts: NDArray[np.integer], estimate: ScanEstimate, structure: Structure) -> ScanView:
+def view_of(points: NDArray[np.floating], parts: NDArray[np.integer], found: ScanEstimate, structure: Structure) -> ScanView:
     """View of an estimate, or of the truth, to draw."""
-    return ScanView(
-        points,
-        parts,
-        estimate.centers,
-        estimate.poses.rotations,
-        estimate.half_extents,
-        structure.kinds,
-        estimate.directions,
-        estimate.pivots,
-    )
+    boxes = (found.centers, found.poses.rotations, found.half_extents)
+    return ScanView(points, parts, *boxes, structure.kinds, found.directions, found.pivots)
 
 
 def common_frames(files: Sequence[ScanFile]) -> frozenset[tuple[str, int]]:
@@ -87,20 +78,18 @@ class PictureBook:
     def __init__(self, structure: Structure, common: frozenset[tuple[str, int]] = frozenset()) -> None:
         self.structure, self.common = structure, common
         self._common: list[EvaluatedFrame] = []
-        self._seen: dict[tuple[bool, str], int] = {}
+        self._seen = Counter[tuple[bool, str]]()
         self._kept: dict[bool, list[tuple[int, EvaluatedFrame]]] = {True: [], False: []}
 
     def offer(self, frame: EvaluatedFrame) -> None:
         """Keep a frame if there is room for it."""
         if (frame.id, frame.frame) in self.common:
             self._common.append(frame)
-        key = (frame.is_hit, frame.id)
-        turn = self._seen[key] = self._seen.get(key, 0) + 1
-        if turn <= PICTURES:
-            kept = self._kept[frame.is_hit]
-            kept.append((turn, frame))
-            kept.sort(key=lambda entry: entry[0])
-            del kept[PICTURES:]
+        self._seen[frame.is_hit, frame.id] += 1
+        kept = self._kept[frame.is_hit]
+        kept.append((self._seen[frame.is_hit, frame.id], frame))
+        kept.sort(key=lambda entry: entry[0])
+        del kept[PICTURES:]
 
     def pictures(self) -> list[ScanPicture]:
         """Draw the collected frames: hits, failures, common frames."""
@@ -108,12 +97,9 @@ class PictureBook:
         return chosen + [replace(self._draw(frame), is_common=True) for frame in self._common]
 
     def _draw(self, frame: EvaluatedFrame) -> ScanPicture:
-        some = slice(None, DRAWN_POINTS)
-        views = [
-            view_of(frame.points[some], parts[some], estimate, self.structure)
-            for parts, estimate in ((frame.predicted_parts, frame.found), (frame.true_parts, frame.true))
-        ]
-        text = _errors(frame.score)
+        text, points = _errors(frame.score), frame.points[:DRAWN_POINTS]
+        sides = ((frame.predicted_parts, frame.found), (frame.true_parts, frame.true))
+        views = [view_of(points, parts[:DRAWN_POINTS], estimate, self.structure) for parts, estimate in sides]
         return ScanPicture(frame.id, frame.frame, frame.is_hit, text, scan_picture(views, f"{frame.id}: {text}"))
 
 
@@ -121,8 +107,8 @@ def _errors(score: FrameScore) -> str:
     def shown(values: NDArray[np.float64], factor: float, unit: str) -> str:
         return " ".join("lost" if math.isnan(value) else f"{factor * value:.0f}{unit}" for value in values)
 
-    turned, overlap = shown(score.rotation, math.degrees(1.0), "°"), shown(score.iou, 100.0, "%")
-    return f"parts turned by {turned}, boxes {overlap}, axes {shown(score.axis, math.degrees(1.0), '°')}"
+    turned, axes = (shown(values, math.degrees(1.0), "°") for values in (score.rotation, score.axis))
+    return f"parts turned by {turned}, boxes {shown(score.iou, 100.0, '%')}, axes {axes}"
 
 
 def write_pictures(path: Path, pictures: Iterable[ScanPicture]) -> None:
@@ -133,7 +119,6 @@ def write_pictures(path: Path, pictures: Iterable[ScanPicture]) -> None:
 def read_pictures(path: Path) -> list[ScanPicture]:
     """Read the pictures that `write_pictures` wrote. Raises InputError for any other file."""
     try:
-        lines: list[Mapping[str, object]] = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
-        return [ScanPicture(**line) for line in lines]  # type: ignore[arg-type]
+        return [ScanPicture(**json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
     except (OSError, ValueError, TypeError) as error:
         raise InputError(path, f"expected pictures of kinmo eval ({error})") from None

@@ -145,37 +145,27 @@ def _sample(points: NDArray[np.floating], count: int, seed: int) -> F64:
 
 
 def choose_run(workspace: Workspace, category: str, method: str | None, seed: int) -> ScanRun:
-    """Choose the networks for a category.
+    """Choose the networks for a category in any spelling, preferably of a seed.
 
-    Args:
-        workspace: The workspace.
-        category: The category, in any spelling.
-        method: Only networks that learned from pseudo labels of this method; None for any.
-        seed: Seed that is preferred.
-
-    Raises:
-        InputError: Nothing fitting is trained.
+    With a `method`, only networks that learned from its pseudo labels fit. Raises InputError if nothing fitting is trained.
     """
-    runs = [
+
+    def rank(run: ScanRun) -> tuple[bool, int, int, bool]:
+        return run.seed != seed, PREFERRED.index(run.setting), run.seed, run.method != DEFAULT_METHOD
+
+    trained, unfinished = (
         [run for run in found if method is None or (run.setting == "semi-weakly" and run.method == method)]
         for found in (trained_runs(workspace), unfinished_runs(workspace))
-    ]
-    trained, unfinished = runs
+    )
     fitting = [run for run in trained if same_category(run.category, category)]
     if fitting:
-        return min(fitting, key=lambda run: _rank(run, seed))
+        return min(fitting, key=rank)
     if any(same_category(run.category, category) for run in unfinished):
         problem = f"the training of networks for {category} is not finished: run the same kinmo train again to finish it"
         raise InputError(workspace.models, problem)
     known = sorted({run.category for run in trained})
-    near = did_you_mean(category, known)
-    there = f"; there are networks for {', '.join(known)}" if known else ""
+    near, there = did_you_mean(category, known), f"; there are networks for {', '.join(known)}" if known else ""
     labels = f" that learned from pseudo labels of {method}" if method else ""
     command = f"kinmo train all --category {quote(category)}" + (f" --method {method}" if method else "")
     problem = f"no networks for scans of {category}{labels}{near}{there}" + ("" if near else f": run {command} first")
     raise InputError(workspace.models, problem)
-
-
-def _rank(run: ScanRun, seed: int) -> tuple[bool, int, int, bool]:
-    """Sort key of a run; the least is chosen."""
-    return run.seed != seed, PREFERRED.index(run.setting), run.seed, run.method != DEFAULT_METHOD

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -26,19 +27,12 @@ class NoTestScans(InputError):
 
 @dataclass(frozen=True)
 class ScanScores:
-    """Scores of a run's networks on the test scans of its category.
-
-    Attributes:
-        workspace: The workspace with the networks; it gets the scores.
-        run: The networks.
-        scanned: The workspace with the test scans, if it is another one.
-        title: Name of these test scans, if they are those of another workspace.
-    """
+    """Scores of a run's networks on the test scans of its category, kept in the workspace of the networks."""
 
     workspace: Workspace
     run: ScanRun
-    scanned: Workspace | None = None
-    title: str = ""
+    scanned: Workspace | None = None  # the workspace with the test scans, if it is another one
+    title: str = ""  # name of these test scans, if they are those of another workspace
 
     @property
     def prefix(self) -> str:
@@ -51,21 +45,15 @@ class ScanScores:
         return self.prefix + self.run.key
 
     def files(self) -> tuple[ScanFile, ...]:
-        """The test scans.
-
-        Raises:
-            NoTestScans: There are none with the right structure.
-            InputError: The scans cannot be opened, or those of the other workspace have another structure.
-        """
+        """The test scans. Raises NoTestScans if there are none, InputError if they are unreadable or have another structure."""
         scanned = self.scanned or self.workspace
         dataset = open_scan_dataset(scanned, self.run.category, self.run.method)
         folder = scanned.scans / self.run.category
         if scanned != self.workspace:
             own = open_scan_dataset(self.workspace, self.run.category, self.run.method)
             if dataset.structure != own.structure:
-                raise InputError(
-                    folder, f"expected scans of {own.structure.in_words}, like those trained on: render them again"
-                )
+                problem = f"expected scans of {own.structure.in_words}, like those trained on: render them again"
+                raise InputError(folder, problem)
         if not dataset.files["test"]:
             raise NoTestScans(folder, f"expected scans of a test object with {dataset.structure.in_words}")
         return dataset.files["test"]
@@ -73,21 +61,16 @@ class ScanScores:
     def inputs(self) -> dict[str, Any]:
         """Everything that the scores depend on."""
         weights, files = self.run.weights(self.workspace) or (), self.files()
-        return {
-            "structure": str(files[0].structure),
-            "test": scans_fingerprint(files),
-            "weights": networks_digest(weights),
-        }
+        structure, test = str(files[0].structure), scans_fingerprint(files)
+        return {"structure": structure, "test": test, "weights": networks_digest(weights)}
 
     def current_inputs(self) -> dict[str, Any] | None:
         """Inputs of the scores, if there are any and they are up to date; otherwise None."""
-        if self.run.weights(self.workspace) is None or self.workspace.inputs_of(self.stage) is None:
-            return None
-        try:
-            inputs = self.inputs()
-        except InputError:
-            return None
-        return inputs if self.workspace.is_current(self.stage, inputs) else None
+        if self.run.weights(self.workspace) is not None and self.workspace.inputs_of(self.stage) is not None:
+            with suppress(InputError):
+                if self.workspace.is_current(self.stage, inputs := self.inputs()):
+                    return inputs
+        return None
 
     def path(self, protocol: Protocol) -> Path:
         """File of the scores by a protocol."""
@@ -105,16 +88,12 @@ class ScanScores:
     def record_reason(self, reason: str) -> None:
         """Record why there are no scores, for as long as the prepared shapes stay the same."""
         with self.workspace.locked():
-            self.workspace.record(self._absence, {"shapes": self._shapes(), "reason": reason})
+            self.workspace.record(f"no-{self.stage}", {"shapes": self._shapes(), "reason": reason})
 
     def reason(self) -> str | None:
         """The recorded reason why there are no scores; None if there is none for the present shapes."""
-        inputs = self.workspace.inputs_of(self._absence)
+        inputs = self.workspace.inputs_of(f"no-{self.stage}")
         return str(inputs["reason"]) if inputs is not None and inputs.get("shapes") == self._shapes() else None
-
-    @property
-    def _absence(self) -> str:
-        return f"no-{self.stage}"
 
     def _shapes(self) -> str:
         store = PreparedStore(self.workspace.prepared, self.workspace.select)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from kinmo.config import AncshConfig, AncshNetworkName, load_config
 from kinmo.core.categories import same_category
@@ -17,18 +17,15 @@ from kinmo.dataset.cache import Cache
 from kinmo.dataset.journal import seconds_per_unit
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
-from kinmo.io.atomic_files import remove_leftovers
-from kinmo.learning.training_loop import FitResult, Progress
 from kinmo.methods import DEFAULT_METHOD
-from kinmo.pipeline.network_training import NetworkTrainer, Workload, training_outcome
+from kinmo.pipeline.network_training import NetworkTrainer, TrainingTask, Workload, fit_on_files
 from kinmo.pipeline.scans.scan_dataset import COMPLETE, ScanDataset, open_scan_dataset, scanned_categories, training_data
 from kinmo.pipeline.scans.scan_networks import NETWORKS, ScanRun
 from kinmo.pipeline.scans.training_settings import EXTRA_LABELS, Setting
 from kinmo.scans.ancsh.ancsh_training import train_ancsh
 from kinmo.scans.files.scan_file import ScanFile, count_objects, open_scans
 
-SECONDS_PER_FRAME = 0.010
-"""First estimate, for one CPU core and the configuration `small`."""
+SECONDS_PER_FRAME = 0.010  # first estimate, for one CPU core and the configuration `small`
 
 
 def self_labels_folder(workspace: Workspace, category: str, seed: int) -> Path:
@@ -43,114 +40,26 @@ def self_labels(workspace: Workspace, category: str, seed: int) -> tuple[ScanFil
 
 
 @dataclass(frozen=True)
-class ScanTrainingTask:
-    """One network to train on some scans and to validate on others (see `TrainingTask`).
-
-    Attributes:
-        workspace: The workspace.
-        run: Category, labels and seed.
-        network: `ancsh` (all heads) or `npcs` (parts and part coordinates).
-        training: Files of scans; the first `labelled` objects are those with true labels.
-        validation: Files of scans.
-        objects: Numbers of objects for training and for validation.
-        labelled: Number of labelled training objects.
-        section: Section of the configuration.
-        inputs: Everything that the network depends on.
-        device: Where the network is trained.
-    """
-
-    workspace: Workspace
-    run: ScanRun
-    network: AncshNetworkName
-    training: tuple[Path, ...]
-    validation: tuple[Path, ...]
-    objects: tuple[int, int]
-    labelled: int
-    section: AncshConfig
-    inputs: dict[str, Any]
-    device: str
-
-    @property
-    def name(self) -> str:
-        """Name for people."""
-        return f"{self.network} ({self.run})"
-
-    @property
-    def stage(self) -> str:
-        """Name of the training's record."""
-        return self.run.stage(self.network)
-
-    @property
-    def folder(self) -> Path:
-        """Folder of the trained network."""
-        return self.run.folder(self.workspace, self.network)
-
-    @property
-    def group(self) -> str:
-        """Name shared by both networks of a run."""
-        return self.run.key
-
-    @property
-    def work(self) -> Workload:
-        """Amount of training."""
-        return _work(self.workspace, self.section, self.network, self.stage)
-
-    def fit(self, folder: Path, on_progress: Callable[[Progress], None]) -> FitResult:
-        """Train the network in a folder."""
-        return train_ancsh(
-            [open_scans(path) for path in self.training],
-            [open_scans(path) for path in self.validation],
-            self.section,
-            folder,
-            which=self.network,
-            labelled=self.labelled,
-            seed=self.run.seed,
-            device=self.device,
-            fingerprint=digest(self.inputs),
-            on_progress=on_progress,
-        )
-
-
-@dataclass(frozen=True)
 class TrainScans:
-    """Train both networks of a category, or of every scanned category.
-
-    Attributes:
-        workspace: The workspace.
-        config: Name or path of the configuration.
-        category: The category; None for all scanned ones.
-        setting: Labels besides those of the labelled shapes.
-        method: The method whose pseudo labels are used, in the setting `semi-weakly`.
-        seed: Seed of everything random.
-        device: Where networks are trained.
-        workers: Number of processes.
-    """
+    """Train both networks of a category, or of every scanned category."""
 
     workspace: Workspace
     config: str
     category: str | None = None
-    setting: Setting = "semi-weakly"
-    method: str = DEFAULT_METHOD
+    setting: Setting = "semi-weakly"  # labels besides those of the labelled shapes
+    method: str = DEFAULT_METHOD  # whose pseudo labels are used, in the setting `semi-weakly`
     seed: int = 0
     device: str = "auto"
     workers: int = 1
 
     def plan(self) -> Plan:
         """List the networks that are not trained yet."""
-        tasks = list(self._tasks())
-        pending = self._trainer.pending(tasks)
-        steps = tuple(
-            f"train {task.name} on scans of {counted(task.objects[0], 'object')} "
-            f"for {counted(task.work.schedule.epochs, 'epoch')}, validate on {task.objects[1]}"
-            for task in tasks
-            if task in pending
-        )
-        return Plan(steps, self._trainer.seconds([task.work for task in pending]))
+        return self._trainer.plan(list(self._tasks()))
 
     def guess(self) -> Plan:
         """Estimate for training all networks, whatever scans there will be."""
         section = load_config(self.config).ancsh
-        runs = [self._run(category) for category in self._categories()]
+        runs = [ScanRun(category, self.setting, self.seed, self.method) for category in self._categories()]
         steps = tuple(f"train {network} ({run})" for run in runs for network in NETWORKS)
         works = [_work(self.workspace, section, network) for network in NETWORKS] * len(runs)
         return Plan(steps, self._trainer.seconds(works))
@@ -158,18 +67,11 @@ class TrainScans:
     def run(self, observer: Observer) -> Outcome:
         """Train the networks that are not trained yet."""
         with self.workspace.locked():
-            remove_leftovers(self.workspace.models)
-            remove_leftovers(self.workspace.training)
-            tasks = list(self._tasks())
-            self._trainer.run(tasks, observer)
-        return training_outcome(self.workspace, tasks)
+            return self._trainer.run(list(self._tasks()), observer)
 
     @property
     def _trainer(self) -> NetworkTrainer:
         return NetworkTrainer(self.workspace, self.device, self.workers)
-
-    def _run(self, category: str) -> ScanRun:
-        return ScanRun(category, self.setting, self.seed, self.method)
 
     def _categories(self) -> tuple[str, ...]:
         known = scanned_categories(self.workspace)
@@ -179,13 +81,13 @@ class TrainScans:
             raise InputError(self.workspace.scans, "no scans: run kinmo render first")
         return known
 
-    def _tasks(self) -> Iterator[ScanTrainingTask]:
+    def _tasks(self) -> Iterator[TrainingTask]:
         section = load_config(self.config).ancsh
         for category in self._categories():
             yield from self._tasks_of(open_scan_dataset(self.workspace, category, self.method), section)
 
-    def _tasks_of(self, dataset: ScanDataset, section: AncshConfig) -> Iterator[ScanTrainingTask]:
-        run = self._run(dataset.category)
+    def _tasks_of(self, dataset: ScanDataset, section: AncshConfig) -> Iterator[TrainingTask]:
+        run = ScanRun(dataset.category, self.setting, self.seed, self.method)
         extra, validation = dataset.extra(self.setting), dataset.files["validation"]
         if self.setting == "self-training":
             extra = self_labels(self.workspace, dataset.category, self.seed)
@@ -199,15 +101,21 @@ class TrainScans:
             problem = f"needs scans of {needed.objects} with {dataset.structure.in_words}; there are none: {needed.remedy}"
             raise InputError(place, problem, self.setting)
         data = training_data(dataset, extra)
-        objects, labelled = (count_objects(training), count_objects(validation)), count_objects(dataset.files["train"])
+        paths = [[file.path for file in scans] for scans in (training, validation)]
         for network in NETWORKS:
             inputs = {"network": network, "config": to_table(section), "seed": self.seed, "data": data}
-            paths = _paths(training), _paths(validation)
-            yield ScanTrainingTask(self.workspace, run, network, *paths, objects, labelled, section, inputs, self.device)
-
-
-def _paths(files: Sequence[ScanFile]) -> tuple[Path, ...]:
-    return tuple(file.path for file in files)
+            trainer = partial(train_ancsh, which=network, labelled=count_objects(dataset.files["train"]))
+            options = {"seed": self.seed, "device": self.device, "fingerprint": digest(inputs)}
+            yield TrainingTask(
+                f"{network} ({run})",
+                run.stage(network),
+                run.folder(self.workspace, network),
+                run.key,
+                inputs,
+                _work(self.workspace, section, network, run.stage(network)),
+                (f"scans of {counted(count_objects(training), 'object')}", str(count_objects(validation))),
+                partial(fit_on_files, trainer, open_scans, paths, section, options),
+            )
 
 
 def _work(workspace: Workspace, section: AncshConfig, network: AncshNetworkName, stage: str = "") -> Workload:

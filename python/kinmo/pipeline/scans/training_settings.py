@@ -17,21 +17,13 @@ SETTINGS: tuple[Setting, ...] = get_args(Setting)
 
 @dataclass(frozen=True)
 class ExtraLabels:
-    """Labels that a setting needs besides those of the labelled shapes.
+    """Labels that a setting needs besides those of the labelled shapes."""
 
-    Attributes:
-        shapes: The shapes that it needs, in words.
-        objects: The scanned objects that it needs, in words.
-        remedy: What to do where there are none.
-        roles: Roles of the objects that are scanned for it; oracle labels measure how right pseudo labels are.
-        count: Number of shapes of a dataset that it can use.
-    """
-
-    shapes: str
-    objects: str
-    remedy: str
-    roles: tuple[Role, ...]
-    count: Callable[[ShapeDataset], int]
+    shapes: str  # the shapes that it needs, in words
+    objects: str  # the scanned objects that it needs, in words
+    remedy: str  # what to do where there are none
+    roles: tuple[Role, ...]  # of the objects that are scanned for it; oracle labels measure how right pseudo labels are
+    count: Callable[[ShapeDataset], int]  # number of shapes of a dataset that it can use
 
 
 EXTRA_LABELS: Mapping[Setting, ExtraLabels] = {

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from kinmo.core.joint import JointKind
-from kinmo.pipeline.scans.scan_json import scan_document
+from kinmo.pipeline.scans.predict_scans import scan_document
 from kinmo.scans.object_structure import Structure
 from kinmo.scans.poses.scan_estimate import PartPoses, ScanEstimate
 
