@@ -86,6 +86,13 @@ def test_evaluate_scores_the_methods(trained: Trained, tmp_path: Path) -> None:
         kinmo.evaluate(workspace.path, category="spoon")
 
 
+def test_evaluate_keeps_the_tables_of_the_command(trained: Trained) -> None:
+    recorder = Recorder()
+    outcome = kinmo.evaluate(trained.workspace.path, device="cpu", workers=1, observer=recorder)
+    assert recorder.notes == ["already evaluated"]
+    assert outcome.data == trained.outcomes["eval"].data
+
+
 def test_no_workers_stand_for_one_per_core() -> None:
     assert worker_count(0) >= 1
     assert worker_count(3) == 3

@@ -151,6 +151,8 @@ def evaluate(
 ) -> Outcome:
     """Score the trained methods on the test shapes of a workspace (paper, Table 1).
 
+    Tables of `kinmo eval` for the same methods also have baselines. While they are up to date, they stay and are returned.
+
     Args:
         workspace: Folder of the workspace.
         category: Only shapes of this category, in any spelling.

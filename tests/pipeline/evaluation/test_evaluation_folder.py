@@ -115,13 +115,22 @@ def test_another_seed_of_the_baselines_is_another_evaluation(seed: int, trained:
         {"more_rows": AblationRows(ablations=True)},
         {"more_rows": AblationRows(hidden_names=True)},
         {"methods": METHODS[:1]},
-        {"baselines": None},
-        {"more_tables": None},
     ],
 )
 def test_other_rows_or_tables_are_another_evaluation(change: dict[str, object], trained: Trained) -> None:
     assert not trained.stages["eval"].plan().steps
     assert replace(trained.stages["eval"], **change).plan().steps  # type: ignore[type-var]
+
+
+def test_tables_with_more_than_was_asked_for_stay(trained: Trained, tmp_path: Path) -> None:
+    workspace = trained.copy(tmp_path)
+    plain = EvaluateShapes(workspace, METHODS, device="cpu")
+    complete = replace(trained.stages["eval"], workspace=workspace)  # type: ignore[type-var]
+    assert not plain.plan().steps
+    workspace.forget(EvaluationFolder(workspace).stage)
+    plain.run(Recorder())
+    assert not plain.plan().steps
+    assert complete.plan().steps
 
 
 def test_details_are_printed_without_another_evaluation(trained: Trained) -> None:
