@@ -23,5 +23,5 @@ prediction = kinmo.Predictor(options.workspace).predict(shape)
 print(f"{shape.id}: {len(shape.leaves)} parts with meshes, {len(prediction.joints)} joints")
 for joint in prediction.joints:
     axis = np.round(joint.joint.direction, 3)
-    print(f"  {joint.name} on {joint.parent}: {joint.joint.kind.name.lower()} about {axis}, score {joint.score:.2f}")
+    print(f"  {joint.name} on {joint.parent}: {joint.kind.name.lower()} about {axis}, score {joint.score:.2f}")
 print(prediction.save(options.out))

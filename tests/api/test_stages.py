@@ -25,7 +25,7 @@ def test_prepare_prepares_every_shape_of_a_folder(trained: Trained, tmp_path: Pa
     assert outcome.path == tmp_path / "workspace" / "prepared"
     assert outcome.data == trained.outcomes["prepare"].data
     assert recorder.steps
-    with pytest.raises(kinmo.InputError, match="missing"):
+    with pytest.raises(kinmo.InputError, match="no such file"):
         kinmo.prepare(tmp_path / "nowhere", tmp_path / "workspace")
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from datasets import write_partnet, write_partnet_mobility
 from trained_workspace import METHODS, Recorder, Trained, contents
 
@@ -311,3 +312,27 @@ def test_predict_replaces_no_folder_that_it_did_not_write(trained: Trained, tmp_
     outcome = PredictShapes(tmp_path / shape.name, tmp_path, trained.workspace, METHODS[0], device="cpu").run(Recorder())
     assert outcome.failed == 1 and "kinmo predict did not write it" in outcome.data["skipped"][0]
     assert contents(tmp_path) == before
+
+
+def test_the_terminal_shows_every_joint_and_its_score(trained: Trained, tmp_path: Path) -> None:
+    (source,) = sorted((trained.shapes / "partnet_mobility").glob("dishwasher-*"))[:1]
+    recorder = Recorder()
+    outcome = PredictShapes(source, tmp_path, trained.workspace, "kinmo", device="cpu").run(recorder)
+    (document,) = json.loads(json.dumps(outcome.data["shapes"]))
+    written = json.loads((Path(document["folder"]) / "joints.json").read_text(encoding="utf-8"))
+    moving = [body for body in written["bodies"] if body["joint"] is not None]
+    title, *lines, summary = outcome.text.splitlines()
+    assert title.endswith(f"(category {written['shape']['category']})" if moving else "0 skipped")
+    assert len(lines) == document["joints"] == len(moving)
+    for line, body in zip(lines, moving, strict=True):
+        score = body["estimates"][0]["score"]
+        assert line.startswith(f"  {body['name']}: ") and f"score {score:.2f}" in line
+        assert line.endswith(", uncertain") == (score < 0.5)
+    assert summary.startswith("1 shape, ")
+
+
+def test_a_shape_of_one_part_is_noted(stage: PredictShapes) -> None:
+    trimesh.creation.box().export(stage.source.with_suffix(".glb"))
+    recorder = Recorder()
+    replace(stage, source=stage.source.with_suffix(".glb")).run(recorder)
+    assert any("has one part, so nothing can move" in line for line in recorder.notes)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError, did_you_mean
-from kinmo.core.joint import Joint
+from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import forward
 from kinmo.core.links import Link, links_of
 from kinmo.core.mobility import Mobility
@@ -43,6 +43,11 @@ class PredictedJoint:
     alternatives: tuple[tuple[Joint, float], ...]
     parts: tuple[int, ...]
 
+    @property
+    def kind(self) -> JointKind:
+        """Kind of the joint: REVOLUTE, PRISMATIC or SCREW."""
+        return self.joint.kind
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Prediction:
@@ -56,7 +61,7 @@ class Prediction:
     Example:
         >>> prediction = kinmo.Predictor("workspace").predict(kinmo.load("cabinet.glb"))
         >>> for joint in prediction.joints:
-        ...     print(joint.name, joint.joint.kind.name, round(joint.score, 2))
+        ...     print(joint.name, joint.kind.name, round(joint.score, 2))
         >>> poses = prediction.articulate({"door_left": 0.8})
         >>> prediction.export("out/cabinet", formats=["urdf"])
     """
@@ -96,7 +101,7 @@ class Prediction:
 
         Args:
             values: Joint values by name of the joint: radians for hinges, lengths of the shape for sliders and screws. Joints
-                without a value stay as in the file. A screw does not turn while it slides.
+                without a value stay as in the file. A screw does not turn while it slides. Limits do not bound the values.
 
         Returns:
             For each link by name the rigid transform [4, 4] that takes its points from their place in the file to the new one,

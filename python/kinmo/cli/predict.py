@@ -86,6 +86,10 @@ def predict(
     if category is not None:
         only_shapes = {"--up": up, "--metres-per-unit": metres_per_unit, "--cluster": cluster}
         refuse(only_shapes, "applies only to shapes; remove it, or remove --category")
+        if shape.is_file() and shape.suffix.lower() not in SCAN_SUFFIXES:
+            raise BadParameter(
+                f"{shape} is no scan ({', '.join(SCAN_SUFFIXES)}); for a shape leave it out", param_hint="--category"
+            )
         from kinmo.pipeline.scans.predict_scans import PredictScans
         from kinmo.scans.files.camera_intrinsics import Intrinsics
 

@@ -75,8 +75,9 @@ def discover(
         return
     if not root.is_dir():
         endings = ", ".join(reader.ending for reader in READERS.values() if reader.ending)
-        problem = f"is a file, expected a folder of shapes, or a shape as {endings}: unpack archives first"
-        raise InputError(root, problem if root.exists() else "missing, expected a folder of shapes")
+        if not root.exists():
+            raise InputError(root, "no such file or folder")
+        raise InputError(root, f"expected a folder of shapes, or a shape as {endings}: export it with one node per moving part")
     skipped = {os.path.realpath(path) for path in skip}
     home = os.path.realpath(root)
     pending = [(root, 0)]

@@ -297,7 +297,7 @@ def test_a_small_file_cannot_expand_to_a_huge_scene(tmp_path: Path, monkeypatch:
 def test_a_file_without_a_name_is_not_a_shape(tmp_path: Path, name: str) -> None:
     raw(tmp_path / name)
     assert list(discover(tmp_path)) == []
-    with pytest.raises(InputError, match=r"expected a folder of shapes, or a shape as \.glb"):
+    with pytest.raises(InputError, match=r"expected a folder of shapes, or a shape as \.glb: export"):
         list(discover(tmp_path / name))
 
 

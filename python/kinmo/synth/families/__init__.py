@@ -45,6 +45,6 @@ def family_builder(name: str) -> FamilyBuilder:
     """
     if name not in family_names():
         near = did_you_mean(name, family_names())
-        raise InputError("family", f"unknown family {name!r}{near}, expected some of {', '.join(family_names())}")
+        raise InputError("--family", f"unknown family {name!r}{near}, expected some of {', '.join(family_names())}")
     build: FamilyBuilder = import_module(f"{__name__}.{name}").build
     return build
