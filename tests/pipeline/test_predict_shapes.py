@@ -19,6 +19,7 @@ from trained_workspace import METHODS, Recorder, Trained, contents
 
 from kinmo import _core
 from kinmo.core.errors import InputError
+from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.motion_types import MotionType
 from kinmo.core.names import MAX_NAME_BYTES
@@ -314,21 +315,27 @@ def test_predict_replaces_no_folder_that_it_did_not_write(trained: Trained, tmp_
     assert contents(tmp_path) == before
 
 
-def test_the_terminal_shows_every_joint_and_its_score(trained: Trained, tmp_path: Path) -> None:
-    (source,) = sorted((trained.shapes / "partnet_mobility").glob("dishwasher-*"))[:1]
-    recorder = Recorder()
-    outcome = PredictShapes(source, tmp_path, trained.workspace, "kinmo", device="cpu").run(recorder)
-    (document,) = json.loads(json.dumps(outcome.data["shapes"]))
-    written = json.loads((Path(document["folder"]) / "joints.json").read_text(encoding="utf-8"))
-    moving = [body for body in written["bodies"] if body["joint"] is not None]
-    title, *lines, summary = outcome.text.splitlines()
-    assert title.endswith(f"(category {written['shape']['category']})" if moving else "0 skipped")
-    assert len(lines) == document["joints"] == len(moving)
-    for line, body in zip(lines, moving, strict=True):
-        score = body["estimates"][0]["score"]
-        assert line.startswith(f"  {body['name']}: ") and f"score {score:.2f}" in line
-        assert line.endswith(", uncertain") == (score < 0.5)
-    assert summary.startswith("1 shape, ")
+@dataclass(frozen=True)
+class HingeMethod(RigidMethod):
+    """A method that predicts a hinge for the last leaf."""
+
+    score: float = 0.85
+
+    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
+        hinge = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.zeros(3), lower=0.0, upper=np.pi / 2)
+        bodies = (Body(0, "base", shape.leaves[:-1]), Body(1, "door", shape.leaves[-1:], 0, hinge))
+        still, moves = JointEstimate(None, MotionType.NONE, 1.0), JointEstimate(hinge, MotionType.R_V_S, self.score)
+        return ShapeEstimate(shape.id, "Cabinet", Mobility(bodies), ((still,), (moves,)), (still, moves), self.name)
+
+
+@pytest.mark.parametrize(("score", "words"), [(0.85, "score 0.85"), (0.2, "score 0.20, uncertain")])
+def test_the_terminal_shows_every_joint_and_its_score(
+    stage: PredictShapes, monkeypatch: pytest.MonkeyPatch, score: float, words: str
+) -> None:
+    monkeypatch.setattr(predict_shapes, "load_method", lambda *_: HingeMethod(score=score))
+    write_partnet(stage.source / "cabinet")
+    lines = stage.run(Recorder()).text.splitlines()
+    assert lines == ["cabinet (category Cabinet)", f"  door: hinge, 0 to 90°, {words}", "1 shape, 1 joint, 0 skipped"]
 
 
 def test_a_shape_of_one_part_is_noted(stage: PredictShapes) -> None:
