@@ -27,14 +27,14 @@ class Split(str, Enum):
     TEST = "test"
 
 
-def _position(shape_id: str, purpose: str) -> float:
+def hashed_position(shape_id: str, purpose: str) -> float:
     """Number in [0, 1) that depends on the id and the purpose alone."""
     return int.from_bytes(blake2b(f"{purpose}:{shape_id}".encode(), digest_size=8).digest(), "big") / 2.0**64
 
 
 def split_of(shape_id: str) -> Split:
     """Split of a shape: a fifth test, a tenth validation, the rest train; `PAPER_TEST_IDS` are test."""
-    position = _position(shape_id, "split")
+    position = hashed_position(shape_id, "split")
     if shape_id in PAPER_TEST_IDS or position < _TEST_SHARE:
         return Split.TEST
     return Split.VALIDATION if position < _TEST_SHARE + _VALIDATION_SHARE else Split.TRAIN
@@ -42,17 +42,17 @@ def split_of(shape_id: str) -> Split:
 
 def fold_of(shape_id: str, folds: int = 5) -> int:
     """Fold (0 to `folds` - 1) of a cross-validation that tests a shape."""
-    return int(_position(shape_id, "fold") * folds)
+    return int(hashed_position(shape_id, "fold") * folds)
 
 
 def is_validation_in_fold(shape_id: str, fold: int, folds: int = 5) -> bool:
     """True if fold `fold` uses a shape for validation: it neither trains nor tests on it."""
-    return fold_of(shape_id, folds) != fold and _position(shape_id, f"validation {fold}") < _VALIDATION_SHARE
+    return fold_of(shape_id, folds) != fold and hashed_position(shape_id, f"validation {fold}") < _VALIDATION_SHARE
 
 
 def validation_from_training(shape_ids: Collection[str]) -> frozenset[str]:
     """Ids of a tenth of the training shapes, at least one, for validation where no validation shape exists."""
-    ranked = sorted(shape_ids, key=lambda shape_id: _position(shape_id, "choose"))
+    ranked = sorted(shape_ids, key=lambda shape_id: hashed_position(shape_id, "choose"))
     return frozenset(ranked[: max(1, round(_VALIDATION_SHARE * len(ranked)))])
 
 

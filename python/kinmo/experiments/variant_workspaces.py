@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from hashlib import blake2b
 
-from kinmo.dataset.splits import Split, leaks, split_of
+from kinmo.dataset.splits import Split, hashed_position, leaks, split_of
 from kinmo.dataset.store import IndexEntry
 from kinmo.dataset.workspace import Workspace
 from kinmo.io.readers import DSG_NET
@@ -76,13 +75,9 @@ def within_share(entries: Iterable[IndexEntry], share: float) -> set[IndexEntry]
     """A share of the shapes of each category, at least one, chosen by a hash; a smaller share is part of a larger one."""
     ranked: dict[str, list[tuple[float, str, IndexEntry]]] = {}
     for entry in entries:
-        ranked.setdefault(entry.category, []).append((_position(entry.id), entry.layout, entry))
+        ranked.setdefault(entry.category, []).append((hashed_position(entry.id, "share"), entry.layout, entry))
     return {
         entry
         for own in ranked.values()
         for _, _, entry in sorted(own, key=lambda item: item[:2])[: max(1, round(share * len(own)))]
     }
-
-
-def _position(shape_id: str) -> float:
-    return int.from_bytes(blake2b(f"share:{shape_id}".encode(), digest_size=8).digest(), "big") / 2.0**64

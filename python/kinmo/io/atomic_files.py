@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from kinmo.core.errors import InputError
 
@@ -55,6 +57,12 @@ def write_folder_atomically(folder: Path) -> Iterator[Path]:
     with write_atomically(folder) as draft:
         draft.mkdir()
         yield draft
+
+
+def write_json_atomically(path: Path, data: Any, *, sort_keys: bool = False, allow_nan: bool = True) -> None:
+    """Write plain data to an indented JSON file. Without `allow_nan`, raises ValueError for NaN and infinities."""
+    text = json.dumps(data, indent=1, ensure_ascii=False, sort_keys=sort_keys, allow_nan=allow_nan)
+    write_text_atomically(path, text + "\n")
 
 
 def write_text_atomically(path: Path, text: str) -> None:

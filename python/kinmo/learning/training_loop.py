@@ -23,7 +23,7 @@ from torch import Tensor, nn
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from kinmo.core.errors import InputError
-from kinmo.io.atomic_files import write_bytes_atomically, write_text_atomically
+from kinmo.io.atomic_files import write_bytes_atomically, write_json_atomically, write_text_atomically
 from kinmo.learning.learner import MONITOR, Learner, mixed_dtype
 from kinmo.learning.model_folder import METRICS, METRICS_TABLE
 from kinmo.learning.weights import pick_device
@@ -225,7 +225,7 @@ def _write_metrics(folder: Path, history: list[dict[str, float]]) -> None:
     writer.writeheader()
     writer.writerows(history)
     write_text_atomically(folder / METRICS_TABLE, table.getvalue())
-    write_text_atomically(folder / METRICS, json.dumps(history, indent=1) + "\n")
+    write_json_atomically(folder / METRICS, history)
 
 
 @contextmanager

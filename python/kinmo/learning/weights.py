@@ -16,7 +16,7 @@ from torch import Tensor, nn
 
 from kinmo._core import __version__
 from kinmo.core.errors import InputError
-from kinmo.io.atomic_files import write_bytes_atomically, write_text_atomically
+from kinmo.io.atomic_files import write_bytes_atomically, write_json_atomically
 from kinmo.learning.model_folder import OTHER_VERSION, saved_config
 
 T = TypeVar("T")
@@ -88,7 +88,7 @@ def save_weights(
     write_bytes_atomically(path, data)
     digest = hashlib.sha256(data).hexdigest()
     header = {"schema": SCHEMA, "kinmo": __version__, "kind": kind, "sha256": digest, "config": config, "facts": facts or {}}
-    write_text_atomically(path.with_suffix(".json"), json.dumps(header, indent=1, sort_keys=True) + "\n")
+    write_json_atomically(path.with_suffix(".json"), header, sort_keys=True)
     return digest
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,7 +15,7 @@ import numpy as np
 
 from kinmo.core.errors import InputError, expecting
 from kinmo.core.frames import UP_VECTORS, Up, y_up_rotation
-from kinmo.core.joint import JointKind
+from kinmo.core.joint import Joint, JointKind, joint_from_data
 from kinmo.core.names import short_name
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
@@ -41,11 +41,9 @@ from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 SECONDS_PER_SHAPE = 3.0  # estimate, for one CPU core
 SUSPICIOUS_SIZE = 20.0  # diagonal in metres above which an object is probably in millimetres
 MAX_REPAIRED_LINES = 40  # repaired shapes that are listed on the terminal; joints.json and --json have all repairs
-MAX_LISTED_SHAPES = 10
-"""Largest number of shapes whose joints are listed on the terminal."""
+MAX_LISTED_SHAPES = 10  # largest number of shapes whose joints are listed on the terminal
 KIND_WORDS = {JointKind.REVOLUTE: "hinge", JointKind.PRISMATIC: "slider", JointKind.SCREW: "screw"}
-UNCERTAIN = 0.5
-"""Score below which a joint is called uncertain."""
+UNCERTAIN = 0.5  # score below which a joint is called uncertain
 FORMATS = ("urdf", "joints_json")  # formats of a prediction's folder
 
 
@@ -83,13 +81,18 @@ class PredictShapes:
         writer = self._writer()
         with locked(self.out):
             problems = self._predict(targets, writer, observer)
-        documents = []
+        documents: list[dict[str, Any]] = []
+        lines: list[str] = []
         for found, folder in targets:
             try:
                 if folder in problems:
                     skipped.append(problems[folder])
                 else:
-                    documents.append(_summary(found, folder))
+                    document, joints = _summary(found, folder)
+                    documents.append(document)
+                    lines += (
+                        [f"{clean_text(found.id)} (category {clean_text(document['category'])})", *joints] if joints else []
+                    )
             except InputError as error:
                 skipped.append(str(error))
                 observer.problem(f"skipped: {error}")
@@ -99,17 +102,12 @@ class PredictShapes:
         for document in documents:
             if (size := document["diagonal"] * self.metres_per_unit) > SUSPICIOUS_SIZE:
                 observer.note(f"{document['id']}: {size:.0f} m across: set --metres-per-unit if the file is not in metres")
-        joints = counted(sum(document["joints"] for document in documents), "joint")
-        repairs = f", {len(repaired)} repaired" if repaired else ""
-        text = f"{counted(len(documents), 'shape')}, {joints}{repairs}, {len(skipped)} skipped"
-        lines = []
-        for document in documents:
-            listed = document.pop("listed")
             if document["parts"] < 2:
                 observer.note(f"{document['id']}: has one part, so nothing can move: cut it into one node per moving part")
-            if listed and len(documents) <= MAX_LISTED_SHAPES:
-                lines += [f"{clean_text(document['id'])} (category {clean_text(document['category'])})", *listed]
-        text = "\n".join([*lines, text])
+        count = counted(sum(document["joints"] for document in documents), "joint")
+        repairs = f", {len(repaired)} repaired" if repaired else ""
+        total = f"{counted(len(documents), 'shape')}, {count}{repairs}, {len(skipped)} skipped"
+        text = "\n".join([*lines, total]) if len(documents) <= MAX_LISTED_SHAPES else total
         return Outcome(self.out, {"shapes": documents, "skipped": skipped}, text, failed=len(skipped))
 
     def _pending(
@@ -234,31 +232,36 @@ class PredictionWriter:
             return str(InputError(job.found.path, problem))
 
 
-def _summary(found: ShapeSource, folder: Path) -> dict[str, Any]:
-    """Short facts about the prediction in a folder."""
+def _summary(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[str]]:
+    """Short facts about the prediction in a folder, and a line for each joint."""
     with expecting("joints.json of kinmo predict", folder / FILE_NAME):
         document = json.loads((folder / FILE_NAME).read_text(encoding="utf-8"))
-        moving = [body for body in document["bodies"] if body["joint"] is not None]
-        listed = [_joint_line(body["name"], body["joint"], body["estimates"][0]["score"]) for body in moving]
-        facts = {"category": str(document["shape"]["category"]), "parts": sum(len(b["parts"]) for b in document["bodies"])}
-        repairs = [str(repair) for repair in document["shape"].get("repairs", ())]
-        diagonal = float(document["shape"]["diagonal"])
-    place = {"id": found.id, "source": printable_path(found.path), "folder": str(folder)}
-    urdf = str(folder / f"{folder.name}.urdf")
-    return {**place, **facts, "joints": len(listed), "listed": listed, "urdf": urdf, "diagonal": diagonal, "repairs": repairs}
+        shape, bodies = document["shape"], document["bodies"]
+        moving = [body for body in bodies if body["joint"] is not None]
+        lines = [_joint_line(body["name"], joint_from_data(body["joint"]), body["estimates"][0]["score"]) for body in moving]
+        summary = {
+            "id": found.id,
+            "source": printable_path(found.path),
+            "folder": str(folder),
+            "category": str(shape["category"]),
+            "parts": sum(len(body["parts"]) for body in bodies),
+            "joints": len(lines),
+            "urdf": str(folder / f"{folder.name}.urdf"),
+            "diagonal": float(shape["diagonal"]),
+            "repairs": [str(repair) for repair in shape.get("repairs", ())],
+        }
+    return summary, lines
 
 
-def _joint_line(name: str, joint: Mapping[str, Any], score: float) -> str:
-    """One line about a joint: its link, kind, range and score."""
-    kind, lower, upper = JointKind(joint["kind"]), joint["lower"], joint["upper"]
-    if lower is None or upper is None:
+def _joint_line(name: str, joint: Joint, score: float) -> str:
+    if joint.lower is None or joint.upper is None:
         extent = "without limits"
-    elif kind is JointKind.REVOLUTE:
-        extent = f"{np.degrees(lower):.0f} to {np.degrees(upper):.0f}°"
+    elif joint.kind is JointKind.REVOLUTE:
+        extent = f"{np.degrees(joint.lower):.0f} to {np.degrees(joint.upper):.0f}°"
     else:
-        extent = f"{lower:.3g} to {upper:.3g}"
+        extent = f"{joint.lower:.3g} to {joint.upper:.3g}"
     doubt = "" if score >= UNCERTAIN else ", uncertain"
-    return f"  {clean_text(name)}: {KIND_WORDS[kind]}, {extent}, score {score:.2f}{doubt}"
+    return f"  {clean_text(name)}: {KIND_WORDS[joint.kind]}, {extent}, score {score:.2f}{doubt}"
 
 
 def _path_name(path: Path, source: Path, with_ending: bool) -> str:

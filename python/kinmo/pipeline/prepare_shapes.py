@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections import Counter
 from contextlib import suppress
@@ -17,7 +16,7 @@ from kinmo.dataset.journal import seconds_per_unit, timed
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.store import PreparedStore
 from kinmo.dataset.workspace import Workspace
-from kinmo.io.atomic_files import write_text_atomically
+from kinmo.io.atomic_files import write_json_atomically
 
 STAGE = "prepare"
 REPORT = "report.json"  # file beside the index that lists the outcome for every shape
@@ -73,7 +72,7 @@ class Prepare:
         if gone := len(before - {entry.source for entry in entries}):
             observer.note(f"{counted(gone, 'earlier shape')} not found below {below}: removed from the workspace")
         data = report.as_data()
-        write_text_atomically(self.workspace.prepared / REPORT, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+        write_json_atomically(self.workspace.prepared / REPORT, data)
         usable = len(report.included) + len(report.repaired)
         if not usable and report.skipped:
             observer.problem(f"no shape could be prepared: {report.skipped[0].reasons[0]}")

@@ -21,7 +21,7 @@ from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.store import IndexEntry, read_prepared
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import leaf_meshes
-from kinmo.io.atomic_files import remove_leftovers, write_text_atomically
+from kinmo.io.atomic_files import remove_leftovers, write_json_atomically
 from kinmo.io.discover import ShapeSource
 from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.io.readers.partnet_annotation import PSEUDO_LABEL
@@ -92,7 +92,7 @@ class PseudoLabel:
                 decisions = [decision_from_data(result.data) for result in results if result is not None]
                 outdated = _outdated(whole.unlabelled, results, settings)
                 report = acceptance_report(decisions, self.method, len(whole.copies), outdated)
-                write_text_atomically(file, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
+                write_json_atomically(file, report)
                 self.workspace.record(stage_of(self.method), self._reported(settings), [file])
         with expecting("the report of kinmo pseudo-label", file):
             data = json.loads(file.read_text(encoding="utf-8"))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -19,7 +18,7 @@ from kinmo.dataset.splits import Split, validation_from_training
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.store import IndexEntry, read_prepared
 from kinmo.dataset.workspace import Workspace
-from kinmo.io.atomic_files import write_text_atomically
+from kinmo.io.atomic_files import write_json_atomically
 from kinmo.learning.model_folder import CONFIG, WEIGHTS, ModelFolder
 from kinmo.learning.weights import Weights, load_weights
 from kinmo.methods import METHOD_MODELS
@@ -58,7 +57,7 @@ class TrainMotion:
                 folder = ModelFolder(self.workspace.models).folder(model)
                 if own := sorted(path.parent.name for path in folder.glob(f"*/{WEIGHTS}")):
                     observer.note(f"{model}: {', '.join(own)} have networks of their own in {folder}")
-            write_text_atomically(self.workspace.models / CONFIG, json.dumps(to_table(config), indent=1) + "\n")
+            write_json_atomically(self.workspace.models / CONFIG, to_table(config))
         return outcome
 
     @property

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -12,7 +11,7 @@ from typing import Any
 from kinmo.core.errors import InputError
 from kinmo.dataset.jobs import Failure, runner_for
 from kinmo.evaluation.urdf_scoring.urdf_scores import ObjectScore, score_urdf
-from kinmo.io.atomic_files import write_text_atomically
+from kinmo.io.atomic_files import write_json_atomically
 from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.io.readers.partnet_annotation import check_annotated
@@ -120,4 +119,4 @@ def find_urdf(predictions: Path, name: str) -> Path | None:
 
 def write_json(path: Path, summary: dict[str, Any]) -> None:
     """Write a summary as JSON."""
-    write_text_atomically(path, json.dumps(summary, indent=1) + "\n")
+    write_json_atomically(path, summary)

@@ -5,7 +5,6 @@ Everything is in the frame and the length unit of the shape's file. Angles are i
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import JointEstimate, PredictionProvenance, ShapeEstimate
 from kinmo.core.wording import printable_path
-from kinmo.io.atomic_files import write_text_atomically
+from kinmo.io.atomic_files import write_json_atomically
 from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions
 
 FILE_NAME = "joints.json"
@@ -30,7 +29,7 @@ def write_joints_json(
     if not isinstance(result, ShapeEstimate):
         raise InputError(folder / FILE_NAME, "holds a prediction with scores: a mobility without scores cannot be written")
     document = joints_document(shape, result, options.provenance)
-    write_text_atomically(folder / FILE_NAME, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    write_json_atomically(folder / FILE_NAME, document, allow_nan=False)
     return folder / FILE_NAME
 
 

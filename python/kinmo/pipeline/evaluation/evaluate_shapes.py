@@ -21,7 +21,7 @@ from kinmo.evaluation.joint_records import ShapeScore
 from kinmo.evaluation.shape_tables import Rows, Scores, category_tables, overviews, summary_table
 from kinmo.evaluation.tables import Caption, Table, as_text, read_table, write_table
 from kinmo.features.prepared_shape import leaf_meshes
-from kinmo.io.atomic_files import remove_leftovers, write_folder_atomically, write_text_atomically
+from kinmo.io.atomic_files import remove_leftovers, write_folder_atomically, write_json_atomically, write_text_atomically
 from kinmo.io.discover import ShapeSource
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods import METHOD_MODELS
@@ -173,8 +173,8 @@ class EvaluateShapes:
             tables |= self.more_tables(scores, caption) if self.more_tables else {}
             for name, table in tables.items():
                 write_table(table, folder / setting, name)
-            text = json.dumps({name: own.summary.to_json() for name, own in scores.items()}, indent=1, ensure_ascii=False)
-            write_text_atomically(folder / SUMMARIES / f"{setting}.json", text + "\n")
+            summaries = {name: own.summary.to_json() for name, own in scores.items()}
+            write_json_atomically(folder / SUMMARIES / f"{setting}.json", summaries)
         write_examples(folder / EXAMPLES, (example for scores in scored for example in scores.examples))
 
 

@@ -18,7 +18,7 @@ from kinmo.core.joint import JointKind
 from kinmo.core.wording import clean_text, counted, printable_path
 from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
-from kinmo.io.atomic_files import check_can_be_written, write_text_atomically
+from kinmo.io.atomic_files import check_can_be_written, write_json_atomically, write_text_atomically
 from kinmo.pipeline.scans.scan_pictures import view_of
 from kinmo.pipeline.scans.scan_predictor import ScanPredictor, choose_run
 from kinmo.scans.files.camera_intrinsics import Intrinsics
@@ -116,9 +116,8 @@ class PredictScans:
         made_by = {"weights": predictor.weights, "trained": predictor.trained, "category": predictor.category}
         document = scan_document(found.estimate, found.parts, predictor.structure, target.scan, made_by)
         view = view_of(found.seen, found.seen_parts, found.estimate, predictor.structure)
-        text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
         picture = scan_picture([view], clean_text(printable_path(target.scan.stem)))
-        write_text_atomically(target.file(DOCUMENT), text)
+        write_json_atomically(target.file(DOCUMENT), document, allow_nan=False)
         write_text_atomically(target.file(PICTURE), picture)
         write_points(target.file(PARTS), scan.points, parts=found.parts, places=scan.indices)
         return document
