@@ -16,14 +16,13 @@ import json
 import os
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
-from hashlib import blake2b
 from pathlib import Path
 
 from common import Claim, option_parser, print_claims
 from kinmo.cli.console import LineObserver
 from kinmo.core.categories import canonical_category, same_category
 from kinmo.dataset.folder_preparation import ORACLE
-from kinmo.dataset.splits import Split, split_of
+from kinmo.dataset.splits import Split, hashed_position, split_of
 from kinmo.dataset.workspace import Workspace
 from kinmo.experiments.scan_tables.make_table import MakeTable
 from kinmo.io.discover import discover
@@ -44,7 +43,7 @@ def arrange(data: Iterable[Path], categories: Iterable[str], share: float, folde
     counts = {}
     for wanted in categories:
         own = sorted(n for n in objects if same_category(category[n], wanted) and split_of(n) is Split.TRAIN)
-        kept = set(sorted(own, key=_position)[: max(1, round(share * len(own)))])
+        kept = set(sorted(own, key=lambda name: hashed_position(name, "share"))[: max(1, round(share * len(own)))])
         hidden |= set(own) - kept
         counts[wanted] = len(kept), len(own) - len(kept)
     for name, path in objects.items():
@@ -53,11 +52,6 @@ def arrange(data: Iterable[Path], categories: Iterable[str], share: float, folde
         if name in hidden:
             _copy(path, folder / "unlabelled" / name, without=JOINTS)
     return counts
-
-
-def _position(name: str) -> float:
-    """Position of an object in the order by which objects keep their joints."""
-    return int.from_bytes(blake2b(f"share:{name}".encode(), digest_size=8).digest(), "big") / 2.0**64
 
 
 def _category_of(path: Path) -> str:
