@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from kinmo.config.motion import AxisConfig, GnnConfig, RankingConfig, RefinementConfig
+from kinmo.config.motion import AxisConfig, GnnConfig, GroupingConfig, RankingConfig, RefinementConfig
 from kinmo.config.scans import AncshConfig, ScansConfig
 from kinmo.core.errors import InputError, did_you_mean
 from kinmo.core.typed_tables import from_table
@@ -31,6 +31,8 @@ class Config:
     """Motion GNN."""
     axis: AxisConfig
     """Axis-selection network."""
+    grouping: GroupingConfig
+    """Grouping network."""
     ranking: RankingConfig
     """Ranking networks."""
     ancsh: AncshConfig

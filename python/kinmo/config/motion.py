@@ -119,6 +119,30 @@ class AxisConfig:
 
 
 @dataclass(frozen=True)
+class GroupingConfig:
+    """Grouping network of kinmo's own method."""
+
+    training: TrainingConfig
+    """Training."""
+    width: Count = 96
+    """Width of the states of leaves and pairs."""
+    rounds: Count = 4
+    """Message-passing rounds."""
+    word_features: Count = 32
+    """Width of a word's features."""
+    dropout: Share = 0.1
+    """Dropout."""
+    hide_names: Share = 0.45
+    """Share of training shapes whose names are hidden."""
+    hide_leaf_names: Share = 0.1
+    """Share of the other leaves whose names are hidden."""
+    hide_hierarchy: Share = 0.6
+    """Share of training shapes whose hierarchy is hidden."""
+    batch_graphs: Count = 24
+    """Shapes in a batch."""
+
+
+@dataclass(frozen=True)
 class ContinuedConfig:
     """Continued training of the ranking networks on few shapes, from weights trained on many."""
 

@@ -34,6 +34,12 @@ class Mesh:
         return self.vertices[self.faces]
 
     @property
+    def face_areas(self) -> NDArray[np.float64]:
+        """Areas [F] of all faces."""
+        first, second, third = np.moveaxis(self.triangles, 1, 0)
+        return np.asarray(0.5 * np.linalg.norm(np.cross(second - first, third - first), axis=1))
+
+    @property
     def corners(self) -> NDArray[np.float64]:
         """The vertices [U, 3] that faces use, each once, in their order."""
         return self.vertices[self._is_used]

@@ -28,7 +28,7 @@ from kinmo.features.prepared_shape import Boxes, PreparedShape
 from kinmo.io.atomic_files import write_text_atomically
 from kinmo.io.file_memo import kept_while_unchanged
 
-FORMAT = 8
+FORMAT = 9
 """Version of the file format; files of another version are made again."""
 INDEX = "index.jsonl"
 """File that lists the shapes of the dataset, one JSON object per line."""
@@ -41,6 +41,7 @@ _GROUPS: dict[str, Callable[..., Any]] = {
     "body_boxes": Boxes,
     "edge_labels": EdgeLabels,
     "candidate_features": dict,
+    "contact_graph": dict,
 }
 """Fields that hold several arrays, with their types. The tensor `edge_labels.types` is the array `types` of `edge_labels`."""
 _PLAIN = (

@@ -112,6 +112,9 @@ class PreparedShape:
     candidate_features: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
     """Arrays of `kinmo.features.candidate_features.CandidateFeatures` by name, for the groups of `leaf_groups`."""
 
+    contact_graph: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
+    """Arrays of `kinmo.features.contact_graph.ContactGraph` by name."""
+
     @property
     def annotation(self) -> tuple[Mobility, Boxes]:
         """Mobility, and boxes of its bodies, of a shape that must be annotated.

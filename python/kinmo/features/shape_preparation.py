@@ -14,6 +14,7 @@ from kinmo.core.motion_types import MotionType, motion_type
 from kinmo.core.normalisation import Normalisation, geometry_hash
 from kinmo.core.shape import Shape
 from kinmo.features.candidate_features import compute_candidate_features
+from kinmo.features.contact_graph import compute_contact_graph
 from kinmo.features.prepared_shape import Boxes, PreparedShape, leaf_groups, part_sizes
 from kinmo.features.shape_geometry import ShapeGeometry
 
@@ -47,8 +48,8 @@ def prepare_shape(shape: Shape, *, points: int = POINTS_PER_LEAF, seed: int = 0)
     up, areas = np.array(shape.up, np.float64), meshes.areas()
     minimum_boxes = _fit_boxes(lambda groups: _core.fit_boxes(meshes, groups), parts)
     candidate_features: dict[str, NDArray[np.generic]] = {}
+    geometry = ShapeGeometry.of(meshes, samples, normals, areas, up)
     if groups := leaf_groups(parts, bodies):
-        geometry = ShapeGeometry.of(meshes, samples, normals, areas, up)
         candidate_features = compute_candidate_features(geometry, groups, part_sizes(parts, minimum_boxes)).arrays()
     body_types: dict[int, MotionType] = {}
     edge_labels: EdgeLabels | None = None
@@ -82,6 +83,7 @@ def prepare_shape(shape: Shape, *, points: int = POINTS_PER_LEAF, seed: int = 0)
         body_types=body_types,
         edge_labels=edge_labels,
         candidate_features=candidate_features,
+        contact_graph=compute_contact_graph(geometry).arrays(),
     )
 
 

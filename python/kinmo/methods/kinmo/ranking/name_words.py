@@ -12,9 +12,14 @@ WORD_BUCKETS = 1024
 """Number of buckets that words are hashed to."""
 
 
+def words_of(name: str) -> list[str]:
+    """The words of a name in lower case: runs of letters of any script."""
+    return re.findall(r"[^\W\d_]+", name.lower())
+
+
 def hash_words(role: str, text: str) -> list[int]:
     """Buckets of the words of a name; the same word gets another bucket in another role, such as "part"."""
-    return [zlib.crc32(f"{role}:{word}".encode()) % WORD_BUCKETS for word in re.findall(r"[a-z]+", text.lower())]
+    return [zlib.crc32(f"{role}:{word}".encode()) % WORD_BUCKETS for word in words_of(text)]
 
 
 def maximal_nodes(shape: PreparedShape, leaves: Sequence[int]) -> list[int]:

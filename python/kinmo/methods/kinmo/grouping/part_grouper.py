@@ -1,0 +1,67 @@
+"""Prediction by a trained grouping network."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from kinmo.config import GroupingConfig
+from kinmo.core.errors import InputError
+from kinmo.learning.weights import load_weights, pick_device
+from kinmo.methods.kinmo.grouping.grouping_batches import collate_graphs
+from kinmo.methods.kinmo.grouping.grouping_network import KIND, GroupingNetwork
+from kinmo.methods.kinmo.grouping.leaf_graph import LeafGraph
+
+F64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Grouping:
+    """What the network says of a shape with L leaves and P pairs of touching leaves.
+
+    Attributes:
+        pairs ([P, 2] int64): Positions of the leaves, each pair once.
+        logits ([P] float64): Logits that the two belong to one body.
+        moves ([L] float64): Probabilities that a leaf belongs to a body that moves.
+    """
+
+    pairs: NDArray[np.int64]
+    logits: F64
+    moves: F64
+
+
+class PartGrouper:
+    """A trained grouping network. `hide_names` hides the names of parts from it."""
+
+    def __init__(self, network: GroupingNetwork, device: str, hide_names: bool) -> None:
+        self.network, self.device, self.hide_names = network.to(device).eval(), device, hide_names
+
+    @classmethod
+    def load(cls, weights: Path, device: str = "auto", hide_names: bool = False) -> PartGrouper:
+        """Read weights that `train_part_grouping` wrote.
+
+        Raises:
+            InputError: The weights are those of another network, or cut off.
+        """
+        device = pick_device(device)
+        loaded = load_weights(weights, KIND)
+        leaf_features, pair_features = (loaded.facts.get(name) for name in ("leaf_features", "pair_features"))
+        if not (isinstance(leaf_features, int) and isinstance(pair_features, int)):
+            problem = "expected numbers leaf_features and pair_features: train again"
+            raise InputError(weights.with_suffix(".json"), problem, "facts")
+        network = GroupingNetwork(leaf_features, pair_features, loaded.typed_config(GroupingConfig))
+        loaded.fill(network)
+        return cls(network, device, hide_names)
+
+    @torch.inference_mode()
+    def group(self, graph: LeafGraph, *, hide_names: bool = False, hide_hierarchy: bool = False) -> Grouping:
+        """Probabilities for the leaves of a shape, with names and hierarchy shown unless they are hidden."""
+        hidden = float(self.hide_names or hide_names)
+        batch = collate_graphs([graph], hide_names=hidden, hide_hierarchy=float(hide_hierarchy))
+        same_body, moves = self.network(batch.to(torch.device(self.device)))
+        half = len(graph.pairs) // 2
+        return Grouping(graph.pairs[:half], same_body[:half].cpu().double().numpy(), moves.sigmoid().cpu().double().numpy())
