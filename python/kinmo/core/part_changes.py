@@ -101,7 +101,8 @@ def _split(parts: list[FlatPart], rng: np.random.Generator) -> list[FlatPart]:
 def _halves(mesh: Mesh, rng: np.random.Generator) -> NDArray[np.int64]:
     """Side [F] of every face relative to a plane across one axis of the file."""
     middles = mesh.triangles.mean(axis=1)[:, rng.integers(3)]
-    return (middles < middles.min() + rng.uniform(0.25, 0.75) * np.ptp(middles)).astype(np.int64)
+    cut = middles.min() + rng.uniform(0.25, 0.75) * np.ptp(middles)
+    return np.asarray(middles < cut, np.int64)
 
 
 def _sides(mesh: Mesh) -> NDArray[np.int64]:
