@@ -10,7 +10,7 @@ from kinmo.core.joint import Joint
 from kinmo.core.mobility import Body, Mobility, has_cycle
 from kinmo.core.motion_types import CoarseType
 from kinmo.core.overrides import BodyOverride, Overrides, Reference
-from kinmo.core.references import ReferenceProblem, find_body, find_leaves
+from kinmo.core.references import ReferenceProblem, body_labels, find_body, find_leaves
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import OVERRIDE, Correction, JointEstimate, ShapeEstimate
 from kinmo.core.wording import clean_text
@@ -58,10 +58,6 @@ class _Draft:
     is_dropped: bool = False
 
     @property
-    def label(self) -> str:
-        return clean_text(self.name) or f"body {self.number}"
-
-    @property
     def has_fixed_parts(self) -> bool:
         """True if a person listed its parts."""
         return self.override is not None and self.override.parts is not None
@@ -77,6 +73,8 @@ class _Bodies:
     drafts: list[_Draft] = field(init=False)
     new: dict[str, _Draft] = field(init=False)
     notes: list[str] = field(init=False, default_factory=list)
+
+    labels: dict[int, str] = field(init=False)  # names of the bodies for messages, by their numbers
 
     def __post_init__(self) -> None:
         mobility = self.predicted.mobility
@@ -101,6 +99,7 @@ class _Bodies:
                 raise override.fail("", f"there is a body of this name: correct it below [bodies.{clean_text(name)}]")
             self.new[name] = _Draft(number + place, name, [], None, None, (), nothing, override, True)
         self.drafts += self.new.values()
+        self.labels = body_labels({draft.number: draft.name for draft in self.drafts})
 
     def regroup(self) -> None:
         """Move parts between bodies, and drop the bodies that have none left."""
@@ -110,13 +109,15 @@ class _Bodies:
             for leaf in self._claimed(draft):
                 other = claims.setdefault(leaf, draft)
                 if other is not draft and draft.override is not None:
-                    raise draft.override.fail("parts", f"{self._part(leaf)} is listed for {other.label} too: list it once")
+                    raise draft.override.fail(
+                        "parts", f"{self._part(leaf)} is listed for {self._label(other)} too: list it once"
+                    )
         had_parts = {draft for draft in self.drafts if draft.leaves}
         for leaf, old in before.items():
             owner = claims.get(leaf, old)
             if owner is old and leaf not in claims and old.has_fixed_parts:
                 owner = self._heir(old, leaf)
-                self.notes.append(f"{old.label}: {self._part(leaf)} goes to {owner.label}")
+                self.notes.append(f"{self._part(leaf)} of {self._label(old)} goes to {self._label(owner)}")
             if owner is not old:
                 old.leaves.remove(leaf)
                 owner.leaves.append(leaf)
@@ -125,7 +126,10 @@ class _Bodies:
         for draft in self.drafts:
             draft.leaves.sort()
             if draft.is_dropped:
-                self.notes.append(f"{draft.label}: has no part left, so it is dropped")
+                corrections = draft.override is not None and (draft.override.joint_fields or draft.override.name)
+                self.notes.append(
+                    f"{self._label(draft)} has no part left: dropped{', with its corrections' * bool(corrections)}"
+                )
             while draft.parent is not None and draft.parent.is_dropped:
                 draft.parent = draft.parent.parent
 
@@ -150,15 +154,14 @@ class _Bodies:
                 draft.parent = self._parent(draft.override, draft.override.parent)
         base = self._base(present)
         for draft in present:
-            if draft.parent is None and (draft.joint is not None or draft.is_new):
+            if draft.parent is None and draft.override is not None and (draft.joint is not None or draft.is_new):
                 if base is None:
-                    override = draft.override or next(each.override for each in present if each.override is not None)
-                    raise override.fail("parent", "needed, because no body is left that rests")
+                    raise draft.override.fail("parent", "needed, because no body is left that rests")
                 draft.parent = base
         if has_cycle(self._parents(present)):
             loop = next(loop for draft in present if (loop := _loop(draft)))
             override = next(each.override for each in loop if each.override is not None and each.override.parent is not None)
-            names = " -> ".join(each.label for each in [*loop, loop[0]])
+            names = " -> ".join(self._label(each) for each in [*loop, loop[0]])
             raise override.fail("parent", f"the parents form a cycle: {names}")
 
     def estimate(self) -> ShapeEstimate:
@@ -215,6 +218,9 @@ class _Bodies:
             raise draft.override.fail("parts", f"{self._part(leaf)} would belong to no body: list it for one")
         return found
 
+    def _label(self, draft: _Draft) -> str:
+        return self.labels[draft.number]
+
     def _part(self, leaf: int) -> str:
         part = self.shape.parts[leaf]
         return f"part {part.id} ({clean_text(part.name)})" if part.name.strip() else f"part {part.id}"
@@ -237,7 +243,7 @@ class _Bodies:
                 renamed[0] if len(renamed) == 1 and not is_predicted else self._predicted_draft(reference, override, "parent")
             )
         if parent.is_dropped:
-            raise override.fail("parent", f"{parent.label} has no part left: name another body")
+            raise override.fail("parent", f"{self._label(parent)} has no part left: name another body")
         return parent
 
 

@@ -104,15 +104,16 @@ class PredictShapes:
         for document in documents:
             if (size := document["diagonal"] * self.metres_per_unit) > SUSPICIOUS_SIZE:
                 observer.note(f"{document['id']}: {size:.0f} m across: set --metres-per-unit if the file is not in metres")
-            if document["corrected"]:
-                observer.note(f"{document['id']}: corrected by {Path(document['folder']) / OVERRIDES_FILE}")
+            folder = Path(document["folder"])
+            if document["corrected"] and folder not in uncorrected:
+                observer.note(f"{document['id']}: corrected by {folder / OVERRIDES_FILE}")
             if document["parts"] < 2:
                 observer.note(f"{document['id']}: has one part, so nothing can move: cut it into one node per moving part")
         count = counted(sum(document["joints"] for document in documents), "joint")
         repairs = f", {len(repaired)} repaired" if repaired else ""
         total = f"{counted(len(documents), 'shape')}, {count}{repairs}, {len(skipped)} skipped"
         text = "\n".join([*lines, total]) if len(documents) <= MAX_LISTED_SHAPES else total
-        data = {"shapes": documents, "skipped": skipped, "uncorrected": uncorrected}
+        data = {"shapes": documents, "skipped": skipped, "uncorrected": list(uncorrected.values())}
         return Outcome(self.out, data, text, failed=len(skipped) + len(uncorrected))
 
     def _pending(

@@ -139,13 +139,13 @@ def keep_current(cache: Cache, folder: Path, files: Sequence[str]) -> None:
         cache.store(name, known.key, [cache.folder / name / file for file in files], known.data)
 
 
-def apply_overrides(folders: Sequence[Path], observer: Observer) -> list[str]:
+def apply_overrides(folders: Sequence[Path], observer: Observer) -> dict[Path, str]:
     """Write those predictions again whose overrides.toml is new, has changed, or is gone.
 
     `folders` lie beside each other, and the caller holds the lock of the folder around them. Returns a message for each that
-    cannot be corrected.
+    cannot be corrected, by its folder.
     """
-    problems = []
+    problems: dict[Path, str] = {}
     outdated = [folder for folder in folders if _is_outdated(folder)]
     cache = Cache(outdated[0].parent) if outdated else None
     for folder in outdated:
@@ -153,7 +153,7 @@ def apply_overrides(folders: Sequence[Path], observer: Observer) -> list[str]:
         job = ExportJob(folder, folder, replaced=files_of(cache, folder.name))
         result = edited_file(cache, folder.name) or export_result(job)
         if isinstance(result, str):
-            problems.append(result)
+            problems[folder] = result
             observer.problem(f"not corrected: {result}")
         else:
             keep_current(cache, folder, result.files)

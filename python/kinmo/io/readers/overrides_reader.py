@@ -23,6 +23,8 @@ else:
 OVERRIDES_FILE = "overrides.toml"
 """Name of the file beside joints.json."""
 _TABLES = ("bodies", "new_bodies")
+_URDF_TYPES = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slider", "helical": "screw"}
+"""Words of URDF and of textbooks, and those that overrides use."""
 _KEYS = ("name", "type", "axis", "origin", "range", "parent", "alternative", "parts", "flip")
 _NEW_KEYS = ("parts", "type", "axis", "origin", "range", "parent", "flip")
 
@@ -88,6 +90,9 @@ def _body(field: JsonField, keys: Iterable[str], where: Path) -> BodyOverride:
         raise field.fail(f"expected a table [{field.path}]")
     for key in field.value:
         if key not in keys:
+            if isinstance(field.value[key], dict):  # TOML takes a dot in a name for the start of a subtable
+                table, name = field.path.split(".", 1)
+                raise field[key].fail(f'unknown key: for a body called {name}.{key} write [{table}."{name}.{key}"]')
             raise field[key].fail(f"unknown key{did_you_mean(key, keys)}; expected one of {', '.join(keys)}")
     name, alternative = field["name"], field["alternative"]
     if not name.is_absent and not name.text():
@@ -114,7 +119,8 @@ def _type(field: JsonField) -> str | None:
         return None
     name = field.text()
     if name not in TYPES:
-        raise field.fail(f"expected one of {', '.join(TYPES)}, got {name}{did_you_mean(name, TYPES)}")
+        near = f" (did you mean {_URDF_TYPES[name]}?)" if name in _URDF_TYPES else did_you_mean(name, TYPES)
+        raise field.fail(f"expected one of {', '.join(TYPES)}, got {name}{near}")
     return name
 
 
@@ -161,9 +167,9 @@ def _flag(field: JsonField) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    """Nested values as JSON can hold them."""
+    """Nested values as JSON and TOML can hold them. A key with the value None counts as absent."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): _plain(item) for key, item in value.items() if item is not None}
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     return [_plain(item) for item in value] if isinstance(value, list | tuple) else value
