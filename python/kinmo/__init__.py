@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kinmo.api.load import load
     from kinmo.api.prediction import PredictedJoint, Prediction
     from kinmo.api.predictor import Predictor
-    from kinmo.api.stages import evaluate, prepare, train
+    from kinmo.api.stages import evaluate, export, prepare, train
     from kinmo.core.errors import InputError, KinmoError
     from kinmo.core.joint import Joint, JointKind
     from kinmo.core.mobility import Body, Mobility
@@ -42,6 +42,7 @@ __all__ = [
     "Shape",
     "__version__",
     "evaluate",
+    "export",
     "load",
     "prepare",
     "train",
@@ -51,7 +52,7 @@ _MODULES = {
     "api.load": ("load",),
     "api.prediction": ("PredictedJoint", "Prediction"),
     "api.predictor": ("Predictor",),
-    "api.stages": ("evaluate", "prepare", "train"),
+    "api.stages": ("evaluate", "export", "prepare", "train"),
     "core.errors": ("InputError", "KinmoError"),
     "core.joint": ("Joint", "JointKind"),
     "core.mobility": ("Body", "Mobility"),

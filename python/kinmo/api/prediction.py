@@ -4,23 +4,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinmo.core.corrected_estimate import corrected_estimate
 from kinmo.core.errors import InputError, did_you_mean
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import forward
 from kinmo.core.links import Link, links_of
 from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
-from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
+from kinmo.core.shape_estimate import OVERRIDE, PredictionProvenance, ShapeEstimate
 from kinmo.core.wording import counted
-from kinmo.io.writers import ExportOptions, export
+from kinmo.io.atomic_files import write_text_atomically
+from kinmo.io.readers.overrides_reader import OVERRIDES_FILE, parse_overrides, read_overrides
+from kinmo.io.result_folder import read_result, write_result
+from kinmo.io.writers import ExportOptions
 from kinmo.io.writers.joints_json_writer import write_joints_json
+from kinmo.io.writers.overrides_writer import overrides_text
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +41,7 @@ class PredictedJoint:
         score: Score in [0, 1]; for kinmo's own method a probability.
         alternatives: Other joints of the same link with their scores, best first.
         parts: Indices into `Shape.parts` of the leaves that form the link.
+        is_corrected: True if a person gave the joint.
     """
 
     name: str
@@ -42,6 +50,7 @@ class PredictedJoint:
     score: float
     alternatives: tuple[tuple[Joint, float], ...]
     parts: tuple[int, ...]
+    is_corrected: bool = False
 
     @property
     def kind(self) -> JointKind:
@@ -57,6 +66,7 @@ class Prediction:
         shape: The shape.
         estimate: Everything that the method estimated, in the shape's own frame and units.
         provenance: Networks and settings of the method.
+        metres_per_unit: Length of a unit of the shape's file in metres, for exports.
 
     Example:
         >>> prediction = kinmo.Predictor("workspace").predict(kinmo.load("cabinet.glb"))
@@ -69,6 +79,50 @@ class Prediction:
     shape: Shape
     estimate: ShapeEstimate
     provenance: PredictionProvenance
+    metres_per_unit: float = 1.0
+
+    @classmethod
+    def load(cls, folder: Path | str, *, source: Path | str | None = None) -> Prediction:
+        """Read a prediction that `kinmo predict`, `export` or `save` wrote, and its shape.
+
+        Args:
+            folder: The folder with joints.json.
+            source: File or folder of the shape. None for the one that joints.json names.
+
+        Returns:
+            The prediction as joints.json has it, with its corrections.
+
+        Raises:
+            InputError: A file is missing or wrong, or the shape has changed since the prediction.
+
+        Example:
+            >>> prediction = kinmo.Prediction.load("out/cabinet")
+        """
+        saved = read_result(Path(folder), None if source is None else Path(source))
+        return cls(saved.shape, saved.estimate, saved.options.provenance, saved.options.metres_per_unit)
+
+    def with_overrides(self, overrides: Path | str | Mapping[str, Any]) -> Prediction:
+        """Correct the prediction by hand (docs/guide/correct.md).
+
+        Corrections apply to what was predicted: they replace those of an earlier call.
+
+        Args:
+            overrides: Path of an overrides.toml, or its content as nested dictionaries.
+
+        Returns:
+            The corrected prediction. Its `estimate.correction.notes` list consequences, such as bodies that lost all parts.
+
+        Raises:
+            InputError: The overrides name a body, part or key that does not exist, or contradict each other.
+
+        Example:
+            >>> corrected = prediction.with_overrides({"bodies": {"door": {"type": "hinge", "range": [0, 110]}}})
+        """
+        if isinstance(overrides, Mapping):
+            checked = parse_overrides(overrides, Path("overrides"))
+        else:
+            checked = read_overrides(Path(overrides))
+        return replace(self, estimate=corrected_estimate(self.shape, self.estimate, checked))
 
     def __repr__(self) -> str:
         return f"Prediction({self.shape.id}: {counted(len(self.joints), 'joint')})"
@@ -93,7 +147,8 @@ class Prediction:
             best, *others = self.estimate.estimates[link.body]
             alternatives = tuple((other.joint, other.score) for other in others if other.joint is not None)
             parent = self.links[link.parent].name
-            found.append(PredictedJoint(link.name, parent, link.joint, best.score, alternatives, link.leaves))
+            given = best.source == OVERRIDE
+            found.append(PredictedJoint(link.name, parent, link.joint, best.score, alternatives, link.leaves, given))
         return tuple(found)
 
     def articulate(self, values: Mapping[str, float]) -> dict[str, NDArray[np.float64]]:
@@ -146,17 +201,19 @@ class Prediction:
         formats: Sequence[str] = ("urdf",),
         *,
         name: str | None = None,
-        metres_per_unit: float = 1.0,
+        metres_per_unit: float | None = None,
         overwrite: bool = False,
     ) -> dict[str, Path]:
         """Write the shape with its joints.
+
+        With "joints_json", corrections are written to overrides.toml too.
 
         Args:
             folder: The folder to write.
             formats: Names of formats (`kinmo.io.writers.WRITERS`), such as "urdf", "joints_json" or "partnet_mobility".
             name: Name of the model; None for the folder's name.
-            metres_per_unit: Length of a unit of the shape's file in metres.
-            overwrite: Replace a folder with files in it, as a whole.
+            metres_per_unit: Length of a unit of the shape's file in metres. None for that of the prediction.
+            overwrite: Replace a folder with files in it, as a whole. An overrides.toml in it stays.
 
         Returns:
             Path of the main file of each format.
@@ -170,13 +227,17 @@ class Prediction:
             raise InputError(folder, "is the current folder, which cannot be replaced: name another one")
         if not overwrite and folder.is_dir() and any(folder.iterdir()):
             raise InputError(folder, "has files in it: name another folder, or pass overwrite=True to replace all of them")
-        if not 0.0 < metres_per_unit < math.inf:
-            raise InputError("metres_per_unit", f"expected a positive number, got {metres_per_unit}")
-        options = ExportOptions(name or folder.name, metres_per_unit, provenance=self.provenance)
-        return export(self.shape, self.estimate, folder, formats, options)
+        scale = self.metres_per_unit if metres_per_unit is None else metres_per_unit
+        if not 0.0 < scale < math.inf:
+            raise InputError("metres_per_unit", f"expected a positive number, got {scale}")
+        options = ExportOptions(name or folder.name, scale, provenance=self.provenance)
+        texts = self._overrides_text(folder) if "joints_json" in formats else {}
+        return dict(write_result(self.shape, self.estimate, folder, formats, options, texts=texts).main)
 
     def save(self, folder: Path | str) -> Path:
         """Write joints.json: all joints with scores and alternatives (docs/reference/joints-json.md).
+
+        Corrections are written to overrides.toml too.
 
         Args:
             folder: The folder to write into. Its other files stay.
@@ -184,4 +245,19 @@ class Prediction:
         Returns:
             Path of the file.
         """
-        return write_joints_json(self.shape, self.estimate, Path(folder), ExportOptions(provenance=self.provenance))
+        folder = Path(folder)
+        name, formats = folder.resolve().name, ("joints_json",)
+        options = ExportOptions(name, self.metres_per_unit, provenance=self.provenance, formats=formats)
+        for file, text in self._overrides_text(folder).items():
+            write_text_atomically(folder / file, text)
+        return write_joints_json(self.shape, self.estimate, folder, options)
+
+    def _overrides_text(self, folder: Path) -> dict[str, str]:
+        """Text of overrides.toml by its name. Empty without corrections, or if the file in the folder has the same content."""
+        correction = self.estimate.correction
+        if correction is None:
+            return {}
+        with suppress(InputError):
+            if read_overrides(folder / OVERRIDES_FILE).table == correction.overrides:
+                return {}
+        return {OVERRIDES_FILE: overrides_text(correction.overrides)}

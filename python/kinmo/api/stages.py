@@ -1,4 +1,4 @@
-"""Stages of a workspace as functions: prepare, train, evaluate. The command line runs the same stages.
+"""Stages as functions: prepare, train, evaluate, export. The command line runs the same stages.
 
 The stages are imported inside the functions: only training, prediction and evaluation load torch.
 """
@@ -175,6 +175,42 @@ def evaluate(
 
     stage = EvaluateShapes(Workspace(workspace), tuple(methods), category, device=device, workers=worker_count(workers))
     return stage.run(observer or SilentObserver())
+
+
+def export(
+    results: Path | str,
+    *,
+    formats: Sequence[str] = (),
+    out: Path | str | None = None,
+    source: Path | str | None = None,
+    workers: int = 0,
+    observer: Observer | None = None,
+) -> Outcome:
+    """Export predictions again, with the corrections of the overrides.toml beside each joints.json. No network is needed.
+
+    Args:
+        results: Folder of one prediction, or of many.
+        formats: Names of formats (`kinmo.io.writers.WRITERS`). Empty for those of each folder.
+        out: Folder in which each prediction gets a folder. None to write the folders of the predictions again. These keep their
+            own formats, and files that kinmo did not write.
+        source: File or folder of the shape, if it is in another place than joints.json says; for one prediction alone.
+        workers: Number of processes; 0 for one per CPU core.
+        observer: Receiver of progress and messages.
+
+    Returns:
+        The outcome; `data` lists results with their files, and messages about those that were skipped.
+
+    Raises:
+        InputError: There is no prediction, or no such format.
+
+    Example:
+        >>> outcome = kinmo.export("out/cabinet", formats=["urdf"])
+        >>> outcome.data["results"][0]["files"]["urdf"]
+    """
+    from kinmo.pipeline.export_results import ExportResults
+
+    place, file = None if out is None else Path(out), None if source is None else Path(source)
+    return ExportResults(Path(results), tuple(formats), place, file, worker_count(workers)).run(observer or SilentObserver())
 
 
 def worker_count(workers: int) -> int:

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from typer import Exit, Option, Typer
 
 from kinmo.cli import eval as evaluation
-from kinmo.cli import predict, prepare, pseudo_label, render, report, synth, table, train
+from kinmo.cli import export, predict, prepare, pseudo_label, render, report, synth, table, train
 from kinmo.cli.execute import one_line_errors
 from kinmo.cli.options import CommonOptions
 
@@ -28,6 +28,7 @@ Start with:
     kinmo train all                    train all networks
     kinmo eval                         the paper's tables
     kinmo predict my_shapes/ -o out/   joints and URDFs for your own shapes
+    kinmo export out/                  the same with your corrections
 """
 
 
@@ -89,6 +90,7 @@ _register("render", render.render)
 _register("eval", evaluation.evaluate)
 _register("table", table.table)
 _register("predict", predict.predict)
+_register("export", export.export)
 _register("report", report.report, without=["workers"])
 
 

@@ -15,6 +15,10 @@ from kinmo.core.vector import Vector
 
 MAX_VERTICAL_ANGLE = math.radians(45.0)
 """Largest angle between a vertical axis and `up`, in radians."""
+MAX_AXIS_DISTANCE = 100.0
+"""Largest distance of an axis from the centre of the object, and largest slide, in diagonals. Real axes are within one."""
+MAX_TURNS = 100.0
+"""Largest range of a hinge with limits, in turns."""
 
 
 class JointKind(str, Enum):
@@ -32,6 +36,8 @@ class JointKind(str, Enum):
 
 KINDS = tuple(JointKind)
 """All joint kinds, in the order of their codes."""
+KIND_WORDS = {JointKind.REVOLUTE: "hinge", JointKind.PRISMATIC: "slider", JointKind.SCREW: "screw"}
+"""Words for the kinds, as people read and write them."""
 
 
 @dataclass(frozen=True, eq=False)

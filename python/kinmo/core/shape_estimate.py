@@ -13,6 +13,9 @@ from kinmo.core.joint import Joint
 from kinmo.core.mobility import Mobility
 from kinmo.core.motion_types import CoarseType, MotionType
 
+OVERRIDE = "override"
+"""Source of a joint that was corrected by hand."""
+
 
 @dataclass(frozen=True, eq=False)
 class JointEstimate:
@@ -24,7 +27,8 @@ class JointEstimate:
         score: confidence in [0, 1]. The `paper` method gives the consistency score of the paper (section 3.3), the `kinmo`
             method a probability.
         terms: the terms of the score by name, such as feasibility, direction, position or sweep.
-        source: where the axis comes from: "network" for a regressed axis, else the kind of candidate axis, such as "box edge".
+        source: where the axis comes from: "network" for a regressed axis, `OVERRIDE` for a joint given by hand, else the kind
+            of candidate axis, such as "box edge".
     """
 
     joint: Joint | None
@@ -52,6 +56,7 @@ class ShapeEstimate:
         method: name of the method, `paper` or `kinmo`.
         missed_motion_probability: the largest probability that a part moves although the prediction leaves it at rest. 0 if the
             method does not estimate it.
+        correction: what was corrected by hand. None for the estimate of a method.
     """
 
     shape_id: str
@@ -61,6 +66,12 @@ class ShapeEstimate:
     gnn_estimates: tuple[JointEstimate, ...]
     method: str
     missed_motion_probability: float = 0.0
+    correction: Correction | None = None
+
+    @property
+    def predicted(self) -> ShapeEstimate:
+        """The estimate of the method, without corrections by hand."""
+        return self if self.correction is None else self.correction.predicted
 
     def rotated(self, rotation: NDArray[np.float64]) -> ShapeEstimate:
         """The prediction in a frame that `rotation` [3, 3] rotates the present frame to."""
@@ -69,7 +80,27 @@ class ShapeEstimate:
             mobility=self.mobility.rotated(rotation),
             estimates=tuple(tuple(each.rotated(rotation) for each in ranked) for ranked in self.estimates),
             gnn_estimates=tuple(each.rotated(rotation) for each in self.gnn_estimates),
+            correction=None if self.correction is None else self.correction.rotated(rotation),
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Correction:
+    """Correction of a prediction by hand.
+
+    Attributes:
+        predicted: the estimate of the method, before the correction.
+        overrides: the content of overrides.toml as plain data, in the frame of the file.
+        notes: one line for each consequence that overrides.toml does not name, such as a body without parts that is dropped.
+    """
+
+    predicted: ShapeEstimate
+    overrides: Mapping[str, Any]
+    notes: tuple[str, ...] = ()
+
+    def rotated(self, rotation: NDArray[np.float64]) -> Correction:
+        """The correction of the estimate in a frame that `rotation` [3, 3] rotates the present frame to."""
+        return replace(self, predicted=self.predicted.rotated(rotation))
 
 
 @dataclass(frozen=True)

@@ -82,6 +82,16 @@ class Cache:
         result = self._results.get(name)
         return None if result is None else result.data
 
+    def latest(self, name: str) -> Result | None:
+        """The result of a name, current or not; None if there is no such result."""
+        return self._results.get(name)
+
+    def edited(self, name: str) -> list[Path]:
+        """Files of a result that were changed after they were stored. Those that are gone are left out."""
+        result = self._results.get(name)
+        files = {} if result is None else {self.folder / path: stamp for path, stamp in result.files.items()}
+        return [path for path, stamp in files.items() if path.is_file() and not _is_unchanged(path, stamp)]
+
     def is_current(self, name: str, key: str, *, edited: bool = False) -> bool:
         """True if the result of a name has this key, and its files are the ones that were stored (see `find`)."""
         result = self.find(name, edited=edited)

@@ -15,7 +15,6 @@ import numpy as np
 
 from kinmo.core.errors import InputError, expecting
 from kinmo.core.frames import UP_VECTORS, Up, y_up_rotation
-from kinmo.core.joint import Joint, JointKind, joint_from_data
 from kinmo.core.names import short_name
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
@@ -29,21 +28,23 @@ from kinmo.features.shape_preparation import prepare_shape
 from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.folder_lock import locked
 from kinmo.io.readers import PARTNET_MOBILITY
+from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
+from kinmo.io.result_folder import write_result
 from kinmo.io.source_files import fingerprint
-from kinmo.io.writers import ExportOptions, export
+from kinmo.io.writers import ExportOptions
 from kinmo.io.writers.joints_json_writer import FILE_NAME
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods import load_method
 from kinmo.methods.method import Method
+from kinmo.pipeline.joint_lines import joint_lines
 from kinmo.pipeline.network_jobs import network_runner
+from kinmo.pipeline.result_export import apply_overrides
 from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 
 SECONDS_PER_SHAPE = 3.0  # estimate, for one CPU core
 SUSPICIOUS_SIZE = 20.0  # diagonal in metres above which an object is probably in millimetres
 MAX_REPAIRED_LINES = 40  # repaired shapes that are listed on the terminal; joints.json and --json have all repairs
 MAX_LISTED_SHAPES = 10  # largest number of shapes whose joints are listed on the terminal
-KIND_WORDS = {JointKind.REVOLUTE: "hinge", JointKind.PRISMATIC: "slider", JointKind.SCREW: "screw"}
-UNCERTAIN = 0.5  # score below which a joint is called uncertain
 FORMATS = ("urdf", "joints_json")  # formats of a prediction's folder
 
 
@@ -81,6 +82,7 @@ class PredictShapes:
         writer = self._writer()
         with locked(self.out):
             problems = self._predict(targets, writer, observer)
+            uncorrected = apply_overrides([folder for _, folder in targets if folder not in problems], observer)
         documents: list[dict[str, Any]] = []
         lines: list[str] = []
         for found, folder in targets:
@@ -102,13 +104,17 @@ class PredictShapes:
         for document in documents:
             if (size := document["diagonal"] * self.metres_per_unit) > SUSPICIOUS_SIZE:
                 observer.note(f"{document['id']}: {size:.0f} m across: set --metres-per-unit if the file is not in metres")
+            folder = Path(document["folder"])
+            if document["corrected"] and folder not in uncorrected:
+                observer.note(f"{document['id']}: corrected by {folder / OVERRIDES_FILE}")
             if document["parts"] < 2:
                 observer.note(f"{document['id']}: has one part, so nothing can move: cut it into one node per moving part")
         count = counted(sum(document["joints"] for document in documents), "joint")
         repairs = f", {len(repaired)} repaired" if repaired else ""
         total = f"{counted(len(documents), 'shape')}, {count}{repairs}, {len(skipped)} skipped"
         text = "\n".join([*lines, total]) if len(documents) <= MAX_LISTED_SHAPES else total
-        return Outcome(self.out, {"shapes": documents, "skipped": skipped}, text, failed=len(skipped))
+        data = {"shapes": documents, "skipped": skipped, "uncorrected": list(uncorrected.values())}
+        return Outcome(self.out, data, text, failed=len(skipped) + len(uncorrected))
 
     def _pending(
         self, targets: Sequence[tuple[ShapeSource, Path]], writer: PredictionWriter, cache: Cache
@@ -223,8 +229,7 @@ class PredictionWriter:
             prediction = predict_shape(shape, self.method, seed=self.seed)
             provenance = PredictionProvenance(self.method.weights, self.method.config)
             options = ExportOptions(job.folder.name, self.metres_per_unit, provenance=provenance)
-            export(shape, prediction, job.folder, FORMATS, options)
-            return sorted(path.relative_to(job.folder).as_posix() for path in job.folder.rglob("*") if path.is_file())
+            return list(write_result(shape, prediction, job.folder, FORMATS, options).files)
         except ValueError as error:
             return str(error) if isinstance(error, InputError) else f"{printable_path(job.found.path)}: {error}"
         except OSError as error:
@@ -237,8 +242,7 @@ def _summary(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[str
     with expecting("joints.json of kinmo predict", folder / FILE_NAME):
         document = json.loads((folder / FILE_NAME).read_text(encoding="utf-8"))
         shape, bodies = document["shape"], document["bodies"]
-        moving = [body for body in bodies if body["joint"] is not None]
-        lines = [_joint_line(body["name"], joint_from_data(body["joint"]), body["estimates"][0]["score"]) for body in moving]
+        lines = joint_lines(document)
         summary = {
             "id": found.id,
             "source": printable_path(found.path),
@@ -249,19 +253,9 @@ def _summary(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[str
             "urdf": str(folder / f"{folder.name}.urdf"),
             "diagonal": float(shape["diagonal"]),
             "repairs": [str(repair) for repair in shape.get("repairs", ())],
+            "corrected": "correction" in document,
         }
     return summary, lines
-
-
-def _joint_line(name: str, joint: Joint, score: float) -> str:
-    if joint.lower is None or joint.upper is None:
-        extent = "without limits"
-    elif joint.kind is JointKind.REVOLUTE:
-        extent = f"{np.degrees(joint.lower):.0f} to {np.degrees(joint.upper):.0f}°"
-    else:
-        extent = f"{joint.lower:.3g} to {joint.upper:.3g}"
-    doubt = "" if score >= UNCERTAIN else ", uncertain"
-    return f"  {clean_text(name)}: {KIND_WORDS[joint.kind]}, {extent}, score {score:.2f}{doubt}"
 
 
 def _path_name(path: Path, source: Path, with_ending: bool) -> str:
@@ -290,9 +284,9 @@ def _stated_source(folder: Path) -> str | None:
 
 
 def _check_replaceable(job: PredictionJob) -> None:
-    """Raise InputError if the folder holds anything but an earlier prediction for the same shape."""
+    """Raise InputError if the folder holds anything but an earlier prediction for the same shape, and overrides.toml."""
     folder = job.folder
-    if not os.path.lexists(folder) or (folder.is_dir() and not any(folder.iterdir())):
+    if not os.path.lexists(folder) or (folder.is_dir() and {path.name for path in folder.iterdir()} <= {OVERRIDES_FILE}):
         return
     if job.written_for is None:
         raise InputError(folder, "exists, and kinmo predict did not write it: name another folder by --out")

@@ -76,6 +76,7 @@ def plain_shape():
 
 
 PROVENANCE = PredictionProvenance("sha256:0123", {"tau": 0.6, "candidates": "all"})
+OPTIONS = ExportOptions(provenance=PROVENANCE)
 
 
 def plain(value):
@@ -103,7 +104,7 @@ def test_a_prediction_survives_a_round_trip(tmp_path_factory, shape):
 @settings(max_examples=25)
 @given(articulated_shapes())
 def test_the_file_conforms_to_its_schema(shape):
-    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), PROVENANCE)))
+    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), OPTIONS)))
     assert list(violations(document, SCHEMA, SCHEMA)) == []
 
 
@@ -111,7 +112,7 @@ def test_only_bodies_of_junk_alone_are_junk():
     boxes = [((0, i, 0), (1, i + 1, 1)) for i in range(3)]
     bodies = (Body(0, "base", ()), Body(1, "dirt", (1,)), Body(2, "door", (2, 3)))
     shape = shape_of_boxes(boxes, bodies, junk=frozenset({1, 2}))
-    document = joints_document(shape, prediction_of(shape), PROVENANCE)
+    document = joints_document(shape, prediction_of(shape), OPTIONS)
     assert [body["is_junk"] for body in document["bodies"]] == [False, True, False]
 
 
@@ -144,7 +145,7 @@ def changed(document, path, value):
 )
 def test_a_wrong_file_is_an_error_with_its_field(tmp_path, path, value):
     shape = plain_shape()
-    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), PROVENANCE)))
+    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), OPTIONS)))
     file = tmp_path / "joints.json"
     file.write_text(json.dumps(changed(document, path, value)))
     with pytest.raises(InputError, match=r"joints\.json: \w+"):
@@ -153,7 +154,7 @@ def test_a_wrong_file_is_an_error_with_its_field(tmp_path, path, value):
 
 def test_the_schema_detects_wrong_values():
     shape = plain_shape()
-    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), PROVENANCE)))
+    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), OPTIONS)))
     for path, value in (
         (("bodies", 0, "extra"), 1),
         (("shape", "up"), [0, 1]),

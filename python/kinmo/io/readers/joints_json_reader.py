@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility, has_cycle
 from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.core.shape import Shape
-from kinmo.core.shape_estimate import JointEstimate, PredictionProvenance, ShapeEstimate
+from kinmo.core.shape_estimate import Correction, JointEstimate, PredictionProvenance, ShapeEstimate
 from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.untrusted_files import read_json
 from kinmo.io.writers.joints_json_writer import SCHEMA_VERSION
@@ -24,25 +25,53 @@ def read_joints_json(path: Path, shape: Shape) -> tuple[ShapeEstimate, Predictio
 
     Raises InputError if the file belongs to another shape or schema version, or is wrong. The message names the field.
     """
+    return prediction_in(read_document(path), shape)
+
+
+def read_document(path: Path) -> JsonField:
+    """The content of joints.json. Raises InputError if it has another schema version."""
     document = read_json(path, path.parent)
     version = document["schema_version"]
     if version.integer() != SCHEMA_VERSION:
         raise version.fail(f"expected {SCHEMA_VERSION}")
+    return document
+
+
+def prediction_in(document: JsonField, shape: Shape) -> tuple[ShapeEstimate, PredictionProvenance]:
+    """The prediction that the content of joints.json describes (see `read_joints_json`)."""
     if document["shape"]["id"].text() != shape.id:
         raise document["shape"]["id"].fail(f"expected {shape.id}")
-    leaf_of = {shape.parts[leaf].id: leaf for leaf in shape.leaves}
-    entries = document["bodies"].items()
-    bodies = tuple(_body(entry, leaf_of, len(entries)) for entry in entries)
-    owned = sorted(leaf for body in bodies for leaf in body.leaves)
-    if owned != sorted(shape.leaves):
-        raise document["bodies"].fail("expected every leaf of the shape in one body")
-    if has_cycle([body.parent for body in bodies]):
-        raise document["bodies"].fail("expected a tree of bodies, found a cycle")
-    junk = (leaf for body, entry in zip(bodies, entries, strict=True) if entry["is_junk"].flag() for leaf in body.leaves)
     config = document["config"].value
     if not isinstance(config, dict):
         raise document["config"].fail("expected an object")
-    prediction = ShapeEstimate(
+    prediction = _estimates(document, document["bodies"], shape)
+    if not document["correction"].is_absent:
+        prediction = replace(prediction, correction=_correction(document, shape))
+    weights = document["weights"]
+    return prediction, PredictionProvenance(None if weights.is_absent else weights.text(), config)
+
+
+def _correction(document: JsonField, shape: Shape) -> Correction:
+    entry = document["correction"]
+    overrides = entry["overrides"].value
+    if not isinstance(overrides, dict):
+        raise entry["overrides"].fail("expected an object")
+    notes = tuple(note.whole_text() for note in entry["notes"].items())
+    return Correction(_estimates(document, entry["predicted"], shape), overrides, notes)
+
+
+def _estimates(document: JsonField, listed: JsonField, shape: Shape) -> ShapeEstimate:
+    """The prediction with the bodies `listed` in joints.json."""
+    leaf_of = {shape.parts[leaf].id: leaf for leaf in shape.leaves}
+    entries = listed.items()
+    bodies = tuple(_body(entry, leaf_of, len(entries)) for entry in entries)
+    owned = sorted(leaf for body in bodies for leaf in body.leaves)
+    if owned != sorted(shape.leaves):
+        raise listed.fail("expected every leaf of the shape in one body")
+    if has_cycle([body.parent for body in bodies]):
+        raise listed.fail("expected a tree of bodies, found a cycle")
+    junk = (leaf for body, entry in zip(bodies, entries, strict=True) if entry["is_junk"].flag() for leaf in body.leaves)
+    return ShapeEstimate(
         shape.id,
         document["shape"]["category"].text(),
         Mobility(bodies, frozenset(junk)),
@@ -50,8 +79,6 @@ def read_joints_json(path: Path, shape: Shape) -> tuple[ShapeEstimate, Predictio
         tuple(_estimate(entry["network"]) for entry in entries),
         document["method"].text(),
     )
-    weights = document["weights"]
-    return prediction, PredictionProvenance(None if weights.is_absent else weights.text(), config)
 
 
 def _body(entry: JsonField, leaf_of: Mapping[int, int], count: int) -> Body:

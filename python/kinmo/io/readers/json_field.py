@@ -58,6 +58,12 @@ class JsonField:
             raise self.fail("expected a text")
         return clean_text(self.value)
 
+    def whole_text(self) -> str:
+        """A text as it is, of any length."""
+        if not isinstance(self.value, str):
+            raise self.fail("expected a text")
+        return self.value
+
     def integer(self, default: int | None = None) -> int:
         if self.value is None and default is not None:
             return default

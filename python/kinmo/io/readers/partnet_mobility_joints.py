@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kinmo.core.joint import Joint, JointKind
+from kinmo.core.joint import MAX_AXIS_DISTANCE, MAX_TURNS, Joint, JointKind
 from kinmo.core.vector import Vector
 from kinmo.io.readers.json_field import JsonField
 
@@ -16,10 +16,6 @@ RIGID = frozenset({"", "free", "heavy", "static", "junk"})
 """Values of the field `joint` that mean no motion."""
 _MOVABLE = {"hinge": JointKind.REVOLUTE, "slider": JointKind.PRISMATIC, "screw": JointKind.SCREW}
 _TURN = 2.0 * math.pi
-MAX_AXIS_DISTANCE = 100.0
-"""Largest distance of an axis from the centre of the object, in diagonals. Real axes are within one diagonal."""
-MAX_TURNS = 100.0
-"""Largest range of a hinge with limits, in turns."""
 _UNIT_TOLERANCE = 1e-3
 
 NoteRepair = Callable[[str], None]

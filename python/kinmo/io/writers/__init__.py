@@ -7,6 +7,7 @@ in `WRITERS`.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from kinmo.core.errors import InputError, did_you_mean
@@ -40,10 +41,23 @@ def export(
 
     The folder is replaced as a whole. If the export fails, it is unchanged. Returns the path of the main file of each format.
     """
+    check_formats(formats)
+    with write_folder_atomically(folder) as draft:
+        written = write_formats(shape, result, draft, formats, options)
+    return {name: folder / path.relative_to(draft) for name, path in written.items()}
+
+
+def check_formats(formats: Sequence[str]) -> None:
+    """Raise InputError if one of the names is no key of `WRITERS`."""
     for name in formats:
         if name not in WRITERS:
             known = ", ".join(WRITERS)
             raise InputError("formats", f"unknown format {name}{did_you_mean(name, WRITERS)}; expected one of {known}")
-    with write_folder_atomically(folder) as draft:
-        written = {name: WRITERS[name](shape, result, draft, options).relative_to(draft) for name in formats}
-    return {name: folder / path for name, path in written.items()}
+
+
+def write_formats(
+    shape: Shape, result: ShapeEstimate | Mobility, folder: Path, formats: Sequence[str], options: ExportOptions
+) -> dict[str, Path]:
+    """Write some formats into a folder that exists. Returns the path of the main file of each."""
+    options = replace(options, formats=tuple(formats))
+    return {name: WRITERS[name](shape, result, folder, options) for name in formats}

@@ -13,7 +13,8 @@ from kinmo.core.errors import InputError
 from kinmo.core.joint import joint_to_data
 from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
-from kinmo.core.shape_estimate import JointEstimate, PredictionProvenance, ShapeEstimate
+from kinmo.core.shape_digest import shape_digest
+from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.core.wording import printable_path
 from kinmo.io.atomic_files import write_json_atomically
 from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions
@@ -28,14 +29,15 @@ def write_joints_json(
     """Write joints.json (see `kinmo.io.writers.writer.Writer`). Raises InputError if `result` is not a prediction."""
     if not isinstance(result, ShapeEstimate):
         raise InputError(folder / FILE_NAME, "holds a prediction with scores: a mobility without scores cannot be written")
-    document = joints_document(shape, result, options.provenance)
+    document = joints_document(shape, result, options)
     write_json_atomically(folder / FILE_NAME, document, allow_nan=False)
     return folder / FILE_NAME
 
 
-def joints_document(shape: Shape, prediction: ShapeEstimate, provenance: PredictionProvenance) -> dict[str, Any]:
+def joints_document(shape: Shape, prediction: ShapeEstimate, options: ExportOptions = DEFAULT_OPTIONS) -> dict[str, Any]:
     """The content of joints.json, as the schema describes it."""
-    return {
+    provenance, correction = options.provenance, prediction.correction
+    document = {
         "schema_version": SCHEMA_VERSION,
         "kinmo": __version__,
         "method": prediction.method,
@@ -49,10 +51,23 @@ def joints_document(shape: Shape, prediction: ShapeEstimate, provenance: Predict
             "up": [float(value) for value in shape.up],
             "center": shape.center.tolist(),
             "diagonal": shape.diagonal,
+            "digest": shape_digest(shape),
             "repairs": list(shape.repairs),
         },
-        "bodies": [_body(shape, prediction, index) for index in range(len(prediction.mobility.bodies))],
+        "export": {"name": options.name, "metres_per_unit": options.metres_per_unit, "formats": list(options.formats)},
+        "bodies": _bodies(shape, prediction),
     }
+    if correction is not None:
+        document["correction"] = {
+            "overrides": dict(correction.overrides),
+            "notes": list(correction.notes),
+            "predicted": _bodies(shape, correction.predicted),
+        }
+    return document
+
+
+def _bodies(shape: Shape, prediction: ShapeEstimate) -> list[dict[str, Any]]:
+    return [_body(shape, prediction, index) for index in range(len(prediction.mobility.bodies))]
 
 
 def _body(shape: Shape, prediction: ShapeEstimate, index: int) -> dict[str, Any]:

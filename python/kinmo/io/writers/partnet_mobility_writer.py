@@ -23,7 +23,7 @@ from kinmo.core.links import links_of
 from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import ShapeEstimate
-from kinmo.io.readers.partnet_annotation import META_FILE, MOBILITY_FILE
+from kinmo.io.readers.partnet_annotation import META_FILE, MOBILITY_FILE, PSEUDO_LABEL
 from kinmo.io.writers.urdf_writer import robot_element, write_robot
 from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions, mobility_of, write_obj
 
@@ -38,11 +38,13 @@ def write_partnet_mobility(
     """Write a shape as PartNet-Mobility does (see `kinmo.io.writers.writer.Writer`).
 
     The files are mobility_v2.json, result.json, meta.json, mobility.urdf, semantics.txt and one OBJ per leaf in textured_objs.
-    Bodies are numbered in their order. Parts keep their ids. The setting `meta` is added to meta.json.
+    Bodies are numbered in their order. Parts keep their ids. The setting `meta` is added to meta.json. Predictions that nobody
+    corrected are marked there: `kinmo prepare` takes them for no annotation.
     """
     mobility = mobility_of(result)
     rotation = Y_UP_TO_Z_UP.T @ z_up_rotation(np.asarray(shape.up, float))
-    facts = {"model_cat": shape.category, "model_id": shape.id, "anno_id": shape.partnet_id, **options.meta}
+    mark = {PSEUDO_LABEL: result.method} if isinstance(result, ShapeEstimate) and result.correction is None else {}
+    facts = {"model_cat": shape.category, "model_id": shape.id, "anno_id": shape.partnet_id, **mark, **options.meta}
     (folder / MESHES).mkdir(parents=True, exist_ok=True)
     for leaf in shape.leaves:
         write_obj(folder / MESHES / f"{_mesh_name(leaf)}.obj", shape.leaf_mesh(leaf).rotated(rotation))

@@ -21,12 +21,14 @@ class ExportOptions:
         metres_per_unit: length of one unit of the shape's file, in metres.
         meta: facts to add to the metadata of the format.
         provenance: the models and settings that made the prediction.
+        formats: all formats of the export, keys of `kinmo.io.writers.WRITERS`.
     """
 
     name: str = "model"
     metres_per_unit: float = 1.0
     meta: Mapping[str, Any] = field(default_factory=dict)
     provenance: PredictionProvenance = field(default_factory=PredictionProvenance)
+    formats: tuple[str, ...] = ()
 
 
 DEFAULT_OPTIONS = ExportOptions()

@@ -1,0 +1,175 @@
+"""overrides.toml: the corrections of one prediction, written by hand (docs/guide/correct.md)."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kinmo.core.errors import InputError, did_you_mean
+from kinmo.core.overrides import FIXED, TYPES, UNLIMITED, BodyOverride, Overrides, Reference
+from kinmo.core.vector import Vector
+from kinmo.io.readers.json_field import JsonField
+from kinmo.io.readers.untrusted_files import MAX_JSON_BYTES, read_bytes
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+OVERRIDES_FILE = "overrides.toml"
+"""Name of the file beside joints.json."""
+_TABLES = ("bodies", "new_bodies")
+_URDF_TYPES = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slider", "helical": "screw"}
+"""Words of URDF and of textbooks, and those that overrides use."""
+_KEYS = ("name", "type", "axis", "origin", "range", "parent", "alternative", "parts", "flip")
+_NEW_KEYS = ("parts", "type", "axis", "origin", "range", "parent", "flip")
+
+
+def read_overrides(path: Path) -> Overrides:
+    """Read overrides.toml.
+
+    Raises:
+        InputError: the file is missing or no TOML, or a key or value is wrong. The message names file and field.
+    """
+    path = Path(path)
+    real = path.resolve()  # a link to a file under version control is welcome
+    try:
+        table = tomllib.loads(read_bytes(real, real.parent, MAX_JSON_BYTES).decode("utf-8-sig"))
+    except InputError as error:
+        raise InputError(path, error.problem) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(path, f"expected TOML ({error})") from None
+    return parse_overrides(table, path)
+
+
+def parse_overrides(table: Mapping[str, Any], where: Path) -> Overrides:
+    """Check the content of overrides.toml.
+
+    Args:
+        table: the tables `bodies` and `new_bodies`. NumPy arrays and tuples count as lists.
+        where: the file, for messages.
+
+    Raises:
+        InputError: a key or value is wrong. The message names the field.
+    """
+    plain = _plain(table)
+    root = JsonField(where, plain)
+    for key in plain:
+        if key not in _TABLES:
+            hint = did_you_mean(key, _TABLES) or f": for a body of this name write [bodies.{key}]"
+            raise InputError(where, f"unknown key{hint}", key)
+    return Overrides(
+        {key: _body(field, _KEYS, where) for key, field in _entries(root["bodies"]).items()},
+        {key: _new_body(field, where) for key, field in _entries(root["new_bodies"]).items()},
+        plain,
+    )
+
+
+def _entries(tables: JsonField) -> dict[str, JsonField]:
+    if tables.is_absent:
+        return {}
+    if not isinstance(tables.value, dict):
+        raise tables.fail(f"expected tables [{tables.path}.NAME]")
+    return {key: tables[key] for key in tables.value}
+
+
+def _new_body(field: JsonField, where: Path) -> BodyOverride:
+    body = _body(field, _NEW_KEYS, where)
+    for key in ("parts", "type"):
+        if not getattr(body, key):
+            raise body.fail(key, "needed for a new body")
+    return body
+
+
+def _body(field: JsonField, keys: Iterable[str], where: Path) -> BodyOverride:
+    if not isinstance(field.value, dict):
+        raise field.fail(f"expected a table [{field.path}]")
+    for key in field.value:
+        if key not in keys:
+            if isinstance(field.value[key], dict):  # TOML takes a dot in a name for the start of a subtable
+                table, name = field.path.split(".", 1)
+                raise field[key].fail(f'unknown key: for a body called {name}.{key} write [{table}."{name}.{key}"]')
+            raise field[key].fail(f"unknown key{did_you_mean(key, keys)}; expected one of {', '.join(keys)}")
+    name, alternative = field["name"], field["alternative"]
+    if not name.is_absent and not name.text():
+        raise name.fail("expected a name")
+    if not alternative.is_absent and alternative.integer() < 1:
+        raise alternative.fail("expected the rank of a joint, 1 or more")
+    return BodyOverride(
+        where=str(where),
+        path=field.path,
+        name=None if name.is_absent else name.text(),
+        type=_type(field["type"]),
+        axis=_axis(field["axis"]),
+        origin=None if field["origin"].is_absent else field["origin"].vector(),
+        range=_range(field["range"]),
+        parent=None if field["parent"].is_absent else _reference(field["parent"], "body"),
+        alternative=None if alternative.is_absent else alternative.integer(),
+        parts=None if field["parts"].is_absent else tuple(_reference(item, "part") for item in field["parts"].items()),
+        flip=_flag(field["flip"]),
+    )
+
+
+def _type(field: JsonField) -> str | None:
+    if field.is_absent:
+        return None
+    name = field.text()
+    if name not in TYPES:
+        near = f" (did you mean {_URDF_TYPES[name]}?)" if name in _URDF_TYPES else did_you_mean(name, TYPES)
+        raise field.fail(f"expected one of {', '.join(TYPES)}, got {name}{near}")
+    return name
+
+
+def _axis(field: JsonField) -> Vector | None:
+    if field.is_absent:
+        return None
+    vector = field.vector()
+    largest = float(np.max(np.abs(vector)))
+    if largest == 0.0:
+        raise field.fail("expected a direction, found zero")
+    scaled = vector / largest
+    return np.asarray(scaled / np.linalg.norm(scaled))
+
+
+def _range(field: JsonField) -> tuple[float, float] | str | None:
+    if field.is_absent:
+        return None
+    if isinstance(field.value, str):
+        if field.value != UNLIMITED:
+            raise field.fail(f'expected two numbers or "{UNLIMITED}"')
+        return UNLIMITED
+    lower, upper = field.vector(2).tolist()
+    if lower > upper:
+        raise field.fail(f"expected the smaller value first: [{upper:g}, {lower:g}]")
+    if lower == upper:
+        raise field.fail(f'expected two different values; for a body that does not move, write type = "{FIXED}"')
+    if not lower <= 0.0 <= upper:
+        raise field.fail("expected a range that contains 0, the pose in which the file shows the body")
+    return lower, upper
+
+
+def _reference(field: JsonField, what: str) -> Reference:
+    if isinstance(field.value, int) and not isinstance(field.value, bool):
+        return field.integer()
+    if not isinstance(field.value, str):
+        raise field.fail(f"expected the name or the number of a {what}")
+    return field.text()
+
+
+def _flag(field: JsonField) -> bool:
+    if not isinstance(field.value, bool | None):
+        raise field.fail("expected true or false")
+    return bool(field.value)
+
+
+def _plain(value: Any) -> Any:
+    """Nested values as JSON and TOML can hold them. A key with the value None counts as absent."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items() if item is not None}
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    return [_plain(item) for item in value] if isinstance(value, list | tuple) else value

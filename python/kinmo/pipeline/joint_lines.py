@@ -1,0 +1,41 @@
+"""Joints of a prediction as lines of text for people."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from kinmo.core.joint import KIND_WORDS, Joint, JointKind, joint_from_data
+from kinmo.core.references import body_labels
+from kinmo.core.shape_estimate import OVERRIDE
+
+UNCERTAIN = 0.5  # score below which a joint is called uncertain
+
+
+def joint_lines(document: Mapping[str, Any]) -> list[str]:
+    """One line for each joint of joints.json. A body whose name is not unique gets its number, by which overrides name it.
+
+    Raises KeyError, TypeError, IndexError or ValueError if the document has another form.
+    """
+    bodies = document["bodies"]
+    labels = body_labels({body["id"]: body["name"] for body in bodies})
+    return [
+        _joint_line(labels[body["id"]], joint_from_data(body["joint"]), body["estimates"][0])
+        for body in bodies
+        if body["joint"] is not None
+    ]
+
+
+def _joint_line(label: str, joint: Joint, estimate: Mapping[str, Any]) -> str:
+    if joint.lower is None or joint.upper is None:
+        extent = "without limits"
+    elif joint.kind is JointKind.REVOLUTE:
+        extent = f"{np.degrees(joint.lower):.0f} to {np.degrees(joint.upper):.0f}°"
+    else:
+        extent = f"{joint.lower:.3g} to {joint.upper:.3g}"
+    score = estimate["score"]
+    doubt = "" if score >= UNCERTAIN else ", uncertain"
+    certainty = "corrected by hand" if estimate["source"] == OVERRIDE else f"score {score:.2f}{doubt}"
+    return f"  {label}: {KIND_WORDS[joint.kind]}, {extent}, {certainty}"

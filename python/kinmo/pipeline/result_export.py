@@ -1,0 +1,174 @@
+"""Export of one saved prediction with the corrections of its overrides.toml. No network is needed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from kinmo.core.corrected_estimate import corrected_estimate
+from kinmo.core.errors import InputError
+from kinmo.core.shape_estimate import ShapeEstimate
+from kinmo.core.wording import printable_path
+from kinmo.dataset.cache import Cache
+from kinmo.dataset.stage import Observer
+from kinmo.io.readers.joints_json_reader import read_document
+from kinmo.io.readers.overrides_reader import OVERRIDES_FILE, read_overrides
+from kinmo.io.result_folder import SavedResult, files_below, read_result, write_result
+from kinmo.io.writers import check_formats
+from kinmo.io.writers.joints_json_writer import FILE_NAME, joints_document
+from kinmo.pipeline.joint_lines import joint_lines
+
+JOINTS_JSON, PARTNET_MOBILITY = "joints_json", "partnet_mobility"
+"""Names of formats."""
+UNCHECKED = (
+    "nobody corrected these joints, so kinmo prepare does not take them as annotation; if they are right, put an empty "
+    f"{OVERRIDES_FILE} beside {FILE_NAME}"
+)
+
+
+@dataclass(frozen=True)
+class ExportJob:
+    """One saved prediction to export.
+
+    Attributes:
+        folder: the folder with joints.json, and maybe overrides.toml.
+        target: the folder to write; `folder` to write it again.
+        formats: names of formats. Written again, a folder keeps its own formats too. Empty for those alone.
+        source: the file of the shape; None for the one that joints.json names.
+        replaced: files of `target` that kinmo wrote, which are replaced. Other files stay.
+    """
+
+    folder: Path
+    target: Path
+    formats: tuple[str, ...] = ()
+    source: Path | None = None
+    replaced: tuple[str, ...] = ()
+
+    @property
+    def is_in_place(self) -> bool:
+        return self.folder == self.target
+
+
+@dataclass(frozen=True)
+class ExportedResult:
+    """An exported prediction: plain data about it, a line for each joint, notes, and its files relative to the folder."""
+
+    data: dict[str, Any]
+    lines: tuple[str, ...]
+    notes: tuple[str, ...]
+    files: tuple[str, ...]
+
+
+def export_result(job: ExportJob) -> ExportedResult | str:
+    """Write the folder of a prediction with its corrections. Returns a message if that is impossible."""
+    try:
+        return _export(job)
+    except InputError as error:
+        return str(error)
+    except OSError as error:
+        return str(InputError(printable_path(error.filename or job.target), error.strerror or str(error)))
+
+
+def corrected_result(job: ExportJob) -> tuple[SavedResult, tuple[str, ...]]:
+    """The prediction to export, as overrides.toml corrects it, and its formats. Raises InputError if that is impossible."""
+    check_formats(job.formats)
+    saved = read_result(job.folder, job.source)
+    file = job.folder / OVERRIDES_FILE
+    estimate = saved.estimate.predicted
+    if os.path.lexists(file):
+        estimate = corrected_estimate(saved.shape, estimate, read_overrides(file))
+    own = (*saved.options.formats, JOINTS_JSON)
+    formats = (*own, *job.formats) if job.is_in_place else job.formats or own
+    return replace(saved, estimate=estimate), tuple(dict.fromkeys(formats))
+
+
+def _export(job: ExportJob) -> ExportedResult:
+    result, formats = corrected_result(job)
+    options, file = result.options, job.folder / OVERRIDES_FILE
+    kept, texts = set(files_below(job.target)) - set(job.replaced), {}
+    if not job.is_in_place:
+        options = replace(options, name=job.target.name)
+        is_complete = JOINTS_JSON in formats and file.is_file()
+        texts = {OVERRIDES_FILE: file.read_text(encoding="utf-8")} if is_complete else {}
+    written = write_result(result.shape, result.estimate, job.target, formats, options, kept=kept, texts=texts)
+    document = joints_document(result.shape, result.estimate, options)
+    lines = joint_lines(document)
+    data = {
+        "id": result.shape.id,
+        "folder": str(job.target),
+        "category": result.estimate.category,
+        "joints": len(lines),
+        "corrected": result.estimate.correction is not None,
+        "notes": list(_notes(result.estimate, formats)),
+        "files": {name: str(path) for name, path in written.main.items()},
+    }
+    return ExportedResult(data, tuple(lines), _notes(result.estimate, formats), written.files)
+
+
+def _notes(estimate: ShapeEstimate, formats: Sequence[str]) -> tuple[str, ...]:
+    if estimate.correction is not None:
+        return estimate.correction.notes
+    return (UNCHECKED,) if PARTNET_MOBILITY in formats else ()
+
+
+def edited_file(cache: Cache, name: str) -> str | None:
+    """A message if a person edited a file of the result `name`, which an export would replace."""
+    edited = cache.edited(name)
+    if not edited:
+        return None
+    return str(InputError(edited[0], "was edited after kinmo wrote it: move it away, then run kinmo export again"))
+
+
+def files_of(cache: Cache, name: str) -> tuple[str, ...]:
+    """Files of the result `name`, as paths relative to its folder, which `cache` records."""
+    known = cache.latest(name)
+    return () if known is None else tuple(Path(path).relative_to(name).as_posix() for path in known.files)
+
+
+def keep_current(cache: Cache, folder: Path, files: Sequence[str]) -> None:
+    """Record the files that replaced those of a prediction, so that kinmo predict regards it as up to date.
+
+    `cache` is the one beside the folder.
+    """
+    name = folder.resolve().name
+    known = cache.latest(name)
+    if known is not None:
+        cache.store(name, known.key, [cache.folder / name / file for file in files], known.data)
+
+
+def apply_overrides(folders: Sequence[Path], observer: Observer) -> dict[Path, str]:
+    """Write those predictions again whose overrides.toml is new, has changed, or is gone.
+
+    `folders` lie beside each other, and the caller holds the lock of the folder around them. Returns a message for each that
+    cannot be corrected, by its folder.
+    """
+    problems: dict[Path, str] = {}
+    outdated = [folder for folder in folders if _is_outdated(folder)]
+    cache = Cache(outdated[0].parent) if outdated else None
+    for folder in outdated:
+        assert cache is not None
+        job = ExportJob(folder, folder, replaced=files_of(cache, folder.name))
+        result = edited_file(cache, folder.name) or export_result(job)
+        if isinstance(result, str):
+            problems[folder] = result
+            observer.problem(f"not corrected: {result}")
+        else:
+            keep_current(cache, folder, result.files)
+    return problems
+
+
+def _is_outdated(folder: Path) -> bool:
+    """True if joints.json does not have the corrections of overrides.toml, or overrides.toml cannot be used."""
+    file = folder / OVERRIDES_FILE
+    try:
+        correction = read_document(folder / FILE_NAME)["correction"]
+        applied = None if correction.is_absent else correction["overrides"].value
+    except InputError:
+        return False
+    try:
+        return applied != (read_overrides(file).table if os.path.lexists(file) else None)
+    except InputError:
+        return True
