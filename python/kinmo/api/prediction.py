@@ -146,7 +146,7 @@ class Prediction:
         formats: Sequence[str] = ("urdf",),
         *,
         name: str | None = None,
-        metres_per_unit: float = 1.0,
+        metres_per_unit: float | None = None,
         overwrite: bool = False,
     ) -> dict[str, Path]:
         """Write the shape with its joints.
@@ -155,7 +155,7 @@ class Prediction:
             folder: The folder to write.
             formats: Names of formats (`kinmo.io.writers.WRITERS`), such as "urdf", "joints_json" or "partnet_mobility".
             name: Name of the model; None for the folder's name.
-            metres_per_unit: Length of a unit of the shape's file in metres.
+            metres_per_unit: Length of a unit of the shape's file in metres. None for that of the shape.
             overwrite: Replace a folder with files in it, as a whole.
 
         Returns:
@@ -170,6 +170,7 @@ class Prediction:
             raise InputError(folder, "is the current folder, which cannot be replaced: name another one")
         if not overwrite and folder.is_dir() and any(folder.iterdir()):
             raise InputError(folder, "has files in it: name another folder, or pass overwrite=True to replace all of them")
+        metres_per_unit = self.shape.metres_per_unit if metres_per_unit is None else metres_per_unit
         if not 0.0 < metres_per_unit < math.inf:
             raise InputError("metres_per_unit", f"expected a positive number, got {metres_per_unit}")
         options = ExportOptions(name or folder.name, metres_per_unit, provenance=self.provenance)

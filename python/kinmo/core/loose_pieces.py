@@ -1,0 +1,46 @@
+"""Loose pieces of a mesh: its connected components, where vertices at the same place count as one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from kinmo.core.shape import Mesh
+
+SAME_VERTEX = 5e-5
+"""Step of the grid that vertices are rounded to before they are compared, in diagonals of the mesh."""
+MAX_PIECES = 400
+"""Most pieces of one mesh."""
+
+
+def loose_pieces(mesh: Mesh, *, most: int = MAX_PIECES) -> list[Mesh]:
+    """Connected components of a mesh with at least one face, as `pieces_of_faces` numbers them."""
+    pieces = pieces_of_faces(mesh, most=most)
+    return [Mesh(mesh.vertices, mesh.faces[pieces == piece]).compact for piece in range(int(pieces.max()) + 1)]
+
+
+def pieces_of_faces(mesh: Mesh, *, most: int = MAX_PIECES) -> NDArray[np.int64]:
+    """Number of the loose piece of every face.
+
+    Args:
+        mesh: A mesh with at least one face.
+        most: Most pieces. If there are more, the smallest ones form one piece together.
+
+    Returns:
+        [F] numbers from 0, the piece with the largest area first.
+    """
+    used = mesh.corners
+    low = used.min(axis=0)
+    step = SAME_VERTEX * max(float(np.linalg.norm(used.max(axis=0) - low)), 1e-300)
+    _, place = np.unique(np.round((mesh.vertices - low) / step).astype(np.int64), axis=0, return_inverse=True)
+    corners = place.ravel()[mesh.faces]
+    edges = np.concatenate([corners[:, :2], corners[:, 1:]])
+    count = int(corners.max()) + 1
+    graph = coo_array((np.ones(len(edges), bool), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    _, component = connected_components(graph, directed=False)
+    _, label = np.unique(component[corners[:, 0]], return_inverse=True)
+    order = np.argsort(-np.bincount(label.ravel(), weights=mesh.face_areas), kind="stable")
+    rank = np.minimum(np.argsort(order, kind="stable"), most - 1)
+    return np.asarray(rank[label.ravel()], np.int64)
