@@ -48,8 +48,8 @@ def read_dae_scene(path: Path) -> Scene:
         raise
     except Exception as error:  # pycollada raises many kinds of errors for broken files
         raise InputError(path, f"expected a readable DAE file ({type(error).__name__}: {error})") from None
-    for error in document.errors:
-        builder.ignore(f"{type(error).__name__} ({clean_text(str(error))})")
+    for problem in document.errors:
+        builder.ignore(f"{type(problem).__name__} ({clean_text(str(problem))})")
     metres = 1.0 if unit is None or not 0.0 < float(unit) < 1e6 else float(unit)
     return builder.scene(DAE, "DAE", _UP.get(up, "y"), metres)
 

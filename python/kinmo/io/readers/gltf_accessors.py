@@ -88,6 +88,6 @@ def _with_sparse(file: GltfFile, numbers: NDArray[Any], sparse: JsonField) -> ND
     places = _packed(file, sparse["indices"], np.dtype(_DTYPES[code.integer()]), count, 1)[:, 0]
     if int(places.max()) >= len(numbers):
         raise sparse["indices"].fail(f"expected indices below {len(numbers)}, got {int(places.max())}")
-    changed = numbers.copy()
+    changed: NDArray[Any] = numbers.copy()
     changed[places] = _packed(file, sparse["values"], numbers.dtype, count, numbers.shape[1])
     return changed

@@ -59,7 +59,8 @@ def read_primitive(file: GltfFile, field: JsonField) -> Primitive | None:
 
 def _influences(file: GltfFile, attributes: JsonField, count: int) -> tuple[NDArray[np.int64] | None, F64 | None]:
     """Joints and weights of all vertices, from all sets of four that the primitive has."""
-    joints, weights = [], []
+    joints: list[NDArray[np.int64]] = []
+    weights: list[F64] = []
     while not (one := attributes[f"JOINTS_{len(joints)}"]).is_absent:
         other = attributes[f"WEIGHTS_{len(joints)}"]
         joints.append(read_numbers(file, one, "VEC4", INDEX_TYPES).astype(np.int64))

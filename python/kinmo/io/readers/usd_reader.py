@@ -68,8 +68,8 @@ class _UsdScene:
                 continue
             name = prim.GetDisplayName() or prim.GetName()
             if prim.IsA(self.geom.PointInstancer):
-                for mesh in self._instances(prim):
-                    self.builder.add(name, parent, mesh)
+                for instance in self._instances(prim):
+                    self.builder.add(name, parent, instance)
                 continue
             mesh = self._mesh(prim)
             place = self.builder.add(name, parent, mesh, None if mesh is None else self._pose(prim))
@@ -91,7 +91,7 @@ class _UsdScene:
 
     def _pose(self, prim: Any) -> F64:
         """Transform [4, 4] from a prim to the scene."""
-        return np.array(self.poses.GetLocalToWorldTransform(prim), np.float64).T
+        return np.asarray(np.array(self.poses.GetLocalToWorldTransform(prim), np.float64).T)
 
     def _mesh(self, prim: Any) -> Mesh | None:
         """The triangles of a prim in its own frame. None if it has none."""
