@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from kinmo.core.shape import Shape
+import numpy as np
+
+from kinmo.core.shape import Mesh, Shape
 from kinmo.io.readers.reader import Reader
 from kinmo.io.readers.scene import Scene, SceneBuilder
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
@@ -32,8 +34,21 @@ def read_stl_scene(path: Path) -> Scene:
     names = [match.decode("utf-8", "replace").strip() for match in _SOLID.findall(data)] if len(meshes) > 1 else []
     builder = SceneBuilder(path)
     for place, mesh in enumerate(meshes):
-        builder.add(names[place] if len(names) == len(meshes) else "", mesh=mesh)
+        builder.add(names[place] if len(names) == len(meshes) else "", mesh=_joined(mesh))
     return builder.scene(STL, "STL", "z", None, MILLIMETRE)
+
+
+def _joined(mesh: Mesh) -> Mesh:
+    """The mesh with each position once. STL has the corners of every triangle."""
+    positions = mesh.vertices + 0.0  # no negative zeros
+    factors = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
+    hashes = (positions.view(np.uint64) * factors).sum(axis=1)
+    _, first, places = np.unique(hashes, return_index=True, return_inverse=True)
+    if not np.array_equal(positions[first][places.ravel()], positions):  # two positions with one hash
+        return mesh
+    rank = np.empty(len(first), np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return Mesh(positions[np.sort(first)], rank[places.ravel()][mesh.faces].astype(np.uint32))
 
 
 READER = Reader(

@@ -132,10 +132,17 @@ class _Package:
         text = self.archive.read(info)
         if b"<!ENTITY" in text:
             raise InputError(self.path, "expected XML without entities")
-        parser = expat.ParserCreate(namespace_separator=" ")
+        parser = expat.ParserCreate()
 
         def start(tag: str, attributes: dict[str, str]) -> None:
-            self._start(tag.rpartition(" ")[2], attributes, model, is_root)
+            name = tag.rpartition(":")[2] if ":" in tag else tag
+            found = self._object
+            if name == "vertex" and found is not None:  # first, because files have millions of these
+                found.vertices += (float(attributes["x"]), float(attributes["y"]), float(attributes["z"]))
+            elif name == "triangle" and found is not None:
+                found.corners += (int(attributes["v1"]), int(attributes["v2"]), int(attributes["v3"]))
+            else:
+                self._start(name, attributes, model, is_root)
 
         parser.StartElementHandler = start
         try:
@@ -148,16 +155,11 @@ class _Package:
             raise InputError(self.path, f"expected numbers in {info.filename} ({error})") from None
 
     def _start(self, tag: str, attributes: dict[str, str], model: str, is_root: bool) -> None:
-        found = self._object
-        if tag == "vertex" and found is not None:
-            found.vertices += (float(attributes["x"]), float(attributes["y"]), float(attributes["z"]))
-        elif tag == "triangle" and found is not None:
-            found.corners += (int(attributes["v1"]), int(attributes["v2"]), int(attributes["v3"]))
-        elif tag == "object":
+        if tag == "object":
             is_shown = attributes.get("type", "model") not in _UNSHOWN
             self._object = self.objects[model, attributes["id"]] = _Object(attributes.get("name", ""), is_shown)
-        elif tag == "component" and found is not None:
-            found.components.append(_reference(attributes, model))
+        elif tag == "component" and self._object is not None:
+            self._object.components.append(_reference(attributes, model))
         elif tag == "item" and is_root:
             self.items.append(_reference(attributes, model))
         elif tag == "model" and is_root:
@@ -169,7 +171,7 @@ class _Package:
 
 def _reference(attributes: dict[str, str], model: str) -> _Reference:
     """A component or build item. The production extension names another file by `path`."""
-    path = next((value for name, value in attributes.items() if name.rpartition(" ")[2] == "path"), None)
+    path = next((value for name, value in attributes.items() if name.rpartition(":")[2] == "path"), None)
     pose = np.eye(4)
     if "transform" in attributes:
         rows = np.array([float(number) for number in attributes["transform"].split()]).reshape(4, 3)
