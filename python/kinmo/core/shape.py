@@ -112,12 +112,12 @@ class Shape:
         source: the file or folder that the shape was read from.
         layout: name of the input format (see `kinmo.io.readers`).
         up: unit vector that points up, in the frame of the file.
-        front: unit vector towards the viewer, in the frame of the file. None if it is unknown.
-        metres_per_unit: length of a unit of the file, in metres.
-        guesses: what the reader had to guess: a short line each for "up", "metres_per_unit" and "category".
         mobility: the annotated bodies and joints. None for a shape without annotation.
         partnet_id: the PartNet annotation (`anno_id`) of the shape, to recognise copies. None if there is none.
         repairs: one line for each problem that the reader repaired.
+        front: unit vector towards the viewer, in the frame of the file. None if it is unknown.
+        metres_per_unit: length of a unit of the file, in metres.
+        guesses: what the reader had to guess: a short line each for "up", "metres_per_unit" and "category".
     """
 
     id: str
@@ -126,12 +126,12 @@ class Shape:
     source: Path
     layout: str
     up: tuple[float, float, float] = Y_UP
-    front: tuple[float, float, float] | None = Z_FRONT
-    metres_per_unit: float = 1.0
-    guesses: Mapping[str, str] = field(default_factory=dict)
     mobility: Mobility | None = None
     partnet_id: str | None = None
     repairs: tuple[str, ...] = ()
+    front: tuple[float, float, float] | None = Z_FRONT
+    metres_per_unit: float = 1.0
+    guesses: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def leaves(self) -> tuple[int, ...]:

@@ -42,7 +42,8 @@ def _joined(mesh: Mesh) -> Mesh:
     """The mesh with each position once. STL has the corners of every triangle."""
     positions = mesh.vertices + 0.0  # no negative zeros
     factors = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
-    hashes = (positions.view(np.uint64) * factors).sum(axis=1)
+    bits = positions.view(np.uint64)
+    hashes = ((bits ^ (bits >> np.uint64(32))) * factors).sum(axis=1)  # float32 leaves the low bits empty
     _, first, places = np.unique(hashes, return_index=True, return_inverse=True)
     if not np.array_equal(positions[first][places.ravel()], positions):  # two positions with one hash
         return mesh
