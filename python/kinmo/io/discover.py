@@ -116,7 +116,7 @@ def discover(
             if entry.is_symlink():
                 _check_link(Path(entry.path), home, report)
             elif entry.is_dir(follow_symlinks=False):
-                subfolders.append((Path(entry.path), with_meshes and not _has_meshes_of_others(Path(entry.path))))
+                subfolders.append((Path(entry.path), with_meshes and not _has_meshes_of_others(folder, entry.name, names)))
             elif whole is None and (found := _shape_in_file(Path(entry.path), with_meshes)) is not None:
                 yield found
         if depth >= _MAX_DEPTH and subfolders:
@@ -130,12 +130,10 @@ def _is_robot_folder(names: set[str]) -> bool:
     return _PREDICTION in names or any(name.lower().endswith(_ROBOT_ENDINGS) for name in names)
 
 
-def _has_meshes_of_others(folder: Path) -> bool:
-    """True if the meshes of a folder belong to a tree file of DSG-Net."""
-    if folder.name.endswith(_MESHES_OF_OTHERS):
-        return True
-    tree = folder.with_name(f"{folder.name}.json")
-    return tree.is_file() and READERS[DSG_NET].id_of_file(tree) is not None
+def _has_meshes_of_others(above: Path, name: str, names: set[str]) -> bool:
+    """True if the meshes of the folder `name` belong to a tree file of DSG-Net. `names` are its neighbours in `above`."""
+    tree = f"{name}.json"
+    return name.endswith(_MESHES_OF_OTHERS) or (tree in names and READERS[DSG_NET].id_of_file(above / tree) is not None)
 
 
 def _shape_in_file(path: Path, with_meshes: bool = True) -> ShapeSource | None:

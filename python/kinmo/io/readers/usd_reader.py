@@ -41,8 +41,9 @@ def read_usd_scene(path: Path) -> Scene:
     except InputError:
         raise
     except Exception as error:  # usd-core raises errors of its own kinds
-        message = str(error).strip().splitlines()
-        raise InputError(path, f"expected a readable USD file ({message[-1].strip() if message else error})") from None
+        first = error.args[0] if error.args else error
+        problem = getattr(first, "commentary", str(first))
+        raise InputError(path, f"expected a readable USD file ({problem})") from None
 
 
 class _UsdScene:
