@@ -121,6 +121,8 @@ MODEL = """<?xml version="1.0"?>
 MESH = """<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex z="0" x="0" y="1"/></vertices>
 <triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh>"""
 
+FAR_MESH = MESH.replace('v3="2"', 'v3="8"')
+
 
 def threemf(path: Path, objects: str, items: str, **others: str) -> Path:
     with zipfile.ZipFile(path, "w") as archive:
@@ -148,7 +150,7 @@ def test_the_components_of_a_3mf_file_are_nodes(tmp_path: Path) -> None:
     [
         ("", '<item objectid="4"/>', "object 4 is used, but not in the file"),
         (
-            f'<object id="1">{MESH.replace('v3="2"', 'v3="8"')}</object>',
+            f'<object id="1">{FAR_MESH}</object>',
             '<item objectid="1"/>',
             "a triangle names a vertex outside 0..2",
         ),
