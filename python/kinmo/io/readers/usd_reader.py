@@ -145,7 +145,7 @@ class _UsdScene:
                 solid.vertices -= [0.0, 0.0, 0.5 * height]
             else:
                 solid = make.cylinder(radius, height, sections=32)
-            solid.vertices = solid.vertices[:, np.argsort(_TURNS[str(shape.GetAxisAttr().Get())])]
+            solid.vertices = solid.vertices[:, _TURNS[str(shape.GetAxisAttr().Get())]]
         else:
             return None
         return Mesh(np.array(solid.vertices, np.float64), np.array(solid.faces, np.uint32))
