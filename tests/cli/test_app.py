@@ -102,14 +102,16 @@ ONLY_WORKSPACE = "applies only to the workspace's own shapes and scans, not to F
             "--from: ancsh cannot start from trained weights; use it with all, motion or axis",
         ),
         ("train ancsh --from elsewhere", "--from: ancsh cannot start from trained weights; use it with all, motion or axis"),
-        ("predict shapes --depth-scale 1000", "--depth-scale: applies only to scans; give --category too"),
-        ("predict scan.npz --category door --up z", "--up: applies only to shapes; remove it, or remove --category"),
+        ("predict shapes --depth-scale 1000", "--depth-scale: applies only to scans; give --category too, and name a scan"),
+        ("predict scan.npz --category door --up z", "--up: applies only to shapes; remove it, or name a shape"),
         (
             "predict a.npz --category door --metres-per-unit 2",
-            "--metres-per-unit: applies only to shapes; remove it, or remove --category",
+            "--metres-per-unit: applies only to shapes; remove it, or name a shape",
         ),
-        ("predict a.npz --category door --cluster auto", "--cluster: applies only to shapes; remove it, or remove --category"),
-        ("predict shapes --intrinsics 1,1,1,1", "--intrinsics: applies only to scans; give --category too"),
+        ("predict a.npz --category door --front y", "--front: applies only to shapes; remove it, or name a shape"),
+        ("predict a.npz --category door --labels l.npy", "--labels: applies only to shapes; remove it, or name a shape"),
+        ("predict a.npz --category door --cluster auto", "--cluster: applies only to shapes; remove it, or name a shape"),
+        ("predict shapes --intrinsics 1,1,1,1", "--intrinsics: applies only to scans; give --category too, and name a scan"),
         ("render --example scan.npz", "--example: expected --category too: the category of the scan"),
         ("synth shapes --layout dsg_net --oracle", "--oracle: applies only to --layout partnet"),
         ("table 2 --method paper --from elsewhere", "--from: paper cannot start from trained weights; use it with kinmo"),
@@ -138,10 +140,11 @@ def test_absurd_scales_are_refused(option: str, value: str) -> None:
 def test_choices_of_options_equal_those_of_the_program() -> None:
     """The command line lists choices a second time because help must start without heavy imports."""
     from kinmo.api.stages import Networks
-    from kinmo.cli.options import MethodName, ProtocolName
+    from kinmo.cli.options import AxisName, MethodName, ProtocolName
     from kinmo.cli.synth import MAX_SHAPES, LayoutName
     from kinmo.cli.table import TableName
     from kinmo.cli.train import NetworksName, SettingName
+    from kinmo.core.frames import Axis
     from kinmo.experiments.scan_tables.table_rows import TABLES
     from kinmo.methods import METHOD_MODELS
     from kinmo.pipeline.motion_models import GROUPS
@@ -152,6 +155,7 @@ def test_choices_of_options_equal_those_of_the_program() -> None:
 
     assert {each.value for each in LayoutName} == WRITERS.keys()
     assert set(get_args(MethodName)) == METHOD_MODELS.keys()
+    assert get_args(AxisName) == get_args(Axis)
     assert set(get_args(NetworksName)) == set(get_args(Networks)) == GROUPS.keys() - METHOD_MODELS.keys() | {"all", "ancsh"}
     assert set(get_args(SettingName)) == set(get_args(Setting))
     assert set(get_args(TableName)) == TABLES.keys()

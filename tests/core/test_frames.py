@@ -8,7 +8,7 @@ from articulated import rotations
 from hypothesis import given
 from scipy.spatial.transform import Rotation
 
-from kinmo.core.frames import TO_Y_UP, Y_UP_TO_Z_UP, Up, roll_pitch_yaw, z_up_rotation
+from kinmo.core.frames import AXIS_VECTORS, USUAL_FRONT, Y_UP_TO_Z_UP, Axis, roll_pitch_yaw, y_up_rotation, z_up_rotation
 
 
 @given(rotations)
@@ -24,10 +24,28 @@ def test_y_up_shapes_are_rotated_as_in_partnet_mobility() -> None:
     assert np.array_equal(z_up_rotation(np.array([0.0, 1, 0])), Y_UP_TO_Z_UP)
 
 
-@pytest.mark.parametrize(("up", "direction", "front"), [("y", (0, 1, 0), (0, 0, 1)), ("z", (0, 0, 1), (0, -1, 0))])
-def test_up_and_front_of_a_file_become_y_and_z(up: Up, direction: tuple[int, ...], front: tuple[int, ...]) -> None:
-    assert np.array_equal(TO_Y_UP[up] @ direction, (0, 1, 0))
-    assert np.array_equal(TO_Y_UP[up] @ front, (0, 0, 1))
+AXES = [np.array(vector) for vector in AXIS_VECTORS.values()]
+
+
+@pytest.mark.parametrize(("up", "front"), [(up, front) for up in AXES for front in AXES if up @ front == 0.0])
+def test_up_and_front_become_y_and_z(up: np.ndarray, front: np.ndarray) -> None:
+    rotation = y_up_rotation(up, front)
+    assert np.array_equal(rotation @ up, (0, 1, 0))
+    assert np.array_equal(rotation @ front, (0, 0, 1))
+    assert np.linalg.det(rotation) == pytest.approx(1)
+
+
+@pytest.mark.parametrize(("up", "front"), USUAL_FRONT.items())
+def test_the_usual_front_is_used_if_none_is_known(up: Axis, front: Axis) -> None:
+    rotation = y_up_rotation(np.array(AXIS_VECTORS[up]))
+    assert np.array_equal(rotation, y_up_rotation(np.array(AXIS_VECTORS[up]), np.array(AXIS_VECTORS[front])))
+
+
+@given(rotations)
+def test_a_front_along_the_up_direction_counts_as_unknown(rotation: np.ndarray) -> None:
+    up = rotation[:, 1]
+    assert np.array_equal(y_up_rotation(up, up), y_up_rotation(up))
+    assert y_up_rotation(up) @ up == pytest.approx([0, 1, 0], abs=1e-9)
 
 
 @given(rotations)

@@ -29,6 +29,7 @@ from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.io.readers import read_partnet
 from kinmo.io.readers.joints_json_reader import read_joints_json
+from kinmo.io.readers.stated_facts import StatedFacts
 from kinmo.io.writers import WRITERS, write_urdf
 from kinmo.pipeline import predict_shapes
 from kinmo.pipeline.predict_shapes import PredictShapes
@@ -196,7 +197,7 @@ def test_edits_of_a_user_stay_only_while_the_shape_and_the_settings_do(stage: Pr
     before = urdf.read_text(encoding="utf-8")
     urdf.write_text(f"{before}<!-- edited -->", encoding="utf-8")
     assert stage.plan().steps == ()
-    other = replace(stage, metres_per_unit=2.0)
+    other = replace(stage, facts=StatedFacts(metres_per_unit=2.0))
     assert other.plan().steps == (f"predict 1 shape into {stage.out}",)
     other.run(Recorder())
     assert "edited" not in urdf.read_text(encoding="utf-8")
@@ -259,7 +260,7 @@ def test_a_shape_with_z_up_gets_the_joints_of_its_copy_with_y_up(trained: Traine
         path.write_text(text, encoding="utf-8")
     predict = PredictShapes(standing, tmp_path / "out y", trained.workspace, METHODS[0], device="cpu")
     predict.run(Recorder())
-    replace(predict, source=lying, out=tmp_path / "out z", up="z").run(Recorder())
+    replace(predict, source=lying, out=tmp_path / "out z", facts=StatedFacts(up="z")).run(Recorder())
     wanted, found = (
         read_joints_json(tmp_path / f"out {up}" / source.name / "joints.json", read_partnet(folder))[0]
         for up, folder in (("y", standing), ("z", lying))
@@ -288,7 +289,12 @@ def test_shapes_of_the_same_name_go_into_folders_named_by_their_paths(trained: T
     for place, shape in zip(("kitchen", "lab"), some, strict=True):
         shutil.copytree(shape, tmp_path / "shapes" / place / "scene")
     stage = PredictShapes(
-        tmp_path / "shapes", tmp_path / "out", trained.workspace, METHODS[0], device="cpu", metres_per_unit=100.0
+        tmp_path / "shapes",
+        tmp_path / "out",
+        trained.workspace,
+        METHODS[0],
+        device="cpu",
+        facts=StatedFacts(metres_per_unit=100.0),
     )
     assert stage.plan().steps == (f"predict 2 shapes into {tmp_path / 'out'}",)
     recorder = Recorder()
@@ -338,8 +344,63 @@ def test_the_terminal_shows_every_joint_and_its_score(
     assert lines == ["cabinet (category Cabinet)", f"  door: hinge, 0 to 90°, {words}", "1 shape, 1 joint, 0 skipped"]
 
 
-def test_a_shape_of_one_part_is_noted(stage: PredictShapes) -> None:
-    trimesh.creation.box().export(stage.source.with_suffix(".glb"))
+def test_a_mesh_in_one_piece_is_an_error_that_says_how_to_get_parts(stage: PredictShapes) -> None:
+    path = stage.source.with_suffix(".glb")
+    trimesh.creation.icosphere().export(path)
+    outcome = replace(stage, source=path).run(Recorder())
+    (line,) = outcome.data["skipped"]
+    assert outcome.failed == 1
+    assert line.startswith(f"{path}: is one connected mesh, so no parts can be told apart: separate the object into")
+    assert "--labels faces.npy" in line
+
+
+def boxes_file(path: Path, *shifts: tuple[float, float, float], scale: float = 1.0) -> Path:
+    """A file with a mesh of boxes."""
+    boxes = [trimesh.creation.box((1.0, 2.0, 0.5)).apply_translation(shift).apply_scale(scale) for shift in shifts]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    trimesh.util.concatenate(boxes).export(path)
+    return path
+
+
+def test_guesses_are_printed_and_written(stage: PredictShapes) -> None:
+    path = boxes_file(stage.source / "a.glb", (0, 0, 0), (3, 0, 0))
     recorder = Recorder()
-    replace(stage, source=stage.source.with_suffix(".glb")).run(recorder)
-    assert any("has one part, so nothing can move" in line for line in recorder.notes)
+    replace(stage, source=path).run(recorder)
+    assert "guessed: up +y (glTF), 1 unit = 1 m, category unknown" in recorder.notes
+    shape = json.loads((stage.out / "a" / "joints.json").read_text(encoding="utf-8"))["shape"]
+    assert shape["guessed"] == {"up": "up +y (glTF)", "metres_per_unit": "1 unit = 1 m", "category": "category unknown"}
+    assert (shape["front"], shape["metres_per_unit"], shape["category"]) == ([0.0, 0.0, 1.0], 1.0, "")
+
+
+def test_equal_guesses_about_several_shapes_are_one_line(stage: PredictShapes) -> None:
+    for name in "abc":
+        boxes_file(stage.source / name / "scene.glb", (0, 0, 0), (3, 0, 0))
+    recorder = Recorder()
+    stage.run(recorder)
+    lines = [line for line in recorder.notes if line.startswith("guessed")]
+    assert lines == ["guessed for 3 shapes, such as scene: up +y (glTF), 1 unit = 1 m, category unknown"]
+
+
+def test_what_is_stated_is_not_guessed(stage: PredictShapes) -> None:
+    path = boxes_file(stage.source / "a.stl", (0, 0, 0), (3, 0, 0), scale=1000.0)
+    recorder = Recorder()
+    facts = StatedFacts("storage furniture", "y", "x", 0.01)
+    replace(stage, source=path, facts=facts).run(recorder)
+    shape = json.loads((stage.out / "a" / "joints.json").read_text(encoding="utf-8"))["shape"]
+    assert not [line for line in recorder.notes if line.startswith("guessed")]
+    assert (shape["guessed"], shape["category"], shape["up"]) == ({}, "StorageFurniture", [0.0, 1.0, 0.0])
+    assert (shape["front"], shape["metres_per_unit"]) == ([1.0, 0.0, 0.0], 0.01)
+    assert 'scale="0.01 0.01 0.01"' in (stage.out / "a" / "a.urdf").read_text(encoding="utf-8")
+
+
+def test_other_labels_make_another_prediction(stage: PredictShapes, tmp_path: Path) -> None:
+    path = boxes_file(stage.source / "a.glb", (0, 0, 0), (3, 0, 0), (6, 0, 0))
+    predict = replace(stage, source=path, facts=StatedFacts(labels=tmp_path / "faces.npy"))
+    for parts in (2, 3):
+        np.save(tmp_path / "faces.npy", np.arange(36) % parts)
+        assert predict.plan().steps
+        assert predict.run(Recorder()).data["shapes"][0]["parts"] == parts
+    assert predict.plan().steps == ()
+    np.save(tmp_path / "faces.npy", np.arange(35))
+    (line,) = predict.run(Recorder()).data["skipped"]
+    assert "expected 36 integers, one per triangle of a.glb" in line

@@ -66,7 +66,6 @@ class Prediction:
         shape: The shape.
         estimate: Everything that the method estimated, in the shape's own frame and units.
         provenance: Networks and settings of the method.
-        metres_per_unit: Length of a unit of the shape's file in metres, for exports.
 
     Example:
         >>> prediction = kinmo.Predictor("workspace").predict(kinmo.load("cabinet.glb"))
@@ -79,7 +78,6 @@ class Prediction:
     shape: Shape
     estimate: ShapeEstimate
     provenance: PredictionProvenance
-    metres_per_unit: float = 1.0
 
     @classmethod
     def load(cls, folder: Path | str, *, source: Path | str | None = None) -> Prediction:
@@ -99,7 +97,8 @@ class Prediction:
             >>> prediction = kinmo.Prediction.load("out/cabinet")
         """
         saved = read_result(Path(folder), None if source is None else Path(source))
-        return cls(saved.shape, saved.estimate, saved.options.provenance, saved.options.metres_per_unit)
+        shape = replace(saved.shape, metres_per_unit=saved.options.metres_per_unit)
+        return cls(shape, saved.estimate, saved.options.provenance)
 
     def with_overrides(self, overrides: Path | str | Mapping[str, Any]) -> Prediction:
         """Correct the prediction by hand (docs/guide/correct.md).
@@ -212,7 +211,7 @@ class Prediction:
             folder: The folder to write.
             formats: Names of formats (`kinmo.io.writers.WRITERS`), such as "urdf", "joints_json" or "partnet_mobility".
             name: Name of the model; None for the folder's name.
-            metres_per_unit: Length of a unit of the shape's file in metres. None for that of the prediction.
+            metres_per_unit: Length of a unit of the shape's file in metres. None for that of the shape.
             overwrite: Replace a folder with files in it, as a whole. An overrides.toml in it stays.
 
         Returns:
@@ -227,7 +226,7 @@ class Prediction:
             raise InputError(folder, "is the current folder, which cannot be replaced: name another one")
         if not overwrite and folder.is_dir() and any(folder.iterdir()):
             raise InputError(folder, "has files in it: name another folder, or pass overwrite=True to replace all of them")
-        scale = self.metres_per_unit if metres_per_unit is None else metres_per_unit
+        scale = self.shape.metres_per_unit if metres_per_unit is None else metres_per_unit
         if not 0.0 < scale < math.inf:
             raise InputError("metres_per_unit", f"expected a positive number, got {scale}")
         options = ExportOptions(name or folder.name, scale, provenance=self.provenance)
@@ -247,7 +246,7 @@ class Prediction:
         """
         folder = Path(folder)
         name, formats = folder.resolve().name, ("joints_json",)
-        options = ExportOptions(name, self.metres_per_unit, provenance=self.provenance, formats=formats)
+        options = ExportOptions(name, self.shape.metres_per_unit, provenance=self.provenance, formats=formats)
         for file, text in self._overrides_text(folder).items():
             write_text_atomically(folder / file, text)
         return write_joints_json(self.shape, self.estimate, folder, options)

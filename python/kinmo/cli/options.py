@@ -25,6 +25,8 @@ Start = Annotated[
     Path | None,
     Option("--from", help="Workspace whose trained networks to continue from (kinmo's own method).", show_default=False),
 ]
+AxisName = Literal["x", "y", "z", "-x", "-y", "-z"]
+"""Axes of `kinmo.core.frames`."""
 Cluster = Annotated[
     str | None,
     Option(

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from typer import Argument, BadParameter, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import Cluster, CommonOptions, MethodName, refuse
+from kinmo.cli.options import AxisName, Cluster, CommonOptions, MethodName, refuse
 
 SCANS = "Options for scans"
 
@@ -17,7 +17,7 @@ def predict(
     options: CommonOptions,
     shape: Annotated[
         Path,
-        Argument(help="A shape (folder or .glb), a scan, or a folder with such anywhere below it.", show_default=False),
+        Argument(help="A shape (file or folder), a scan, or a folder with such anywhere below it.", show_default=False),
     ],
     out: Annotated[Path, Option("--out", "-o", help="Folder for the results; each shape gets a folder in it.")] = Path(
         "predicted"
@@ -29,21 +29,29 @@ def predict(
             show_default="kinmo; for scans, the best trained",
         ),
     ] = None,
+    category: Annotated[
+        str | None, Option(help="Category of the object, in any spelling. Scans need it.", show_default="unknown")
+    ] = None,
     up: Annotated[
-        Literal["y", "z"] | None,
-        Option(help="Axis of the shape's frame that points up (z: with the front at -y).", show_default="y"),
+        AxisName | None, Option(help="Axis of the shape's file that points up.", show_default="by file or format")
+    ] = None,
+    front: Annotated[
+        AxisName | None, Option(help="Axis of the shape's file that points to the viewer.", show_default="z, or -y for --up z")
     ] = None,
     metres_per_unit: Annotated[
         float | None,
         Option(
-            min=1e-9, max=1e9, help="Length of a unit of the shape's file in metres; 0.001 for millimetres.", show_default="1"
+            min=1e-9,
+            max=1e9,
+            help="Length of a unit of the shape's file in metres; 0.001 for millimetres.",
+            show_default="by file, format or size",
         ),
     ] = None,
-    cluster: Cluster = None,
-    category: Annotated[
-        str | None,
-        Option(help="Category of the object in the scans, in any spelling.", show_default=False, rich_help_panel=SCANS),
+    labels: Annotated[
+        Path | None,
+        Option(help=".npy file with one integer per triangle of the shape: the number of its part.", show_default=False),
     ] = None,
+    cluster: Cluster = None,
     intrinsics: Annotated[
         str | None,
         Option(metavar="FX,FY,CX,CY", help="Camera of depth images, in pixels.", show_default=False, rich_help_panel=SCANS),
@@ -61,35 +69,35 @@ def predict(
 ) -> None:
     """Predict the joints of your own shapes, or of the object in a depth scan.
 
-    A shape is a hierarchy of named parts with meshes, or a .glb whose nodes are parts (docs/guide/predict.md). Each shape gets
-    a folder with joints.json (every joint with its score and alternatives) and a URDF with its meshes. Shapes that cannot be
-    read are skipped; the exit code is then 1.
+    A shape is a 3D file (.glb, .gltf, .obj, .ply, .stl, .dae, .3mf, .usd) or a folder (docs/reference/formats.md). Its nodes
+    are the parts; a single mesh is split into loose pieces. Each shape gets a folder with joints.json (every joint with its
+    score and alternatives) and a URDF with its meshes. Shapes that cannot be read are skipped; the exit code is then 1.
 
     A scan shows one object of a --category that kinmo train ancsh was run for (docs/guide/scans.md). It is an .npz or .npy file
     with points or depths, a .ply file, or a depth image (.png, .tif). The result has parts, boxes, poses, joints and joint
-    states in the camera's frame, the part of every point, and a picture. With --category, a folder is a folder of scans.
+    states in the camera's frame, the part of every point, and a picture. With --category, a folder without
+    shapes is a folder of scans.
 
     For example:
 
         kinmo predict my_shapes/cabinet -o out/
         kinmo predict my_shapes/ -o out/ --json > out.json
         kinmo predict cabinet.glb -o out/
-        kinmo predict blender_exports/ --up z -o out/
+        kinmo predict cabinet.stl --category StorageFurniture --up z --front -y --metres-per-unit 0.001
+        kinmo predict generated.glb --labels faces.npy
         kinmo predict scan.npz --category refrigerator
         kinmo predict scans/ --category refrigerator -o out/
         kinmo predict depth.png --category refrigerator --intrinsics 525,525,319.5,239.5 --depth-scale 1000 -o out/
     """
     from kinmo.dataset.workspace import Workspace
-    from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 
     workspace = Workspace(options.workspace)
-    if category is not None:
-        only_shapes = {"--up": up, "--metres-per-unit": metres_per_unit, "--cluster": cluster}
-        refuse(only_shapes, "applies only to shapes; remove it, or remove --category")
-        if shape.is_file() and shape.suffix.lower() not in SCAN_SUFFIXES:
-            raise BadParameter(
-                f"{shape} is no scan ({', '.join(SCAN_SUFFIXES)}); for a shape leave it out", param_hint="--category"
-            )
+    of_scans = {"--intrinsics": intrinsics, "--depth-scale": depth_scale}
+    if _has_scans(shape, category is not None, any(value is not None for value in of_scans.values())):
+        of_shapes = {"--up": up, "--front": front, "--metres-per-unit": metres_per_unit, "--labels": labels}
+        refuse({**of_shapes, "--cluster": cluster}, "applies only to shapes; remove it, or name a shape")
+        if category is None:
+            raise BadParameter("a scan needs --category, the category of the object in it", param_hint="--category")
         from kinmo.pipeline.scans.predict_scans import PredictScans
         from kinmo.scans.files.camera_intrinsics import Intrinsics
 
@@ -106,9 +114,8 @@ def predict(
         )
         execute(options, scans)
         return
-    if shape.is_file() and shape.suffix.lower() in SCAN_SUFFIXES:
-        raise BadParameter("a scan needs --category, the category of the object in it", param_hint="--category")
-    refuse({"--intrinsics": intrinsics, "--depth-scale": depth_scale}, "applies only to scans; give --category too")
+    refuse(of_scans, "applies only to scans; give --category too, and name a scan")
+    from kinmo.io.readers.stated_facts import StatedFacts
     from kinmo.pipeline.predict_shapes import PredictShapes
 
     shapes = PredictShapes(
@@ -119,8 +126,22 @@ def predict(
         seed=options.seed,
         device=options.device,
         workers=options.worker_count,
-        up=up or "y",
-        metres_per_unit=metres_per_unit or 1.0,
+        facts=StatedFacts(category, up, front, metres_per_unit, labels),
         cluster=cluster,
     )
     execute(options, shapes)
+
+
+def _has_scans(path: Path, has_category: bool, has_camera: bool) -> bool:
+    """True for a scan. With a category also for a folder that has no shapes, or whose camera is given."""
+    from kinmo.io.readers.ply_reader import has_faces
+    from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
+
+    if path.is_file() or not path.exists():
+        suffix = path.suffix.lower()
+        return suffix in SCAN_SUFFIXES and not (suffix == ".ply" and path.is_file() and has_faces(path))
+    if not has_category:
+        return False
+    from kinmo.io.discover import discover
+
+    return has_camera or next(discover(path), None) is None

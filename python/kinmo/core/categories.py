@@ -51,6 +51,11 @@ def canonical_category(name: str) -> str:
     return _SPELLING.get("".join(words)) or own or "-"
 
 
+def known_category(name: str) -> str:
+    """The canonical spelling of a known category. Empty if the name is none."""
+    return _SPELLING.get("".join(_words(name)), "")
+
+
 def same_category(one: str, other: str) -> bool:
     """True if two spellings mean the same category."""
     return canonical_category(one) == canonical_category(other)

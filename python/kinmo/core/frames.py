@@ -13,27 +13,35 @@ from kinmo.core.vector import Vector
 Y_UP_TO_Z_UP: NDArray[np.float64] = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 """Rotation from PartNet-Mobility's OBJ files (y up, front at +z) to its URDF files (z up, front at -x)."""
 
-Up = Literal["y", "z"]
-"""The up axis of a shape's own frame. The front is at +z for "y" and at -y for "z"."""
-TO_Y_UP: dict[Up, NDArray[np.float64]] = {
-    "y": np.eye(3),
-    "z": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
+Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
+"""An axis of a shape's own frame, or the direction against it."""
+AXIS_VECTORS: dict[Axis, tuple[float, float, float]] = {
+    "x": (1.0, 0.0, 0.0),
+    "y": (0.0, 1.0, 0.0),
+    "z": (0.0, 0.0, 1.0),
+    "-x": (-1.0, 0.0, 0.0),
+    "-y": (0.0, -1.0, 0.0),
+    "-z": (0.0, 0.0, -1.0),
 }
-"""Rotations [3, 3] from a shape's own frame to the frame with y up and the front at +z."""
-UP_VECTORS: dict[Up, tuple[float, float, float]] = {"y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-"""Unit vectors that point up, by the name of the axis."""
+"""Unit vectors of the axes."""
+USUAL_FRONT: dict[Axis, Axis] = {"y": "z", "z": "-y"}
+"""Axis of the front by the up axis: as in glTF and PartNet for y, and as in Blender for z. Others have no convention."""
 
 
-def y_up_rotation(up: Vector) -> NDArray[np.float64]:
-    """Rotation [3, 3] from a frame with the unit vector `up` [3] to the y-up frame that models see.
+def y_up_rotation(up: Vector, front: Vector | None = None) -> NDArray[np.float64]:
+    """Rotation [3, 3] from a frame with the unit vectors `up` and `front` [3] to the frame that models see: y up, front at +z.
 
-    A y-up shape stays as it is. A z-up shape is rotated so that its front at -y comes to +z. Any other `up` is rotated to y by
-    the smallest angle.
+    Without a front that is perpendicular to `up`, a y-up shape stays as it is, and a z-up shape is rotated so that -y comes to
+    +z. Any other `up` is then rotated to y by the smallest angle.
     """
-    for axis, vector in UP_VECTORS.items():
-        if np.allclose(up, vector, atol=1e-9):
-            return TO_Y_UP[axis]
-    return _rotation_to_y(np.asarray(up, float))
+    up = np.asarray(up, float)
+    if front is None or abs(np.dot(up, front)) > 1e-6:
+        usual = [(AXIS_VECTORS[one], AXIS_VECTORS[other]) for one, other in USUAL_FRONT.items()]
+        front = next((np.array(other) for one, other in usual if np.allclose(up, one, atol=1e-9)), None)
+    if front is None:
+        return _rotation_to_y(up)
+    rotation = np.stack([np.cross(up, front), up, np.asarray(front, float)])
+    return rotation + 0.0  # no negative zeros
 
 
 def z_up_rotation(up: Vector) -> NDArray[np.float64]:
@@ -42,7 +50,7 @@ def z_up_rotation(up: Vector) -> NDArray[np.float64]:
     A y-up shape is rotated as in PartNet-Mobility's own URDF files. A z-up shape stays as it is. Any other `up` is first
     rotated to y by the smallest angle.
     """
-    if np.allclose(up, UP_VECTORS["z"], atol=1e-9):
+    if np.allclose(up, AXIS_VECTORS["z"], atol=1e-9):
         return np.eye(3)
     return np.asarray(Y_UP_TO_Z_UP @ _rotation_to_y(np.asarray(up, float)))
 

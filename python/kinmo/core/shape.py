@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from kinmo.core.mobility import Mobility
 from kinmo.core.vector import Vector
 
 Y_UP: tuple[float, float, float] = (0.0, 1.0, 0.0)
+Z_FRONT: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +107,7 @@ class Shape:
 
     Attributes:
         id: name of the shape, such as its folder or file name.
-        category: canonical name of the object category (see `canonical_category`).
+        category: canonical name of the object category (see `canonical_category`). Empty if it is unknown.
         parts: the nodes of the hierarchy in preorder: the root first, every parent before its children.
         source: the file or folder that the shape was read from.
         layout: name of the input format (see `kinmo.io.readers`).
@@ -114,6 +115,9 @@ class Shape:
         mobility: the annotated bodies and joints. None for a shape without annotation.
         partnet_id: the PartNet annotation (`anno_id`) of the shape, to recognise copies. None if there is none.
         repairs: one line for each problem that the reader repaired.
+        front: unit vector towards the viewer, in the frame of the file. None if it is unknown.
+        metres_per_unit: length of a unit of the file, in metres.
+        guesses: what the reader had to guess: a short line each for "up", "metres_per_unit" and "category".
     """
 
     id: str
@@ -125,6 +129,9 @@ class Shape:
     mobility: Mobility | None = None
     partnet_id: str | None = None
     repairs: tuple[str, ...] = ()
+    front: tuple[float, float, float] | None = Z_FRONT
+    metres_per_unit: float = 1.0
+    guesses: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def leaves(self) -> tuple[int, ...]:
@@ -162,9 +169,13 @@ class Shape:
     def rotated(self, rotation: NDArray[np.float64]) -> Shape:
         """The shape in a frame that `rotation` [3, 3] rotates the present frame to."""
         x, y, z = (rotation @ self.up).tolist()
+        front = None
+        if self.front is not None:
+            right, high, deep = (rotation @ self.front).tolist()
+            front = (right, high, deep)
         parts = (part if part.mesh is None else replace(part, mesh=part.mesh.rotated(rotation)) for part in self.parts)
         mobility = None if self.mobility is None else self.mobility.rotated(rotation)
-        return replace(self, parts=tuple(parts), up=(x, y, z), mobility=mobility)
+        return replace(self, parts=tuple(parts), up=(x, y, z), front=front, mobility=mobility)
 
     def leaf_mesh(self, leaf: int) -> Mesh:
         """The mesh of a leaf. `leaf` is an index into `parts`."""

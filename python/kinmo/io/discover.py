@@ -11,12 +11,17 @@ from typing import Protocol
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Shape
 from kinmo.core.wording import clean_text
-from kinmo.io.readers import READERS
+from kinmo.io.readers import DSG_NET, READERS
+from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 
 WORKSPACE = "prepared/index.jsonl"
 """A file by which kinmo's own workspaces are recognised. The pseudo labels in them are no input shapes."""
 _MAX_DEPTH = 64
 """Deepest folder that is searched."""
+_MESHES_OF_OTHERS = ("_obj", "_objs")
+"""Endings of folders with the meshes of shapes whose trees are elsewhere (DSG-Net)."""
+_ROBOT_ENDINGS = (".urdf", ".mjcf", ".xml")
+_PREDICTION = "joints.json"
 
 
 class _Entry(Protocol):
@@ -49,9 +54,17 @@ class ShapeSource:
         """The source that a prepared shape was read from."""
         return cls(Path(entry.source), entry.layout, entry.id)
 
-    def read(self) -> Shape:
-        """The shape, in the frame and the length unit of its file. Raises InputError if the files cannot be used."""
-        return READERS[self.layout].read(self.path)
+    def read(self, facts: StatedFacts = NO_FACTS) -> Shape:
+        """The shape, in the frame and the length unit of its file, with the facts that the user states.
+
+        Raises InputError if the files cannot be used, or the facts do not fit.
+        """
+        reader = READERS[self.layout]
+        if reader.read_stated is not None:
+            return reader.read_stated(self.path, facts)
+        if facts.labels is not None:
+            raise InputError("--labels", f"does not apply to {self.path}: its files say what its parts are")
+        return facts.of(reader.read(self.path))
 
 
 def discover(
@@ -74,15 +87,15 @@ def discover(
         yield found
         return
     if not root.is_dir():
-        endings = ", ".join(reader.ending for reader in READERS.values() if reader.ending)
+        endings = ", ".join(ending for reader in READERS.values() for ending in reader.endings)
         if not root.exists():
             raise InputError(root, "no such file or folder")
-        raise InputError(root, f"expected a folder of shapes, or a shape as {endings}: export it with one node per moving part")
+        raise InputError(root, f"expected a folder of shapes, or a shape as {endings}: convert it to one of these")
     skipped = {os.path.realpath(path) for path in skip}
     home = os.path.realpath(root)
-    pending = [(root, 0)]
+    pending = [(root, 0, True)]
     while pending:
-        folder, depth = pending.pop()
+        folder, depth, with_meshes = pending.pop()
         if (folder / WORKSPACE).is_file() or (skipped and os.path.realpath(folder) in skipped):
             continue
         try:
@@ -91,34 +104,49 @@ def discover(
             report(InputError(folder, f"cannot be listed ({error.strerror})"))
             continue
         entries = sorted(listed, key=lambda entry: entry.name)
-        found = _shape_in_folder(folder, {entry.name for entry in entries})
-        if found is not None:
-            yield found
-            continue
+        names = {entry.name for entry in entries}
+        whole = _shape_in_folder(folder, names, with_meshes)
+        if whole is not None:
+            yield whole
+            if not READERS[whole.layout].is_bare_mesh:
+                continue
+        with_meshes = with_meshes and not _is_robot_folder(names)
         subfolders = []
         for entry in entries:
             if entry.is_symlink():
                 _check_link(Path(entry.path), home, report)
             elif entry.is_dir(follow_symlinks=False):
-                subfolders.append(Path(entry.path))
-            elif (found := _shape_in_file(Path(entry.path))) is not None:
+                subfolders.append((Path(entry.path), with_meshes and not _has_meshes_of_others(folder, entry.name, names)))
+            elif whole is None and (found := _shape_in_file(Path(entry.path), with_meshes)) is not None:
                 yield found
         if depth >= _MAX_DEPTH and subfolders:
             report(InputError(folder, f"folders nested deeper than {_MAX_DEPTH} levels"))
             continue
-        pending += [(path, depth + 1) for path in reversed(subfolders)]
+        pending += [(path, depth + 1, has_meshes) for path, has_meshes in reversed(subfolders)]
 
 
-def _shape_in_file(path: Path) -> ShapeSource | None:
-    """The shape that one file holds. None if no reader recognises it."""
-    ids = ((reader.layout, reader.id_of_file(path)) for reader in READERS.values())
+def _is_robot_folder(names: set[str]) -> bool:
+    """True if a folder has a robot file or a prediction. The meshes below it belong to that."""
+    return _PREDICTION in names or any(name.lower().endswith(_ROBOT_ENDINGS) for name in names)
+
+
+def _has_meshes_of_others(above: Path, name: str, names: set[str]) -> bool:
+    """True if the meshes of the folder `name` belong to a tree file of DSG-Net. `names` are its neighbours in `above`."""
+    tree = f"{name}.json"
+    return name.endswith(_MESHES_OF_OTHERS) or (tree in names and READERS[DSG_NET].id_of_file(above / tree) is not None)
+
+
+def _shape_in_file(path: Path, with_meshes: bool = True) -> ShapeSource | None:
+    """The shape that one file holds. None if no reader recognises it. Bare meshes count only `with_meshes`."""
+    readers = [reader for reader in READERS.values() if with_meshes or not reader.is_bare_mesh]
+    ids = ((reader.layout, reader.id_of_file(path)) for reader in readers)
     return next((ShapeSource(path, layout, shape_id) for layout, shape_id in ids if shape_id is not None), None)
 
 
-def _shape_in_folder(folder: Path, names: set[str]) -> ShapeSource | None:
-    """The shape that a whole folder holds. None if no reader recognises it."""
+def _shape_in_folder(folder: Path, names: set[str], with_meshes: bool) -> ShapeSource | None:
+    """The shape that a whole folder holds. None if no reader recognises it. Bare meshes count only `with_meshes`."""
     for reader in READERS.values():
-        if reader.is_shape_folder(folder, names):
+        if (with_meshes or not reader.is_bare_mesh) and reader.is_shape_folder(folder, names):
             return ShapeSource(folder, reader.layout, clean_text(Path(os.path.realpath(folder)).name))
     return None
 

@@ -134,14 +134,23 @@ def _keep(old: Path, new: Path) -> None:
 
 def _shape_of(facts: JsonField, source: Path | None) -> Shape:
     """The shape of a prediction, with the facts that the prediction states of it."""
-    up = tuple(facts["up"].vector().tolist())
+    guessed = facts["guessed"].value
+    guesses = {name: facts["guessed"][name].whole_text() for name in guessed} if isinstance(guessed, dict) else {}
     return replace(
         _source(facts, source).read(),
         id=facts["id"].text(),
-        category=facts["category"].text(),
-        up=(up[0], up[1], up[2]),
+        category=facts["category"].text(""),
+        up=_direction(facts["up"]),
+        front=None if facts["front"].value is None else _direction(facts["front"]),
+        metres_per_unit=facts["metres_per_unit"].number(1.0),
+        guesses=guesses,
         repairs=tuple(repair.whole_text() for repair in facts["repairs"].items()),
     )
+
+
+def _direction(field: JsonField) -> tuple[float, float, float]:
+    x, y, z = field.vector().tolist()
+    return x, y, z
 
 
 def _source(facts: JsonField, source: Path | None) -> ShapeSource:

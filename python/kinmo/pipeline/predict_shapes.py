@@ -7,14 +7,14 @@ import os
 from collections import Counter
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from kinmo.core.errors import InputError, expecting
-from kinmo.core.frames import UP_VECTORS, Up, y_up_rotation
+from kinmo.core.frames import y_up_rotation
 from kinmo.core.names import short_name
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
@@ -29,6 +29,7 @@ from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.folder_lock import locked
 from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
+from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 from kinmo.io.result_folder import write_result
 from kinmo.io.source_files import fingerprint
 from kinmo.io.writers import ExportOptions
@@ -62,8 +63,7 @@ class PredictShapes:
     seed: int = 0
     device: str = "auto"
     workers: int = 1
-    up: Up = "y"  # axis of the file's frame
-    metres_per_unit: float = 1.0
+    facts: StatedFacts = NO_FACTS  # what the user states about all shapes
     cluster: str | None = None  # address of a Ray cluster that runs the jobs; None for this machine
 
     def plan(self) -> Plan:
@@ -92,17 +92,18 @@ class PredictShapes:
                 else:
                     document, joints = _summary(found, folder)
                     documents.append(document)
-                    lines += (
-                        [f"{clean_text(found.id)} (category {clean_text(document['category'])})", *joints] if joints else []
-                    )
+                    category = clean_text(document["category"]) or "unknown"
+                    lines += [f"{clean_text(found.id)} (category {category})", *joints] if joints else []
             except InputError as error:
                 skipped.append(str(error))
                 observer.problem(f"skipped: {error}")
         repaired = [document for document in documents if document["repairs"]]
         for document in repaired[:MAX_REPAIRED_LINES]:
             observer.note(f"repaired: {document['id']}: {'; '.join(document['repairs'])}")
+        for line in _guess_lines(documents):
+            observer.note(line)
         for document in documents:
-            if (size := document["diagonal"] * self.metres_per_unit) > SUSPICIOUS_SIZE:
+            if (size := document["diagonal"] * document["metres_per_unit"]) > SUSPICIOUS_SIZE:
                 observer.note(f"{document['id']}: {size:.0f} m across: set --metres-per-unit if the file is not in metres")
             folder = Path(document["folder"])
             if document["corrected"] and folder not in uncorrected:
@@ -158,7 +159,7 @@ class PredictShapes:
 
     def _writer(self) -> PredictionWriter:
         method = load_method(self.method, ModelFolder(self.workspace.models), self.device)
-        return PredictionWriter(method, self.seed, self.up, self.metres_per_unit)
+        return PredictionWriter(method, self.seed, self.facts)
 
     def _targets(self) -> tuple[list[tuple[ShapeSource, Path]], list[str]]:
         """Every shape with a folder of its own, named after its id, and problems. Raises InputError if there are neither.
@@ -191,7 +192,7 @@ class PredictShapes:
 
 def predict_shape(shape: Shape, method: Method, *, seed: int = 0) -> ShapeEstimate:
     """Predict the joints of one shape, in the shape's own frame and units; `seed` is that of the sampled points."""
-    rotation = y_up_rotation(np.asarray(shape.up, float))
+    rotation = y_up_rotation(np.array(shape.up), None if shape.front is None else np.array(shape.front))
     standing = shape.rotated(rotation)
     prepared = prepare_shape(standing, seed=seed)
     return method.predict(prepared, leaf_meshes(standing, prepared)).rotated(rotation.T)
@@ -213,22 +214,21 @@ class PredictionWriter:
 
     method: Method
     seed: int
-    up: Up = "y"
-    metres_per_unit: float = 1.0
+    facts: StatedFacts = NO_FACTS
 
     def key(self, found: ShapeSource) -> str:
         """Cache key of a prediction. Raises InputError if the shape's files cannot be read."""
-        settings = [self.method.name, self.method.weights, dict(self.method.config), self.seed, self.up, self.metres_per_unit]
+        settings = [self.method.name, self.method.weights, dict(self.method.config), self.seed, self.facts.key()]
         return cache_key(source=_source(found), files=fingerprint(found), settings=settings)
 
     def __call__(self, job: PredictionJob) -> list[str] | str:
         """Write the folder of a shape. Returns the names of its files, or a message if the shape cannot be predicted."""
         try:
             _check_replaceable(job)
-            shape = replace(job.found.read(), up=UP_VECTORS[self.up])
+            shape = job.found.read(self.facts)
             prediction = predict_shape(shape, self.method, seed=self.seed)
             provenance = PredictionProvenance(self.method.weights, self.method.config)
-            options = ExportOptions(job.folder.name, self.metres_per_unit, provenance=provenance)
+            options = ExportOptions(job.folder.name, shape.metres_per_unit, provenance=provenance)
             return list(write_result(shape, prediction, job.folder, FORMATS, options).files)
         except ValueError as error:
             return str(error) if isinstance(error, InputError) else f"{printable_path(job.found.path)}: {error}"
@@ -252,10 +252,23 @@ def _summary(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[str
             "joints": len(lines),
             "urdf": str(folder / f"{folder.name}.urdf"),
             "diagonal": float(shape["diagonal"]),
+            "metres_per_unit": float(shape["metres_per_unit"]),
+            "guessed": {str(name): str(line) for name, line in shape["guessed"].items()},
             "repairs": [str(repair) for repair in shape.get("repairs", ())],
             "corrected": "correction" in document,
         }
     return summary, lines
+
+
+def _guess_lines(documents: Sequence[dict[str, Any]]) -> list[str]:
+    """What was guessed about shapes: one line for all shapes with the same guesses."""
+    ids: dict[str, list[str]] = {}
+    for document in documents:
+        if document["guessed"]:
+            ids.setdefault(", ".join(document["guessed"].values()), []).append(document["id"])
+    if len(documents) == 1:
+        return [f"guessed: {line}" for line in ids]
+    return [f"guessed for {counted(len(same), 'shape')}, such as {same[0]}: {line}" for line, same in ids.items()]
 
 
 def _path_name(path: Path, source: Path, with_ending: bool) -> str:

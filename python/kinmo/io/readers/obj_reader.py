@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh
+from kinmo.io.readers.polygons import triangle_fans
 from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, read_bytes
 
 _MAX_COORDINATE = 1e60
@@ -30,11 +31,27 @@ def read_obj(path: Path, folder: Path) -> Mesh | None:
 
 def parse_obj(data: bytes, where: Path) -> Mesh | None:
     """The triangles of OBJ text from the file `where`, without unused vertices. None if it has no faces."""
+    found = parse_polygons(obj_lines(data), where)
+    return None if found is None else found[0]
+
+
+def obj_lines(data: bytes) -> bytes:
+    """OBJ text with a line break before every line, and with continued lines joined."""
     text = b"\n" + data.removeprefix(BOM_UTF8)
     if b"\r" in text:
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if b"\\" in text:
         text = text.replace(b"\\\n", b" ")
+    return text
+
+
+def face_places(text: bytes) -> NDArray[np.int64]:
+    """Positions in `text`, from `obj_lines`, of the lines with faces."""
+    return np.array([match.start() for match in _FACE.finditer(text)], np.int64)
+
+
+def parse_polygons(text: bytes, where: Path) -> tuple[Mesh, NDArray[np.int64]] | None:
+    """The triangles of `text`, from `obj_lines`, and the number of the face line [F] of each. None if it has no faces."""
     lines = _FACE.findall(text)
     try:
         corners, sizes = _corners(lines)
@@ -48,12 +65,12 @@ def parse_obj(data: bytes, where: Path) -> Mesh | None:
     corners -= 1
     if np.any(corners < 0) or np.any(corners >= len(vertices)):
         raise InputError(where, f"a face names a vertex outside 1..{len(vertices)}", "f")
-    faces = _fans(corners, sizes)
+    faces, polygons = triangle_fans(corners, sizes)
     is_fine = np.all(np.abs(vertices) <= _MAX_COORDINATE, axis=1)
     bad = faces[~is_fine[faces]]
     if len(bad):
         raise InputError(where, f"vertex {bad.min() + 1} is not finite", "v")
-    return Mesh(vertices, faces.astype(np.uint32)).compact
+    return Mesh(vertices, faces.astype(np.uint32)).compact, polygons
 
 
 def _vertices(lines: list[bytes]) -> NDArray[np.float64]:
@@ -96,15 +113,5 @@ def _corners(lines: list[bytes]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 def _absolute(text: bytes, corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
     """Convert negative indices, relative to the last vertex before the line of the face, to absolute ones from 1."""
     vertex_places = np.array([match.start() for match in _VERTEX.finditer(text)], np.int64)
-    face_places = np.array([match.start() for match in _FACE.finditer(text)], np.int64)
-    above = np.repeat(np.searchsorted(vertex_places, face_places), sizes)
+    above = np.repeat(np.searchsorted(vertex_places, face_places(text)), sizes)
     return np.where(corners < 0, above + corners + 1, corners)
-
-
-def _fans(corners: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Triangles [F, 3] of polygons, given by all corners and the number of corners of each. Points and lines are skipped."""
-    starts = np.cumsum(sizes) - sizes
-    counts = np.maximum(sizes - 2, 0)
-    first = np.repeat(starts, counts)
-    step = np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return np.stack([corners[first], corners[first + step + 1], corners[first + step + 2]], axis=1)

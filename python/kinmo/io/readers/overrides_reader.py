@@ -94,15 +94,15 @@ def _body(field: JsonField, keys: Iterable[str], where: Path) -> BodyOverride:
                 table, name = field.path.split(".", 1)
                 raise field[key].fail(f'unknown key: for a body called {name}.{key} write [{table}."{name}.{key}"]')
             raise field[key].fail(f"unknown key{did_you_mean(key, keys)}; expected one of {', '.join(keys)}")
-    name, alternative = field["name"], field["alternative"]
-    if not name.is_absent and not name.text():
-        raise name.fail("expected a name")
+    new_name, alternative = field["name"], field["alternative"]
+    if not new_name.is_absent and not new_name.text():
+        raise new_name.fail("expected a name")
     if not alternative.is_absent and alternative.integer() < 1:
         raise alternative.fail("expected the rank of a joint, 1 or more")
     return BodyOverride(
         where=str(where),
         path=field.path,
-        name=None if name.is_absent else name.text(),
+        name=None if new_name.is_absent else new_name.text(),
         type=_type(field["type"]),
         axis=_axis(field["axis"]),
         origin=None if field["origin"].is_absent else field["origin"].vector(),

@@ -17,6 +17,7 @@ from kinmo.io.readers.json_field import JsonField
 
 MAX_JSON_BYTES = 32 << 20
 MAX_MESH_BYTES = 128 << 20
+MAX_SCENE_BYTES = 1 << 30
 _PEEK_BYTES = 1 << 16
 _OPEN_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 

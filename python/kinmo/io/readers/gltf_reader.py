@@ -1,0 +1,33 @@
+"""glTF 2.0, as GLB or as .gltf with its buffers: the nodes of the scene are the parts, with y up and the front at +z."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from kinmo.core.shape import Shape
+from kinmo.io.readers.gltf_file import GltfFile, buffer_files
+from kinmo.io.readers.gltf_scene import GltfScene
+from kinmo.io.readers.reader import Reader
+from kinmo.io.readers.scene import Scene
+from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
+from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
+
+GLB = "glb"
+_ENDINGS = (".glb", ".gltf")
+
+
+def read_glb(path: Path, facts: StatedFacts = NO_FACTS) -> Shape:
+    """Read a glTF file. The nodes of its default scene become parts (see `shape_of_scene`)."""
+    path = Path(path)
+    scene = GltfScene(GltfFile(path))
+    return shape_of_scene(Scene(path, GLB, scene.nodes, "y", "glTF", 1.0, repairs=scene.repairs), facts)
+
+
+READER = Reader(
+    GLB,
+    read_glb,
+    lambda path: (path.absolute().parent, [path, *buffer_files(path)]),
+    id_of_file=id_by_ending(_ENDINGS),
+    endings=_ENDINGS,
+    read_stated=read_glb,
+)

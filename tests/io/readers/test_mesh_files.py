@@ -1,0 +1,330 @@
+"""OBJ, PLY, STL, DAE, 3MF and USD files, and folders of meshes."""
+
+from __future__ import annotations
+
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from datasets import box_obj, write_dsg_net, write_partnet
+from gltf_files import PARTS, box, cabinet
+
+import kinmo
+from kinmo.core.shape import Shape
+from kinmo.io.discover import ShapeSource, discover
+from kinmo.io.source_files import fingerprint
+
+TRIANGLE = "v {0} 0 0\nv {0} 1 0\nv {0} 0 1\nf -3 -2 -1\n"
+
+
+def names(shape: Shape) -> list[tuple[str, str]]:
+    """Name of the parent and of each part below the root, sorted."""
+    inner = [(shape.parts[part.parent], part) for part in shape.parts if part.parent is not None]
+    return sorted((above.name, part.name) for above, part in inner)
+
+
+def obj(path: Path, *lines: str) -> Path:
+    """An OBJ file with a triangle after each line, each one at another place."""
+    path.write_text("".join(f"{line}\n{TRIANGLE.format(i)}" for i, line in enumerate(lines)), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("key", ["o", "g", "usemtl"])
+def test_the_only_division_of_an_obj_file_gives_the_parts(key: str, tmp_path: Path) -> None:
+    path = obj(tmp_path / "a.obj", f"{key} door", f"{key} body", f"  {key}\tdoor", f"{key} knob  # small")
+    shape = kinmo.load(path)
+    assert names(shape) == [("", "body"), ("", "door"), ("", "knob")]
+    assert {part.name: len(part.mesh.faces) for part in shape.parts if part.mesh} == {"door": 2, "body": 1, "knob": 1}
+
+
+def test_groups_are_below_the_objects_that_have_several(tmp_path: Path) -> None:
+    shape = kinmo.load(obj(tmp_path / "a.obj", "o left\ng leaf", "g knob", "o right\ng leaf", "o body"))
+    assert names(shape) == [("", "body"), ("", "left"), ("", "right"), ("left", "knob"), ("left", "leaf")]
+
+
+def test_materials_divide_nothing_where_groups_do(tmp_path: Path) -> None:
+    shape = kinmo.load(obj(tmp_path / "a.obj", "g door\nusemtl wood", "usemtl steel", "g body\nusemtl wood"))
+    assert names(shape) == [("", "body"), ("", "door")]
+
+
+def test_faces_above_the_first_group_have_no_name(tmp_path: Path) -> None:
+    shape = kinmo.load(obj(tmp_path / "a.obj", "# header", "g door", "g"))
+    assert names(shape) == [("", ""), ("", "door")]
+
+
+def test_polygons_of_an_obj_file_stay_in_their_group(tmp_path: Path) -> None:
+    text = "\n".join(["g all", box_obj((0, 0, 0), (1, 1, 1)).replace("o box\n", "")])
+    second = "v 9 0 0\nv 9 1 0\nv 9 1 1\nv 9 0.5 2\nv 9 0 1\ng five\nf -5 -4 -3 -2 -1\nl 1 2\n"
+    (tmp_path / "a.obj").write_text(text + second)
+    shape = kinmo.load(tmp_path / "a.obj")
+    assert {part.name: len(part.mesh.faces) for part in shape.parts if part.mesh} == {"all": 12, "five": 3}
+    assert shape.repairs == ("points and lines ignored: 1",)
+
+
+def test_the_solids_of_a_text_stl_are_the_parts(tmp_path: Path) -> None:
+    facet = "facet normal 0 0 0\nouter loop\nvertex {0} 0 0\nvertex {0} 1 0\nvertex {0} 0 1\nendloop\nendfacet\n"
+    solids = "".join(f"solid {name}\n{facet.format(i)}endsolid {name}\n" for i, name in enumerate(["Door", "", "Door"]))
+    (tmp_path / "a.stl").write_text(solids)
+    assert names(kinmo.load(tmp_path / "a.stl")) == [("", ""), ("", "Door"), ("", "Door")]
+
+
+def test_vertices_of_an_stl_file_are_shared(tmp_path: Path) -> None:
+    trimesh.util.concatenate([box((1, 1, 1)), box((1, 1, 1), (3, 0, 0))]).export(tmp_path / "a.stl")
+    assert [len(mesh.vertices) for mesh in kinmo.load(tmp_path / "a.stl").meshes()] == [8, 8]
+
+
+def test_a_ply_file_with_points_alone_is_no_shape(tmp_path: Path) -> None:
+    trimesh.PointCloud(np.random.default_rng(0).random((50, 3))).export(tmp_path / "scan.ply")
+    assert list(discover(tmp_path)) == []
+    trimesh.util.concatenate(list(PARTS.values())).export(tmp_path / "mesh.ply")
+    assert [found.id for found in discover(tmp_path)] == ["mesh"]
+
+
+DAE = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="inch" meter="0.0254"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g" name="sheet"><mesh>
+<source id="p"><float_array id="pa" count="12">0 0 0 1 0 0 1 1 0 0 1 0</float_array><technique_common>
+<accessor source="#pa" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<polylist count="1"><input semantic="VERTEX" source="#v" offset="0"/><vcount>4</vcount><p>0 1 2 3</p></polylist>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s">
+<node id="n1" name="chest"><translate>0 0 5</translate>
+<node id="n2" name="lid"><translate>0 0 1</translate><instance_geometry url="#g"/></node>
+<node id="n3"><instance_geometry url="#g"/></node></node>
+<node id="n4" name="lamp"/></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+
+
+def test_a_dae_file_has_its_own_hierarchy_axis_and_unit(tmp_path: Path) -> None:
+    pytest.importorskip("collada")
+    (tmp_path / "a.dae").write_text(DAE)
+    shape = kinmo.load(tmp_path / "a.dae")
+    assert shape.parts[0].name == "chest" and names(shape) == [("chest", ""), ("chest", "lid")]
+    heights = {part.name: part.mesh.vertices[:, 2].tolist() for part in shape.parts if part.mesh}
+    assert heights == {"lid": [6.0] * 4, "": [5.0] * 4}
+    assert (shape.up, shape.metres_per_unit) == ((0.0, 0.0, 1.0), 0.0254)
+    for broken in (DAE[:900], DAE.replace("0 1 2 3</p>", "0 1 2 9</p>"), f'<!DOCTYPE a [<!ENTITY b "c">]>{DAE[21:]}'):
+        (tmp_path / "a.dae").write_text(broken)
+        with pytest.raises(kinmo.InputError, match=r"a\.dae"):
+            kinmo.load(tmp_path / "a.dae")
+
+
+MODEL = """<?xml version="1.0"?>
+<model unit="inch" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+ xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06"><resources>{objects}</resources>
+<build>{items}</build></model>"""
+MESH = """<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex z="0" x="0" y="1"/></vertices>
+<triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh>"""
+
+FAR_MESH = MESH.replace('v3="2"', 'v3="8"')
+
+
+def threemf(path: Path, objects: str, items: str, **others: str) -> Path:
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("3D/3dmodel.model", MODEL.format(objects=objects, items=items))
+        for name, text in others.items():
+            archive.writestr(f"3D/{name}.model", MODEL.format(objects=text, items=""))
+    return path
+
+
+def test_the_components_of_a_3mf_file_are_nodes(tmp_path: Path) -> None:
+    objects = f"""<object id="1" name="leaf">{MESH}</object><object id="2" type="support">{MESH}</object>
+        <object id="3" name="door"><components><component objectid="1"/>
+        <component objectid="7" p:path="/3D/other.model" transform="1 0 0 0 1 0 0 0 1 0 0 4"/></components></object>"""
+    items = '<item objectid="3"/><item objectid="1" transform="0 1 0 -1 0 0 0 0 1 5 0 0"/><item objectid="2"/>'
+    shape = kinmo.load(threemf(tmp_path / "a.3mf", objects, items, other=f'<object id="7">{MESH}</object>'))
+    assert names(shape) == [("", "door"), ("", "leaf"), ("door", ""), ("door", "leaf")]
+    assert (shape.up, shape.metres_per_unit, shape.repairs) == ((0.0, 0.0, 1.0), 0.0254, ("supports ignored: 1",))
+    (turned,) = (part.mesh for part in shape.parts if part.name == "leaf" and part.parent == 0)
+    assert turned is not None
+    assert turned.vertices.tolist() == [[5.0, 0.0, 0.0], [5.0, 1.0, 0.0], [4.0, 0.0, 0.0]]
+
+
+@pytest.mark.parametrize(
+    ("objects", "items", "problem"),
+    [
+        ("", '<item objectid="4"/>', "object 4 is used, but not in the file"),
+        (
+            f'<object id="1">{FAR_MESH}</object>',
+            '<item objectid="1"/>',
+            "a triangle names a vertex outside 0..2",
+        ),
+        (f'<object id="1">{MESH.replace("x=", "w=")}</object>', '<item objectid="1"/>', "has no attribute x"),
+        (f'<object id="1">{MESH.replace("0", "zero")}</object>', '<item objectid="1"/>', "expected numbers"),
+        ('<object id="1"><components><component objectid="1"/></components></object>', '<item objectid="1"/>', "nested deeper"),
+        ("<object", "", "is no XML"),
+    ],
+)
+def test_a_broken_3mf_file_is_an_error(objects: str, items: str, problem: str, tmp_path: Path) -> None:
+    with pytest.raises(kinmo.InputError, match=problem):
+        kinmo.load(threemf(tmp_path / "a.3mf", objects, items))
+    (tmp_path / "b.3mf").write_bytes(b"PK\x03\x04")
+    with pytest.raises(kinmo.InputError, match="expected a readable 3MF file"):
+        kinmo.load(tmp_path / "b.3mf")
+
+
+USD = """#usda 1.0
+(
+    metersPerUnit = 0.01
+    upAxis = "{up}"
+)
+def Xform "chest" (kind = "component") {{
+    double3 xformOp:translate = (0, 0, 5)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Mesh "sheet" {{
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    }}
+    def Cube "block" {{
+        double size = 2
+    }}
+    def Cylinder "rod" {{
+        double height = 4
+        double radius = 0.5
+        uniform token axis = "X"
+    }}
+    def Mesh "gone" {{
+        token visibility = "invisible"
+    }}
+    def Cube "proxy" {{
+        uniform token purpose = "proxy"
+    }}
+    def Camera "eye" {{
+    }}
+    def PointInstancer "knobs" {{
+        rel prototypes = [</chest/knobs/knob>]
+        int[] protoIndices = [0, 0]
+        point3f[] positions = [(0, 0, 3), (0, 0, 4)]
+        def Sphere "knob" {{
+            double radius = 0.25
+        }}
+    }}
+}}
+"""
+
+
+@pytest.mark.parametrize(("up", "vector"), [("Y", (0.0, 1.0, 0.0)), ("Z", (0.0, 0.0, 1.0))])
+def test_the_prims_of_a_usd_stage_are_the_parts(up: str, vector: tuple[float, ...], tmp_path: Path) -> None:
+    pytest.importorskip("pxr")
+    (tmp_path / "a.usda").write_text(USD.format(up=up))
+    shape = kinmo.load(tmp_path / "a.usda")
+    assert names(shape) == [("chest", name) for name in ("block", "knobs", "knobs", "rod", "sheet")]
+    assert (shape.up, shape.metres_per_unit, shape.repairs) == (vector, 0.01, ("invisible prims ignored: 1",))
+    sizes = {part.name: np.ptp(part.mesh.vertices, axis=0).round(3).tolist() for part in shape.parts if part.mesh}
+    assert (sizes["block"], sizes["rod"], sizes["sheet"]) == ([2, 2, 2], [4, 1, 1], [1, 1, 0])
+    knobs = sorted(part.mesh.vertices[:, 2].mean() for part in shape.parts if part.name == "knobs" and part.mesh)
+    assert knobs == pytest.approx([8.0, 9.0], abs=1e-3)
+    from pxr import Usd
+
+    for ending in ("usd", "usdc"):
+        Usd.Stage.Open(str(tmp_path / "a.usda")).Export(str(tmp_path / f"b.{ending}"))
+        assert names(kinmo.load(tmp_path / f"b.{ending}")) == names(shape)
+    (tmp_path / "a.usda").write_text(USD.format(up=up)[:300])
+    with pytest.raises(kinmo.InputError, match="expected a readable USD file"):
+        kinmo.load(tmp_path / "a.usda")
+
+
+def test_layers_of_a_usd_stage_count_and_stay_in_its_folder(tmp_path: Path) -> None:
+    pytest.importorskip("pxr")
+    (tmp_path / "inner").mkdir()
+    (tmp_path / "inner" / "parts.usda").write_text(USD.format(up="Z"))
+    (tmp_path / "outside.usda").write_text(USD.format(up="Z"))
+    top = tmp_path / "inner" / "a.usda"
+    top.write_text("#usda 1.0\n(\n    subLayers = [@./parts.usda@]\n)\n")
+    (found,) = discover(top)
+    assert [row[0] for row in fingerprint(found)] == ["a.usda", "parts.usda"]
+    assert len(found.read().leaves) == 5
+    top.write_text("#usda 1.0\n(\n    subLayers = [@../outside.usda@]\n)\n")
+    with pytest.raises(kinmo.InputError, match="leads out of the folder"):
+        found.read()
+
+
+@pytest.mark.parametrize(("ending", "module", "extra"), [("dae", "collada", "formats"), ("usda", "pxr", "usd")])
+def test_a_missing_library_is_named_with_its_command(
+    ending: str, module: str, extra: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    (tmp_path / f"a.{ending}").write_text("x")
+    with pytest.raises(kinmo.InputError, match=rf"is {ending[:3].upper()}: pip install 'kinmo\[{extra}\]' to read it"):
+        kinmo.load(tmp_path / f"a.{ending}")
+
+
+@pytest.mark.parametrize("ending", ["glb", "gltf", "obj", "ply", "stl", "dae", "3mf", "usda", "usdc", "usdz"])
+def test_noise_is_an_error_in_every_format(ending: str, tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    header = b"ply\nformat ascii 1.0\nelement vertex 3\nelement face 1\nend_header\n" if ending == "ply" else b""
+    for size in (0, 1, 100, 5000):
+        (tmp_path / f"a.{ending}").write_bytes(header + rng.integers(0, 256, size, np.uint8).tobytes())
+        with pytest.raises(kinmo.InputError):
+            kinmo.load(tmp_path / f"a.{ending}")
+
+
+def layouts(root: Path) -> list[tuple[str, str]]:
+    return [(found.layout, found.id) for found in discover(root)]
+
+
+def test_mesh_files_of_a_folder_are_the_parts_of_one_shape(tmp_path: Path) -> None:
+    for name, mesh in PARTS.items():
+        mesh.export(tmp_path / f"{name}.{'stl' if name == 'knob' else 'obj'}")
+    (found,) = discover(tmp_path)
+    assert (found.layout, found.id) == ("mesh_folder", tmp_path.name)
+    shape = found.read()
+    assert (shape.id, names(shape)) == (found.id, [("", "body"), ("", "door"), ("", "knob")])
+    assert shape.guesses["up"] == "up +y (3 mesh files)"
+    before = fingerprint(found)
+    (tmp_path / "door.obj").write_text("o x\n")
+    assert fingerprint(found) != before
+
+
+def test_files_that_are_shapes_of_their_own_stay_apart(tmp_path: Path) -> None:
+    cabinet().write_glb(tmp_path / "a.glb")
+    box((1, 1, 1)).export(tmp_path / "b.obj")
+    box((1, 1, 1)).export(tmp_path / "c.stl")
+    assert layouts(tmp_path) == [("glb", "a"), ("obj", "b"), ("stl", "c")]
+    (tmp_path / "a.glb").unlink()
+    assert layouts(tmp_path) == [("mesh_folder", tmp_path.name)]
+    obj(tmp_path / "b.obj", "o door", "o body")
+    assert layouts(tmp_path) == [("obj", "b"), ("stl", "c")], "one file has several objects"
+    box((1, 1, 1)).export(tmp_path / "b.obj")
+    box((1, 1, 1)).export(tmp_path / "b.stl")
+    assert layouts(tmp_path) == [("obj", "b"), ("stl", "b"), ("stl", "c")], "one object in two formats"
+
+
+def test_shapes_below_a_folder_of_meshes_are_found_too(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        box((1, 1, 1)).export(tmp_path / f"{name}.obj")
+    (tmp_path / "more").mkdir()
+    cabinet().write_glb(tmp_path / "more" / "c.glb")
+    assert layouts(tmp_path) == [("mesh_folder", tmp_path.name), ("glb", "c")]
+
+
+def test_meshes_of_other_formats_are_no_shapes(tmp_path: Path) -> None:
+    write_partnet(tmp_path / "1")
+    write_dsg_net(tmp_path / "dsg", "7")
+    for place in ("robot/meshes", "predicted/meshes"):
+        (tmp_path / place).mkdir(parents=True)
+        for name in ("a", "b"):
+            (tmp_path / place / f"{name}.obj").write_text(box_obj((0, 0, 0), (1, 1, 1)))
+    (tmp_path / "robot" / "arm.xml").write_text("<mujoco/>")
+    (tmp_path / "predicted" / "joints.json").write_text("{}")
+    assert layouts(tmp_path) == [("partnet", "1"), ("dsg_net", "storagefurniture-7")]
+
+
+def test_labels_do_not_apply_to_datasets(tmp_path: Path) -> None:
+    np.save(tmp_path / "faces.npy", np.zeros(3, int))
+    with pytest.raises(kinmo.InputError, match="--labels: does not apply to"):
+        kinmo.load(write_partnet(tmp_path / "1"), labels=tmp_path / "faces.npy")
+
+
+def test_prepared_shapes_may_have_any_format(tmp_path: Path) -> None:
+    found = ShapeSource(obj(tmp_path / "a.obj", "o door", "o body"), "obj", "a")
+    assert [row[0] for row in fingerprint(found)] == ["a.obj"]
+    from kinmo.features.shape_preparation import prepare_shape
+
+    assert prepare_shape(found.read()).category == ""
