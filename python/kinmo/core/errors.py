@@ -7,9 +7,16 @@ from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
 
+from kinmo.core.wording import clean_text, printable, shortened
+
+MAX_PROBLEM_LENGTH = 600
+"""Longest text of a problem, in characters. It may quote a file of any content."""
+
 
 class KinmoError(Exception):
     """A command cannot do its work. The command line prints the message in one line and exits with 1.
+
+    The texts are cleaned of characters that cannot be printed, and problems of more than `MAX_PROBLEM_LENGTH` are shortened.
 
     Args:
         where: the file, folder or option that the problem is about.
@@ -18,11 +25,11 @@ class KinmoError(Exception):
     """
 
     def __init__(self, where: Path | str, problem: str, field: str | None = None) -> None:
-        self.where = str(where).encode("utf-8", "backslashreplace").decode("utf-8")
-        self.field = field
-        self.problem = problem
-        place = self.where if field is None else f"{self.where}: {field}"
-        super().__init__(" ".join(f"{place}: {problem}".split()))
+        self.where = printable(str(where))
+        self.field = None if field is None else clean_text(field)
+        self.problem = shortened(problem, MAX_PROBLEM_LENGTH)
+        place = self.where if self.field is None else f"{self.where}: {self.field}"
+        super().__init__(f"{place}: {self.problem}")
 
     def __reduce__(self) -> tuple[type[KinmoError], tuple[str, str, str | None]]:
         return type(self), (self.where, self.problem, self.field)  # lets worker processes return the error

@@ -21,10 +21,24 @@ def duration(seconds: float) -> str:
     return f"{round(seconds / 60)} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
-def clean_text(text: str) -> str:
-    """`text` as one printable line of UTF-8, cut at `MAX_TEXT_LENGTH` characters."""
-    encodable = text[: 4 * MAX_TEXT_LENGTH].encode("utf-8", "replace").decode("utf-8")
-    return " ".join("".join(c if c.isprintable() else " " for c in encodable).split())[:MAX_TEXT_LENGTH]
+def clean_text(text: str, most: int = MAX_TEXT_LENGTH) -> str:
+    """`text` as one printable line of UTF-8, cut at `most` characters."""
+    encodable = text[: 4 * most].encode("utf-8", "replace").decode("utf-8")
+    return " ".join("".join(c if c.isprintable() else " " for c in encodable).split())[:most]
+
+
+def shortened(text: str, most: int) -> str:
+    """`text` as one printable line of at most `most` characters. A longer one loses its middle, because the end has the remedy."""
+    line = clean_text(text if len(text) <= 2 * most else text[:most] + text[-most:], 2 * most)
+    if len(line) <= most and len(text) <= 2 * most:
+        return line
+    tail = most // 3
+    return f"{line[: most - tail - 3]}...{line[-tail:]}"
+
+
+def printable(text: str) -> str:
+    """`text` with escapes for characters that cannot be printed."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def printable_path(path: Path | str) -> str:

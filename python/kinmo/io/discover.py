@@ -13,6 +13,7 @@ from kinmo.core.shape import Shape
 from kinmo.core.wording import clean_text
 from kinmo.io.readers import DSG_NET, READERS
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
+from kinmo.io.readers.untrusted_files import check_no_pointer, peek
 
 WORKSPACE = "prepared/index.jsonl"
 """A file by which kinmo's own workspaces are recognised. The pseudo labels in them are no input shapes."""
@@ -72,32 +73,37 @@ def discover(
 ) -> Iterator[ShapeSource]:
     """Find all shapes at or below a folder, in the order of their names, those of a folder before those of its subfolders.
 
-    Hidden files and folders, and kinmo's workspaces, are skipped. Links to folders are not followed.
+    Hidden files and folders, and kinmo's workspaces, are skipped. Links are followed, unless they lead to what is found at its own
+    place below `root`. A folder that several links lead to is searched once.
 
     Args:
         root: the folder to search, the folder of one shape, or the file of one shape.
         skip: folders to skip.
-        report: receives a note about each link that leads out of `root` and each folder that cannot be listed.
+        report: receives a note about each folder that cannot be searched.
 
     Raises:
         InputError: `root` does not exist, or is a file of an unknown format.
     """
     root = Path(root)
-    if root.is_file() and (found := _shape_in_file(root)) is not None:
-        yield found
-        return
+    if root.is_file():
+        if (found := _shape_in_file(root)) is not None:
+            yield found
+            return
+        check_no_pointer(peek(root, root.parent), root)
     if not root.is_dir():
         endings = ", ".join(ending for reader in READERS.values() for ending in reader.endings)
         if not root.exists():
             raise InputError(root, "no such file or folder")
         raise InputError(root, f"expected a folder of shapes, or a shape as {endings}: convert it to one of these")
-    skipped = {os.path.realpath(path) for path in skip}
+    seen = {os.path.realpath(path) for path in skip}
     home = os.path.realpath(root)
     pending = [(root, 0, True)]
     while pending:
         folder, depth, with_meshes = pending.pop()
-        if (folder / WORKSPACE).is_file() or (skipped and os.path.realpath(folder) in skipped):
+        real = os.path.realpath(folder)
+        if real in seen or (folder / WORKSPACE).is_file():
             continue
+        seen.add(real)
         try:
             listed = [entry for entry in os.scandir(folder) if not entry.name.startswith(".")]
         except OSError as error:
@@ -113,9 +119,9 @@ def discover(
         with_meshes = with_meshes and not _is_robot_folder(names)
         subfolders = []
         for entry in entries:
-            if entry.is_symlink():
-                _check_link(Path(entry.path), home, report)
-            elif entry.is_dir(follow_symlinks=False):
+            if entry.is_symlink() and not _is_followed(entry, home):
+                continue
+            if entry.is_dir():
                 subfolders.append((Path(entry.path), with_meshes and not _has_meshes_of_others(folder, entry.name, names)))
             elif whole is None and (found := _shape_in_file(Path(entry.path), with_meshes)) is not None:
                 yield found
@@ -151,13 +157,13 @@ def _shape_in_folder(folder: Path, names: set[str], with_meshes: bool) -> ShapeS
     return None
 
 
-def _check_link(path: Path, home: str, report: Callable[[InputError], None]) -> None:
-    """Report a link to a shape or folder outside `home`. What a link inside `home` leads to is found by its own path."""
+def _is_followed(link: os.DirEntry[str], home: str) -> bool:
+    """True for a link to something that is not found at its own place below `home`: it is outside, hidden, or has another ending."""
     try:
-        target = os.path.realpath(path, strict=True)
+        target = Path(os.path.realpath(link.path, strict=True))
     except (OSError, ValueError):
-        return
-    if target == home or target.startswith(home + os.sep):
-        return
-    if Path(target).is_dir() or _shape_in_file(path) is not None:
-        report(InputError(path, "a link that leads out of the folder: not followed, name its target instead"))
+        return False
+    if not target.is_relative_to(home):
+        return True
+    is_hidden = any(name.startswith(".") for name in target.relative_to(home).parts)
+    return is_hidden or (target.is_file() and target.suffix != Path(link.name).suffix)

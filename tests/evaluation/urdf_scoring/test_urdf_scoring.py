@@ -275,10 +275,6 @@ def test_wrong_folders_and_ids_raise_input_errors(tmp_path):
     truth, predictions = folders(tmp_path)
     with pytest.raises(InputError, match=r"mobility_v2\.json$"):
         score_urdf_folder(predictions, predictions)
-    (tmp_path / "links").mkdir()
-    (tmp_path / "links" / "1").symlink_to(truth / "1")
-    with pytest.raises(InputError, match=r"mobility_v2\.json; .*1: a link that leads out of the folder"):
-        score_urdf_folder(predictions, tmp_path / "links")
     with pytest.raises(InputError, match="'99'"):
         score_urdf_folder(predictions, truth, ids=["99"])
     (tmp_path / "file").write_text("")

@@ -96,25 +96,48 @@ def test_link_cycles_pipes_and_sockets_do_no_harm(tmp_path):
         found[1].read()
 
 
-def test_a_link_to_a_folder_outside_is_reported(tmp_path):
+def test_links_to_folders_outside_are_followed_once(tmp_path):
     write_partnet(tmp_path / "elsewhere" / "1")
+    (tmp_path / "elsewhere" / "back").symlink_to(tmp_path)
     (tmp_path / "root").mkdir()
-    (tmp_path / "root" / "link").symlink_to(tmp_path / "elsewhere")
-    reported = []
-    assert not list(discover(tmp_path / "root", report=reported.append))
-    assert ["link" in str(error) for error in reported] == [True]
+    write_partnet(tmp_path / "root" / "2")
+    for name in ("link", "same"):
+        (tmp_path / "root" / name).symlink_to(tmp_path / "elsewhere")
+    found = [one.path.relative_to(tmp_path).as_posix() for one in discover(tmp_path / "root")]
+    assert found == ["root/2", "root/link/1"]
+    assert found_in(tmp_path / "root" / "link" / "1") == {("partnet", "1")}
 
 
-def test_a_link_to_a_file_outside_is_reported_if_it_is_a_shape(tmp_path):
+def test_links_to_files_outside_are_followed(tmp_path):
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "root" / "chair_hier").mkdir(parents=True)
     for name in ("chair.glb", "7.json", "notes.json", "readme.txt"):
         (tmp_path / "elsewhere" / name).write_text("{}")
     for name in ("chair.glb", "chair_hier/7.json", "notes.json", "readme.txt", "missing.glb"):
         (tmp_path / "root" / name).symlink_to(tmp_path / "elsewhere" / Path(name).name)
-    reported = []
-    assert not list(discover(tmp_path / "root", report=reported.append))
-    assert [Path(error.where).name for error in reported] == ["chair.glb", "7.json"]
+    assert found_in(tmp_path / "root") == {("glb", "chair"), ("dsg_net", "chair-7")}
+
+
+def test_links_to_what_is_found_anyway_are_skipped(tmp_path):
+    (tmp_path / ".blobs").mkdir()
+    (tmp_path / ".blobs" / "4d7a").write_text("{}")
+    (tmp_path / "store").mkdir()
+    for name in ("store/chair.glb", "store/9f2c"):
+        (tmp_path / name).write_text("{}")
+    for link, target in (("one.glb", ".blobs/4d7a"), ("two.glb", "store/9f2c"), ("three.glb", "store/chair.glb")):
+        (tmp_path / link).symlink_to(target)
+    assert found_in(tmp_path) == {("glb", "one"), ("glb", "two"), ("glb", "chair")}
+
+
+@pytest.mark.parametrize(
+    "name", ["a.glb", "a.gltf", "a.obj", "a.ply", "a.stl", "a.dae", "a.3mf", "a.usdc", "a.json", "x_hier/a.json"]
+)
+def test_a_git_lfs_pointer_is_named_with_its_remedy(tmp_path, name):
+    path = tmp_path / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n")
+    with pytest.raises(InputError, match="a Git LFS pointer, not the file itself: run `git lfs pull`"):
+        next(discover(path)).read()
 
 
 def test_deeply_nested_folders_are_reported(tmp_path):

@@ -7,6 +7,7 @@ import json
 import math
 import os
 import random
+from pathlib import Path
 
 import pytest
 from datasets import BOXES, LEAVES, META, RESULT, box_obj, mobility, tree, write_dsg_net, write_partnet_mobility
@@ -118,7 +119,8 @@ def test_cut_and_garbled_files_are_read_or_an_error(tmp_path, name):
             if data:
                 data[rng.randrange(len(data))] = rng.randrange(256)
         (folder / name).write_bytes(data)
-        try_to_read(read_partnet_mobility, folder)
+        is_read = try_to_read(read_partnet_mobility, folder)
+        assert is_read or not name.endswith(".obj"), "a broken mesh is no reason to refuse the object"
 
 
 @pytest.mark.parametrize(
@@ -168,48 +170,72 @@ def test_a_hundred_thousand_parts_are_an_error(tmp_path):
         read_partnet_mobility(folder)
 
 
-@pytest.mark.parametrize("name", ["mobility_v2.json", "result.json", "meta.json", "textured_objs/original-6.obj"])
-@pytest.mark.parametrize("kind", ["pipe", "folder", "link out", "loop", "dangling", "missing", "unreadable", "huge"])
-def test_pipes_links_and_huge_files_are_an_error_without_waiting(tmp_path, name, kind):
-    folder = write_partnet_mobility(tmp_path / "4711")
-    path = folder / name
-    outside = tmp_path / "outside"
-    outside.write_bytes(path.read_bytes())
+POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
+
+
+def spoil(path, kind):
+    """Replace a file by something that cannot be read."""
+    content = path.read_bytes()
     path.unlink()
     if kind == "pipe":
         os.mkfifo(path)
     elif kind == "folder":
         path.mkdir()
-    elif kind == "link out":
-        path.symlink_to(outside)
+    elif kind == "pointer":
+        path.write_bytes(POINTER)
     elif kind == "loop":
         path.symlink_to(path.name)
     elif kind == "dangling":
         path.symlink_to("nothing")
     elif kind == "unreadable":
-        path.write_bytes(outside.read_bytes())
+        path.write_bytes(content)
         path.chmod(0)
         if os.access(path, os.R_OK):
             pytest.skip("this user may read everything")
     elif kind == "huge":
         with path.open("wb") as file:
             file.truncate(1 << 40)
+
+
+KINDS = ["pipe", "folder", "pointer", "loop", "dangling", "missing", "unreadable", "huge"]
+
+
+@pytest.mark.parametrize("name", ["mobility_v2.json", "result.json", "meta.json"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_annotations_that_cannot_be_read_are_an_error_without_waiting(tmp_path, name, kind):
+    folder = write_partnet_mobility(tmp_path / "4711")
     if name == "meta.json" and kind == "missing":
         pytest.skip("the root part names the category")
-    with pytest.raises(InputError, match=path.name.split(".")[0]):
+    spoil(folder / name, kind)
+    with pytest.raises(InputError, match="git lfs pull" if kind == "pointer" else name):
         read_partnet_mobility(folder)
 
 
-def test_a_link_inside_the_folder_is_followed(tmp_path):
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_mesh_that_cannot_be_read_is_skipped_with_a_note(tmp_path, kind):
     folder = write_partnet_mobility(tmp_path / "4711")
-    path = folder / "textured_objs" / "original-6.obj"
-    path.rename(folder / "kept.obj")
-    path.symlink_to("../kept.obj")
-    assert try_to_read(read_partnet_mobility, folder)
+    spoil(folder / "textured_objs" / "original-5.obj", kind)
+    shape = read_partnet_mobility(folder)
+    check(shape)
+    assert [part.id for part in shape.parts] == [0, 1, 2, 3, 4, 5, 7]
+    (note,) = shape.repairs
+    assert note.startswith("part 6 (handle): textured_objs/original-5.obj skipped: ")
+    assert ("git lfs pull" in note) == (kind == "pointer")
+
+
+def test_links_to_files_are_followed_wherever_they_lead(tmp_path):
+    folder = write_partnet_mobility(tmp_path / "4711")
+    (tmp_path / "store").mkdir()
+    for name in ("mobility_v2.json", "result.json", "meta.json", "textured_objs/original-6.obj"):
+        kept = tmp_path / "store" / Path(name).name
+        (folder / name).rename(kept)
+        (folder / name).symlink_to(kept)
+    shape = read_partnet_mobility(folder)
+    assert (len(shape.leaves), shape.repairs) == (5, ())
 
 
 @pytest.mark.parametrize("name", ["textured_objs", "obj folder"])
-def test_a_mesh_folder_outside_is_an_error(tmp_path, name):
+def test_links_to_mesh_folders_are_followed(tmp_path, name):
     if name == "textured_objs":
         folder = write_partnet_mobility(tmp_path / "data" / "4711")
         (folder / name).rename(tmp_path / "moved")
@@ -220,11 +246,10 @@ def test_a_mesh_folder_outside_is_an_error(tmp_path, name):
         (tmp_path / "data" / "storagefurniture_obj").rename(tmp_path / "moved")
         (tmp_path / "data" / "storagefurniture_obj").symlink_to(tmp_path / "moved")
         reader = read_dsg_net
-    with pytest.raises(InputError, match="leads out"):
-        reader(folder)
+    assert try_to_read(reader, folder)
 
 
-@pytest.mark.parametrize("scale", [1e-30, 1e-3, 1e30])
+@pytest.mark.parametrize("scale", [1e-30, 1e-3, 1e11])
 def test_tiny_and_huge_objects_are_read(tmp_path, scale):
     bodies = mobility()
     for body in bodies[1:]:

@@ -160,6 +160,44 @@ def test_a_part_without_surface_is_skipped(tmp_path):
     assert [shape.parts[leaf].id for leaf in door_of(shape).leaves] == [5]
 
 
+def test_a_missing_mesh_is_skipped_with_a_note_and_its_part_keeps_the_others(tmp_path):
+    folder = write_partnet_mobility(tmp_path / "4711")
+    for name in ("original-2", "original-6"):
+        (folder / "textured_objs" / f"{name}.obj").unlink()
+    shape = read_partnet_mobility(folder)
+    assert [shape.parts[leaf].id for leaf in shape.leaves] == [2, 3, 5, 6]
+    assert len(shape.parts[2].mesh.faces) == 12, "one of two boxes"
+    assert shape.repairs == (
+        "part 2 (vertical_side_panel): textured_objs/original-2.obj skipped: missing",
+        "part 7 (drawer): textured_objs/original-6.obj skipped: missing",
+        "body 2 (drawer) has no geometry: skipped",
+    )
+
+
+def test_a_broken_mesh_is_skipped_with_the_reason(tmp_path):
+    folder = write_partnet_mobility(tmp_path / "4711")
+    (folder / "textured_objs" / "original-5.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
+    expected = "part 6 (handle): textured_objs/original-5.obj skipped: a face names a vertex outside 1..3"
+    assert read_partnet_mobility(folder).repairs == (expected,)
+
+
+def test_an_object_without_any_mesh_is_refused_with_the_first_reason(tmp_path):
+    folder = write_partnet_mobility(tmp_path / "4711")
+    for path in (folder / "textured_objs").iterdir():
+        path.write_text("version https://git-lfs.github.com/spec/v1\n")
+    with pytest.raises(InputError, match=r"no part has geometry \(part 2 .*original-1\.obj skipped: .*`git lfs pull`"):
+        read_partnet_mobility(folder)
+
+
+def test_meshes_that_are_not_listed_get_one_note(tmp_path):
+    folder = write_partnet_mobility(tmp_path / "4711")
+    for number in (8, 9):
+        (folder / "textured_objs" / f"spare-{number}.obj").write_text("")
+    (folder / "textured_objs" / "material.mtl").write_text("")
+    expected = "result.json does not list spare-8.obj, spare-9.obj in textured_objs: not read"
+    assert read_partnet_mobility(folder).repairs == (expected,)
+
+
 def test_meta_json_decides_between_different_categories(tmp_path):
     shape = read_partnet_mobility(write_partnet_mobility(tmp_path / "4711", meta={"model_cat": "Box", "anno_id": "1"}))
     assert shape.category == "Box"
@@ -237,7 +275,6 @@ CONTRADICTIONS = {
     "a node twice": (lambda f: f["result.json"][0]["children"][2].update(id=1), "children[2].id"),
     "a node without id": (lambda f: f["result.json"][0]["children"][2].pop("id"), "children[2].id"),
     "two roots": (lambda f: f["result.json"].append({"id": 99, "name": "x", "objs": []}), "one root"),
-    "a missing mesh": (lambda f: f["result.json"][0]["children"][2].update(objs=["original-77"]), "original-77.obj"),
     "a mesh outside": (lambda f: f["result.json"][0]["children"][2].update(objs=["../../secret"]), "leads out"),
     "an absolute mesh": (lambda f: f["result.json"][0]["children"][2].update(objs=["/etc/passwd"]), "leads out"),
     "a mesh that is a number": (lambda f: f["result.json"][0]["children"][2].update(objs=[7]), "objs[0]"),

@@ -34,7 +34,7 @@ from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.obj_reader import read_obj
 from kinmo.io.readers.part_hierarchy import Node, build_hierarchy, read_nodes
 from kinmo.io.readers.reader import Reader, SourceFiles
-from kinmo.io.readers.untrusted_files import inside, peek, read_json
+from kinmo.io.readers.untrusted_files import peek, read_json
 
 Array = NDArray[np.float64]
 
@@ -127,13 +127,12 @@ class _Geometry:
 
     @cached_property
     def _mesh_folder(self) -> Path | None:
-        return next((inside(place, self.dataset) for place in self._mesh_places if place.is_dir()), None)
+        return next((place for place in self._mesh_places if place.is_dir()), None)
 
     @cached_property
     def _points(self) -> tuple[Path, dict[str, Array]] | None:
         for place in self._point_places:
             if os.path.lexists(place):
-                inside(place.parent, self.dataset)
                 return place, read_npz(place, self.dataset, ("parts", "other_ids", "other_parts"))
         return None
 
@@ -142,7 +141,6 @@ class _Geometry:
         place = next((place for place in self._gradient_places if place.exists()), None)
         if place is None:
             return None
-        inside(place.parent, self.dataset)
         cube = self.dataset / _CUBE_FILE
         if not cube.exists():
             raise InputError(place, f"deformation gradients need {_CUBE_FILE} beside their folder, which is missing")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import binascii
-import os
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -160,10 +159,7 @@ def buffer_files(path: Path) -> list[Path]:
 def _buffer_path(path: Path, uri: str) -> Path:
     if "://" in uri:
         raise InputError(path, f"its buffer is at {uri}: download it, or export one GLB")
-    found = path.parent / unquote(uri)
-    if os.path.lexists(found):
-        inside(found, path.parent)
-    return found
+    return inside(path.parent / unquote(uri), path.parent)
 
 
 def _read_document(path: Path) -> tuple[JsonField, bytes | None]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,10 +74,19 @@ def check_part_count(node: JsonField, before: int) -> None:
         raise InputError(node.where, f"more than {MAX_PARTS} parts")
 
 
-def build_hierarchy(nodes: Sequence[Node], meshes: Mapping[int, Mesh | None]) -> Hierarchy:
-    """The parts of a shape from nodes in preorder, and meshes of leaves by index of the node, in ascending order.
+def build_hierarchy(
+    nodes: Sequence[Node], meshes: Mapping[int, Mesh | None], notes: Sequence[str] = (), noted: Collection[int] = ()
+) -> Hierarchy:
+    """The parts of a shape from nodes in preorder. Nodes without a surface at or below them are skipped.
 
-    Nodes without a surface at or below them are skipped.
+    Args:
+        nodes: The nodes.
+        meshes: Meshes of leaves by index of the node, in ascending order.
+        notes: Repairs so far. They come first.
+        noted: Indices of leaves that `notes` mention already.
+
+    Raises:
+        InputError: No mesh has a surface. The message has the first note.
     """
     surfaces = {index: mesh for index, mesh in meshes.items() if mesh is not None and has_surface(mesh)}
     below: list[list[int]] = [[] for _ in nodes]
@@ -88,7 +97,7 @@ def build_hierarchy(nodes: Sequence[Node], meshes: Mapping[int, Mesh | None]) ->
             above = nodes[above].parent
     place = {index: position for position, index in enumerate(index for index, leaves in enumerate(below) if leaves)}
     if not place:
-        raise InputError(nodes[0].field.where, "no part has geometry")
+        raise InputError(nodes[0].field.where, "no part has geometry" + "".join(f" ({note})" for note in notes[:1]))
     parents = {index: nodes[index].parent for index in place}
     children: dict[int | None, list[int]] = {index: [] for index in (None, *place)}
     for index, parent in parents.items():
@@ -98,8 +107,8 @@ def build_hierarchy(nodes: Sequence[Node], meshes: Mapping[int, Mesh | None]) ->
         node, parent_place = nodes[index], None if parent is None else place[parent]
         parts.append(Part(node.id, node.name, parent_place, tuple(children[index]), surfaces.get(index)))
     leaves_of = {node.id: tuple(place[leaf] for leaf in leaves) for node, leaves in zip(nodes, below, strict=True)}
-    repairs = tuple(f"{node} has no surface: skipped" for node, leaves in zip(nodes, below, strict=True) if not leaves)
-    return Hierarchy(tuple(parts), leaves_of, repairs)
+    empty = [node for index, node in enumerate(nodes) if not below[index] and index not in noted]
+    return Hierarchy(tuple(parts), leaves_of, (*notes, *(f"{node} has no surface: skipped" for node in empty)))
 
 
 def has_surface(mesh: Mesh) -> bool:

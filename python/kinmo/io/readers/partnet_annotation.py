@@ -21,6 +21,8 @@ MOBILITY_FILE = "mobility_v2.json"
 HIERARCHY_FILES = ("result.json", "result_after_merging.json")
 META_FILE = "meta.json"
 MESH_FOLDERS = ("textured_objs", "objs")
+_MAX_NAMES = 20
+"""Most files that a note names."""
 PSEUDO_LABEL = "pseudo_label"
 """Field of meta.json that marks predicted joints. It holds the method that predicted them."""
 
@@ -40,28 +42,63 @@ def annotation_files(folder: Path) -> SourceFiles:
 
 
 def read_hierarchy(folder: Path, file: Path) -> Hierarchy:
-    """Read the part hierarchy of `file` (result.json or result_after_merging.json) with the meshes of its leaves."""
+    """Read the part hierarchy of `file` (result.json or result_after_merging.json) with the meshes of its leaves.
+
+    A mesh that cannot be read is skipped with a note. Raises InputError if no mesh remains.
+    """
     roots = read_json(file, folder).items()
     if len(roots) != 1:
         raise InputError(file, f"expected a list of one root, found {len(roots)}")
     nodes = read_nodes(roots[0], "name")
+    names = {index: _mesh_names(node) for index, node in enumerate(nodes) if node.is_leaf}
     source = _mesh_folder(folder)
-    return build_hierarchy(nodes, {i: _leaf_mesh(node, source, folder) for i, node in enumerate(nodes) if node.is_leaf})
+    problems: dict[int, list[InputError]] = {index: [] for index in names}
+    meshes = {index: _leaf_mesh(names[index], source, folder, problems[index]) for index in names}
+    notes = [
+        f"{nodes[index]}: {source.name}/{Path(problem.where).name} skipped: {problem.problem}"
+        for index, found in problems.items()
+        for problem in found
+    ]
+    notes += _unlisted(source, {name for leaf in names.values() for name in leaf}, file)
+    unread = [index for index, found in problems.items() if len(found) == len(names[index]) > 0]
+    return build_hierarchy(nodes, meshes, notes, unread)
 
 
 def _mesh_folder(folder: Path) -> Path:
     for name in MESH_FOLDERS:
         if os.path.lexists(folder / name):
-            real = inside(folder / name, folder)
-            if not real.is_dir():
+            if not (folder / name).is_dir():
                 raise InputError(folder / name, "expected a folder")
-            return real
+            return folder / name
     raise InputError(folder, f"expected a folder {' or '.join(MESH_FOLDERS)}")
 
 
-def _leaf_mesh(node: Node, source: Path, folder: Path) -> Mesh:
-    names = dict.fromkeys(_mesh_name(item) for item in node.field["objs"].items())
-    return join(*(mesh for name in names if (mesh := read_obj(source / name, folder)) is not None))
+def _mesh_names(node: Node) -> list[str]:
+    """File names of the meshes of a leaf, each once."""
+    return list(dict.fromkeys(_mesh_name(item) for item in node.field["objs"].items()))
+
+
+def _leaf_mesh(names: list[str], source: Path, folder: Path, problems: list[InputError]) -> Mesh:
+    """The meshes of a leaf as one. `problems` receives the errors of those that cannot be read."""
+    found = []
+    for name in names:
+        try:
+            mesh = read_obj(source / name, folder)
+        except InputError as problem:
+            problems.append(problem)
+        else:
+            found += [] if mesh is None else [mesh]
+    return join(*found)
+
+
+def _unlisted(source: Path, listed: set[str], file: Path) -> list[str]:
+    """A note about the meshes of the folder `source` that the hierarchy in `file` does not list. None if it lists all."""
+    others = sorted(entry.name for entry in os.scandir(source) if entry.name.lower().endswith(".obj"))
+    others = [clean_text(name) for name in others if name not in listed]
+    if not others:
+        return []
+    more = f" and {len(others) - _MAX_NAMES} more" if len(others) > _MAX_NAMES else ""
+    return [f"{file.name} does not list {', '.join(others[:_MAX_NAMES])}{more} in {source.name}: not read"]
 
 
 def _mesh_name(field: JsonField) -> str:

@@ -11,7 +11,7 @@ from kinmo.io.readers.scene import Scene, SceneBuilder
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 from kinmo.io.readers.trimesh_loading import load_meshes
-from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, peek, read_bytes
+from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, is_pointer, peek, read_bytes
 
 PLY = "ply"
 _FACES = re.compile(rb"^element[ \t]+face[ \t]+0*[1-9]", re.MULTILINE)
@@ -41,7 +41,7 @@ _id_by_ending = id_by_ending((".ply",))
 
 def _id_of_file(path: Path) -> str | None:
     name = _id_by_ending(path)
-    return name if name is not None and has_faces(path) else None
+    return name if name is not None and (has_faces(path) or is_pointer(peek(path, path.parent))) else None
 
 
 READER = Reader(

@@ -1,12 +1,12 @@
 """Safe reading of files from unknown sources: regular files of limited size inside their own folder.
 
-The argument `folder` is the folder that a file must be in, with links followed. All functions raise InputError for a file that
-leads out of it, is missing, too large, or a pipe, socket or device. They never wait for those.
+The argument `folder` is the folder that a path must be in, as it is written: links in the file system are followed wherever they
+lead. All functions raise InputError for a path that leads out of it, and for a file that is missing, too large, or a pipe, socket
+or device. They never wait for those.
 """
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 import stat
@@ -19,33 +19,42 @@ MAX_JSON_BYTES = 32 << 20
 MAX_MESH_BYTES = 128 << 20
 MAX_SCENE_BYTES = 1 << 30
 _PEEK_BYTES = 1 << 16
+_LFS_POINTER = b"version https://git-lfs.github.com/spec/v1"
 _OPEN_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 
 
 def inside(path: Path, folder: Path) -> Path:
-    """The path without links. Raises InputError if it leads out of the folder, does not exist, or is a cycle of links."""
-    try:
-        real = Path(os.path.realpath(path, strict=True))
-        home = Path(os.path.realpath(folder))
-    except (OSError, ValueError) as error:
-        raise _unreadable(path, error) from None
-    if real != home and home not in real.parents:
-        raise InputError(path, f"leads out of the folder {folder.name}")
-    return real
+    """The absolute path without steps such as `..`. Raises InputError if it leads out of the folder."""
+    place, home = (Path(os.path.abspath(each)) for each in (path, folder))
+    if place != home and home not in place.parents:
+        raise InputError(path, f"leads out of the folder {home.name}: expected a path inside it")
+    return place
 
 
 def read_bytes(path: Path, folder: Path, max_bytes: int) -> bytes:
-    """All bytes of a regular file of at most `max_bytes` bytes."""
+    """All bytes of a regular file of at most `max_bytes` bytes. Raises InputError for a pointer of Git LFS."""
     data = read_beginning(path, folder, max_bytes + 1)
     if len(data) > max_bytes:
         raise InputError(path, f"larger than {max_bytes >> 20} MiB")
+    check_no_pointer(data, path)
     return data
+
+
+def is_pointer(data: bytes) -> bool:
+    """True for the beginning of a small file that Git LFS leaves in place of one that is not downloaded."""
+    return data.startswith(_LFS_POINTER)
+
+
+def check_no_pointer(data: bytes, path: Path) -> None:
+    """Raise InputError if the beginning of the file `path` is that of a pointer of Git LFS."""
+    if is_pointer(data):
+        raise InputError(path, "a Git LFS pointer, not the file itself: run `git lfs pull` in its repository")
 
 
 def read_beginning(path: Path, folder: Path, count: int) -> bytes:
     """The first `count` bytes of a regular file."""
     try:
-        handle = _open(path, folder)
+        handle = os.open(inside(path, folder), _OPEN_FLAGS)
         try:
             if not stat.S_ISREG(os.fstat(handle).st_mode):
                 raise InputError(path, "not a regular file")
@@ -82,15 +91,6 @@ def parse_json(raw: bytes, where: Path) -> JsonField:
         raise InputError(where, "nested too deeply") from None
     except ValueError as error:
         raise InputError(where, "empty" if not raw.strip() else f"not JSON ({error})") from None
-
-
-def _open(path: Path, folder: Path) -> int:
-    try:
-        return os.open(path, _OPEN_FLAGS | getattr(os, "O_NOFOLLOW", 0))
-    except OSError as error:
-        if error.errno != errno.ELOOP:
-            raise
-        return os.open(inside(path, folder), _OPEN_FLAGS)
 
 
 def _unreadable(path: Path, error: OSError | ValueError) -> InputError:

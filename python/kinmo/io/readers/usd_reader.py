@@ -16,7 +16,7 @@ from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.scene import F64, MAX_NODES, Scene, SceneBuilder, placed
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
-from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, inside, read_beginning
+from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, check_no_pointer, inside, read_beginning
 
 USD = "usd"
 _ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
@@ -31,8 +31,10 @@ def read_usd(path: Path, facts: StatedFacts = NO_FACTS) -> Shape:
 
 def read_usd_scene(path: Path) -> Scene:
     """The scene of a USD stage at its first moment, without invisible prims, guides and proxies."""
-    if not read_beginning(path, path.parent, 1):
+    begin = read_beginning(path, path.parent, 64)
+    if not begin:
         raise InputError(path, "empty")
+    check_no_pointer(begin, path)
     if path.stat().st_size > MAX_SCENE_BYTES:
         raise InputError(path, f"larger than {MAX_SCENE_BYTES >> 20} MiB")
     optional_library("pxr", "usd", path, "is USD")
@@ -56,7 +58,7 @@ class _UsdScene:
         self.stage = Usd.Stage.Open(str(path))
         for layer in self.stage.GetUsedLayers():
             if layer.realPath:
-                inside(Path(layer.realPath.partition("[")[0]), path.parent)
+                inside(Path(layer.identifier.partition("[")[0].partition(":SDF_FORMAT_ARGS:")[0]), path.parent)
         self.time = Usd.TimeCode.EarliestTime()
         self.poses = UsdGeom.XformCache(self.time)
         self.builder = SceneBuilder(path)
