@@ -28,7 +28,7 @@ def clean_text(text: str, most: int = MAX_TEXT_LENGTH) -> str:
 
 
 def shortened(text: str, most: int) -> str:
-    """`text` as one printable line of at most `most` characters. A longer one loses its middle, because the end has the remedy."""
+    """`text` as one printable line of at most `most` characters. A longer one loses its middle: the end has the remedy."""
     line = clean_text(text if len(text) <= 2 * most else text[:most] + text[-most:], 2 * most)
     if len(line) <= most and len(text) <= 2 * most:
         return line

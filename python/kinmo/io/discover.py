@@ -73,8 +73,8 @@ def discover(
 ) -> Iterator[ShapeSource]:
     """Find all shapes at or below a folder, in the order of their names, those of a folder before those of its subfolders.
 
-    Hidden files and folders, and kinmo's workspaces, are skipped. Links are followed, unless they lead to what is found at its own
-    place below `root`. A folder that several links lead to is searched once.
+    Hidden files and folders, and kinmo's workspaces, are skipped. Links are followed, unless they lead to what is found at its
+    own place below `root`. A folder that several links lead to is searched once.
 
     Args:
         root: the folder to search, the folder of one shape, or the file of one shape.
@@ -158,7 +158,7 @@ def _shape_in_folder(folder: Path, names: set[str], with_meshes: bool) -> ShapeS
 
 
 def _is_followed(link: os.DirEntry[str], home: str) -> bool:
-    """True for a link to something that is not found at its own place below `home`: it is outside, hidden, or has another ending."""
+    """True for a link to what is not found at its own place below `home`: it is outside, hidden, or has another ending."""
     try:
         target = Path(os.path.realpath(link.path, strict=True))
     except (OSError, ValueError):

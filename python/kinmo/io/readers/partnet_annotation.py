@@ -14,7 +14,7 @@ from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.obj_reader import read_obj
 from kinmo.io.readers.part_hierarchy import Hierarchy, Node, build_hierarchy, read_nodes
 from kinmo.io.readers.reader import SourceFiles
-from kinmo.io.readers.untrusted_files import inside, read_json
+from kinmo.io.readers.untrusted_files import read_json
 
 UNKNOWN_CATEGORY = "unknown"
 MOBILITY_FILE = "mobility_v2.json"

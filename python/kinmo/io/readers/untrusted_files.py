@@ -1,8 +1,8 @@
 """Safe reading of files from unknown sources: regular files of limited size inside their own folder.
 
-The argument `folder` is the folder that a path must be in, as it is written: links in the file system are followed wherever they
-lead. All functions raise InputError for a path that leads out of it, and for a file that is missing, too large, or a pipe, socket
-or device. They never wait for those.
+The argument `folder` is the folder that a path must be in, as it is written. Links in the file system are followed wherever
+they lead. All functions raise InputError for a path that leads out of the folder, and for a file that is missing, too large, or
+a pipe, socket or device. They never wait for those.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _OPEN_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXE
 
 def inside(path: Path, folder: Path) -> Path:
     """The absolute path without steps such as `..`. Raises InputError if it leads out of the folder."""
-    place, home = (Path(os.path.abspath(each)) for each in (path, folder))
+    place, home = (Path(os.path.normpath(each.absolute())) for each in (path, folder))
     if place != home and home not in place.parents:
         raise InputError(path, f"leads out of the folder {home.name}: expected a path inside it")
     return place
