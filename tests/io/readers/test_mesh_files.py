@@ -108,6 +108,9 @@ def test_a_dae_file_has_its_own_hierarchy_axis_and_unit(tmp_path: Path) -> None:
     heights = {part.name: part.mesh.vertices[:, 2].tolist() for part in shape.parts if part.mesh}
     assert heights == {"lid": [6.0] * 4, "": [5.0] * 4}
     assert (shape.up, shape.metres_per_unit) == ((0.0, 0.0, 1.0), 0.0254)
+    notched = DAE.replace("1 1 0 0 1 0</float", "0.2 0.2 0 0 1 0</float")
+    (tmp_path / "a.dae").write_text(notched)
+    assert next(kinmo.load(tmp_path / "a.dae").meshes()).face_areas.sum() == pytest.approx(0.2)
     for broken in (DAE[:900], DAE.replace("0 1 2 3</p>", "0 1 2 9</p>"), f'<!DOCTYPE a [<!ENTITY b "c">]>{DAE[21:]}'):
         (tmp_path / "a.dae").write_text(broken)
         with pytest.raises(kinmo.InputError, match=r"a\.dae"):
@@ -222,6 +225,9 @@ def test_the_prims_of_a_usd_stage_are_the_parts(up: str, vector: tuple[float, ..
     assert knobs == pytest.approx([8.0, 9.0], abs=1e-3)
     from pxr import Usd
 
+    (tmp_path / "notched.usda").write_text(USD.format(up=up).replace("(1, 1, 0)", "(0.2, 0.2, 0)"))
+    (sheet,) = (part.mesh for part in kinmo.load(tmp_path / "notched.usda").parts if part.name == "sheet")
+    assert sheet is not None and sheet.face_areas.sum() == pytest.approx(0.2)
     for ending in ("usd", "usdc"):
         Usd.Stage.Open(str(tmp_path / "a.usda")).Export(str(tmp_path / f"b.{ending}"))
         assert names(kinmo.load(tmp_path / f"b.{ending}")) == names(shape)

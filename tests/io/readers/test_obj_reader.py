@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from kinmo.core.errors import InputError
 from kinmo.io.readers.obj_reader import parse_obj
+from kinmo.io.readers.polygons import triangulate
 
 WHERE = Path("some.obj")
 coordinates = st.floats(-1e6, 1e6, allow_nan=False)
@@ -30,14 +31,16 @@ def polygon_meshes(draw):
 
 
 @given(polygon_meshes(), st.booleans(), st.sampled_from(["{0}", "{0}/1", "{0}//1", "{0}/1/1"]), st.sampled_from(["\n", "\r\n"]))
-def test_polygons_become_fans_in_all_notations(mesh, negative, corner, newline):
+def test_polygons_become_triangles_in_all_notations(mesh, negative, corner, newline):
     vertices, faces = mesh
     lines = ["o thing", *(f"v {x!r} {y!r} {z!r}" for x, y, z in vertices), "vt 0 0", "vn 0 0 1", "g group"]
     shift = len(vertices) if negative else -1
     lines += ["f " + " ".join(corner.format(index - shift) for index in face) for face in faces]
     found = parse(newline.join(lines) + newline)
-    expected = [[face[0], face[k], face[k + 1]] for face in faces for k in range(1, len(face) - 1)]
-    np.testing.assert_array_equal(found.vertices[found.faces], np.array(vertices)[np.array(expected)])
+    sizes = [len(face) for face in faces]
+    corners = np.concatenate(faces)
+    expected, _ = triangulate(np.array(vertices), corners, np.array(sizes), WHERE)
+    np.testing.assert_array_equal(found.vertices[found.faces], np.array(vertices)[expected])
 
 
 def test_negative_indices_count_back_from_their_own_line():
@@ -83,6 +86,10 @@ def test_a_file_without_faces_has_no_mesh(text):
         "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n",
         "v 0 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n",
         "v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n",
+        "v 0 0 0\nv 2e12 0 0\nv 0 1 0\nf 1 2 3\n",
+        "v 0 0 0\nv\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        "v 0 0 0\nv # empty\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv",
     ],
 )
 def test_a_wrong_file_is_an_error_with_its_name(text):

@@ -16,6 +16,7 @@ from kinmo.core.frames import Axis
 from kinmo.core.shape import Mesh, Shape, join
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.optional_library import optional_library
+from kinmo.io.readers.polygons import triangulate
 from kinmo.io.readers.reader import Reader
 from kinmo.io.readers.scene import F64, Scene, SceneBuilder, placed
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
@@ -86,17 +87,20 @@ def _meshes_of(builder: SceneBuilder, collada: Any, instance: Any) -> list[Mesh]
 def _triangles(builder: SceneBuilder, collada: Any, geometry: Any) -> list[Mesh]:
     found = []
     for primitive in geometry.primitives:
-        if isinstance(primitive, collada.polylist.Polylist):
-            primitive = primitive.triangleset()
-        if not isinstance(primitive, collada.triangleset.TriangleSet):
+        is_polygons = isinstance(primitive, collada.polylist.Polylist)
+        if not is_polygons and not isinstance(primitive, collada.triangleset.TriangleSet):
             builder.ignore("points and lines")
             continue
         if primitive.vertex is None or primitive.vertex_index is None or not len(primitive.vertex_index):
             continue
-        faces = np.asarray(primitive.vertex_index, np.int64)
+        corners = np.asarray(primitive.vertex_index, np.int64).ravel()
         vertices = np.asarray(primitive.vertex, np.float64)
-        if faces.min() < 0 or faces.max() >= len(vertices):
+        if corners.min() < 0 or corners.max() >= len(vertices):
             raise InputError(builder.path, f"a face names a vertex outside 0..{len(vertices) - 1}")
+        sizes = np.asarray(primitive.vcounts if is_polygons else [3] * (len(corners) // 3), np.int64)
+        if sizes.min(initial=0) < 0 or sizes.sum() != len(corners):
+            raise InputError(builder.path, f"expected polygons of {len(corners)} corners together, got {sizes.sum()}")
+        faces, _ = triangulate(vertices, corners, sizes, builder.path)
         found.append(Mesh(vertices, faces.astype(np.uint32)).compact)
     return found
 

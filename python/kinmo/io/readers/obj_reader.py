@@ -1,4 +1,4 @@
-"""Wavefront OBJ: vertices and faces. A polygon becomes a fan of triangles.
+"""Wavefront OBJ: vertices and faces.
 
 Only `v` and `f` lines are used. They are converted in bulk, because a shape of PartNet-Mobility has about fifty OBJ files.
 """
@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh
-from kinmo.io.readers.polygons import triangle_fans
+from kinmo.io.readers.mesh_limits import checked
+from kinmo.io.readers.polygons import triangulate
 from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, read_bytes
 
-_MAX_COORDINATE = 1e60
 _MAX_DIGITS = 10
 """Most digits of an index."""
-_VERTEX = re.compile(rb"\n[ \t]*v[ \t]+([^\n#]*)")
+_VERTEX = re.compile(rb"\n[ \t]*v(?=[ \t\n#]|\Z)([^\n#]*)")
 _FACE = re.compile(rb"\n[ \t]*f[ \t]+([^\n#]*)")
 
 
@@ -65,12 +65,8 @@ def parse_polygons(text: bytes, where: Path) -> tuple[Mesh, NDArray[np.int64]] |
     corners -= 1
     if np.any(corners < 0) or np.any(corners >= len(vertices)):
         raise InputError(where, f"a face names a vertex outside 1..{len(vertices)}", "f")
-    faces, polygons = triangle_fans(corners, sizes)
-    is_fine = np.all(np.abs(vertices) <= _MAX_COORDINATE, axis=1)
-    bad = faces[~is_fine[faces]]
-    if len(bad):
-        raise InputError(where, f"vertex {bad.min() + 1} is not finite", "v")
-    return Mesh(vertices, faces.astype(np.uint32)).compact, polygons
+    faces, polygons = triangulate(vertices, corners, sizes, where)
+    return checked(Mesh(vertices, faces.astype(np.uint32)).compact, where), polygons
 
 
 def _vertices(lines: list[bytes]) -> NDArray[np.float64]:

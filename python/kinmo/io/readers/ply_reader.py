@@ -6,11 +6,11 @@ import re
 from pathlib import Path
 
 from kinmo.core.shape import Shape
+from kinmo.io.readers.ply_mesh import read_ply_mesh
 from kinmo.io.readers.reader import Reader
 from kinmo.io.readers.scene import Scene, SceneBuilder
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
-from kinmo.io.readers.trimesh_loading import load_meshes
 from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, is_pointer, peek, read_bytes
 
 PLY = "ply"
@@ -25,8 +25,7 @@ def read_ply(path: Path, facts: StatedFacts = NO_FACTS) -> Shape:
 def read_ply_scene(path: Path) -> Scene:
     """The scene of a PLY file: one node without a name."""
     builder = SceneBuilder(path)
-    for mesh in load_meshes(read_bytes(path, path.parent, MAX_SCENE_BYTES), "ply", path):
-        builder.add("", mesh=mesh)
+    builder.add("", mesh=read_ply_mesh(read_bytes(path, path.parent, MAX_SCENE_BYTES), path))
     return builder.scene(PLY, "PLY", "z", None)
 
 

@@ -14,14 +14,13 @@ from kinmo.core.errors import InputError
 from kinmo.core.frames import Axis
 from kinmo.core.shape import Mesh
 from kinmo.core.wording import clean_text
+from kinmo.io.readers.mesh_limits import checked
 from kinmo.io.readers.part_hierarchy import MAX_DEPTH
 
 F64 = NDArray[np.float64]
 
 MAX_CORNERS = 20_000_000
 """Most vertices and indices of all meshes together. A small file may show one mesh many times."""
-MAX_COORDINATE = 1e30
-"""Largest coordinate. Areas and closest points multiply four lengths, which stays far inside the range of a float."""
 MAX_NODES = 100_000
 """Most nodes of a scene, including nodes that are no parts, such as bones."""
 
@@ -126,14 +125,12 @@ class SceneBuilder:
 def placed(mesh: Mesh, pose: F64, where: Path) -> Mesh:
     """A mesh moved by a transform [4, 4]. Mirrored triangles are flipped, so that they still face outwards.
 
-    Raises InputError for positions that are not finite.
+    Raises InputError for positions that are not finite or too large.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         vertices = mesh.vertices @ pose[:3, :3].T + pose[:3, 3]
-    if not bool(np.all(np.abs(vertices) <= MAX_COORDINATE)):  # also false for what is no number
-        raise InputError(where, "expected transforms that give finite positions")
-    is_mirrored = np.linalg.det(pose[:3, :3]) < 0.0
-    return Mesh(vertices, mesh.faces[:, ::-1] if is_mirrored else mesh.faces)
+        is_mirrored = np.linalg.det(pose[:3, :3]) < 0.0
+    return checked(Mesh(vertices, mesh.faces[:, ::-1] if is_mirrored else mesh.faces), where)
 
 
 def ignored(counts: Mapping[str, int] | Iterable[tuple[str, int]]) -> tuple[str, ...]:

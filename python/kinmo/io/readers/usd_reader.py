@@ -11,7 +11,7 @@ import numpy as np
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, Shape, join
 from kinmo.io.readers.optional_library import optional_library
-from kinmo.io.readers.polygons import triangle_fans
+from kinmo.io.readers.polygons import triangulate
 from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.scene import F64, MAX_NODES, Scene, SceneBuilder, placed
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
@@ -121,7 +121,7 @@ class _UsdScene:
             raise InputError(self.builder.path, f"{prim.GetPath()}: expected faces of {len(vertices)} points")
         if prim.HasRelationship("skel:skeleton"):
             self.builder.ignore("skeletons (bind pose)")
-        faces = triangle_fans(corners, sizes)[0].astype(np.uint32)
+        faces = triangulate(vertices, corners, sizes, self.builder.path)[0].astype(np.uint32)
         if mesh.GetOrientationAttr().Get() == self.geom.Tokens.leftHanded:
             faces = faces[:, ::-1]
         return Mesh(vertices, faces)

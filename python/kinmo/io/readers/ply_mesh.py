@@ -1,0 +1,175 @@
+"""The vertices and polygons of a PLY file, text or binary.
+
+kinmo reads the meshes of PLY itself. trimesh misreads binary files whose faces differ in their number of corners, and it covers
+the notches of concave faces.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+import warnings
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.core.errors import InputError
+from kinmo.core.shape import Mesh
+from kinmo.core.wording import clean_text
+from kinmo.io.readers.mesh_limits import checked
+from kinmo.io.readers.polygons import triangulate
+
+_TYPES = {
+    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
+    "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8",
+}  # fmt: skip
+_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+_CORNERS = ("vertex_indices", "vertex_index")
+_END = re.compile(rb"[\r\n]end_header[ \t]*(?:\r\n|\n|\r)")
+
+
+@dataclass(frozen=True)
+class _Property:
+    """A column of an element: the type of its values, and for a list that of the length in front of them."""
+
+    name: str
+    type: np.dtype[np.generic]
+    length: struct.Struct | None = None
+
+
+@dataclass(frozen=True)
+class _Element:
+    """A table of `count` rows."""
+
+    name: str
+    count: int
+    properties: list[_Property] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class _Column:
+    """The values of all rows of a property, one row after the other, and the number of values in each row."""
+
+    values: NDArray[np.float64]
+    sizes: NDArray[np.int64]
+
+
+def read_ply_mesh(data: bytes, path: Path) -> Mesh:
+    """The triangles of a PLY file without unused vertices. Raises InputError for broken files.
+
+    Args:
+        data: content of the file.
+        path: the file, for messages.
+    """
+    elements, rows = _parse(data, path)
+    vertices, corners, sizes = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64)
+    place = 0
+    try:
+        for element in elements:
+            columns, place = _read_element(rows, place, element)
+            if element.name == "vertex":
+                vertices = np.stack([columns[axis].values for axis in "xyz"], axis=1)
+            elif element.name == "face":
+                found = next(columns[name] for name in _CORNERS if name in columns)
+                corners, sizes = found.values, found.sizes
+    except (ValueError, KeyError, StopIteration, OverflowError, struct.error) as error:
+        raise InputError(path, f"expected a whole PLY file with vertices x, y, z and faces ({error})") from None
+    if not np.all((corners >= 0) & (corners < len(vertices))):
+        raise InputError(path, f"a face names a vertex outside 0..{len(vertices) - 1}")
+    faces, _ = triangulate(vertices, corners.astype(np.int64), sizes, path)
+    return checked(Mesh(vertices, faces.astype(np.uint32)).compact, path)
+
+
+def _parse(data: bytes, path: Path) -> tuple[list[_Element], bytes]:
+    """The elements that the header announces, and their binary data. The numbers of a text become 64-bit floats."""
+    end = _END.search(data)
+    if not data.startswith(b"ply") or end is None:
+        raise InputError(path, "expected a PLY file with a header")
+    elements: list[_Element] = []
+    order = "<"
+    for line in re.split(r"[\r\n]+", data[: end.start()].decode("utf-8", "replace")):
+        words = line.split()
+        try:
+            if words[:1] == ["format"]:
+                order = _ORDERS[words[1]]
+            elif words[:1] == ["element"]:
+                elements.append(_Element(words[1], int(words[2])))
+            elif words[:1] == ["property"]:
+                types = [
+                    np.dtype(order + _TYPES[word] if order else "<f8") for word in words[2 if words[1] == "list" else 1 : -1]
+                ]
+                length = struct.Struct((order or "<") + types[0].char) if words[1] == "list" else None
+                elements[-1].properties.append(_Property(words[-1], types[-1], length))
+        except (ValueError, KeyError, IndexError):
+            raise InputError(path, f"expected a header of PLY, found {clean_text(line)}") from None
+    for element in elements:
+        if not 0 <= element.count <= len(data) or not element.properties:
+            raise InputError(path, f"expected a whole PLY file: it has no {element.count} rows", clean_text(element.name))
+    if order:
+        return elements, data[end.end() :]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # NumPy only warns of what is no number
+        try:
+            return elements, np.fromstring(data[end.end() :].decode("ascii", "replace"), sep=" ").tobytes()
+        except (ValueError, DeprecationWarning):
+            raise InputError(path, "expected numbers below the header") from None
+
+
+def _read_element(data: bytes, place: int, element: _Element) -> tuple[dict[str, _Column], int]:
+    """The columns of an element whose rows begin at `place`, and where they end.
+
+    Almost all files have lists of one length. They are read at once.
+    """
+    if not element.count:
+        return {each.name: _Column(np.zeros(0), np.zeros(0, np.int64)) for each in element.properties}, place
+    _, sizes = _read_row(data, place, element)
+    row = np.dtype(
+        [
+            (f"{place} {part}", kind, (size,))
+            for place, (each, size) in enumerate(zip(element.properties, sizes, strict=True))
+            for part, kind, size in (
+                ("length", "u1" if each.length is None else each.length.format, 0 if each.length is None else 1),
+                ("values", each.type, size),
+            )
+        ]
+    )
+    end = place + row.itemsize * element.count
+    if end <= len(data):
+        rows = np.frombuffer(data, row, element.count, place)
+        if all(np.all(rows[f"{column} length"] == size) for column, size in enumerate(sizes)):
+            columns = {
+                each.name: _Column(rows[f"{column} values"].astype(np.float64).ravel(), np.full(element.count, size))
+                for column, (each, size) in enumerate(zip(element.properties, sizes, strict=True))
+            }
+            return columns, end
+    pieces: list[list[bytes]] = []
+    lengths: list[list[int]] = []
+    for _ in range(element.count):
+        found, own = _read_row(data, place, element)
+        place += sum(map(len, found)) + sum(each.length.size for each in element.properties if each.length is not None)
+        pieces.append(found)
+        lengths.append(own)
+    columns = {}
+    for column, each in enumerate(element.properties):
+        values = np.frombuffer(b"".join(row[column] for row in pieces), each.type).astype(np.float64)
+        columns[each.name] = _Column(values, np.array([row[column] for row in lengths], np.int64))
+    return columns, place
+
+
+def _read_row(data: bytes, place: int, element: _Element) -> tuple[list[bytes], list[int]]:
+    """The bytes of the values of each property in the row at `place`, and their numbers."""
+    found, sizes = [], []
+    for each in element.properties:
+        size = 1
+        if each.length is not None:
+            size = int(each.length.unpack_from(data, place)[0])
+            place += each.length.size
+        end = place + size * each.type.itemsize
+        if size < 0 or end > len(data):
+            raise ValueError("it ends within a row")
+        found.append(data[place:end])
+        sizes.append(size)
+        place = end
+    return found, sizes
