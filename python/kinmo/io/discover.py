@@ -21,7 +21,6 @@ _MAX_DEPTH = 64
 """Deepest folder that is searched."""
 _MESHES_OF_OTHERS = ("_obj", "_objs")
 """Endings of folders with the meshes of shapes whose trees are elsewhere (DSG-Net)."""
-_ROBOT_ENDINGS = (".urdf", ".mjcf", ".xml")
 _PREDICTION = "joints.json"
 
 
@@ -111,19 +110,20 @@ def discover(
             continue
         entries = sorted(listed, key=lambda entry: entry.name)
         names = {entry.name for entry in entries}
+        with_meshes = with_meshes and not _is_robot_folder(folder, names)
         whole = _shape_in_folder(folder, names, with_meshes)
         if whole is not None:
             yield whole
             if not READERS[whole.layout].is_bare_mesh:
                 continue
-        with_meshes = with_meshes and not _is_robot_folder(names)
+        with_robots = _PREDICTION not in names
         subfolders = []
         for entry in entries:
             if entry.is_symlink() and not _is_followed(entry, home):
                 continue
             if entry.is_dir():
                 subfolders.append((Path(entry.path), with_meshes and not _has_meshes_of_others(folder, entry.name, names)))
-            elif whole is None and (found := _shape_in_file(Path(entry.path), with_meshes)) is not None:
+            elif whole is None and (found := _shape_in_file(Path(entry.path), with_meshes, with_robots)) is not None:
                 yield found
         if depth >= _MAX_DEPTH and subfolders:
             report(InputError(folder, f"folders nested deeper than {_MAX_DEPTH} levels"))
@@ -131,9 +131,10 @@ def discover(
         pending += [(path, depth + 1, has_meshes) for path, has_meshes in reversed(subfolders)]
 
 
-def _is_robot_folder(names: set[str]) -> bool:
-    """True if a folder has a robot file or a prediction. The meshes below it belong to that."""
-    return _PREDICTION in names or any(name.lower().endswith(_ROBOT_ENDINGS) for name in names)
+def _is_robot_folder(folder: Path, names: set[str]) -> bool:
+    """True if a folder has a robot file or a prediction. The meshes in and below it belong to that."""
+    robots = [reader for reader in READERS.values() if reader.is_robot]
+    return _PREDICTION in names or any(reader.id_of_file(folder / name) is not None for name in names for reader in robots)
 
 
 def _has_meshes_of_others(above: Path, name: str, names: set[str]) -> bool:
@@ -142,9 +143,14 @@ def _has_meshes_of_others(above: Path, name: str, names: set[str]) -> bool:
     return name.endswith(_MESHES_OF_OTHERS) or (tree in names and READERS[DSG_NET].id_of_file(above / tree) is not None)
 
 
-def _shape_in_file(path: Path, with_meshes: bool = True) -> ShapeSource | None:
-    """The shape that one file holds. None if no reader recognises it. Bare meshes count only `with_meshes`."""
-    readers = [reader for reader in READERS.values() if with_meshes or not reader.is_bare_mesh]
+def _shape_in_file(path: Path, with_meshes: bool = True, with_robots: bool = True) -> ShapeSource | None:
+    """The shape that one file holds. None if no reader recognises it.
+
+    Bare meshes count only `with_meshes`, and robots only `with_robots`.
+    """
+    readers = (
+        each for each in READERS.values() if (with_meshes or not each.is_bare_mesh) and (with_robots or not each.is_robot)
+    )
     ids = ((reader.layout, reader.id_of_file(path)) for reader in readers)
     return next((ShapeSource(path, layout, shape_id) for layout, shape_id in ids if shape_id is not None), None)
 

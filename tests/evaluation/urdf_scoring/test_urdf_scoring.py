@@ -200,7 +200,7 @@ BAD = {
     "point": (BOX.format("a", "", "0 0 0"), "expected a prediction with geometry"),
     "nearly a point": (BOX.format("a", "", "1e-170 1e-170 1e-170"), "expected a prediction with geometry"),
     "scaled to a point": (MESH.format("1/meshes/part_1.obj", "0 0 0"), "expected a prediction with geometry"),
-    "swallowed by its place": (BOX.format("a", FAR.replace("308", "29"), "1 1 1"), "expected a prediction with geometry"),
+    "at another star": (BOX.format("a", FAR.replace("308", "29"), "1 1 1"), "expected finite coordinates of at most 1e+12"),
 }
 
 

@@ -319,7 +319,8 @@ def test_meshes_of_other_formats_are_no_shapes(tmp_path: Path) -> None:
             (tmp_path / place / f"{name}.obj").write_text(box_obj((0, 0, 0), (1, 1, 1)))
     (tmp_path / "robot" / "arm.xml").write_text("<mujoco/>")
     (tmp_path / "predicted" / "joints.json").write_text("{}")
-    assert layouts(tmp_path) == [("partnet", "1"), ("dsg_net", "storagefurniture-7")]
+    (tmp_path / "predicted" / "model.urdf").write_text("<robot/>")
+    assert layouts(tmp_path) == [("partnet", "1"), ("dsg_net", "storagefurniture-7"), ("mjcf", "arm")]
 
 
 def test_labels_do_not_apply_to_datasets(tmp_path: Path) -> None:

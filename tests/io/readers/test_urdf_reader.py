@@ -6,8 +6,8 @@ from articulated import box_mesh
 
 from kinmo.core.errors import InputError
 from kinmo.core.joint import JointKind
-from kinmo.evaluation.urdf_scoring.rest_bodies import robot_bodies
-from kinmo.io.readers.urdf_meshes import read_triangles
+from kinmo.io.readers.robot_bodies import robot_bodies
+from kinmo.io.readers.robot_meshes import read_mesh
 from kinmo.io.readers.urdf_reader import read_robot_file
 
 LINK = '<link name="{0}"><visual><geometry><box size="1 1 {1}"/></geometry></visual></link>'
@@ -99,7 +99,7 @@ def test_meshes_with_huge_coordinates_are_an_error(tmp_path, name):
     vertices, faces = _box()
     trimesh.Trimesh(1e35 * vertices, faces, process=False).export(tmp_path / name)
     with pytest.raises(InputError, match=rf"{name}: vertices: expected finite coordinates of at most 1e\+12, got 1e\+35"):
-        read_triangles(tmp_path / name)
+        read_mesh(tmp_path / name)
 
 
 def _box():

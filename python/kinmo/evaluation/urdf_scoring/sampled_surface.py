@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from trimesh.triangles import closest_point
 
 from kinmo.evaluation.hierarchy_given import one_to_one
-from kinmo.io.readers.urdf_meshes import Triangles
+from kinmo.io.readers.robot_bodies import Triangles
 
 Points = NDArray[np.float64]  # points [N, 3]
 

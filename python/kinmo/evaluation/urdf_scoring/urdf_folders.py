@@ -15,7 +15,7 @@ from kinmo.io.atomic_files import write_json_atomically
 from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.io.readers.partnet_annotation import check_annotated
-from kinmo.io.readers.urdf_meshes import is_file
+from kinmo.io.readers.robot_meshes import is_file
 from kinmo.io.source_files import have_same_contents
 
 FIRST_CHOICES = ("model.urdf", "mobility.urdf")

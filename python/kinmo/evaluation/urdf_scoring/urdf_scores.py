@@ -14,9 +14,9 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.shape import Shape
 from kinmo.evaluation import metrics
 from kinmo.evaluation.urdf_scoring.frame_alignment import Similarity, align_surfaces
-from kinmo.evaluation.urdf_scoring.rest_bodies import RobotBody, robot_bodies
 from kinmo.evaluation.urdf_scoring.sampled_surface import Match, Surface, match_parts, sample_surfaces
-from kinmo.io.readers.urdf_meshes import MAX_NUMBER, NO_TRIANGLES, Triangles
+from kinmo.io.readers.robot_bodies import NO_TRIANGLES, RobotBody, Triangles, robot_bodies
+from kinmo.io.readers.robot_file import MAX_NUMBER
 from kinmo.io.readers.urdf_reader import read_robot_file
 
 SAMPLES, MIN_SAMPLES = 12_000, 1_000  # samples of a whole surface, and the fewest of one part or body

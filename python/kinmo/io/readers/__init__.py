@@ -8,12 +8,14 @@ from kinmo.io.readers import (
     dsg_net_reader,
     gltf_reader,
     mesh_folder_reader,
+    mjcf_reader,
     obj_scene_reader,
     partnet_mobility_reader,
     partnet_reader,
     ply_reader,
     stl_reader,
     threemf_reader,
+    urdf_reader,
     usd_reader,
 )
 from kinmo.io.readers.dsg_net_reader import DSG_NET, read_dsg_net
@@ -28,8 +30,8 @@ __all__ = [
 ]  # fmt: skip
 
 _MODULES = (
-    partnet_mobility_reader, partnet_reader, dsg_net_reader, gltf_reader, usd_reader, dae_reader, threemf_reader,
-    obj_scene_reader, ply_reader, stl_reader, mesh_folder_reader,
+    partnet_mobility_reader, partnet_reader, dsg_net_reader, gltf_reader, usd_reader, dae_reader, threemf_reader, urdf_reader,
+    mjcf_reader, obj_scene_reader, ply_reader, stl_reader, mesh_folder_reader,
 )  # fmt: skip
 """Reader modules. The first one that recognises a file or folder reads it."""
 

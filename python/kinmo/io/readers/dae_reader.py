@@ -22,6 +22,7 @@ from kinmo.io.readers.scene import F64, Scene, SceneBuilder, placed
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, read_bytes
+from kinmo.io.readers.xml_files import check_plain_xml
 
 DAE = "dae"
 _UP: dict[str, Axis] = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
@@ -36,8 +37,7 @@ def read_dae_scene(path: Path) -> Scene:
     """The default scene of a DAE file. Skins are shown in their bind pose."""
     data = read_bytes(path, path.parent, MAX_SCENE_BYTES)
     collada = optional_library("collada", "formats", path, "is DAE")
-    if b"<!ENTITY" in data or data.startswith(b"PK"):
-        raise InputError(path, "expected plain XML without entities")
+    check_plain_xml(data, path)
     builder = SceneBuilder(path)
     try:
         document = collada.Collada(io.BytesIO(data), ignore=[collada.common.DaeError])

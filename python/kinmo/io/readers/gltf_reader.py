@@ -18,9 +18,13 @@ _ENDINGS = (".glb", ".gltf")
 
 def read_glb(path: Path, facts: StatedFacts = NO_FACTS) -> Shape:
     """Read a glTF file. The nodes of its default scene become parts (see `shape_of_scene`)."""
-    path = Path(path)
+    return shape_of_scene(read_glb_scene(Path(path)), facts)
+
+
+def read_glb_scene(path: Path) -> Scene:
+    """The default scene of a glTF file."""
     scene = GltfScene(GltfFile(path))
-    return shape_of_scene(Scene(path, GLB, scene.nodes, "y", "glTF", 1.0, repairs=scene.repairs), facts)
+    return Scene(path, GLB, scene.nodes, "y", "glTF", 1.0, repairs=scene.repairs)
 
 
 READER = Reader(

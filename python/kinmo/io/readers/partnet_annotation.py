@@ -14,6 +14,7 @@ from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.obj_reader import read_obj
 from kinmo.io.readers.part_hierarchy import Hierarchy, Node, build_hierarchy, read_nodes
 from kinmo.io.readers.reader import SourceFiles
+from kinmo.io.readers.unlisted_meshes import unlisted_meshes
 from kinmo.io.readers.untrusted_files import read_json
 
 UNKNOWN_CATEGORY = "unknown"
@@ -21,8 +22,6 @@ MOBILITY_FILE = "mobility_v2.json"
 HIERARCHY_FILES = ("result.json", "result_after_merging.json")
 META_FILE = "meta.json"
 MESH_FOLDERS = ("textured_objs", "objs")
-_MAX_NAMES = 20
-"""Most files that a note names."""
 PSEUDO_LABEL = "pseudo_label"
 """Field of meta.json that marks predicted joints. It holds the method that predicted them."""
 
@@ -59,7 +58,7 @@ def read_hierarchy(folder: Path, file: Path) -> Hierarchy:
         for index, found in problems.items()
         for problem in found
     ]
-    notes += _unlisted(source, {name for leaf in names.values() for name in leaf}, file)
+    notes += unlisted_meshes(source, {name for leaf in names.values() for name in leaf}, file)
     unread = [index for index, found in problems.items() if len(found) == len(names[index]) > 0]
     return build_hierarchy(nodes, meshes, notes, unread)
 
@@ -89,16 +88,6 @@ def _leaf_mesh(names: list[str], source: Path, folder: Path, problems: list[Inpu
         else:
             found += [] if mesh is None else [mesh]
     return join(*found)
-
-
-def _unlisted(source: Path, listed: set[str], file: Path) -> list[str]:
-    """A note about the meshes of the folder `source` that the hierarchy in `file` does not list. None if it lists all."""
-    others = sorted(entry.name for entry in os.scandir(source) if entry.name.lower().endswith(".obj"))
-    others = [clean_text(name) for name in others if name not in listed]
-    if not others:
-        return []
-    more = f" and {len(others) - _MAX_NAMES} more" if len(others) > _MAX_NAMES else ""
-    return [f"{file.name} does not list {', '.join(others[:_MAX_NAMES])}{more} in {source.name}: not read"]
 
 
 def _mesh_name(field: JsonField) -> str:

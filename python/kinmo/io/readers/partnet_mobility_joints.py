@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from kinmo.core.errors import InputError
 from kinmo.core.joint import MAX_AXIS_DISTANCE, MAX_TURNS, Joint, JointKind
 from kinmo.core.vector import Vector
 from kinmo.io.readers.json_field import JsonField
@@ -49,7 +50,7 @@ def read_joint(body: JsonField, note: NoteRepair) -> Joint | None:
     if first == second:
         note("limits are equal: taken as unlimited")
         return joint
-    lower, upper = _around_rest(min(first, second), max(first, second), kind, note)
+    lower, upper = around_rest(min(first, second), max(first, second), kind, note)
     joint = replace(joint, lower=lower, upper=upper)
     if first > second:
         note("limits are in the wrong order: direction reversed")
@@ -57,18 +58,19 @@ def read_joint(body: JsonField, note: NoteRepair) -> Joint | None:
     return joint
 
 
-def checked_against_bounds(joint: Joint, body: JsonField, low: Vector, high: Vector, note: NoteRepair) -> Joint:
+def checked_against_bounds(
+    joint: Joint, fail: Callable[[str], InputError], low: Vector, high: Vector, note: NoteRepair
+) -> Joint:
     """The joint with an axis and a range that fit the size of the object, whose extreme corners [3] are `low` and `high`.
 
-    A slider's origin far from the object is replaced by the centre, because it has no meaning. For other joints it is an error.
+    A slider's origin far from the object is replaced by the centre, because it has no meaning. For other joints it is an error,
+    which `fail` makes.
     A range beyond `MAX_TURNS` turns or `MAX_AXIS_DISTANCE` diagonals is dropped.
     """
     center, reach = 0.5 * (low + high), MAX_AXIS_DISTANCE * float(np.linalg.norm(high - low))
     if np.max(np.abs(joint.pivot - center)) > reach:
         if joint.has_pivot:
-            raise body["jointData"]["axis"]["origin"].fail(
-                f"expected a point of the axis within {MAX_AXIS_DISTANCE:g} diagonals of the object"
-            )
+            raise fail(f"expected a point of the axis within {MAX_AXIS_DISTANCE:g} diagonals of the object")
         note("origin of a slider far from the object dropped")
         joint = replace(joint, pivot=center)
     largest = _TURN * MAX_TURNS if joint.kind is JointKind.REVOLUTE else reach
@@ -90,7 +92,8 @@ def _direction(field: JsonField, note: NoteRepair) -> Vector:
     return np.asarray(scaled / np.linalg.norm(scaled))
 
 
-def _around_rest(lower: float, upper: float, kind: JointKind, note: NoteRepair) -> tuple[float, float]:
+def around_rest(lower: float, upper: float, kind: JointKind, note: NoteRepair) -> tuple[float, float]:
+    """A range that contains 0: shifted by whole turns for a hinge if that is enough, else widened."""
     if lower <= 0.0 <= upper:
         return lower, upper
     if kind is JointKind.REVOLUTE:

@@ -89,7 +89,8 @@ def _read_mobility(folder: Path, hierarchy: Hierarchy, repairs: list[str]) -> Mo
     low, high = bounds_of(part.mesh for part in hierarchy.parts if part.mesh is not None)
     for draft in drafts:
         if draft.joint is not None:
-            draft.joint = checked_against_bounds(draft.joint, draft.entry, low, high, draft.note_joint)
+            origin = draft.entry["jointData"]["axis"]["origin"]
+            draft.joint = checked_against_bounds(draft.joint, origin.fail, low, high, draft.note_joint)
     drafts = _without_empty(drafts, repairs)
     _complete(drafts, hierarchy, repairs)
     bodies = (

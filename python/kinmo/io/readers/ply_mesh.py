@@ -97,9 +97,8 @@ def _parse(data: bytes, path: Path) -> tuple[list[_Element], bytes]:
             elif words[:1] == ["element"]:
                 elements.append(_Element(words[1], int(words[2])))
             elif words[:1] == ["property"]:
-                types = [
-                    np.dtype(order + _TYPES[word] if order else "<f8") for word in words[2 if words[1] == "list" else 1 : -1]
-                ]
+                names = [_TYPES[word] for word in words[2 if words[1] == "list" else 1 : -1]]
+                types = [np.dtype(order + name if order else "<f8") for name in names]
                 length = struct.Struct((order or "<") + types[0].char) if words[1] == "list" else None
                 elements[-1].properties.append(_Property(words[-1], types[-1], length))
         except (ValueError, KeyError, IndexError):

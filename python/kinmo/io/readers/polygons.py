@@ -73,7 +73,7 @@ def _is_covered(vertices: F64, faces: I64, polygons: I64, count: int) -> NDArray
     with np.errstate(over="ignore", invalid="ignore"):
         along = np.einsum("ij,ij->i", areas, totals[polygons])
         is_wrong = along < -_TOLERANCE * np.einsum("ij,ij->i", totals, totals)[polygons]
-    return np.bincount(polygons[is_wrong], minlength=count) == 0
+    return np.asarray(np.bincount(polygons[is_wrong], minlength=count) == 0)
 
 
 def _area_vectors(vertices: F64, faces: I64) -> F64:
@@ -152,7 +152,7 @@ def _cut_ears(points: F64) -> I64:
             turn(a, b, p) >= 0.0 and turn(b, c, p) >= 0.0 and turn(c, a, p) >= 0.0 and (x[p], y[p]) not in ends for p in reflex
         )
 
-    faces = []
+    faces: list[tuple[int, int, int]] = []
     pending = list(range(count - 1, -1, -1))
     while len(faces) < count - 2:
         if pending:

@@ -21,6 +21,7 @@ from kinmo.io.readers.scene import F64, Scene, SceneBuilder
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, read_bytes
+from kinmo.io.readers.xml_files import check_plain_xml
 
 THREEMF = "3mf"
 _MODEL = "3D/3dmodel.model"
@@ -130,8 +131,7 @@ class _Package:
         if self._left < 0:
             raise InputError(self.path, f"unpacks to more than {MAX_SCENE_BYTES >> 20} MiB")
         text = self.archive.read(info)
-        if b"<!ENTITY" in text:
-            raise InputError(self.path, "expected XML without entities")
+        check_plain_xml(text, self.path)
         parser = expat.ParserCreate()
 
         def start(tag: str, attributes: dict[str, str]) -> None:

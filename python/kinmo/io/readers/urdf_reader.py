@@ -1,180 +1,151 @@
-"""URDF files: links with their geometry, and joints."""
+"""URDF: the links are the parts, and their joints are the annotation."""
 
 from __future__ import annotations
 
 import sys
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import trimesh
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from kinmo.core.errors import InputError
-from kinmo.io.readers.urdf_meshes import MAX_NUMBER, NO_TRIANGLES, Triangles, is_file, read_triangles
+from kinmo.core.shape import Mesh, Shape
+from kinmo.core.wording import clean_text
+from kinmo.io.readers import solids
+from kinmo.io.readers.reader import Reader, SourceFiles
+from kinmo.io.readers.robot_file import MAX_NUMBER, JointElement, Matrix, RobotFile, ordered_links
+from kinmo.io.readers.robot_meshes import RobotMeshes, is_file, refuse
+from kinmo.io.readers.robot_numbers import read_numbers
+from kinmo.io.readers.robot_shape import robot_files, robot_id, shape_of_robot
+from kinmo.io.readers.scene import placed
+from kinmo.io.readers.untrusted_files import read_bytes
+from kinmo.io.readers.xml_files import MAX_XML_BYTES, parse_xml
 
-Matrix = NDArray[np.float64]
-"""An array of numbers, or a rigid transform [4, 4]."""
-
-
-@dataclass(frozen=True, eq=False)
-class JointElement:
-    """A `<joint>` element between the links `parent` and `child`.
-
-    Attributes:
-        type: the type as URDF names it, such as "revolute".
-        pose: [4, 4], transform from the child link to the parent link at joint value 0.
-        axis: [3], unit vector in the frame of the child link.
-        limits: lower and upper limit, in radians or metres. None without limits.
-    """
-
-    type: str
-    parent: str
-    child: str
-    pose: Matrix
-    axis: Matrix
-    limits: tuple[float, float] | None
+URDF = "urdf"
+_ENDING = ".urdf"
+_PACKAGE_FILE = "package.xml"
+"""File by which a package of ROS is recognised."""
 
 
-@dataclass(frozen=True, eq=False)
-class RobotFile:
-    """A tree of links.
-
-    Attributes:
-        links: names of the links, the root first and every link after its parent.
-        joint_above: the joint of each child link, by name of the link.
-        pieces: for each link its triangle soups, each with its transform [4, 4] to the link.
-    """
-
-    links: tuple[str, ...]
-    joint_above: dict[str, JointElement]
-    pieces: dict[str, list[tuple[Triangles, Matrix]]]
+def read_urdf(path: Path) -> Shape:
+    """Read a URDF file as a shape (see `shape_of_robot`). Meshes that cannot be read are skipped with a note."""
+    path = Path(path)
+    problems: list[InputError] = []
+    return shape_of_robot(read_robot_file(path, _home(path), problems.append), URDF, "URDF", problems)
 
 
-def read_robot_file(path: Path, packages: Path) -> RobotFile:
+def read_robot_file(path: Path, home: Path, report: Callable[[InputError], None] = refuse) -> RobotFile:
     """Read a URDF file with its meshes. Collision shapes are used if no link has visual ones.
 
-    `package://` meshes are searched beside the file and in the folders above it, up to `packages`.
+    `package://` meshes are searched beside the file and in the folders above it, up to `home`.
+
+    Args:
+        path: the file.
+        home: a folder at or above that of the file. No path of a mesh may lead out of it.
+        report: receives the problem of each mesh that cannot be read. By default it is raised.
+
+    Raises:
+        InputError: the file is no URDF, its links form no tree, or a path leads out of `home`.
     """
-    root = _parse(path)
+    root = parse_xml(read_bytes(path, path.parent, MAX_XML_BYTES), path)
     elements = {element.get("name") or "": element for element in root.findall("link")}
     if len(elements) < len(root.findall("link")):
         raise InputError(path, "expected links of different names")
     joints = [_joint_element(path, element) for element in root.findall("joint")]
-    links = _checked_order(path, list(elements), joints)
+    links = ordered_links(path, list(elements), joints)
     role = "visual" if root.find("link/visual") is not None else "collision"
-    pieces = {name: [_geometry(path, packages, piece) for piece in element.findall(role)] for name, element in elements.items()}
-    return RobotFile(links, {joint.child: joint for joint in joints}, pieces)
+    meshes = RobotMeshes(path, home, report)
+    pieces = {
+        name: [mesh for piece in element.findall(role) if (mesh := _geometry(path, meshes, piece)) is not None]
+        for name, element in elements.items()
+    }
+    named = (_mesh_path(mesh.get("filename") or "", path, home) for mesh in root.findall("link/*/geometry/mesh"))
+    above = {joint.child: joint for joint in joints}
+    return RobotFile(path, clean_text(root.get("name") or ""), links, above, pieces, tuple(dict.fromkeys(named)))
 
 
-def _parse(path: Path) -> ET.Element:
-    data = path.read_bytes()
-    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        raise InputError(path, "expected a URDF without document type or entities")
-    try:
-        return ET.fromstring(data)
-    except (ET.ParseError, ValueError, LookupError) as error:
-        raise InputError(path, f"expected XML: {error}") from error
-
-
-def _numbers(
-    path: Path, element: ET.Element | None, field: str, default: tuple[float, ...], largest: float = MAX_NUMBER
-) -> Matrix:
-    text = None if element is None else element.get(field)
-    if text is None:
-        return np.array(default)
-    try:
-        values = np.array(text.split(), float)
-    except ValueError:
-        values = np.array([np.nan])
-    if len(values) != len(default) or not np.all(np.abs(values) <= largest):
-        raise InputError(path, f"expected {len(default)} finite numbers, of at most {largest:g}, found {text[:40]!r}", field)
-    return values
+def _home(path: Path) -> Path:
+    """The folder of a file, or that of the package of ROS around it."""
+    folder = path.absolute().parent
+    return next((above for above in (folder, *folder.parents) if (above / _PACKAGE_FILE).is_file()), folder)
 
 
 def _pose(path: Path, element: ET.Element | None) -> Matrix:
+    attributes = {} if element is None else element.attrib
     pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_euler("xyz", _numbers(path, element, "rpy", (0.0, 0.0, 0.0))).as_matrix()
-    pose[:3, 3] = _numbers(path, element, "xyz", (0.0, 0.0, 0.0))
+    pose[:3, :3] = Rotation.from_euler("xyz", read_numbers(path, attributes, "rpy", (0.0, 0.0, 0.0))).as_matrix()
+    pose[:3, 3] = read_numbers(path, attributes, "xyz", (0.0, 0.0, 0.0))
     return pose
 
 
 def _joint_element(path: Path, element: ET.Element) -> JointElement:
     kind = (element.get("type") or "").strip().lower()
+    name = clean_text(element.get("name") or "")
     ends = [end.get("link") if (end := element.find(role)) is not None else None for role in ("parent", "child")]
     if ends[0] is None or ends[1] is None:
-        raise InputError(path, "expected a parent and a child link", f"joint {element.get('name')}")
-    axis = _numbers(path, element.find("axis"), "xyz", (1.0, 0.0, 0.0))
+        raise InputError(path, "expected a parent and a child link", f"joint {name}")
+    along = element.find("axis")
+    axis = read_numbers(path, {} if along is None else along.attrib, "xyz", (1.0, 0.0, 0.0))
     length = float(np.linalg.norm(axis))
     if length < 1.0 / MAX_NUMBER:
-        raise InputError(path, "expected an axis that is not zero", f"joint {element.get('name')}")
-    limits = _limits(path, element.find("limit"))
-    pose = _pose(path, element.find("origin"))
-    return JointElement(kind, ends[0], ends[1], pose, axis / length, None if kind == "continuous" else limits)
+        raise InputError(path, "expected an axis that is not zero", f"joint {name}")
+    limits = None if kind == "continuous" else _limits(path, element.find("limit"))
+    return JointElement(kind, ends[0], ends[1], _pose(path, element.find("origin")), axis / length, limits, name)
 
 
 def _limits(path: Path, element: ET.Element | None) -> tuple[float, float] | None:
     """The limits in ascending order. None for an empty range, and for the largest floats, which mean no limit in some files."""
-    ends = (float(_numbers(path, element, field, (0.0,), sys.float_info.max)[0]) for field in ("lower", "upper"))
+    attributes = {} if element is None else element.attrib
+    ends = (float(read_numbers(path, attributes, field, (0.0,), sys.float_info.max)[0]) for field in ("lower", "upper"))
     lower, upper = sorted(ends)
     return (lower, upper) if -MAX_NUMBER <= lower < upper <= MAX_NUMBER else None
 
 
-def _checked_order(path: Path, names: list[str], joints: list[JointElement]) -> tuple[str, ...]:
-    """Names of the links, each after its parent. Raises InputError unless they form one tree."""
-    if not names:
-        raise InputError(path, "expected at least one link")
-    children: dict[str, list[str]] = {name: [] for name in names}
-    seen: set[str] = set()
-    for joint in joints:
-        for end in (joint.parent, joint.child):
-            if end not in children:
-                raise InputError(path, f"expected a link of the name {end!r}", "joint")
-        if joint.child in seen:
-            raise InputError(path, f"expected one joint above link {joint.child!r}", "joint")
-        seen.add(joint.child)
-        children[joint.parent].append(joint.child)
-    roots = [name for name in names if name not in seen]
-    if len(roots) != 1:
-        raise InputError(path, f"expected one root link, found {len(roots)}")
-    order = [roots[0]]
-    for name in order:
-        order += children[name]
-    if len(order) < len(names):
-        raise InputError(path, "expected a tree, found a cycle of joints")
-    return tuple(order)
-
-
-def _geometry(path: Path, packages: Path, piece: ET.Element) -> tuple[Triangles, Matrix]:
-    """Triangles of a visual or collision element in its own frame, and its pose in the link."""
+def _geometry(path: Path, meshes: RobotMeshes, piece: ET.Element) -> Mesh | None:
+    """The mesh of a visual or collision element in its link. None if it has none."""
     pose = _pose(path, piece.find("origin"))
     shape = next(iter(piece.findall("geometry/*")), None)
     if shape is None:
-        return NO_TRIANGLES, pose
+        return None
+
+    def number(field: str) -> float:
+        return float(read_numbers(path, shape.attrib, field, (1.0,))[0])
+
+    mesh: Mesh | None
     if shape.tag == "mesh":
-        file = _mesh_path(shape.get("filename") or "", path, packages)
-        return read_triangles(file) * _numbers(path, shape, "scale", (1.0, 1.0, 1.0)), pose
-    if shape.tag == "box":
-        mesh = trimesh.creation.box(_numbers(path, shape, "size", (1.0, 1.0, 1.0)))
-    elif shape.tag in ("cylinder", "capsule"):
-        radius, length = (float(_numbers(path, shape, field, (1.0,))[0]) for field in ("radius", "length"))
-        is_capsule = shape.tag == "capsule"
-        mesh = trimesh.creation.capsule(length, radius) if is_capsule else trimesh.creation.cylinder(radius, length)
+        mesh = meshes.read(_mesh_path(shape.get("filename") or "", path, meshes.home))
+        pose[:3, :3] *= read_numbers(path, shape.attrib, "scale", (1.0, 1.0, 1.0))
+    elif shape.tag == "box":
+        mesh = solids.box(read_numbers(path, shape.attrib, "size", (1.0, 1.0, 1.0)))
+    elif shape.tag == "cylinder":
+        mesh = solids.cylinder(number("radius"), number("length"))
+    elif shape.tag == "capsule":
+        mesh = solids.capsule(number("radius"), number("length"))
     elif shape.tag == "sphere":
-        mesh = trimesh.creation.icosphere()
-        mesh.apply_scale(float(_numbers(path, shape, "radius", (1.0,))[0]))  # trimesh has no sphere of radius 0
+        mesh = solids.ellipsoid(np.full(3, number("radius")))
     else:
         raise InputError(path, f"expected mesh, box, cylinder or sphere, found {shape.tag[:40]!r}", "geometry")
-    return np.asarray(mesh.triangles, float), pose
+    return None if mesh is None else placed(mesh, pose, path)
 
 
-def _mesh_path(name: str, urdf: Path, packages: Path) -> Path:
+def _mesh_path(name: str, urdf: Path, home: Path) -> Path:
     """The file of a mesh."""
     if not name.startswith("package://"):
         return urdf.parent / name.removeprefix("file://")
     inside = name.removeprefix("package://")
-    folders = [folder for folder in urdf.parents if folder == urdf.parent or folder == packages or packages in folder.parents]
+    folders = [folder for folder in urdf.parents if folder == urdf.parent or folder == home or home in folder.parents]
     places = [folder / tail for folder in folders for tail in (inside, inside.partition("/")[2])]
     return next((place for place in places if is_file(place)), places[0])
+
+
+def _id_of_file(path: Path) -> str | None:
+    return robot_id(path) if path.suffix.lower() == _ENDING else None
+
+
+def _source_files(path: Path) -> SourceFiles:
+    return robot_files(path, lambda: read_robot_file(path, _home(path), lambda problem: None))
+
+
+READER = Reader(URDF, read_urdf, _source_files, id_of_file=_id_of_file, endings=(_ENDING,), is_robot=True)

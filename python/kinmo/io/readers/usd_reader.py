@@ -10,6 +10,7 @@ import numpy as np
 
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, Shape, join
+from kinmo.io.readers import solids
 from kinmo.io.readers.optional_library import optional_library
 from kinmo.io.readers.polygons import triangulate
 from kinmo.io.readers.reader import Reader, SourceFiles
@@ -128,29 +129,17 @@ class _UsdScene:
 
     def _solid(self, prim: Any) -> Mesh | None:
         """The triangles of a cube, sphere, cylinder, cone or capsule."""
-        import trimesh
-
-        geom, make = self.geom, trimesh.creation
+        geom = self.geom
         if prim.IsA(geom.Cube):
-            solid = make.box([geom.Cube(prim).GetSizeAttr().Get(self.time)] * 3)
-        elif prim.IsA(geom.Sphere):
-            solid = make.uv_sphere(geom.Sphere(prim).GetRadiusAttr().Get(self.time), count=(24, 24))
-        elif prim.IsA(geom.Cylinder) or prim.IsA(geom.Cone) or prim.IsA(geom.Capsule):
-            kind = next(kind for kind in (geom.Cylinder, geom.Cone, geom.Capsule) if prim.IsA(kind))
-            shape = kind(prim)
-            radius, height = shape.GetRadiusAttr().Get(self.time), shape.GetHeightAttr().Get(self.time)
-            if kind is geom.Capsule:
-                solid = make.capsule(height, radius, count=(24, 24))
-                solid.vertices -= solid.bounds.mean(axis=0)
-            elif kind is geom.Cone:
-                solid = make.cone(radius, height, sections=32)
-                solid.vertices -= [0.0, 0.0, 0.5 * height]
-            else:
-                solid = make.cylinder(radius, height, sections=32)
-            solid.vertices = solid.vertices[:, _TURNS[str(shape.GetAxisAttr().Get())]]
-        else:
-            return None
-        return Mesh(np.array(solid.vertices, np.float64), np.array(solid.faces, np.uint32))
+            return solids.box(np.full(3, geom.Cube(prim).GetSizeAttr().Get(self.time)))
+        if prim.IsA(geom.Sphere):
+            return solids.ellipsoid(np.full(3, geom.Sphere(prim).GetRadiusAttr().Get(self.time)))
+        for kind, make in ((geom.Cylinder, solids.cylinder), (geom.Cone, solids.cone), (geom.Capsule, solids.capsule)):
+            if prim.IsA(kind):
+                shape = kind(prim)
+                solid = make(shape.GetRadiusAttr().Get(self.time), shape.GetHeightAttr().Get(self.time))
+                return Mesh(solid.vertices[:, _TURNS[str(shape.GetAxisAttr().Get())]], solid.faces)
+        return None
 
     def _instances(self, prim: Any) -> Iterator[Mesh]:
         """The placed meshes of the instances of a PointInstancer."""

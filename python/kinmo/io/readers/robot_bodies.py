@@ -1,4 +1,4 @@
-"""Rigid bodies of a URDF at rest (all joints at zero), in the frame of its root link."""
+"""Rigid bodies of a robot at rest (all joints at zero), in the frame of its root link."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.core.joint import Joint, JointKind
-from kinmo.evaluation.metrics import axis_error
-from kinmo.io.readers.urdf_meshes import NO_TRIANGLES, Triangles
-from kinmo.io.readers.urdf_reader import JointElement, Matrix, RobotFile
+from kinmo.io.readers.robot_file import FIXED, JointElement, Matrix, RobotFile
 
-FIXED = "fixed"  # type of a URDF joint that does not move
+Triangles = NDArray[np.float64]
+"""A triangle soup [T, 3, 3]."""
+
+NO_TRIANGLES: Triangles = np.zeros((0, 3, 3))
 KINDS = {
     "revolute": JointKind.REVOLUTE,
     "continuous": JointKind.REVOLUTE,
@@ -30,7 +32,7 @@ class RobotBody:
     """Links that move as one rigid body, named after the topmost one, with triangles [T, 3, 3] in the frame of the root link.
 
     `parent` is the index of the body that this one moves against, None for a top body. A body that `moves` by none of kinmo's
-    kinds has no `joint`.
+    kinds has no `joint`. `links` are the names of its links that have geometry.
     """
 
     name: str
@@ -38,6 +40,16 @@ class RobotBody:
     parent: int | None = None
     joint: Joint | None = None
     moves: bool = False
+    links: tuple[str, ...] = ()
+
+
+def link_poses(robot: RobotFile) -> dict[str, Matrix]:
+    """Transforms [4, 4] from the links to the root link, by name."""
+    poses: dict[str, Matrix] = {}
+    for name in robot.links:
+        joint = robot.joint_above.get(name)
+        poses[name] = np.eye(4) if joint is None else poses[joint.parent] @ joint.pose
+    return poses
 
 
 def robot_bodies(robot: RobotFile) -> tuple[RobotBody, ...]:
@@ -47,21 +59,20 @@ def robot_bodies(robot: RobotFile) -> tuple[RobotBody, ...]:
     top body is the base and does not move, even if a joint connects it to an empty world.
     """
     above = robot.joint_above
-    poses: dict[str, Matrix] = {}
+    poses = link_poses(robot)
     head: dict[str, str] = {}
-    pieces: dict[str, list[Triangles]] = {}
+    links: dict[str, list[str]] = {}
     for name in robot.links:
-        poses[name] = poses[above[name].parent] @ above[name].pose if name in above else np.eye(4)
         is_fixed = name in above and above[name].type == FIXED
         head[name] = head[above[name].parent] if is_fixed else name
-        world = [_moved(poses[name] @ pose, triangles) for triangles, pose in robot.pieces[name]]
-        pieces.setdefault(head[name], []).extend(world)
-    triangles_of_head = {name: np.concatenate([NO_TRIANGLES, *parts]) for name, parts in pieces.items()}
+        own = links.setdefault(head[name], [])
+        if any(len(mesh.faces) for mesh in robot.pieces[name]):
+            own.append(name)
 
     bodies: list[RobotBody] = []
     index: dict[str, int] = {}
-    for name, triangles in triangles_of_head.items():
-        if not len(triangles):
+    for name, own in links.items():
+        if not own:
             continue
         link, chain = name, []
         while link in above:
@@ -70,7 +81,8 @@ def robot_bodies(robot: RobotFile) -> tuple[RobotBody, ...]:
             if link in index:
                 break
         index[name] = len(bodies)
-        bodies.append(RobotBody(name, triangles, index.get(link) if chain else None, _joint(chain), bool(chain)))
+        triangles = np.concatenate([_moved(poses[each], mesh.triangles) for each in own for mesh in robot.pieces[each]])
+        bodies.append(RobotBody(name, triangles, index.get(link) if chain else None, _joint(chain), bool(chain), tuple(own)))
     tops = [number for number, body in enumerate(bodies) if body.parent is None]
     if len(tops) == 1:
         bodies[tops[0]] = replace(bodies[tops[0]], joint=None, moves=False)
@@ -80,7 +92,12 @@ def robot_bodies(robot: RobotFile) -> tuple[RobotBody, ...]:
 def _joint(chain: list[tuple[JointElement, Matrix]]) -> Joint | None:
     """The joint equal to a chain of joints, each with the pose of its child link; None if it is none of kinmo's kinds."""
     joints = [
-        Joint(KINDS[element.type], pose[:3, :3] @ element.axis, pose[:3, 3], *(element.limits or (None, None)))
+        Joint(
+            KINDS[element.type],
+            pose[:3, :3] @ element.axis,
+            pose[:3, :3] @ element.pivot + pose[:3, 3],
+            *(element.limits or (None, None)),
+        )
         for element, pose in chain
         if element.type in KINDS
     ]
@@ -92,9 +109,10 @@ def _joint(chain: list[tuple[JointElement, Matrix]]) -> Joint | None:
     if len(joints) > 2 or set(by_kind) != {JointKind.REVOLUTE, JointKind.PRISMATIC}:
         return None
     turn, slide = by_kind[JointKind.REVOLUTE], by_kind[JointKind.PRISMATIC]
-    if axis_error(turn.direction, slide.direction) > SAME_AXIS_ANGLE:
+    cosine = float(np.dot(turn.direction, slide.direction))
+    if abs(cosine) < math.cos(SAME_AXIS_ANGLE):
         return None
-    along = slide if np.dot(turn.direction, slide.direction) >= 0 else slide.reversed()
+    along = slide if cosine >= 0 else slide.reversed()
     return Joint(JointKind.SCREW, turn.direction, turn.pivot, along.lower, along.upper)
 
 

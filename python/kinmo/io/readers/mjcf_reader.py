@@ -1,0 +1,259 @@
+"""MJCF, the format of MuJoCo: the bodies are the parts, and their joints are the annotation."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from kinmo.core.errors import InputError
+from kinmo.core.shape import Mesh, Shape
+from kinmo.core.wording import clean_text
+from kinmo.io.readers import solids
+from kinmo.io.readers.mjcf_document import MAX_DEPTH, Attributes, MjcfDocument, rotation_of_z
+from kinmo.io.readers.reader import Reader, SourceFiles
+from kinmo.io.readers.robot_file import FIXED, MAX_LINKS, JointElement, Matrix, RobotFile, ordered_links
+from kinmo.io.readers.robot_meshes import RobotMeshes
+from kinmo.io.readers.robot_numbers import read_list, read_numbers
+from kinmo.io.readers.robot_shape import robot_files, robot_id, shape_of_robot
+from kinmo.io.readers.scene import ignored, placed
+from kinmo.io.readers.untrusted_files import peek
+
+MJCF = "mjcf"
+_ENDINGS = (".xml", ".mjcf")
+_ROOT = re.compile(rb"<\s*mujoco[\s/>]")
+_BEFORE_ROOT = re.compile(rb"<\?.*?\?>|<!--.*?-->|<!DOCTYPE[^>]*>|\s+|\xef\xbb\xbf", re.DOTALL)
+_WORLD = "world"
+_JOINT_TYPES = {"hinge": "revolute", "slide": "prismatic"}
+"""Types of URDF by those of MJCF. Others are none that kinmo knows."""
+_SHOWN_GROUPS = 3
+"""Number of the first group of geoms that viewers hide. By convention, groups from there on have collision geoms."""
+_IGNORED_BODIES = ("composite", "flexcomp", "replicate", "attach")
+"""Elements that MuJoCo expands to bodies."""
+
+
+def read_mjcf(path: Path) -> Shape:
+    """Read an MJCF file as a shape (see `shape_of_robot`). Meshes that cannot be read are skipped with a note."""
+    path = Path(path)
+    problems: list[InputError] = []
+    return shape_of_robot(read_mjcf_robot(path, problems.append), MJCF, "MJCF", problems)
+
+
+def read_mjcf_robot(path: Path, report: Callable[[InputError], None]) -> RobotFile:
+    """Read an MJCF file with its meshes.
+
+    A body becomes a link. Each of several joints of a body has a link of its own, without geometry. Geoms of groups that
+    viewers hide are used if there are no others.
+
+    Args:
+        path: the file.
+        report: receives the problem of each mesh that cannot be read.
+
+    Raises:
+        InputError: the file is no MJCF, or a path leads out of its folder.
+    """
+    return _MjcfRobot(MjcfDocument(path), report).robot()
+
+
+class _MjcfRobot:
+    """Collects the links of a document."""
+
+    def __init__(self, document: MjcfDocument, report: Callable[[InputError], None]) -> None:
+        self.document = document
+        self.path = document.path
+        self.report = report
+        self.files = RobotMeshes(self.path, self.path.parent, report)
+        self.assets = dict(document.meshes())
+        self.names = [_WORLD]
+        self.joints: list[JointElement] = []
+        self.geoms: dict[str, list[tuple[Attributes, Matrix]]] = {_WORLD: []}
+        self.ignored: Counter[str] = Counter()
+
+    def robot(self) -> RobotFile:
+        """The links, joints and meshes."""
+        for world in self.document.root.findall("worldbody"):
+            self._read_content(world, _WORLD, np.eye(4), world.get("childclass"))
+        shown = [geom for own in self.geoms.values() for geom in own if self._group(geom[0]) < _SHOWN_GROUPS]
+        pieces: dict[str, list[Mesh]] = {}
+        for name, own in self.geoms.items():
+            used = [geom for geom in own if not shown or self._group(geom[0]) < _SHOWN_GROUPS]
+            meshes = [(self._mesh(attributes), pose) for attributes, pose in used]
+            pieces[name] = [placed(mesh, pose, self.path) for mesh, pose in meshes if mesh is not None]
+        named = [self.document.mesh_path(asset["file"]) for asset in self.assets.values() if "file" in asset]
+        links = ordered_links(self.path, self.names, self.joints)
+        above = {joint.child: joint for joint in self.joints}
+        title = clean_text(self.document.root.get("model", ""))
+        return RobotFile(self.path, title, links, above, pieces, tuple(named), ignored(self.ignored))
+
+    def _read_content(self, top: ET.Element, top_link: str, top_pose: Matrix, top_class: str | None) -> None:
+        """Read the geoms, frames and bodies in the world."""
+        pending: list[tuple[ET.Element, str, Matrix, str | None, int]] = [(top, top_link, top_pose, top_class, 0)]
+        while pending:
+            element, link, pose, inherited, depth = pending.pop()
+            if depth > MAX_DEPTH:
+                raise InputError(self.path, f"nested deeper than {MAX_DEPTH} levels")
+            inner = []
+            for child in element:
+                if child.tag == "geom":
+                    attributes = self.document.with_defaults(child, inherited)
+                    self.geoms[link].append((attributes, pose))
+                elif child.tag == "frame":
+                    own = child.get("childclass") or inherited
+                    inner.append((child, link, pose @ self.document.pose(child.attrib), own, depth + 1))
+                elif child.tag == "body":
+                    own = child.get("childclass") or inherited
+                    name = self._add_body(child, link, pose @ self.document.pose(child.attrib), own)
+                    inner.append((child, name, np.eye(4), own, depth + 1))
+                elif child.tag in _IGNORED_BODIES:
+                    self.ignored[f"elements {child.tag}"] += 1
+            pending += reversed(inner)
+
+    def _add_body(self, body: ET.Element, parent: str, pose: Matrix, inherited: str | None) -> str:
+        """Add a body with its joints, and get the name of its link. `pose` leads to the link `parent`."""
+        name = self._new_name(body.get("name") or f"body {len(self.names)}")
+        found = [child for child in body if child.tag in ("joint", "freejoint")]
+        kinds = [self.document.with_defaults(child, inherited) for child in found]
+        moving = [self._joint(child.tag, attributes) for child, attributes in zip(found, kinds, strict=True)]
+        for number, (kind, title, axis, pivot, limits) in enumerate(moving or [_FIXED_JOINT], start=1):
+            is_last = number >= len(moving)
+            link = name if is_last else self._new_name(f"{name} {number}")
+            self._add_link(link)
+            self.joints.append(JointElement(kind, parent, link, pose, axis, limits, title, pivot))
+            parent, pose = link, np.eye(4)
+        return name
+
+    def _joint(self, tag: str, attributes: Attributes) -> tuple[str, str, Matrix, Matrix, tuple[float, float] | None]:
+        """Type, name, axis, pivot and limits of a joint."""
+        kind = "free" if tag == "freejoint" else attributes.get("type", "hinge")
+        name = clean_text(attributes.get("name", ""))
+        if kind not in _JOINT_TYPES:
+            return kind, name, np.array([0.0, 0.0, 1.0]), np.zeros(3), None
+        axis = self.document.direction(read_numbers(self.path, attributes, "axis", (0.0, 0.0, 1.0)), f"joint {name}: axis")
+        pivot = read_numbers(self.path, attributes, "pos", (0.0, 0.0, 0.0))
+        limits = None
+        is_limited = attributes.get("limited", "auto")
+        if is_limited == "true" or (is_limited == "auto" and self.document.has_automatic_limits and "range" in attributes):
+            (rest,) = read_numbers(self.path, attributes, "ref", (0.0,))
+            ends = sorted(read_numbers(self.path, attributes, "range", (0.0, 0.0)) - rest)
+            lower, upper = (self.document.angle(float(end)) if kind == "hinge" else float(end) for end in ends)
+            limits = (lower, upper) if lower < upper else None
+        return _JOINT_TYPES[kind], name, axis, pivot, limits
+
+    def _new_name(self, name: str) -> str:
+        """`name`, with a number if another link has it."""
+        taken, number = set(self.names), 2
+        candidate = name
+        while candidate in taken:
+            candidate, number = f"{name} {number}", number + 1
+        return candidate
+
+    def _add_link(self, name: str) -> None:
+        if len(self.names) >= MAX_LINKS:
+            raise InputError(self.path, f"more than {MAX_LINKS} bodies")
+        self.names.append(name)
+        self.geoms[name] = []
+
+    def _group(self, attributes: Attributes) -> float:
+        return float(read_numbers(self.path, attributes, "group", (0.0,))[0])
+
+    def _mesh(self, attributes: Attributes) -> Mesh | None:
+        """The mesh of a geom in its body. None if it has none."""
+        kind = "mesh" if "mesh" in attributes else attributes.get("type", "sphere")
+        pose = self.document.pose(attributes)
+        if kind == "mesh":
+            mesh = self._asset(attributes.get("mesh", ""))
+            return None if mesh is None else placed(mesh, pose, self.path)
+        if kind not in _SOLIDS:
+            self.ignored[f"geoms of type {clean_text(kind)}"] += 1
+            return None
+        least = _SOLIDS[kind]
+        if "fromto" in attributes and kind != "sphere":
+            ends = read_list(self.path, attributes, "fromto", 6, 6).reshape(2, 3)
+            along = ends[1] - ends[0]
+            pose[:3, 3] = ends.mean(axis=0)
+            pose[:3, :3] = rotation_of_z(self.document.direction(along, "fromto"))
+            radii = read_list(self.path, attributes, "size", 1, 3)
+            half = float(np.linalg.norm(along)) / 2.0
+            size = np.array([radii[0], radii[0] if kind in ("box", "ellipsoid") else half, half])
+        else:
+            size = read_list(self.path, attributes, "size", least, 3)
+        if np.any(size[:least] <= 0.0):
+            raise InputError(self.path, "expected sizes above 0", "geom size")
+        self.files.budget.spend(3000)
+        if kind == "box":
+            mesh = solids.box(2.0 * size)
+        elif kind == "ellipsoid":
+            mesh = solids.ellipsoid(size)
+        elif kind == "sphere":
+            mesh = solids.ellipsoid(np.full(3, size[0]))
+        else:
+            make = solids.capsule if kind == "capsule" else solids.cylinder
+            mesh = make(float(size[0]), 2.0 * float(size[1]))
+        return placed(mesh, pose, self.path)
+
+    def _asset(self, name: str) -> Mesh | None:
+        """The mesh asset of this name, moved and scaled. None if it cannot be read."""
+        if name not in self.assets:
+            raise InputError(self.path, f"there is no mesh asset {clean_text(name)}", "geom mesh")
+        asset = self.assets[name]
+        if "file" in asset:
+            mesh = self.files.read(self.document.mesh_path(asset["file"]))
+        elif "vertex" in asset:
+            mesh = self._inline(asset)
+        else:
+            self.ignored["meshes that MuJoCo computes"] += 1
+            return None
+        if mesh is None:
+            return None
+        turn = np.eye(4)
+        turn[:3, :3] = self.document.orientation({"quat": asset["refquat"]} if "refquat" in asset else {}).T
+        shift, scale = np.eye(4), np.eye(4)
+        shift[:3, 3] = -read_numbers(self.path, asset, "refpos", (0.0, 0.0, 0.0))
+        scale[:3, :3] *= read_numbers(self.path, asset, "scale", (1.0, 1.0, 1.0))
+        return placed(mesh, scale @ turn @ shift, self.path)
+
+    def _inline(self, asset: Attributes) -> Mesh:
+        """A mesh asset whose vertices are in the file. Without faces it is their convex hull."""
+        most = 3 * MAX_INLINE_VERTICES
+        vertices, faces = read_list(self.path, asset, "vertex", 9, most), np.zeros(0)
+        if len(vertices) % 3:
+            raise InputError(self.path, "expected 3 numbers for each vertex", "mesh vertex")
+        vertices = vertices.reshape(-1, 3)
+        if "face" not in asset:
+            try:
+                hull = trimesh.convex.convex_hull(vertices)
+            except Exception:  # SciPy's Qhull and trimesh raise errors of their own kinds
+                raise InputError(self.path, "expected vertices around a volume", "mesh vertex") from None
+            return Mesh(np.array(hull.vertices, np.float64), np.array(hull.faces, np.uint32))
+        faces = read_list(self.path, asset, "face", 3, 2 * most)
+        if len(faces) % 3 or np.any((faces < 0) | (faces >= len(vertices)) | (faces % 1 != 0)):
+            raise InputError(self.path, f"expected triangles of vertices 0..{len(vertices) - 1}", "mesh face")
+        return Mesh(vertices, faces.reshape(-1, 3).astype(np.uint32)).compact
+
+
+MAX_INLINE_VERTICES = 1_000_000
+_SOLIDS = {"box": 3, "ellipsoid": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
+"""Solids, and the least number of their sizes."""
+_FIXED_JOINT = (FIXED, "", np.array([0.0, 0.0, 1.0]), np.zeros(3), None)
+
+
+def _id_of_file(path: Path) -> str | None:
+    if path.suffix.lower() not in _ENDINGS:
+        return None
+    begin = peek(path, path.parent)
+    place = 0
+    while match := _BEFORE_ROOT.match(begin, place):
+        place = match.end()
+    return robot_id(path) if _ROOT.match(begin, place) else None
+
+
+def _source_files(path: Path) -> SourceFiles:
+    return robot_files(path, lambda: read_mjcf_robot(path, lambda problem: None))
+
+
+READER = Reader(MJCF, read_mjcf, _source_files, id_of_file=_id_of_file, endings=(".xml (MJCF)",), is_robot=True)

@@ -1,0 +1,102 @@
+"""A robot file, URDF or MJCF: a tree of links with geometry, and the joints between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.core.errors import InputError
+from kinmo.core.shape import Mesh
+
+Matrix = NDArray[np.float64]
+"""An array of numbers, or a rigid transform [4, 4]."""
+
+MAX_NUMBER = 1e30
+"""Largest number in a robot file."""
+FIXED = "fixed"
+"""Type of a joint that does not move."""
+MAX_LINKS = 10_000
+"""Most links of a robot."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointElement:
+    """A joint between the links `parent` and `child`.
+
+    Attributes:
+        type: the type as URDF names it, such as "revolute".
+        pose: [4, 4], transform from the child link to the parent link at joint value 0.
+        axis: [3], unit vector in the frame of the child link.
+        limits: lower and upper limit, in radians or metres. None without limits.
+        name: name of the joint. Empty if it has none.
+        pivot: [3], a point of the axis in the frame of the child link.
+    """
+
+    type: str
+    parent: str
+    child: str
+    pose: Matrix
+    axis: Matrix
+    limits: tuple[float, float] | None
+    name: str = ""
+    pivot: Matrix = field(default_factory=lambda: np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False)
+class RobotFile:
+    """A tree of links.
+
+    Attributes:
+        path: the file.
+        name: name of the robot. Empty if it has none.
+        links: names of the links, the root first and every link after its parent.
+        joint_above: the joint of each child link, by name of the link.
+        pieces: the meshes of each link, in its frame, by name of the link.
+        mesh_files: the mesh files that the file names.
+        repairs: one line for everything that was dropped.
+    """
+
+    path: Path
+    name: str
+    links: tuple[str, ...]
+    joint_above: dict[str, JointElement]
+    pieces: dict[str, list[Mesh]]
+    mesh_files: tuple[Path, ...] = ()
+    repairs: tuple[str, ...] = ()
+
+
+def ordered_links(path: Path, names: Sequence[str], joints: Sequence[JointElement]) -> tuple[str, ...]:
+    """Names of the links, each after its parent. Raises InputError unless they form one tree.
+
+    Args:
+        path: the file, for messages.
+        names: names of all links.
+        joints: the joints between them.
+    """
+    if not names:
+        raise InputError(path, "expected at least one link")
+    if len(names) > MAX_LINKS:
+        raise InputError(path, f"more than {MAX_LINKS} links")
+    children: dict[str, list[str]] = {name: [] for name in names}
+    seen: set[str] = set()
+    for joint in joints:
+        for end in (joint.parent, joint.child):
+            if end not in children:
+                raise InputError(path, f"expected a link of the name {end!r}", "joint")
+        if joint.child in seen:
+            raise InputError(path, f"expected one joint above link {joint.child!r}", "joint")
+        seen.add(joint.child)
+        children[joint.parent].append(joint.child)
+    roots = [name for name in names if name not in seen]
+    if len(roots) != 1:
+        raise InputError(path, f"expected one root link, found {len(roots)}")
+    order = [roots[0]]
+    for name in order:
+        order += children[name]
+    if len(order) < len(names):
+        raise InputError(path, "expected a tree, found a cycle of joints")
+    return tuple(order)

@@ -1,0 +1,100 @@
+"""The mesh files that a robot file names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from kinmo.core.errors import InputError
+from kinmo.core.shape import Mesh, join
+from kinmo.io.readers.dae_reader import read_dae_scene
+from kinmo.io.readers.gltf_reader import read_glb_scene
+from kinmo.io.readers.obj_reader import read_obj
+from kinmo.io.readers.off_mesh import read_off_mesh
+from kinmo.io.readers.ply_mesh import read_ply_mesh
+from kinmo.io.readers.scene import CornerBudget, Scene
+from kinmo.io.readers.stl_reader import read_stl_scene
+from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, inside, read_bytes
+
+
+def refuse(problem: InputError) -> None:
+    """Raise a problem: for callers that accept no missing mesh."""
+    raise problem
+
+
+def is_file(path: Path) -> bool:
+    """True if the file exists. False for a name that no file can have."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+class RobotMeshes:
+    """Reads the mesh files of one robot, each once.
+
+    Attributes:
+        home: the folder that no path may lead out of.
+        files: all files that were asked for.
+        budget: counts the corners of all meshes of the robot.
+    """
+
+    def __init__(self, path: Path, home: Path, report: Callable[[InputError], None]) -> None:
+        """Args: the robot file, `home`, and what receives the problem of a mesh that cannot be read."""
+        self.home = home
+        self.files: list[Path] = []
+        self.budget = CornerBudget(path)
+        self._report = report
+        self._meshes: dict[Path, Mesh | None] = {}
+
+    def read(self, path: Path) -> Mesh | None:
+        """The triangles of a mesh file in its own frame. None if it cannot be read, which is reported once.
+
+        Raises InputError for a path that leads out of `home`.
+        """
+        file = inside(path, self.home)
+        if file not in self._meshes:
+            self.files.append(file)
+            self._meshes[file] = None
+            try:
+                self._meshes[file] = read_mesh(file)
+            except InputError as problem:
+                self._report(problem)
+        mesh = self._meshes[file]
+        if mesh is not None:
+            self.budget.spend(len(mesh.vertices) + mesh.faces.size)
+        return mesh
+
+
+def read_mesh(path: Path) -> Mesh:
+    """All triangles of a mesh file (OBJ, STL, PLY, OFF, DAE, glTF) in the frame of the file.
+
+    Coordinates of DAE files are in metres, whatever their unit. Their up axis is ignored, as in ROS. Raises InputError for
+    files that are missing or broken, have no faces, or have another format.
+    """
+    if not is_file(path):
+        raise InputError(path, "expected a mesh file, found none")
+    ending = path.suffix.lower()
+    if ending == ".obj":
+        mesh = read_obj(path, path.parent)
+    elif ending == ".stl":
+        mesh = _whole(read_stl_scene(path))
+    elif ending == ".ply":
+        mesh = read_ply_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path)
+    elif ending == ".off":
+        mesh = read_off_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path)
+    elif ending == ".dae":
+        scene = read_dae_scene(path)
+        mesh = _whole(scene)
+        mesh = Mesh(mesh.vertices * (scene.metres_per_unit or 1.0), mesh.faces)
+    elif ending in (".glb", ".gltf"):
+        mesh = _whole(read_glb_scene(path))
+    else:
+        raise InputError(path, "expected a mesh as .obj, .stl, .ply, .off, .dae, .glb or .gltf: convert it to one of these")
+    if mesh is None or not len(mesh.faces):
+        raise InputError(path, "has no faces")
+    return mesh
+
+
+def _whole(scene: Scene) -> Mesh:
+    return join(*(node.mesh for node in scene.nodes if node.mesh is not None))
