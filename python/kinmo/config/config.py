@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,12 +9,8 @@ from typing import Any
 from kinmo.config.motion import AxisConfig, GnnConfig, GroupingConfig, RankingConfig, RefinementConfig
 from kinmo.config.scans import AncshConfig, ScansConfig
 from kinmo.core.errors import InputError, did_you_mean
+from kinmo.core.toml_text import MAX_TOML_BYTES, parse_toml
 from kinmo.core.typed_tables import from_table
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 BUILTIN = Path(__file__).parent / "builtin"
 """Folder of the configurations that come with kinmo."""
@@ -75,13 +70,11 @@ def load_config(name: str | Path) -> Config:
 
 def _read_table(path: Path) -> dict[str, Any]:
     try:
-        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+        with path.open("rb") as file:
+            return parse_toml(file.read(MAX_TOML_BYTES + 1), path)
     except OSError as error:
         near, known = did_you_mean(str(path), builtin_configs()), ", ".join(builtin_configs())
         raise InputError(path, f"expected a TOML file or one of {known} ({error.strerror}){near}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(path, f"expected TOML ({error})") from error
-    return table
 
 
 def _merged(table: Any, changes: Any) -> Any:

@@ -95,7 +95,10 @@ def _convert(kind: Any, value: Any, where: Path | str, key: str) -> Any:
         (kind,) = (option for option in get_args(kind) if option is not type(None))
         return None if value is None else _convert(kind, value, where, key)
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:
+            raise InputError(where, "expected a number that is not that large", key) from None
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
         raise InputError(where, f"expected {kind.__name__}, got {value!r}", key)
     return value

@@ -9,6 +9,7 @@ import os
 import random
 from pathlib import Path
 
+import numpy as np
 import pytest
 from datasets import BOXES, LEAVES, META, RESULT, box_obj, mobility, tree, write_dsg_net, write_partnet_mobility
 
@@ -259,6 +260,25 @@ def test_tiny_and_huge_objects_are_read(tmp_path, scale):
         text = box_obj([x * scale for x in low], [x * scale for x in high])
         (folder / "textured_objs" / f"{name}.obj").write_text(text)
     assert try_to_read(read_partnet_mobility, folder)
+
+
+def test_equal_points_take_no_time(tmp_path):
+    """Half a million points at two places: a search for neighbours among them would take minutes."""
+    path = write_dsg_net(tmp_path, geometry="geo")
+    file = tmp_path / "storagefurniture_geo" / "4711.npz"
+    parts = np.zeros((8, 60_000, 3))
+    parts[:, 0] = 1.0
+    np.savez_compressed(file, parts=parts)
+    assert file.stat().st_size < 20_000
+    with pytest.raises(InputError, match="no part has geometry"):
+        read_dsg_net(path)
+
+
+def test_points_far_away_are_an_error(tmp_path):
+    node = {"id": 0, "label": "table", "geo": [0.0, 0.0, 0.0, 1e13, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]}
+    (tmp_path / "a.json").write_text(json.dumps(node))
+    with pytest.raises(InputError, match=r"finite coordinates of at most 1e\+12, got 1e\+13"):
+        read_dsg_net(tmp_path / "a.json")
 
 
 def test_an_object_without_extent_is_an_error(tmp_path):

@@ -1,14 +1,21 @@
 """The reader of URDF files: bodies, joints, and errors."""
 
+import json
+
+import numpy as np
 import pytest
 import trimesh
 from articulated import box_mesh
+from datasets import box_obj
 
+import kinmo
 from kinmo.core.errors import InputError
 from kinmo.core.joint import JointKind
+from kinmo.io.discover import discover
 from kinmo.io.readers.robot_bodies import robot_bodies
 from kinmo.io.readers.robot_meshes import read_mesh
 from kinmo.io.readers.urdf_reader import read_robot_file
+from kinmo.io.source_files import fingerprint
 
 LINK = '<link name="{0}"><visual><geometry><box size="1 1 {1}"/></geometry></visual></link>'
 EMPTY = '<link name="{0}"/>'
@@ -109,6 +116,7 @@ def _box():
 
 CYCLE = (EMPTY.format("r"), LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b"), joint("fixed", "b", "a"))
 TWICE = (LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b"), joint("fixed", "a", "b"))
+AXES = "".join(f"property float {axis}\n" for axis in "xyz")
 MESH = '<link name="a"><visual><geometry><mesh filename="{0}"/></geometry></visual></link>'
 ORIGIN = '<origin xyz="1e308 0 0"/>'
 
@@ -128,6 +136,9 @@ ORIGIN = '<origin xyz="1e308 0 0"/>'
         ((LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b", ORIGIN)), r"at most 1e\+30"),
         ((LINK.format("a", 1), LINK.format("b", 1), joint("revolute", "a", "b", '<axis xyz="0 0 1e-200"/>')), "not zero"),
         ((MESH.format("no.obj"),), "found none"),
+        ((MESH.format("../no.obj"),), "leads out of the folder"),
+        ((MESH.format("/etc/passwd"),), "leads out of the folder"),
+        ((MESH.format("package://a/../../no.obj"),), "leads out of the folder"),
         ((MESH.format(300 * "x"),), "found none"),
         ((MESH.format("package://" + 300 * "x"),), "found none"),
         (("<!DOCTYPE x>",), "document type"),
@@ -153,3 +164,124 @@ def test_a_wrong_file_is_an_error_in_one_line(tmp_path, elements, problem):
 def test_limits_are_sorted_and_equal_or_infinite_ones_dropped(tmp_path, kind, limit, expected):
     body = bodies_of(tmp_path, LINK.format("a", 1), LINK.format("b", 1), joint(kind, "a", "b", limit))[1]
     assert (body.joint.lower, body.joint.upper) == expected
+
+
+def write_cabinet(folder, name="mobility.urdf", **meshes):
+    """A URDF of a body, a door with a handle, and a drawer, each with an OBJ in the folder `parts`."""
+    boxes = {
+        "body": ((0, 0, 0), (1, 2, 3)), "door": ((1, 0, 0), (1.1, 1, 3)), "handle": ((0, 0, 0), (0.1, 0.1, 0.1)),
+        "drawer": ((1, 1, 0), (1.1, 2, 1)),
+    }  # fmt: skip
+    (folder / "parts").mkdir(parents=True)
+    for part, box in boxes.items():
+        (folder / "parts" / f"{part}.obj").write_text(box_obj(*box))
+    files = {part: meshes.get(part, f"parts/{part}.obj") for part in boxes}
+    geometry = '<visual><geometry><mesh filename="{0}"/></geometry></visual>'
+    links = [f'<link name="{part}">{geometry.format(file)}</link>' for part, file in files.items()]
+    joints = [
+        joint("fixed", "base", "body"),
+        joint("revolute", "body", "door", '<origin xyz="0 1 0"/><axis xyz="0 0 -1"/><limit lower="0.5" upper="2"/>'),
+        joint("fixed", "door", "handle", '<origin xyz="1 0 1"/>'),
+        joint("prismatic", "body", "drawer", '<axis xyz="2 0 0"/><limit lower="0" upper="0.5"/>'),
+    ]
+    (folder / name).write_text(f"<robot name='r'>{EMPTY.format('base')}{''.join(links)}{''.join(joints)}</robot>")
+    return folder
+
+
+def test_the_links_of_a_folder_with_a_urdf_are_the_parts(tmp_path):
+    folder = write_cabinet(tmp_path / "4711")
+    shape = kinmo.load(folder)
+    assert (shape.id, shape.layout, shape.up, shape.front) == ("4711", "urdf", (0, 0, 1), (-1, 0, 0))
+    assert [part.name for part in shape.parts] == ["r", "body", "door", "drawer", "handle"]
+    np.testing.assert_allclose(shape.parts[4].mesh.vertices.min(axis=0), [1, 1, 1])
+    bodies = shape.mobility.bodies
+    assert [(body.name, body.parent) for body in bodies] == [("body", None), ("door", 0), ("drawer", 0)]
+    assert [[shape.parts[leaf].name for leaf in body.leaves] for body in bodies] == [["body"], ["door", "handle"], ["drawer"]]
+    assert (bodies[1].joint.kind, bodies[1].joint.lower, bodies[1].joint.upper) == (JointKind.REVOLUTE, 0.0, 2.0)
+    assert shape.repairs == ("joint door_j: range widened to contain the rest value 0",)
+
+
+def test_the_order_of_links_does_not_matter(tmp_path):
+    folder = write_cabinet(tmp_path / "a")
+    before = kinmo.load(folder)
+    robot = (folder / "mobility.urdf").read_text()
+    start, end = robot.index('<link name="body"'), robot.index("<joint")
+    links = robot[start:end].replace("</link>", "</link>\n").splitlines()
+    (folder / "mobility.urdf").write_text(robot[:start] + "".join(reversed(links)) + robot[end:])
+    assert [part.name for part in kinmo.load(folder).parts] == [part.name for part in before.parts]
+
+
+def test_missing_meshes_of_a_shape_are_skipped_and_unlisted_ones_noted(tmp_path):
+    folder = write_cabinet(tmp_path / "a", handle="parts/grip.obj")
+    shape = kinmo.load(folder)
+    assert [part.name for part in shape.parts] == ["r", "body", "door", "drawer"]
+    assert shape.repairs[:2] == (
+        "grip.obj skipped: expected a mesh file, found none",
+        "mobility.urdf does not list handle.obj in parts: not read",
+    )
+
+
+def test_meta_json_beside_a_urdf_states_the_category(tmp_path):
+    folder = write_cabinet(tmp_path / "a")
+    assert kinmo.load(folder).category == ""
+    (folder / "meta.json").write_text(json.dumps({"model_cat": "StorageFurniture", "anno_id": "12"}))
+    shape = kinmo.load(folder)
+    assert (shape.category, shape.partnet_id, "category" in shape.guesses) == ("StorageFurniture", "12", False)
+
+
+def test_a_single_link_is_a_shape_with_a_note(tmp_path):
+    shape_file = tmp_path / "thing.urdf"
+    shape_file.write_text(f"<robot name='r'>{LINK.format('a', 1)}</robot>")
+    shape = kinmo.load(tmp_path)
+    assert (shape.id, len(shape.leaves), shape.mobility) == ("thing", 1, None)
+    assert "one link has geometry" in shape.repairs[0]
+
+
+def test_meshes_of_a_package_of_ros_are_found(tmp_path):
+    package = write_cabinet(
+        tmp_path / "pkg",
+        door="package://pkg/parts/door.obj",
+        body="../parts/body.obj",
+        **{part: f"../parts/{part}.obj" for part in ("handle", "drawer")},
+    )
+    (package / "urdf").mkdir()
+    (package / "mobility.urdf").rename(package / "urdf" / "cabinet.urdf")
+    with pytest.raises(InputError, match="leads out of the folder"):
+        kinmo.load(package / "urdf" / "cabinet.urdf")
+    (package / "package.xml").write_text("<package/>")
+    assert len(kinmo.load(package / "urdf" / "cabinet.urdf").leaves) == 4
+
+
+def test_a_change_of_a_mesh_of_a_urdf_is_noticed(tmp_path):
+    folder = write_cabinet(tmp_path / "a")
+    (found,) = discover(folder)
+    before = fingerprint(found)
+    assert [row[0] for row in before] == [
+        "mobility.urdf",
+        *(f"parts/{part}.obj" for part in ("body", "door", "handle", "drawer")),
+    ]
+    (folder / "parts" / "door.obj").write_text("")
+    assert fingerprint(found) != before
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n"),
+        ("a.obj", "v 0 0 0\n"),
+        ("a.stl", "solid\nendsolid\n"),
+        ("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\n" + AXES + "end_header\n0 0 0\n"),
+        ("a.step", "ISO-10303-21;"),
+    ],
+)
+def test_meshes_without_faces_are_an_error(tmp_path, name, content):
+    (tmp_path / name).write_text(content)
+    with pytest.raises(InputError, match=rf"{name}: (has no faces|expected a (readable STL file|mesh as \.obj))"):
+        read_mesh(tmp_path / name)
+
+
+def test_a_capsule_is_centred(tmp_path):
+    (body,) = bodies_of(
+        tmp_path, '<link name="a"><visual><geometry><capsule radius="1" length="2"/></geometry></visual></link>'
+    )
+    np.testing.assert_allclose([body.triangles[..., 2].min(), body.triangles[..., 2].max()], [-2, 2])

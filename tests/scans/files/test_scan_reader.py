@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from kinmo.core.errors import InputError
+from kinmo.scans.files import scan_formats
 from kinmo.scans.files.camera_intrinsics import Intrinsics
 from kinmo.scans.files.scan_reader import count_distinct_points, read_scan
 from kinmo.scans.rendering.pinhole_camera import Camera
@@ -113,6 +114,14 @@ def test_intrinsics_are_parsed_from_four_numbers():
             Intrinsics.parse(text)
 
 
+def test_arrays_that_unpack_to_too_much_are_an_error(tmp_path, monkeypatch):
+    monkeypatch.setattr(scan_formats, "MAX_SCAN_BYTES", 1 << 20)
+    np.savez_compressed(tmp_path / "a.npz", points=np.zeros((100_000, 3)))
+    assert (tmp_path / "a.npz").stat().st_size < 1 << 20
+    with pytest.raises(InputError, match="unpacks to more than 1 MiB"):
+        read_scan(tmp_path / "a.npz")
+
+
 HEADERS = {"vast.npy": f"({10**30}, 3)", "true.npy": "(True, 3)"}
 """Impossible shapes of arrays, by file name."""
 
@@ -157,6 +166,13 @@ def write_bad_scan(folder: Path, what: str) -> Path:
         Image.fromarray(np.full((64, 64), 7, np.uint8)).save(path)
     elif what == "fewer_than_none.ply":
         path.write_text("ply\nformat ascii 1.0\nelement vertex -5\nproperty float x\nproperty float y\nend_header\n")
+    elif what in ("vast.png", "vast.tif"):
+        whole = io.BytesIO()
+        Image.fromarray(np.zeros((100, 100), np.uint16)).save(whole, "PNG" if what == "vast.png" else "TIFF")
+        side = (100).to_bytes(4, "big" if what == "vast.png" else "little")
+        path.write_bytes(whole.getvalue().replace(side, (20_000).to_bytes(4, "big" if what == "vast.png" else "little"), 2))
+    elif what == "pointer.npz":
+        path.write_text("version https://git-lfs.github.com/spec/v1\n")
     elif what == "chunk.png":
         Image.fromarray(np.arange(64 * 64, dtype=np.uint16).reshape(64, 64)).save(path)
         path.write_bytes(path.read_bytes().replace(b"IDAT", b"I\0AT"))
@@ -210,6 +226,9 @@ def write_bad_scan(folder: Path, what: str) -> Path:
         ("cut.png", "expected a depth image"),
         ("chunk.png", "expected a depth image"),
         ("scan.xyz", "expected a scan: one of"),
+        ("vast.png", "expected a"),
+        ("vast.tif", "expected a"),
+        ("pointer.npz", "git lfs pull"),
     ],
 )
 def test_a_file_without_a_scan_gives_an_error_of_one_line(tmp_path, what, problem):

@@ -31,9 +31,11 @@ from kinmo.core.wording import clean_text
 from kinmo.io.readers.array_reader import read_npz
 from kinmo.io.readers.deformed_cube import CubeMesh, place_in_box, read_cube_mesh
 from kinmo.io.readers.json_field import JsonField
+from kinmo.io.readers.mesh_limits import checked
 from kinmo.io.readers.obj_reader import read_obj
 from kinmo.io.readers.part_hierarchy import Node, build_hierarchy, read_nodes
 from kinmo.io.readers.reader import Reader, SourceFiles
+from kinmo.io.readers.scene import CornerBudget
 from kinmo.io.readers.untrusted_files import peek, read_json
 
 Array = NDArray[np.float64]
@@ -114,6 +116,7 @@ class _Geometry:
 
     def __init__(self, path: Path) -> None:
         folder = path.absolute().parent
+        self._budget = CornerBudget(path)
         self.stem = folder.name[: -len(_SUFFIX)] if folder.name.endswith(_SUFFIX) else ""
         self.dataset = folder.parent if self.stem else folder
         meshes, arrays = path.stem, f"{path.stem}.npz"
@@ -152,10 +155,10 @@ class _Geometry:
             return read_obj(self._mesh_folder / f"{node.id}.obj", self.dataset)
         inline = node.field["geo"]
         if not inline.is_absent:
-            return _mesh_of_points(_inline_points(inline), inline.where, inline.path)
+            return _mesh_of_points(_inline_points(inline), inline.where, inline.path, self._budget)
         if self._points is not None:
             place, arrays = self._points
-            return _mesh_of_points(_stored_points(arrays, node, parent, place), place, f"parts[{node.id}]")
+            return _mesh_of_points(_stored_points(arrays, node, parent, place), place, f"parts[{node.id}]", self._budget)
         if self._gradients is not None:
             return _deformed_mesh(node, *self._gradients)
         raise node.field.fail("has no geometry: expected an OBJ or points for every leaf")
@@ -171,7 +174,7 @@ def _deformed_mesh(node: Node, place: Path, arrays: dict[str, Array], cube: Cube
     if min(np.linalg.norm(box[6:9]), np.linalg.norm(box[9:12])) == 0.0:
         raise node.field["box"].fail("expected two directions, found zero")
     vertices = place_in_box(cube.decode(*gradients), box)
-    return Mesh(np.ascontiguousarray(vertices), cube.faces)
+    return checked(Mesh(np.ascontiguousarray(vertices), cube.faces), place)
 
 
 def _inline_points(field: JsonField) -> Array:
@@ -205,18 +208,25 @@ def _row(
     return np.asarray(array[index])
 
 
-def _mesh_of_points(points: Array, where: Path, field: str) -> Mesh:
+def _mesh_of_points(points: Array, where: Path, field: str, budget: CornerBudget) -> Mesh:
     if len(points) < _MIN_POINTS or not np.all(np.isfinite(points)):
         raise InputError(where, f"expected at least {_MIN_POINTS} finite points", field)
-    return _surface_of_points(points)
+    budget.spend(6 * len(points))
+    checked(Mesh(points, np.zeros((0, 3), np.uint32)), where)
+    _, first = np.unique(points, axis=0, return_index=True)
+    return _surface_of_points(points[np.sort(first)])
 
 
 def _surface_of_points(points: NDArray[np.float64]) -> Mesh:
-    """A mesh with one small equilateral triangle around each point [n, 3] of a sampled surface.
+    """A mesh with one small equilateral triangle around each point [n, 3] of a sampled surface. No two points are equal.
+
+    Equal points would make a search for neighbours quadratic.
 
     A triangle lies in the plane of the nearest neighbours of its point and covers the area that belongs to the point. Areas,
     samples, boxes and distances match those of the sampled surface up to the spacing of the samples.
     """
+    if len(points) < _MIN_POINTS:
+        return Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.uint32))
     count = min(_NEIGHBOURS, len(points) - 1)
     distances, indices = cKDTree(points).query(points, count + 1)
     offsets = points[indices] - points[:, None]

@@ -37,7 +37,7 @@ class MjcfDocument:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._included = 0
+        self._included, self._bytes_left = 0, MAX_XML_BYTES
         self.root = self._parse(path)
         if self.root.tag != "mujoco":
             raise InputError(path, f"expected the element mujoco, found {clean_text(self.root.tag)}")
@@ -121,7 +121,9 @@ class MjcfDocument:
 
     def _parse(self, path: Path) -> ET.Element:
         file = inside(path, self.path.parent)
-        return parse_xml(read_bytes(file, self.path.parent, MAX_XML_BYTES), file)
+        data = read_bytes(file, self.path.parent, self._bytes_left)
+        self._bytes_left -= len(data)
+        return parse_xml(data, file)
 
     def _include(self, element: ET.Element, depth: int) -> None:
         """Replace all elements `<include>` at or below an element by the content of their files."""

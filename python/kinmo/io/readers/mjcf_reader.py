@@ -184,7 +184,6 @@ class _MjcfRobot:
             size = read_list(self.path, attributes, "size", least, 3)
         if np.any(size[:least] <= 0.0):
             raise InputError(self.path, "expected sizes above 0", "geom size")
-        self.files.budget.spend(3000)
         if kind == "box":
             mesh = solids.box(2.0 * size)
         elif kind == "ellipsoid":
@@ -194,7 +193,7 @@ class _MjcfRobot:
         else:
             make = solids.capsule if kind == "capsule" else solids.cylinder
             mesh = make(float(size[0]), 2.0 * float(size[1]))
-        return placed(mesh, pose, self.path)
+        return placed(self.files.counted(mesh), pose, self.path)
 
     def _asset(self, name: str) -> Mesh | None:
         """The mesh asset of this name, moved and scaled. None if it cannot be read."""
@@ -204,7 +203,7 @@ class _MjcfRobot:
         if "file" in asset:
             mesh = self.files.read(self.document.mesh_path(asset["file"]))
         elif "vertex" in asset:
-            mesh = self._inline(asset)
+            mesh = self.files.counted(self._inline(asset))
         else:
             self.ignored["meshes that MuJoCo computes"] += 1
             return None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -11,14 +10,10 @@ import numpy as np
 
 from kinmo.core.errors import InputError, did_you_mean
 from kinmo.core.overrides import FIXED, TYPES, UNLIMITED, BodyOverride, Overrides, Reference
+from kinmo.core.toml_text import MAX_TOML_BYTES, parse_toml
 from kinmo.core.vector import Vector
 from kinmo.io.readers.json_field import JsonField
-from kinmo.io.readers.untrusted_files import MAX_JSON_BYTES, read_bytes
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from kinmo.io.readers.untrusted_files import read_bytes
 
 OVERRIDES_FILE = "overrides.toml"
 """Name of the file beside joints.json."""
@@ -38,11 +33,9 @@ def read_overrides(path: Path) -> Overrides:
     path = Path(path)
     real = path.resolve()  # a link to a file under version control is welcome
     try:
-        table = tomllib.loads(read_bytes(real, real.parent, MAX_JSON_BYTES).decode("utf-8-sig"))
+        table = parse_toml(read_bytes(real, real.parent, MAX_TOML_BYTES), path)
     except InputError as error:
         raise InputError(path, error.problem) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(path, f"expected TOML ({error})") from None
     return parse_overrides(table, path)
 
 

@@ -36,14 +36,13 @@ class RobotMeshes:
     Attributes:
         home: the folder that no path may lead out of.
         files: all files that were asked for.
-        budget: counts the corners of all meshes of the robot.
     """
 
     def __init__(self, path: Path, home: Path, report: Callable[[InputError], None]) -> None:
         """Args: the robot file, `home`, and what receives the problem of a mesh that cannot be read."""
         self.home = home
         self.files: list[Path] = []
-        self.budget = CornerBudget(path)
+        self._budget = CornerBudget(path)
         self._report = report
         self._meshes: dict[Path, Mesh | None] = {}
 
@@ -61,8 +60,11 @@ class RobotMeshes:
             except InputError as problem:
                 self._report(problem)
         mesh = self._meshes[file]
-        if mesh is not None:
-            self.budget.spend(len(mesh.vertices) + mesh.faces.size)
+        return None if mesh is None else self.counted(mesh)
+
+    def counted(self, mesh: Mesh) -> Mesh:
+        """The mesh itself. Raises InputError if the meshes of the robot have too many corners together."""
+        self._budget.spend(len(mesh.vertices) + mesh.faces.size)
         return mesh
 
 

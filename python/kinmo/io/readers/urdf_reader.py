@@ -118,13 +118,13 @@ def _geometry(path: Path, meshes: RobotMeshes, piece: ET.Element) -> Mesh | None
         mesh = meshes.read(_mesh_path(shape.get("filename") or "", path, meshes.home))
         pose[:3, :3] *= read_numbers(path, shape.attrib, "scale", (1.0, 1.0, 1.0))
     elif shape.tag == "box":
-        mesh = solids.box(read_numbers(path, shape.attrib, "size", (1.0, 1.0, 1.0)))
+        mesh = meshes.counted(solids.box(read_numbers(path, shape.attrib, "size", (1.0, 1.0, 1.0))))
     elif shape.tag == "cylinder":
-        mesh = solids.cylinder(number("radius"), number("length"))
+        mesh = meshes.counted(solids.cylinder(number("radius"), number("length")))
     elif shape.tag == "capsule":
-        mesh = solids.capsule(number("radius"), number("length"))
+        mesh = meshes.counted(solids.capsule(number("radius"), number("length")))
     elif shape.tag == "sphere":
-        mesh = solids.ellipsoid(np.full(3, number("radius")))
+        mesh = meshes.counted(solids.ellipsoid(np.full(3, number("radius"))))
     else:
         raise InputError(path, f"expected mesh, box, cylinder or sphere, found {shape.tag[:40]!r}", "geometry")
     return None if mesh is None else placed(mesh, pose, path)

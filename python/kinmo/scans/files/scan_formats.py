@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import re
+import warnings
 from dataclasses import dataclass
 from lzma import LZMAError
 from pathlib import Path
@@ -14,12 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
+from kinmo.io.readers.array_reader import check_unpacked_size
+from kinmo.io.readers.untrusted_files import read_bytes
 
 F64 = NDArray[np.float64]
 
 POINT_SUFFIXES = (".npz", ".npy", ".ply")
 IMAGE_SUFFIXES = (".png", ".tif", ".tiff")
 SCAN_SUFFIXES = POINT_SUFFIXES + IMAGE_SUFFIXES
+MAX_SCAN_BYTES = 1 << 30
+"""Most bytes of a file, and of its arrays once they are unpacked."""
+MAX_PIXELS = 64_000_000
+"""Most pixels of a depth image. Cameras have a few million."""
 MAX_PLY_HEADER = 1 << 16
 """Number of bytes searched for the header of a PLY file."""
 MIN_IMAGE_SIDE = 16
@@ -72,7 +80,7 @@ def parse_scan(path: Path) -> F64 | DepthImage:
 def _parse_arrays(path: Path) -> F64 | DepthImage:
     """The array `points`, or `depth` with `intrinsics`; other arrays are ignored."""
     try:
-        loaded = np.load(path, allow_pickle=False)
+        loaded = np.load(io.BytesIO(_checked_content(path)), allow_pickle=False)
         if isinstance(loaded, np.ndarray):
             arrays = {"points" if loaded.ndim == 2 and min(loaded.shape) < MIN_IMAGE_SIDE else "depth": loaded}
         else:
@@ -97,11 +105,25 @@ def _parse_arrays(path: Path) -> F64 | DepthImage:
     return DepthImage(arrays["depth"], arrays.get("intrinsics"))
 
 
+def _checked_content(path: Path) -> bytes:
+    """The content of a file of NumPy, whose arrays are not too large."""
+    raw = read_bytes(path, path.parent, MAX_SCAN_BYTES)
+    if path.suffix.lower() == ".npz":
+        check_unpacked_size(raw, path, MAX_SCAN_BYTES, ("points", "depth", "intrinsics"))
+    return raw
+
+
 def _parse_image(path: Path) -> DepthImage:
     from PIL import Image
 
+    raw = read_bytes(path, path.parent, MAX_SCAN_BYTES)
     try:
-        with Image.open(path) as image:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", Image.DecompressionBombWarning)
+            opened = Image.open(io.BytesIO(raw), formats=("PNG", "TIFF"))
+        with opened as image:
+            if image.width * image.height > MAX_PIXELS:
+                raise InputError(path, f"expected at most {MAX_PIXELS} pixels, got {image.width} x {image.height}")
             if image.mode in ("1", "P"):
                 raise InputError(path, "expected depths, got an image with a palette or of two colours")
             if image.mode == "L":
@@ -109,7 +131,7 @@ def _parse_image(path: Path) -> DepthImage:
             return DepthImage(np.asarray(image))
     except InputError:
         raise
-    except (*READ_ERRORS, Image.DecompressionBombError) as error:
+    except (*READ_ERRORS, Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
         raise InputError(path, f"expected a depth image ({error})") from None
 
 
