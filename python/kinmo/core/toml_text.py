@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ MAX_TOML_BYTES = 1 << 20
 """Largest file of settings or corrections."""
 _MAX_DEPTH = 32
 """Deepest nesting of tables and lists."""
+_DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){%d}""" % _MAX_DEPTH)
+"""A key of too many parts. The parser would need a time that grows with the square of their number."""
 
 
 def parse_toml(data: bytes, where: Path) -> dict[str, Any]:
@@ -29,7 +32,10 @@ def parse_toml(data: bytes, where: Path) -> dict[str, Any]:
     if len(data) > MAX_TOML_BYTES:
         raise InputError(where, f"larger than {MAX_TOML_BYTES >> 20} MiB")
     try:
-        table = tomllib.loads(data.decode("utf-8-sig"))
+        text = data.decode("utf-8-sig")
+        if _DEEP_KEY.search(text):
+            raise RecursionError
+        table = tomllib.loads(text)
     except RecursionError:
         raise InputError(where, "expected TOML that is not nested so deeply") from None
     except ValueError as error:  # also for text that is not UTF-8, and for integers of thousands of digits

@@ -16,6 +16,7 @@ from kinmo.core.shape import Mesh, Shape
 from kinmo.core.wording import clean_text
 from kinmo.io.readers import solids
 from kinmo.io.readers.mjcf_document import MAX_DEPTH, Attributes, MjcfDocument, rotation_of_z
+from kinmo.io.readers.mesh_limits import checked
 from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.robot_file import FIXED, MAX_LINKS, JointElement, Matrix, RobotFile, ordered_links
 from kinmo.io.readers.robot_meshes import RobotMeshes
@@ -219,15 +220,15 @@ class _MjcfRobot:
     def _inline(self, asset: Attributes) -> Mesh:
         """A mesh asset whose vertices are in the file. Without faces it is their convex hull."""
         most = 3 * MAX_INLINE_VERTICES
-        vertices, faces = read_list(self.path, asset, "vertex", 9, most), np.zeros(0)
+        vertices = read_list(self.path, asset, "vertex", 9, most)
         if len(vertices) % 3:
             raise InputError(self.path, "expected 3 numbers for each vertex", "mesh vertex")
         vertices = vertices.reshape(-1, 3)
+        checked(Mesh(vertices, np.zeros((0, 3), np.uint32)), self.path)
         if "face" not in asset:
-            try:
-                hull = trimesh.convex.convex_hull(vertices)
-            except Exception:  # SciPy's Qhull and trimesh raise errors of their own kinds
-                raise InputError(self.path, "expected vertices around a volume", "mesh vertex") from None
+            if np.linalg.matrix_rank(vertices - vertices[0]) < 3:
+                raise InputError(self.path, "expected vertices around a volume", "mesh vertex")
+            hull = trimesh.convex.convex_hull(vertices)
             return Mesh(np.array(hull.vertices, np.float64), np.array(hull.faces, np.uint32))
         faces = read_list(self.path, asset, "face", 3, 2 * most)
         if len(faces) % 3 or np.any((faces < 0) | (faces >= len(vertices)) | (faces % 1 != 0)):

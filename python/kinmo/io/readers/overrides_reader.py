@@ -31,12 +31,7 @@ def read_overrides(path: Path) -> Overrides:
         InputError: the file is missing or no TOML, or a key or value is wrong. The message names file and field.
     """
     path = Path(path)
-    real = path.resolve()  # a link to a file under version control is welcome
-    try:
-        table = parse_toml(read_bytes(real, real.parent, MAX_TOML_BYTES), path)
-    except InputError as error:
-        raise InputError(path, error.problem) from None
-    return parse_overrides(table, path)
+    return parse_overrides(parse_toml(read_bytes(path, path.parent, MAX_TOML_BYTES), path), path)
 
 
 def parse_overrides(table: Mapping[str, Any], where: Path) -> Overrides:

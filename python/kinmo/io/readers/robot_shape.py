@@ -143,7 +143,9 @@ def _mobility(
         if joint is not None and body.parent is None:
             note("there is no body to attach it to: taken as fixed")
             joint = None
-        bodies.append(Body(index, clean_text(body.name), tuple(sorted(place[name] for name in body.links)), body.parent, joint))
+        bodies.append(
+            Body(index, clean_text(body.links[0]), tuple(sorted(place[name] for name in body.links)), body.parent, joint)
+        )
     return Mobility(tuple(bodies)) if any(body.is_movable for body in bodies) else None
 
 
