@@ -18,7 +18,8 @@ MAX_TOML_BYTES = 1 << 20
 """Largest file of settings or corrections."""
 _MAX_DEPTH = 32
 """Deepest nesting of tables and lists."""
-_DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){%d}""" % _MAX_DEPTH)
+_KEY_PART = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*"""
+_DEEP_KEY = re.compile(rf"(?<![\w-])(?:{_KEY_PART}){{{_MAX_DEPTH}}}")
 """A key of too many parts. The parser would need a time that grows with the square of their number."""
 
 

@@ -15,8 +15,8 @@ from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, Shape
 from kinmo.core.wording import clean_text
 from kinmo.io.readers import solids
-from kinmo.io.readers.mjcf_document import MAX_DEPTH, Attributes, MjcfDocument, rotation_of_z
 from kinmo.io.readers.mesh_limits import checked
+from kinmo.io.readers.mjcf_document import MAX_DEPTH, Attributes, MjcfDocument, rotation_of_z
 from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.robot_file import FIXED, MAX_LINKS, JointElement, Matrix, RobotFile, ordered_links
 from kinmo.io.readers.robot_meshes import RobotMeshes
