@@ -36,7 +36,7 @@ def parse_toml(data: bytes, where: Path) -> dict[str, Any]:
         text = data.decode("utf-8-sig")
         if _DEEP_KEY.search(text):
             raise RecursionError
-        table = tomllib.loads(text)
+        table: dict[str, Any] = tomllib.loads(text)
     except RecursionError:
         raise InputError(where, "expected TOML that is not nested so deeply") from None
     except ValueError as error:  # also for text that is not UTF-8, and for integers of thousands of digits

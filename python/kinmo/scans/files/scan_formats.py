@@ -108,7 +108,7 @@ def _parse_arrays(path: Path) -> F64 | DepthImage:
 def _checked_content(path: Path) -> bytes:
     """The content of a file of NumPy, whose arrays are not too large."""
     raw = read_bytes(path, path.parent, MAX_SCAN_BYTES)
-    if path.suffix.lower() == ".npz":
+    if raw.startswith(b"PK"):  # NumPy looks at the content, not at the name
         check_unpacked_size(raw, path, MAX_SCAN_BYTES, ("points", "depth", "intrinsics"))
     return raw
 
