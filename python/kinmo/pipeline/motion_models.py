@@ -13,6 +13,7 @@ from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.motion_gnn.gnn_training import train_motion_gnn
 from kinmo.learning.training_loop import FitResult
 from kinmo.methods import METHOD_MODELS
+from kinmo.methods.kinmo.grouping.grouping_training import train_part_grouping
 from kinmo.methods.kinmo.ranking.ranking_network import KIND as RANKING
 from kinmo.methods.kinmo.ranking.ranking_training import train_joint_ranking
 from kinmo.methods.paper.axis_selection.axis_selection_training import train_axis_selection
@@ -30,6 +31,7 @@ TRAINERS: dict[str, tuple[str, Trainer]] = {
     "gnn_fine": ("gnn", partial(train_motion_gnn, types="fine")),
     "gnn_coarse": ("gnn", partial(train_motion_gnn, types="coarse")),
     "axis": ("axis", train_axis_selection),
+    "grouping": ("grouping", train_part_grouping),
     "ranking": ("ranking", train_joint_ranking),
     "gnn_contact": ("gnn", _train_on_contact_edges),
 }
@@ -45,9 +47,9 @@ CONTINUED: dict[str, tuple[str, Callable[[Path], Trainer], tuple[str, ...]]] = {
 """Models that can continue from trained weights: kind of the weights, trainer, and settings that must be equal."""
 
 GROUPS: dict[str, tuple[str, ...]] = {
-    "motion": ("gnn_fine", "gnn_coarse", "axis", "ranking"),
+    "motion": ("gnn_fine", "gnn_coarse", "axis", "grouping", "ranking"),
     "gnn": ("gnn_fine", "gnn_coarse"),
-    "axis": ("axis", "ranking"),
+    "axis": ("axis", "grouping", "ranking"),
     "contact-edges": ("gnn_contact",),
     **METHOD_MODELS,
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from articulated import shape_of_boxes
-from edge_predictions import uniform_predictions
+from groupings import grouped_without_network
 from rankers import FeatureRanker
 
 from kinmo.core.joint import Joint, JointKind
@@ -21,9 +21,9 @@ def test_limits_of_the_best_joint_do_not_depend_on_the_others() -> None:
     box, lid = ((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1))
     made = shape_of_boxes([box, lid], (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE)))
     shape = prepare_shape(made, points=64)
-    meshes, edges = leaf_meshes(made, shape), uniform_predictions(shape, FIXED=1.0)
+    meshes = leaf_meshes(made, shape)
     kinds = [None, JointKind.REVOLUTE]
-    _, ranked = rank_bodies(shape, meshes, shape.body_leaves, FeatureRanker(), edges, kinds=kinds)
+    _, ranked = rank_bodies(grouped_without_network(shape), meshes, shape.body_leaves, FeatureRanker(), kinds=kinds)
     limited, alone = add_limits(ranked, shape, meshes, [1]), add_limits(ranked[:1], shape, meshes, [1])
     assert len(limited) == len(ranked) > 1
     assert (limited[0].joint.lower, limited[0].joint.upper) == (alone[0].joint.lower, alone[0].joint.upper)
@@ -39,3 +39,5 @@ def test_the_parent_is_the_body_with_most_contact() -> None:
     bodies = [(0,), (1,), (2,), (3,)]
     parents = find_parents(shape, leaf_meshes(made, shape), bodies, [False, True, True, False])
     assert parents == [None, 0, 1, None]
+    known = find_parents(shape, leaf_meshes(made, shape), bodies, [False, True, True, False], [None, None, 0, None])
+    assert known == [None, 0, 0, None]

@@ -26,12 +26,14 @@ def build_tree(
     bodies: Sequence[tuple[int, ...]],
     names: Sequence[str],
     ranked: Sequence[tuple[JointEstimate, ...]],
+    known: Sequence[int | None] | None = None,
 ) -> tuple[tuple[Body, ...], list[tuple[JointEstimate, ...]]]:
     """Bodies with their parents and best joints, and all ranked joints with limits, in the normalised frame.
 
-    `bodies` are the positions of the leaves of each body, `ranked` its ranked joints without limits.
+    `bodies` are the positions of the leaves of each body, `ranked` its ranked joints without limits, `known` its parent where
+    that is known.
     """
-    parents = find_parents(shape, meshes, bodies, [found[0].joint is not None for found in ranked])
+    parents = find_parents(shape, meshes, bodies, [found[0].joint is not None for found in ranked], known)
     limited = []
     for index, found in enumerate(ranked):
         moving = sorted(leaf for body in descendants(parents, index) for leaf in bodies[body])
@@ -44,16 +46,21 @@ def build_tree(
 
 
 def find_parents(
-    shape: PreparedShape, meshes: _core.Meshes, bodies: Sequence[tuple[int, ...]], moves: Sequence[bool]
+    shape: PreparedShape,
+    meshes: _core.Meshes,
+    bodies: Sequence[tuple[int, ...]],
+    moves: Sequence[bool],
+    known: Sequence[int | None] | None = None,
 ) -> list[int | None]:
-    """Parent of every moving body: the body it has most contact with, among those that are not attached to it.
+    """Parent of every moving body: the `known` one, or else the body it has most contact with.
 
-    Bodies at rest (not `moves`) have no parent.
+    A body that is attached to another one is not its parent. Bodies at rest (not `moves`) have no parent.
     """
     geometry = ShapeGeometry.of_prepared(shape, meshes)
     affinity = np.full((len(bodies), len(bodies)), -1.0)
+    parents: list[int | None] = [None] * len(bodies) if known is None else list(known)
     for index, leaves in enumerate(bodies):
-        if not moves[index]:
+        if not moves[index] or parents[index] is not None:
             continue
         points, _ = geometry.surface(leaves, CONTACT_SAMPLES)
         _, riders = geometry.surroundings(leaves)
@@ -61,7 +68,6 @@ def find_parents(
         if others:
             gaps = np.array([_core.closest_points(meshes, list(bodies[place]), points)[0] for place in others])
             affinity[index, others] = np.exp(-(gaps - gaps.min()) / CONTACT_SCALE).mean(axis=1)
-    parents: list[int | None] = [None] * len(bodies)
     for flat in np.argsort(-affinity, axis=None, kind="stable"):
         index, other = divmod(int(flat), len(bodies))
         if affinity[index, other] < 0:

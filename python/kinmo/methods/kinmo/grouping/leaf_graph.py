@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kinmo.core.mobility import Mobility
 from kinmo.features.candidate_features import CandidateFeatures
 from kinmo.features.contact_graph import ContactGraph
-from kinmo.features.prepared_shape import PreparedShape, leaf_groups
+from kinmo.features.prepared_shape import PreparedShape
 from kinmo.methods.kinmo.ranking.name_words import hash_words, words_of
 
 F32 = NDArray[np.float32]
@@ -66,8 +66,7 @@ def leaf_graph(shape: PreparedShape) -> LeafGraph | None:
     if len(shape.leaves) < 2:
         return None
     features, graph = CandidateFeatures.of(shape.candidate_features), ContactGraph.of(shape.contact_graph)
-    group_of = {leaves: group for group, leaves in enumerate(leaf_groups(shape.leaves_below, shape.body_leaves))}
-    leaves = features.group_features[[group_of[(position,)] for position in range(len(shape.leaves))]]
+    leaves = features.group_features[[features.group_of[(position,)] for position in range(len(shape.leaves))]]
     names = [shape.part_names[leaf] for leaf in shape.leaves]
     owner = np.full(len(shape.leaves), -1)
     junk = np.zeros(len(shape.leaves), bool)
