@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from kinmo.api.prediction import Prediction
+from kinmo.core.errors import InputError
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance
 from kinmo.dataset.workspace import Workspace
-from kinmo.learning.model_folder import ModelFolder
-from kinmo.methods import DEFAULT_METHOD, load_method
+from kinmo.learning.model_folder import ModelFolder, trained_or_shipped
+from kinmo.methods import DEFAULT_METHOD, METHOD_MODELS, load_method
 from kinmo.pipeline.predict_shapes import predict_shape
 
 
@@ -17,7 +18,8 @@ class Predictor:
     """Predicts the joints of shapes.
 
     Args:
-        workspace: Folder of a workspace with trained networks (`kinmo.train`).
+        workspace: Folder of a workspace with trained networks (`kinmo.train`). Without any there, those that come with kinmo
+            are used.
         method: `kinmo`, or the paper's method, `paper`.
         device: Where networks run: auto, cpu, cuda, cuda:1, mps.
         seed: Seed of the sampled points.
@@ -25,15 +27,22 @@ class Predictor:
     Raises:
         InputError: The networks of the method are missing or cannot be read.
 
+    Attributes:
+        networks: Folder of the networks that are used.
+
     Example:
-        >>> predictor = kinmo.Predictor("workspace")
+        >>> predictor = kinmo.Predictor()
         >>> prediction = predictor.predict(kinmo.load("cabinet.glb"))
     """
 
     def __init__(
         self, workspace: Path | str = "workspace", *, method: str = DEFAULT_METHOD, device: str = "auto", seed: int = 0
     ) -> None:
-        self.method = load_method(method, ModelFolder(Workspace(workspace).models), device)
+        if method not in METHOD_MODELS:
+            raise InputError("method", f"expected one of {', '.join(METHOD_MODELS)}, got {method}")
+        models = trained_or_shipped(ModelFolder(Workspace(workspace).models), METHOD_MODELS[method])
+        self.networks = models.path
+        self.method = load_method(method, models, device)
         self.seed = seed
 
     def predict(self, shape: Shape) -> Prediction:

@@ -10,7 +10,7 @@ from kinmo.learning.model_folder import ModelFolder
 if TYPE_CHECKING:
     from kinmo.methods.method import Method
 
-METHOD_MODELS: dict[str, tuple[str, ...]] = {"kinmo": ("grouping", "ranking"), "paper": ("gnn_fine", "axis")}
+METHOD_MODELS: dict[str, tuple[str, ...]] = {"kinmo": ("grouping", "ranking", "limits"), "paper": ("gnn_fine", "axis")}
 """Models of each method, by the name of the method."""
 DEFAULT_METHOD = "kinmo"
 """Method of `kinmo predict` and the Python API."""

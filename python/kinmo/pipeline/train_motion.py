@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -24,6 +24,7 @@ from kinmo.learning.model_folder import CONFIG, WEIGHTS, ModelFolder
 from kinmo.learning.training_loop import FitResult, Progress
 from kinmo.learning.weights import Weights, load_weights
 from kinmo.methods import METHOD_MODELS
+from kinmo.methods.kinmo.limits.travel_examples import read_examples
 from kinmo.pipeline.motion_models import CONTINUED, GROUPS, TRAINERS, Trainer
 from kinmo.pipeline.network_training import NetworkTrainer, TrainingTask, Workload, fit_on_files
 from kinmo.pipeline.training_forms import TrainingForms
@@ -34,6 +35,7 @@ SECONDS_PER_SHAPE = {
     "axis": 0.02,
     "grouping": 0.02,
     "ranking": 0.1,
+    "limits": 0.001,
     "gnn_contact": 0.004,
 }
 """First estimates for one epoch on one CPU core with the configuration `small`."""
@@ -94,7 +96,8 @@ class TrainMotion:
             if self.start is not None and model in CONTINUED:
                 start = weights_to_start_from(self.start, self.workspace, model, section)
                 inputs["start"] = start.sha256
-                train, schedule = CONTINUED[model][1](start.path), section.continued.training
+                train = partial(CONTINUED[model].train, initial=start.path)
+                schedule = section.continued.training if model == "ranking" else section.continued
             if model == "ranking" and grouping is not None:
                 inputs["grouping"] = digest(grouping.inputs)
             stage = f"train-{model}-{dataset.category}" if dataset.category else f"train-{model}"
@@ -111,10 +114,11 @@ class TrainMotion:
                 (counted(len(training), "shape"), str(len(validation))),
                 partial(fit_on_files, train, read_prepared, paths, section, options),
             )
-            if model == "grouping":
-                fit = partial(_fit_on_forms, forms, train, training, validation, section, options)
+            if model in ("grouping", "limits"):
+                read, files = (read_prepared, forms.files) if model == "grouping" else (read_examples, forms.files_of_limits)
+                fit = partial(_fit_on_forms, train, read, files, (training, validation), section, options)
                 task = replace(task, fit=fit, before=partial(forms.prepare, (*training, *validation)))
-                grouping = task
+                grouping = task if model == "grouping" else grouping
             elif model == "ranking":
                 assert grouping is not None, "the grouping network is trained first"
                 needs = _Proposals(forms, trainer, grouping, training, validation)
@@ -145,18 +149,17 @@ class _Proposals:
 
 
 def _fit_on_forms(
-    forms: TrainingForms,
     train: Trainer,
-    training: tuple[IndexEntry, ...],
-    validation: tuple[IndexEntry, ...],
+    read: Callable[[Path], Any],
+    files: Callable[[Sequence[IndexEntry]], list[Path]],
+    splits: tuple[tuple[IndexEntry, ...], tuple[IndexEntry, ...]],
     section: Any,
     options: Mapping[str, Any],
     folder: Path,
     on_progress: Callable[[Progress], None],
 ) -> FitResult:
-    """Train a network on the forms of shapes."""
-    paths = [forms.files(training), forms.files(validation)]
-    return fit_on_files(train, read_prepared, paths, section, options, folder, on_progress)
+    """Train a network on the forms of training and validation shapes."""
+    return fit_on_files(train, read, [files(entries) for entries in splits], section, options, folder, on_progress)
 
 
 def _fit_on_proposals(
@@ -185,9 +188,8 @@ def weights_to_start_from(start: Workspace, workspace: Workspace, model: str, se
     if not weights.exists():
         problem = "expected the weights to continue from: run kinmo train motion in that workspace first"
         raise InputError(weights, problem, "--from")
-    kind, _, sizes = CONTINUED[model]
-    found = load_weights(weights, kind)
-    for size in sizes:
+    found = load_weights(weights, CONTINUED[model].kind)
+    for size in CONTINUED[model].sizes:
         known, wanted = found.config.get(size), getattr(section, size)
         if known != wanted:
             problem = f"trained with {model}.{size} = {known}, expected {wanted} as in the configuration"

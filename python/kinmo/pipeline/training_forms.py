@@ -33,6 +33,8 @@ from kinmo.features.shape_preparation import prepare_shape
 from kinmo.io.atomic_files import write_bytes_atomically
 from kinmo.io.discover import ShapeSource
 from kinmo.methods.kinmo.grouping.part_grouper import PartGrouper
+from kinmo.methods.kinmo.limits import travel_examples
+from kinmo.methods.kinmo.limits.travel_examples import examples_of
 from kinmo.methods.kinmo.ranking.training_views import training_groups
 from kinmo.methods.method import load_network
 
@@ -63,6 +65,10 @@ class TrainingForms:
     def files_with_proposals(self, entries: Sequence[IndexEntry]) -> list[Path]:
         """Files of the same forms with the candidate joints of proposed bodies."""
         return [_with_proposals(path) for path in self.files(entries)]
+
+    def files_of_limits(self, entries: Sequence[IndexEntry]) -> list[Path]:
+        """Files of the joints of those forms that have joints, for the limits network."""
+        return [path for form in self.files(entries) if (path := _limits_of(form)).exists()]
 
     def prepare(self, entries: Sequence[IndexEntry], observer: Observer) -> None:
         """Prepare the forms of labelled shapes.
@@ -162,6 +168,11 @@ def _prepare_forms(job: _FormsJob) -> list[Path]:
         write_bytes_atomically(_meshes_of(path), save(arrays))
         write_bytes_atomically(path, to_bytes(prepared))
         written += [path, _meshes_of(path)]
+        _limits_of(path).unlink(missing_ok=True)
+        joints = examples_of(prepared, _core.Meshes([mesh.vertices for mesh in meshes], [mesh.faces for mesh in meshes]))
+        if joints is not None:
+            write_bytes_atomically(_limits_of(path), travel_examples.to_bytes(joints))
+            written.append(_limits_of(path))
     return written
 
 
@@ -193,6 +204,10 @@ def _read_meshes(path: Path) -> _core.Meshes:
 
 def _meshes_of(path: Path) -> Path:
     return path.with_suffix(".meshes")
+
+
+def _limits_of(path: Path) -> Path:
+    return path.with_suffix(".limits")
 
 
 def _with_proposals(path: Path) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from articulated import shape_of_boxes
 from groupings import grouped_without_network
 from rankers import FeatureRanker
@@ -11,10 +12,20 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.features.prepared_shape import leaf_meshes
 from kinmo.features.shape_preparation import prepare_shape
+from kinmo.features.travel_features import FREE
 from kinmo.methods.kinmo.body_ranking import rank_bodies
-from kinmo.methods.kinmo.kinematic_tree import add_limits, find_parents
+from kinmo.methods.kinmo.kinematic_tree import ShapeLimits, find_parents
+from kinmo.methods.kinmo.limits.travel_examples import TravelExamples
 
 HINGE = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.array([0.3, 0.0, 0.1]))
+
+
+class RightAngles:
+    """Joints travel one unit to the freer side, and half a unit to the other one."""
+
+    def travel(self, joints: TravelExamples) -> tuple[np.ndarray, np.ndarray]:
+        freer = joints.directed[:, 0, FREE] >= joints.directed[:, 1, FREE]
+        return np.where(freer[:, None], [1.0, 0.5], [0.5, 1.0]), np.ones(len(joints), bool)
 
 
 def test_limits_of_the_best_joint_do_not_depend_on_the_others() -> None:
@@ -24,12 +35,15 @@ def test_limits_of_the_best_joint_do_not_depend_on_the_others() -> None:
     meshes = leaf_meshes(made, shape)
     kinds = [None, JointKind.REVOLUTE]
     _, ranked = rank_bodies(grouped_without_network(shape), meshes, shape.body_leaves, FeatureRanker(), kinds=kinds)
-    limited, alone = add_limits(ranked, shape, meshes, [1]), add_limits(ranked[:1], shape, meshes, [1])
+    limits = ShapeLimits.of(shape, meshes, RightAngles(), shape.body_leaves)
+    limited, alone = limits.added(ranked, (1,), [1]), limits.added(ranked[:1], (1,), [1])
     assert len(limited) == len(ranked) > 1
     assert (limited[0].joint.lower, limited[0].joint.upper) == (alone[0].joint.lower, alone[0].joint.upper)
     for before, after in zip(ranked, limited, strict=True):
         assert (before.joint is None) == (after.joint is None)
-        assert before.joint is None or "sweep" in after.terms
+        if before.joint is not None:
+            assert "sweep" in after.terms
+            assert after.joint.upper == pytest.approx(-2.0 * after.joint.lower), "directions point to the longer side"
 
 
 def test_the_parent_is_the_body_with_most_contact() -> None:

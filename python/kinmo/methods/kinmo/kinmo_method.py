@@ -25,6 +25,7 @@ from kinmo.methods.kinmo.body_selection import select_bodies
 from kinmo.methods.kinmo.grouping.grouped_shape import Group, GroupedShape, group_shape
 from kinmo.methods.kinmo.grouping.part_grouper import PartGrouper
 from kinmo.methods.kinmo.kinematic_tree import build_tree
+from kinmo.methods.kinmo.limits.limits_predictor import LimitsPredictor
 from kinmo.methods.kinmo.ranking.joint_ranker import JointRanker
 from kinmo.methods.kinmo.ranking.name_words import maximal_nodes
 from kinmo.methods.method import Method, load_network
@@ -43,7 +44,7 @@ class KinmoMethod(Method):
     @property
     def model_names(self) -> tuple[str, ...]:
         """Names of its models in the folder of trained networks."""
-        return "grouping", "ranking"
+        return "grouping", "ranking", "limits"
 
     @property
     def config(self) -> Mapping[str, Any]:
@@ -55,7 +56,7 @@ class KinmoMethod(Method):
         bare = replace(shape, mobility=None)
         found = select_bodies(self._grouped(bare), meshes, self._ranker(shape))
         names = ["base", *(_name_of(shape, body) for body in found.bodies[1:])]
-        tree, limited = build_tree(bare, meshes, found.bodies, names, found.ranked, found.parents)
+        tree, limited = build_tree(bare, meshes, found.bodies, names, found.ranked, self._limiter(shape), found.parents)
         prediction = self._in_file_frame(shape, tree, limited)
         return replace(prediction, missed_motion_probability=found.missed_motion_probability)
 
@@ -64,7 +65,7 @@ class KinmoMethod(Method):
         mobility, _ = shape.annotation
         names = [body.name for body in mobility.bodies]
         ranked = rank_bodies(self._grouped(shape), meshes, shape.body_leaves, self._ranker(shape), may_rest="one")
-        tree, limited = build_tree(shape, meshes, shape.body_leaves, names, ranked)
+        tree, limited = build_tree(shape, meshes, shape.body_leaves, names, ranked, self._limiter(shape))
         return self._in_file_frame(shape, tree, limited)
 
     def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
@@ -92,8 +93,12 @@ class KinmoMethod(Method):
         ranker: JointRanker = self._network("ranking", shape)
         return ranker
 
+    def _limiter(self, shape: PreparedShape) -> LimitsPredictor:
+        limiter: LimitsPredictor = self._network("limits", shape)
+        return limiter
+
     def _load(self, model: str, weights: Path) -> Any:
-        load = PartGrouper.load if model == "grouping" else JointRanker.load
+        load = {"grouping": PartGrouper.load, "ranking": JointRanker.load, "limits": LimitsPredictor.load}[model]
         return load_network(load, weights, self.device, self.hide_names)
 
 

@@ -78,6 +78,7 @@ def test_without_the_hierarchy_only_names_of_leaves_count() -> None:
         for shows in (True, False)
     )
     assert set(flat) != set(shown)
-    renamed = replace(PREPARED, part_names=tuple("x" if i not in PREPARED.leaves else n for i, n in enumerate(PREPARED.part_names)))
+    names = tuple(name if i in PREPARED.leaves else "x" for i, name in enumerate(PREPARED.part_names))
+    renamed = replace(PREPARED, part_names=names)
     again = view_of_bodies(grouped_without_network(renamed, shows_hierarchy=False), FEATURES, [body]).words[0]
     assert again == flat
