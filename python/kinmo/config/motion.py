@@ -180,7 +180,7 @@ class RankingConfig:
     """Share of training shapes whose names are hidden."""
     hide_group_names: Share = 0.1
     """Share of the other parts whose names are hidden."""
-    hide_categories: Share = 0.0
+    hide_categories: Share = 0.6
     """Share of training shapes whose category is hidden; 1 for networks that never see it, for unseen categories."""
     batch_views: Count = 16
     """Views in a batch. A shape has two views: its bodies and its nodes."""

@@ -32,6 +32,7 @@ from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.io.atomic_files import write_bytes_atomically
 from kinmo.io.discover import ShapeSource
+from kinmo.io.folder_lock import locked
 from kinmo.methods.kinmo.grouping.part_grouper import PartGrouper
 from kinmo.methods.kinmo.limits import travel_examples
 from kinmo.methods.kinmo.limits.travel_examples import examples_of
@@ -48,7 +49,10 @@ POINTS_PER_LEAF = 512
 
 @dataclass(frozen=True)
 class TrainingForms:
-    """The prepared forms of a workspace's labelled shapes, in the folder `training_forms`."""
+    """The prepared forms of a workspace's labelled shapes, and the same with proposals.
+
+    The forms lie beside the prepared shapes, which several workspaces may share. The proposals lie in the workspace itself.
+    """
 
     workspace: Workspace
     workers: int
@@ -56,7 +60,12 @@ class TrainingForms:
     @property
     def folder(self) -> Path:
         """Folder of the forms."""
-        return self.workspace.path / "training_forms"
+        return self.workspace.prepared.parent / "training_forms"
+
+    @property
+    def proposals_folder(self) -> Path:
+        """Folder of the forms with proposals."""
+        return self.workspace.path / "training_proposals"
 
     def files(self, entries: Sequence[IndexEntry]) -> list[Path]:
         """Files of the prepared forms of some shapes that have two parts or more."""
@@ -64,7 +73,7 @@ class TrainingForms:
 
     def files_with_proposals(self, entries: Sequence[IndexEntry]) -> list[Path]:
         """Files of the same forms with the candidate joints of proposed bodies."""
-        return [_with_proposals(path) for path in self.files(entries)]
+        return [self.proposals_folder / path.relative_to(self.folder) for path in self.files(entries)]
 
     def files_of_limits(self, entries: Sequence[IndexEntry]) -> list[Path]:
         """Files of the joints of those forms that have joints, for the limits network."""
@@ -79,8 +88,8 @@ class TrainingForms:
         jobs = []
         for entry in entries:
             paths = tuple(self._path(entry, form) for form in FORMS)
-            jobs.append(_FormsJob(entry, f"forms/{entry.file}", cache_key(entry=entry.key), paths))
-        self._run(_prepare_forms, jobs, "preparing forms", observer)
+            jobs.append(_FormsJob(entry, cache_key(entry=entry.key), paths))
+        self._run(self.folder, _prepare_forms, jobs, "preparing forms", observer)
 
     def add_proposals(
         self, entries: Sequence[IndexEntry], grouping: Path, config: RankingConfig, key: str, observer: Observer
@@ -97,31 +106,35 @@ class TrainingForms:
         jobs = []
         for entry in entries:
             own = cache_key(entry=entry.key, grouping=key, hide_names=config.hide_names)
-            jobs.append(_ProposalsJob(entry, f"proposals/{entry.file}", own, tuple(self.files([entry])), grouping, config))
-        self._run(_add_proposals, jobs, "proposing bodies", observer)
+            paths, made = tuple(self.files([entry])), tuple(self.files_with_proposals([entry]))
+            jobs.append(_ProposalsJob(entry, own, paths, made, grouping, config))
+        self._run(self.proposals_folder, _add_proposals, jobs, "proposing bodies", observer)
 
     def _path(self, entry: IndexEntry, form: str) -> Path:
         return (self.folder / entry.file).with_suffix(f".{form}.safetensors")
 
-    def _run(self, function: Callable[[Any], list[Path]], jobs: Sequence[_Job], what: str, observer: Observer) -> None:
-        cache = Cache(self.folder)
-        pending = [job for job in jobs if not cache.is_current(job.name, job.key)]
-        done = len(jobs) - len(pending)
-        with closing(LocalRunner(self.workers).run(function, pending)) as finished:
-            for job, answer in finished:
-                if isinstance(answer, Failure):
-                    raise ChildProcessError(f"{job.entry.id}: {what} failed: {answer.reason}")
-                cache.store(job.name, job.key, answer)
-                done += 1
-                observer.progress(what, done, len(jobs), job.entry.id)
+    def _run(
+        self, folder: Path, function: Callable[[Any], list[Path]], jobs: Sequence[_Job], what: str, observer: Observer
+    ) -> None:
+        """Make the files of all jobs in a folder that are not up to date."""
+        with locked(folder):
+            cache = Cache(folder)
+            pending = [job for job in jobs if not cache.is_current(job.entry.file, job.key)]
+            done = len(jobs) - len(pending)
+            with closing(LocalRunner(self.workers).run(function, pending)) as finished:  # no job outlives the lock
+                for job, answer in finished:
+                    if isinstance(answer, Failure):
+                        raise ChildProcessError(f"{job.entry.id}: {what} failed: {answer.reason}")
+                    cache.store(job.entry.file, job.key, answer)
+                    done += 1
+                    observer.progress(what, done, len(jobs), job.entry.id)
 
 
 @dataclass(frozen=True)
 class _Job:
-    """Work on one shape: the result's name and key in the cache, and the files of the forms."""
+    """Work on one shape: the key of its result, and the files of its forms."""
 
     entry: IndexEntry
-    name: str
     key: str
     paths: tuple[Path, ...]
 
@@ -133,8 +146,9 @@ class _FormsJob(_Job):
 
 @dataclass(frozen=True)
 class _ProposalsJob(_Job):
-    """Prepared forms of one shape that get proposals."""
+    """Prepared forms of one shape that get proposals, written to the files `made`."""
 
+    made: tuple[Path, ...]
     grouping: Path
     config: RankingConfig
 
@@ -178,8 +192,7 @@ def _prepare_forms(job: _FormsJob) -> list[Path]:
 
 def _add_proposals(job: _ProposalsJob) -> list[Path]:
     grouper: PartGrouper = load_network(PartGrouper.load, job.grouping, "cpu")
-    written = []
-    for path in job.paths:
+    for path, made in zip(job.paths, job.made, strict=True):
         shape = read_prepared(path)
         groups = training_groups(shape, grouper, job.config)
         known = CandidateFeatures.of(shape.candidate_features)
@@ -187,9 +200,8 @@ def _add_proposals(job: _ProposalsJob) -> list[Path]:
         assert found is not None
         few = shape.leaf_points[:, :0], shape.leaf_normals[:, :0]  # ranking needs no samples
         small = replace(shape, candidate_features=found.arrays(), leaf_points=few[0], leaf_normals=few[1])
-        write_bytes_atomically(_with_proposals(path), to_bytes(small))
-        written.append(_with_proposals(path))
-    return written
+        write_bytes_atomically(made, to_bytes(small))
+    return list(job.made)
 
 
 def _read_meshes(path: Path) -> _core.Meshes:
@@ -208,7 +220,3 @@ def _meshes_of(path: Path) -> Path:
 
 def _limits_of(path: Path) -> Path:
     return path.with_suffix(".limits")
-
-
-def _with_proposals(path: Path) -> Path:
-    return path.with_suffix(".proposals")
