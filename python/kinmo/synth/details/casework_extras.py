@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer
 from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.handles import pull
@@ -56,7 +58,8 @@ def add_leaning_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening,
     """Add a drawer or bin that slides out along a line leaning up or down."""
     link = add_drawer(draw, above, carcass, opening, fronts)
     pivot = (opening.x, opening.low, opening.front)
-    link.move(rotation_about(X, draw.sign() * draw.between(4.0, 30.0), pivot))
+    most = min(np.degrees(np.arctan2(0.5 * opening.height, opening.depth)), 30.0)
+    link.move(rotation_about(X, draw.sign() * draw.between(0.3, 1.0) * most, pivot))
     return link
 
 
