@@ -7,7 +7,7 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import Z, box, box_between, cylinder, join
+from kinmo.synth.primitives import Z, box, box_between, cylinder, join, open_box
 from kinmo.synth.synth_object import Link, Node, hinge, spinner
 
 
@@ -20,12 +20,14 @@ def appliance_casing(draw: Draw, low: np.ndarray, high: np.ndarray, wall: float)
         wall: Thickness of the walls.
 
     Returns:
-        Five walls as one piece or as five, or a solid block.
+        Five walls as one piece, as five or as one closed surface, or a solid block.
     """
     (x0, y0, z0), (x1, y1, _) = low, high
     back = box_between((x0 + wall, y0 + wall, z0), (x1 - wall, y1 - wall, z0 + wall))
     walls = [*frame_bars(low, high, wall), back]
-    form = draw.pick(["joined", "pieces", "block"], [6, 3, 1])
+    form = draw.pick(["joined", "pieces", "shell", "block"], [5, 3, 2, 1])
+    if form == "shell":
+        return [open_box(low, high, wall)]
     if form == "block":
         return [box_between(low, high)]
     return [join(*walls)] if form == "joined" else walls

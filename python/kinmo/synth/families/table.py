@@ -54,7 +54,7 @@ def build(draw: Draw) -> SynthObject:
     owned = {node for link in links for top in link.nodes for node in top.walk()}
     base.nodes += [node for child in drawers.children for node in _free(child, owned)]
     if len(links) == 1:  # only false fronts and open spaces: the table rolls
-        links += add_casters(draw, inner, base, 0.9 * size.x, 0.9 * size.z, 0.0)
+        links += add_casters(draw, inner, base, 0.9 * size.x, 0.9 * size.z, 0.0, always_moves=True)
     if kind != "open" and size.x > 0.4 and draw.chance(0.15):
         add_desk_top(draw, inner, base, links, (size.x, size.y + 2 * size.board, size.z), size.board)
     shape = SynthObject("Table", root, links)
