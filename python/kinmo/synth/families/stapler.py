@@ -17,7 +17,8 @@ TURNED_SHARE = 0.2
 def build(draw: Draw) -> SynthObject:
     """Stapler whose magazine and lid turn about one horizontal pin.
 
-    Variants: the magazine turns, is fixed to the base, or slides out to the front, and the lid turns on the base or on it. A heavy stapler has a fixed body with a lever on top. A pusher in the magazine slides, and the anvil turns.
+    Variants: the magazine turns, is fixed to the base, or slides out to the front, and the lid turns on the base or on it. A
+    heavy stapler has a fixed body with a lever on top. A pusher in the magazine slides, and the anvil turns.
     """
     length, width = 1.5, draw.ratio(0.12, 0.5)
     thickness, pin_y = draw.ratio(0.02, 0.15), draw.ratio(0.1, 0.35)
