@@ -9,7 +9,7 @@ import numpy as np
 from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer, front_panel
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import X, Y, box, box_between, move
+from kinmo.synth.primitives import X, Y, box, box_between, extrude, move
 from kinmo.synth.synth_object import Link, Node, hinge, slider
 
 SLIDING_LOOKS = ("plain", "framed", "slatted", "raised")
@@ -95,6 +95,27 @@ def add_folding_door(draw: Draw, above: Node, carcass: Link, opening: Opening, f
     opens = draw.pick([90.0, 170.0, 180.0])
     second.motion = hinge(seam, Y * out, 0.0, opens, rest=draw.pick([0.0, draw.between(0.2, 0.9) * opens], [5, 1]))
     return [first, second]
+
+
+def add_tipping_bin(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:
+    """Add a front with a bin behind it that tips out about its lower edge."""
+    link = add_door(draw, above, carcass, opening, fronts, "bottom")
+    high, deep = opening.height * draw.between(0.4, 0.75), min(opening.depth, opening.height) * draw.between(0.3, 0.7)
+    half, back, low = 0.45 * opening.width, fronts.back_plane(opening), opening.low + 0.03 * opening.height
+    wedge = np.array([(low, back), (low, back - 0.2 * deep), (low + high, back - deep), (low + high, back)])
+    form = draw.pick(["cheeks", "tub", "block"], [2, 3, 1])
+    pieces = [extrude(wedge, 2 * half, "x", (opening.x, 0, 0))]
+    if form != "block":
+        pieces = [extrude(wedge, 0.03 * half, "x", (opening.x + s * half, 0, 0)) for s in (-1, 1)]
+    if form == "tub":
+        floor = np.array([(low, back), (low, back - 0.2 * deep), (low + high, back - deep), (low + high, back - 0.95 * deep)])
+        thin = np.concatenate([floor[1:], [(low, back - 0.15 * deep)]])
+        pieces.append(extrude(thin, 2 * half, "x", (opening.x, 0, 0)))
+    link.nodes[0].add("drawer_box", *pieces)
+    opens = draw.between(15.0, 50.0)
+    assert link.motion is not None
+    link.motion = replace(link.motion, b=opens, rest=min(link.motion.rest, opens))
+    return link
 
 
 def add_parts_behind(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> list[Link]:

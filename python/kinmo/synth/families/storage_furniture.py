@@ -6,7 +6,13 @@ from dataclasses import dataclass
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer, legs
-from kinmo.synth.details.casework_doors import add_folding_door, add_hung_door, add_parts_behind, add_sliding_doors
+from kinmo.synth.details.casework_doors import (
+    add_folding_door,
+    add_hung_door,
+    add_parts_behind,
+    add_sliding_doors,
+    add_tipping_bin,
+)
 from kinmo.synth.details.casework_extras import (
     add_casters,
     add_false_front,
@@ -22,6 +28,8 @@ from kinmo.synth.synth_object import JointType, Link, Node, SynthObject
 
 TURNED_SHARE = 0.06
 """Share of carcasses that are turned about the vertical by any quarter."""
+TIPPING_SHARE = 0.15
+"""Share of flaps that are the front of a bin."""
 BEHIND_SHARE = 0.12
 """Share of doors and flaps with drawers or another door behind them."""
 SHELL_SHARE = 0.15
@@ -204,6 +212,8 @@ def _furnish(draw: Draw, cabinet: Node, base: Link, opening: Opening, fronts: Fr
         kind = "flap"
     if kind in ("door", "flap"):
         sides = ["left", "right"] if kind == "door" else ["top", "bottom"]
+        if kind == "flap" and draw.chance(TIPPING_SHARE):
+            return [add_tipping_bin(draw, cabinet, base, opening, fronts)]
         links = [add_door(draw, cabinet, base, opening, fronts, draw.pick(sides))]
         if draw.chance(BEHIND_SHARE):
             links += add_parts_behind(draw, cabinet, base, opening, fronts)
