@@ -131,7 +131,8 @@ def test_a_workspace_without_ranking_networks_cannot_be_continued_from(trained: 
 
 def test_weights_to_continue_from_are_checked_before_any_training(trained: Trained, tmp_path: Path) -> None:
     start, recorder = Workspace(tmp_path / "start"), Recorder()
-    shutil.copytree(trained.workspace.models / "ranking", start.models / "ranking")
+    for model in ("grouping", "ranking", "limits"):
+        shutil.copytree(trained.workspace.models / model, start.models / model)
     weights = start.models / "ranking" / "weights.safetensors"
     weights.write_bytes(weights.read_bytes()[:100])
     stage = TrainMotion("motion", trained.workspace, "small", start=start)
@@ -161,10 +162,10 @@ def test_networks_of_other_sizes_cannot_be_continued_from(trained: Trained, tmp_
 def test_a_workspace_does_not_continue_from_itself(trained: Trained) -> None:
     path = trained.workspace.path
     with pytest.raises(InputError, match=r"--from: .* is the workspace itself"):
-        TrainMotion("axis", trained.workspace, "small", start=Workspace(path / ".." / path.name)).plan()
+        TrainMotion("kinmo", trained.workspace, "small", start=Workspace(path / ".." / path.name)).plan()
 
 
 def test_networks_that_cannot_continue_from_trained_weights_name_those_that_can(trained: Trained) -> None:
-    for group, able in (("gnn", "motion or axis"), ("paper", "kinmo")):
+    for group, able in (("gnn", "motion"), ("paper", "kinmo")):
         with pytest.raises(InputError, match=f"--from: {group} cannot start from trained weights; use it with {able}$"):
             TrainMotion(group, trained.workspace, "small", start=trained.workspace).plan()

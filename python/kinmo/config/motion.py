@@ -140,6 +140,8 @@ class GroupingConfig:
     """Share of training shapes whose names are hidden."""
     hide_leaf_names: Share = 0.1
     """Share of the other leaves whose names are hidden."""
+    hide_words: Share = 0.2
+    """Share of training shapes whose names are in an unknown language: only how alike they are is seen."""
     hide_hierarchy: Share = 0.6
     """Share of training shapes whose hierarchy is hidden."""
     batch_graphs: Count = 24

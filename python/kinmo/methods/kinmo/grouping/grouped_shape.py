@@ -33,7 +33,7 @@ class GroupedShape:
         shape: The shape.
         grouping: Logits of the pairs of touching leaves.
         merges: The merge tree.
-        shows_names: True if the names of the parts were shown.
+        shows_names: True if the names of the parts were shown, and tell them apart.
         shows_hierarchy: True if the hierarchy was shown, and there is one.
     """
 
@@ -108,9 +108,9 @@ def group_shape(
     graph = leaf_graph(shape)
     if graph is None:
         alone = Grouping(np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(len(shape.leaves)))
-        return GroupedShape(shape, alone, (), shows_names, False)
+        return GroupedShape(shape, alone, (), False, False)
     grouping = grouper.group(graph, hide_names=not shows_names, hide_hierarchy=not shows_hierarchy)
     if rng is not None and noise:
         grouping = replace(grouping, logits=grouping.logits + noise * rng.standard_normal(len(grouping.logits)))
     merges = merge_leaves(len(shape.leaves), grouping.pairs, grouping.logits)
-    return GroupedShape(shape, grouping, merges, shows_names, shows_hierarchy and graph.has_hierarchy)
+    return GroupedShape(shape, grouping, merges, shows_names and graph.has_names, shows_hierarchy and graph.has_hierarchy)

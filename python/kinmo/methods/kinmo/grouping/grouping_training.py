@@ -106,6 +106,7 @@ class GroupingData:
                 hide_names=self.config.hide_names,
                 hide_hierarchy=self.config.hide_hierarchy,
                 hide_leaf=self.config.hide_leaf_names,
+                hide_words=self.config.hide_words,
             )
 
     def validation_batches(self) -> Iterator[GroupingBatch]:

@@ -20,7 +20,7 @@ from kinmo.features.group_geometry import group_geometries
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.travel_features import travel_features
-from kinmo.methods.kinmo.ranking.name_words import category_words, group_words
+from kinmo.methods.kinmo.ranking.name_words import category_words, group_words, has_names
 
 MAX_WORDS = 32
 """Most words of a body that count."""
@@ -72,7 +72,8 @@ def body_inputs(
     found = travel_features(geometry, group, moving, joints)
     whole = features.group_features[features.group_of[leaves]]
     shared = np.column_stack([found.shared, np.tile(whole, (len(joints), 1))]).astype(np.float32)
-    known = list(dict.fromkeys(group_words(shape, leaves) + category_words(shape)))[:MAX_WORDS]
+    named = group_words(shape, leaves) if has_names(shape) else ()
+    known = list(dict.fromkeys(named + category_words(shape)))[:MAX_WORDS]
     words = np.full((len(joints), MAX_WORDS), NO_WORD, np.int64)
     words[:, : len(known)] = known
     return TravelExamples(found.directed, shared, words, np.zeros((len(joints), 2), np.float32)), found.scales

@@ -22,6 +22,11 @@ def hash_words(role: str, text: str) -> list[int]:
     return [zlib.crc32(f"{role}:{word}".encode()) % WORD_BUCKETS for word in words_of(text)]
 
 
+def has_names(shape: PreparedShape) -> bool:
+    """True if names tell leaves apart: at least two leaves have different words. `Cube.001` and `Cube.002` have the same."""
+    return len({tuple(words_of(shape.part_names[leaf])) for leaf in shape.leaves} - {()}) > 1
+
+
 def maximal_nodes(shape: PreparedShape, leaves: Sequence[int]) -> list[int]:
     """The highest nodes of the hierarchy whose leaves all are among `leaves` (positions in `shape.leaves`)."""
     wanted = set(leaves)
