@@ -130,9 +130,10 @@ def main() -> int:
         for _, body in shape.mobility.movable():
             assert body.joint is not None
             count[KIND_WORDS[body.joint.kind]] += 1
+    words = list(KIND_WORDS.values())
     head = ("asset", "objects", "hinges", "sliders", "screws", "median leaves", "most leaves")
     print_table(head, [
-        (asset, count["objects"], *map(count.get, KIND_WORDS.values()), float(np.median(leaves[asset])), max(leaves[asset]))
+        (asset, count["objects"], *(count[word] for word in words), float(np.median(leaves[asset])), max(leaves[asset]))
         for asset, count in counts.items()
     ])  # fmt: skip
     return 0
