@@ -47,7 +47,6 @@ WORLD = "world"
 
 def exporter_of_geometry() -> type[Any]:
     """Class of the generator's exporter, changed to keep meshes in `pieces` by file name in place of baking textures."""
-    from infinigen.core.sim.exporters import utils
     from infinigen.core.sim.exporters.urdf_exporter import URDFBuilder
 
     class GeometryBuilder(URDFBuilder):
@@ -59,8 +58,13 @@ def exporter_of_geometry() -> type[Any]:
             file = f"{name}_{self.asset_freq[name]}"
             self.asset_freq[name] += 1
             vertices, faces = _mesh_arrays(mesh)
-            self.pieces[file] = Piece(name, vertices - utils.get_aabb_center(mesh), faces)
+            middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))  # the exporter writes it as the origin of the mesh
+            self.pieces[file] = Piece(name, vertices - middle, faces)
             return Path(file), [], mesh
+
+        def _get_subsets(self, path: list[Any]) -> Any:
+            # without a path the exporter indexes with None, and takes 20 GB for the square of the vertices
+            return super()._get_subsets(path) if path else np.ones(len(self.blend_obj.data.vertices), bool)
 
     return GeometryBuilder
 
