@@ -40,22 +40,35 @@ class RobotBody:
     moves: bool = False
 
 
+def link_poses(robot: RobotFile) -> dict[str, Matrix]:
+    """Transforms [4, 4] from each link to the root link, by name."""
+    poses: dict[str, Matrix] = {}
+    for name in robot.links:
+        joint = robot.joint_above.get(name)
+        poses[name] = np.eye(4) if joint is None else poses[joint.parent] @ joint.pose
+    return poses
+
+
+def rigid_heads(robot: RobotFile) -> dict[str, str]:
+    """Name of the topmost link of the rigid body that each link belongs to."""
+    head: dict[str, str] = {}
+    for name in robot.links:
+        joint = robot.joint_above.get(name)
+        head[name] = name if joint is None or joint.type != FIXED else head[joint.parent]
+    return head
+
+
 def robot_bodies(robot: RobotFile) -> tuple[RobotBody, ...]:
     """The bodies of a robot that have geometry, each after its parent.
 
     Links with a fixed joint between them are one body. A chain of joints through bodies without geometry is one joint. A single
     top body is the base and does not move, even if a joint connects it to an empty world.
     """
-    above = robot.joint_above
-    poses: dict[str, Matrix] = {}
-    head: dict[str, str] = {}
+    above, head = robot.joint_above, rigid_heads(robot)
+    poses = link_poses(robot)
     pieces: dict[str, list[Triangles]] = {}
     for name in robot.links:
-        poses[name] = poses[above[name].parent] @ above[name].pose if name in above else np.eye(4)
-        is_fixed = name in above and above[name].type == FIXED
-        head[name] = head[above[name].parent] if is_fixed else name
-        world = [_moved(poses[name] @ pose, triangles) for triangles, pose in robot.pieces[name]]
-        pieces.setdefault(head[name], []).extend(world)
+        pieces.setdefault(head[name], []).extend(piece.moved(poses[name]) for piece in robot.pieces[name])
     triangles_of_head = {name: np.concatenate([NO_TRIANGLES, *parts]) for name, parts in pieces.items()}
 
     bodies: list[RobotBody] = []
@@ -96,7 +109,3 @@ def _joint(chain: list[tuple[JointElement, Matrix]]) -> Joint | None:
         return None
     along = slide if np.dot(turn.direction, slide.direction) >= 0 else slide.reversed()
     return Joint(JointKind.SCREW, turn.direction, turn.pivot, along.lower, along.upper)
-
-
-def _moved(pose: Matrix, triangles: Triangles) -> Triangles:
-    return np.asarray(triangles @ pose[:3, :3].T + pose[:3, 3])

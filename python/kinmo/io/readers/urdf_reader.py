@@ -6,6 +6,7 @@ import sys
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import trimesh
@@ -38,6 +39,19 @@ class JointElement:
     limits: tuple[float, float] | None
 
 
+class LinkPiece(NamedTuple):
+    """A visual or collision element: its triangle soup, the transform [4, 4] of that to the link, and its name or ""."""
+
+    triangles: Triangles
+    pose: Matrix
+    name: str
+
+    def moved(self, link_pose: Matrix) -> Triangles:
+        """The triangles in the frame that `link_pose` [4, 4] takes the link to."""
+        pose = link_pose @ self.pose
+        return np.asarray(self.triangles @ pose[:3, :3].T + pose[:3, 3])
+
+
 @dataclass(frozen=True, eq=False)
 class RobotFile:
     """A tree of links.
@@ -45,12 +59,12 @@ class RobotFile:
     Attributes:
         links: names of the links, the root first and every link after its parent.
         joint_above: the joint of each child link, by name of the link.
-        pieces: for each link its triangle soups, each with its transform [4, 4] to the link.
+        pieces: the geometry of each link.
     """
 
     links: tuple[str, ...]
     joint_above: dict[str, JointElement]
-    pieces: dict[str, list[tuple[Triangles, Matrix]]]
+    pieces: dict[str, list[LinkPiece]]
 
 
 def read_robot_file(path: Path, packages: Path) -> RobotFile:
@@ -65,7 +79,7 @@ def read_robot_file(path: Path, packages: Path) -> RobotFile:
     joints = [_joint_element(path, element) for element in root.findall("joint")]
     links = _checked_order(path, list(elements), joints)
     role = "visual" if root.find("link/visual") is not None else "collision"
-    pieces = {name: [_geometry(path, packages, piece) for piece in element.findall(role)] for name, element in elements.items()}
+    pieces = {name: [_piece(path, packages, piece) for piece in element.findall(role)] for name, element in elements.items()}
     return RobotFile(links, {joint.child: joint for joint in joints}, pieces)
 
 
@@ -147,15 +161,18 @@ def _checked_order(path: Path, names: list[str], joints: list[JointElement]) -> 
     return tuple(order)
 
 
-def _geometry(path: Path, packages: Path, piece: ET.Element) -> tuple[Triangles, Matrix]:
-    """Triangles of a visual or collision element in its own frame, and its pose in the link."""
-    pose = _pose(path, piece.find("origin"))
-    shape = next(iter(piece.findall("geometry/*")), None)
-    if shape is None:
-        return NO_TRIANGLES, pose
+def _piece(path: Path, packages: Path, element: ET.Element) -> LinkPiece:
+    """A visual or collision element."""
+    shape = next(iter(element.findall("geometry/*")), None)
+    triangles = NO_TRIANGLES if shape is None else _triangles(path, packages, shape)
+    return LinkPiece(triangles, _pose(path, element.find("origin")), element.get("name") or "")
+
+
+def _triangles(path: Path, packages: Path, shape: ET.Element) -> Triangles:
+    """Triangles of a geometry in its own frame."""
     if shape.tag == "mesh":
         file = _mesh_path(shape.get("filename") or "", path, packages)
-        return read_triangles(file) * _numbers(path, shape, "scale", (1.0, 1.0, 1.0)), pose
+        return read_triangles(file) * _numbers(path, shape, "scale", (1.0, 1.0, 1.0))
     if shape.tag == "box":
         mesh = trimesh.creation.box(_numbers(path, shape, "size", (1.0, 1.0, 1.0)))
     elif shape.tag in ("cylinder", "capsule"):
@@ -167,7 +184,7 @@ def _geometry(path: Path, packages: Path, piece: ET.Element) -> tuple[Triangles,
         mesh.apply_scale(float(_numbers(path, shape, "radius", (1.0,))[0]))  # trimesh has no sphere of radius 0
     else:
         raise InputError(path, f"expected mesh, box, cylinder or sphere, found {shape.tag[:40]!r}", "geometry")
-    return np.asarray(mesh.triangles, float), pose
+    return np.asarray(mesh.triangles, float)
 
 
 def _mesh_path(name: str, urdf: Path, packages: Path) -> Path:
