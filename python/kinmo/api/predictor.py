@@ -5,12 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from kinmo.api.prediction import Prediction
-from kinmo.core.errors import InputError
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance
 from kinmo.dataset.workspace import Workspace
-from kinmo.learning.model_folder import ModelFolder, trained_or_shipped
-from kinmo.methods import DEFAULT_METHOD, METHOD_MODELS, load_method
+from kinmo.learning.model_folder import ModelFolder
+from kinmo.methods import DEFAULT_METHOD, load_trained_or_shipped
 from kinmo.pipeline.predict_shapes import predict_shape
 
 
@@ -28,7 +27,7 @@ class Predictor:
         InputError: The networks of the method are missing or cannot be read.
 
     Attributes:
-        networks: Folder of the networks that are used.
+        networks: Where the networks come from: a folder, or "those that come with kinmo".
 
     Example:
         >>> predictor = kinmo.Predictor()
@@ -38,11 +37,8 @@ class Predictor:
     def __init__(
         self, workspace: Path | str = "workspace", *, method: str = DEFAULT_METHOD, device: str = "auto", seed: int = 0
     ) -> None:
-        if method not in METHOD_MODELS:
-            raise InputError("method", f"expected one of {', '.join(METHOD_MODELS)}, got {method}")
-        models = trained_or_shipped(ModelFolder(Workspace(workspace).models), METHOD_MODELS[method])
-        self.networks = models.path
-        self.method = load_method(method, models, device)
+        self.method = load_trained_or_shipped(method, ModelFolder(Workspace(workspace).models), device)
+        self.networks = self.method.networks
         self.seed = seed
 
     def predict(self, shape: Shape) -> Prediction:

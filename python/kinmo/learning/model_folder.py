@@ -108,10 +108,10 @@ class ModelFolder:
 
 def trained_or_shipped(models: ModelFolder, names: tuple[str, ...]) -> ModelFolder:
     """The folder if one of the models was trained in it, otherwise the networks that come with kinmo, if they include them."""
-    if any(any(models.folder(name).rglob(WEIGHTS)) for name in names):
-        return models
     shipped = ModelFolder(SHIPPED / "models")
-    return shipped if all((shipped.folder(name) / WEIGHTS).exists() for name in names) else models
+    is_trained = any(any(models.folder(name).rglob(WEIGHTS)) for name in names)
+    is_shipped = names and all((shipped.folder(name) / WEIGHTS).exists() for name in names)
+    return shipped if is_shipped and not is_trained else models
 
 
 def networks_digest(weights: tuple[Path, ...]) -> str:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from kinmo import _core
 from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.features.prepared_shape import PreparedShape
-from kinmo.learning.model_folder import ModelFolder
+from kinmo.learning.model_folder import SHIPPED, ModelFolder
 
 CACHED_NETWORKS = 24
 """Number of networks that stay in memory."""
@@ -53,6 +53,11 @@ class Method(ABC):
     def is_fine(self) -> bool:
         """True for ten motion types, False for five."""
         return True
+
+    @property
+    def networks(self) -> str:
+        """Where its networks come from, in words."""
+        return "those that come with kinmo" if self.models.path.is_relative_to(SHIPPED) else str(self.models.path)
 
     @cached_property
     def weights(self) -> str:

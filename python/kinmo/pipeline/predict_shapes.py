@@ -34,8 +34,8 @@ from kinmo.io.result_folder import write_result
 from kinmo.io.source_files import fingerprint
 from kinmo.io.writers import ExportOptions
 from kinmo.io.writers.joints_json_writer import FILE_NAME
-from kinmo.learning.model_folder import SHIPPED, ModelFolder, trained_or_shipped
-from kinmo.methods import METHOD_MODELS, load_method
+from kinmo.learning.model_folder import ModelFolder
+from kinmo.methods import load_trained_or_shipped
 from kinmo.methods.method import Method
 from kinmo.pipeline.joint_lines import joint_lines
 from kinmo.pipeline.network_jobs import network_runner
@@ -80,8 +80,7 @@ class PredictShapes:
         for problem in skipped:
             observer.problem(f"skipped: {problem}")
         writer = self._writer()
-        shipped = self._models.path.is_relative_to(SHIPPED)
-        observer.note(f"networks: {'those that come with kinmo' if shipped else self._models.path}")
+        observer.note(f"networks: {writer.method.networks}")
         with locked(self.out):
             problems = self._predict(targets, writer, observer)
             uncorrected = apply_overrides([folder for _, folder in targets if folder not in problems], observer)
@@ -159,13 +158,8 @@ class PredictShapes:
                 observer.progress("predicting joints", done, len(targets), job.found.id)
         return problems
 
-    @property
-    def _models(self) -> ModelFolder:
-        """The networks of the workspace, otherwise those that come with kinmo."""
-        return trained_or_shipped(ModelFolder(self.workspace.models), METHOD_MODELS[self.method])
-
     def _writer(self) -> PredictionWriter:
-        method = load_method(self.method, self._models, self.device)
+        method = load_trained_or_shipped(self.method, ModelFolder(self.workspace.models), self.device)
         return PredictionWriter(method, self.seed, self.facts)
 
     def _targets(self) -> tuple[list[tuple[ShapeSource, Path]], list[str]]:
