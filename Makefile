@@ -11,6 +11,10 @@ DEMO   := demo
 # Shapes of a family; there are more of the one whose scans are looked at, as few of its shapes have the same joints.
 COUNT  ?= 8
 SCANNED_COUNT ?= 12
+# Shapes of a family, and the folder for training the networks that come with kinmo.
+WEIGHTS_COUNT ?= 45
+WEIGHTS := build/weights
+SHIPPED := python/kinmo/shipped/models
 
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
 SETUP_STAMP  := $(VENV)/.set-up
@@ -19,7 +23,7 @@ export PYO3_PYTHON := $(abspath $(BIN)/python)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-rust test-python fuzz lint lint-rust lint-python wheel clean
+.PHONY: help setup demo weights test test-rust test-python fuzz lint lint-rust lint-python wheel clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|' 2>/dev/null \
@@ -51,6 +55,15 @@ demo: $(SETUP_STAMP) ## the whole road on procedural shapes, scans of dishwasher
 	$(KINMO) pseudo-label --workspace $(DEMO)/workspace
 	$(KINMO) eval --workspace $(DEMO)/workspace
 	$(KINMO) report --workspace $(DEMO)/workspace
+
+weights: $(SETUP_STAMP) ## train the networks that come with kinmo again, from a seed (about two hours on two cores)
+	$(KINMO) synth $(WEIGHTS)/partnet --count $(WEIGHTS_COUNT) --layout partnet_mobility
+	$(KINMO) prepare $(WEIGHTS)/partnet --workspace $(WEIGHTS)/workspace
+	$(KINMO) train kinmo --config shipped --workspace $(WEIGHTS)/workspace
+	for model in grouping ranking limits; do \
+	    mkdir -p $(SHIPPED)/$$model; \
+	    cp $(WEIGHTS)/workspace/models/$$model/weights.safetensors $(WEIGHTS)/workspace/models/$$model/weights.json $(SHIPPED)/$$model; \
+	done
 
 test: test-rust test-python ## run all tests, the same examples of every property each time
 

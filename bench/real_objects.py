@@ -31,6 +31,8 @@ from typing import Any
 
 import numpy as np
 import torch
+from kinmo.methods.kinmo.body_grouping import group_into_bodies
+from kinmo.methods.kinmo.moving_nodes import find_moving_nodes
 
 from common import print_claims
 from kinmo.config import Config, RankingConfig, load_config
@@ -49,10 +51,8 @@ from kinmo.features.prepared_shape import PreparedShape, leaf_meshes
 from kinmo.io.discover import ShapeSource
 from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
 from kinmo.learning.motion_gnn.gnn_training import train_motion_gnn
-from kinmo.methods.kinmo.body_grouping import group_into_bodies
 from kinmo.methods.kinmo.body_ranking import rank_bodies
 from kinmo.methods.kinmo.kinematic_tree import build_tree
-from kinmo.methods.kinmo.moving_nodes import find_moving_nodes
 from kinmo.methods.kinmo.ranking.joint_ranker import JointRanker
 from kinmo.methods.kinmo.ranking.ranking_training import train_joint_ranking
 from kinmo.methods.kinmo.ranking.shape_views import body_view

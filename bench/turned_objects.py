@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from kinmo.dataset.store import read_prepared, to_bytes
 from kinmo.features.prepared_shape import PreparedShape
-from kinmo.features.shape_preparation import prepare_shape, shape_seed
+from kinmo.features.shape_preparation import prepare_shape
 from kinmo.io.discover import ShapeSource
 
 
@@ -21,7 +21,7 @@ def turned_shapes(shapes: Sequence[PreparedShape], folder: Path, *, freely: bool
     for shape in shapes:
         path = folder / f"{shape.id}.safetensors"
         if not path.exists():
-            rng = np.random.default_rng(shape_seed(shape.id, 1))
+            rng = np.random.default_rng(list(shape.id.encode()))
             about_up = Rotation.from_rotvec(shape.up * rng.uniform(-np.pi, np.pi))
             turn = (Rotation.random(rng=rng) if freely else about_up).as_matrix()
             source = ShapeSource.of(shape).read()

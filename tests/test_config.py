@@ -70,8 +70,8 @@ def test_a_file_that_extends_another_says_only_what_differs(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('extends = "smal"', "extends: 'smal', expected one of paper, small"),
-        ("extends = 3", "extends: 3, expected one of paper, small"),
+        ('extends = "smal"', "extends: 'smal', expected one of paper, shipped, small"),
+        ("extends = 3", "extends: 3, expected one of paper, shipped, small"),
         ('extends = "small"\n[gnn]\ncolour = 1', "gnn.colour: unknown key"),
         ('extends = "small"\ngnn = 1', "gnn: expected a table"),
     ],
@@ -84,7 +84,7 @@ def test_a_mistake_in_a_file_that_extends_another_is_named(tmp_path: Path, text:
 
 
 def test_an_absent_file_is_answered_with_the_known_names() -> None:
-    with pytest.raises(InputError, match="expected a TOML file or one of paper, small"):
+    with pytest.raises(InputError, match="expected a TOML file or one of paper, shipped, small"):
         load_config("huge")
 
 

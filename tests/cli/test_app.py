@@ -156,7 +156,7 @@ def test_choices_of_options_equal_those_of_the_program() -> None:
     assert {each.value for each in LayoutName} == WRITERS.keys()
     assert set(get_args(MethodName)) == METHOD_MODELS.keys()
     assert get_args(AxisName) == get_args(Axis)
-    assert set(get_args(NetworksName)) == set(get_args(Networks)) == GROUPS.keys() - METHOD_MODELS.keys() | {"all", "ancsh"}
+    assert set(get_args(NetworksName)) == set(get_args(Networks)) == GROUPS.keys() | {"all", "ancsh"}
     assert set(get_args(SettingName)) == set(get_args(Setting))
     assert set(get_args(TableName)) == TABLES.keys()
     assert set(get_args(ProtocolName)) == set(PROTOCOLS)

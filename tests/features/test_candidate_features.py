@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from kinmo.core.joint import JointKind
-from kinmo.features.candidate_features import CandidateFeatures, compute_candidate_features
-from kinmo.features.group_geometry import group_geometries
+from kinmo.features.candidate_features import CandidateFeatures, compute_candidate_features, with_groups
 
 GROUPS = [(FRAME,), (DOOR,), (KNOB,), (DRAWER,), (DOOR, KNOB)]
 FEATURES = compute_candidate_features(cabinet_geometry(), GROUPS)
@@ -84,19 +83,27 @@ def test_features_are_finite_even_for_a_part_without_surroundings() -> None:
 
 def test_features_of_parts_do_not_depend_on_the_bodies() -> None:
     leaves = [(FRAME,), (DOOR,), (KNOB,), (DRAWER,)]
-    sizes = np.array([group.minimum.half_extents for group in group_geometries(cabinet_geometry(), leaves)])
-    bare = compute_candidate_features(cabinet_geometry(), leaves, sizes)
-    annotated = compute_candidate_features(cabinet_geometry(), [*leaves, (DOOR, KNOB), (FRAME, DRAWER)], sizes)
+    bare = compute_candidate_features(cabinet_geometry(), leaves)
+    annotated = compute_candidate_features(cabinet_geometry(), [*leaves, (DOOR, KNOB), (FRAME, DRAWER)])
     np.testing.assert_array_equal(annotated.group_features[: len(leaves)], bare.group_features)
     np.testing.assert_array_equal(annotated.features[: len(bare.features)], bare.features)
 
 
 def test_features_of_some_groups_join_to_those_of_all() -> None:
-    sizes = np.array([group.minimum.half_extents for group in group_geometries(cabinet_geometry(), GROUPS)])
-    first, second = (compute_candidate_features(cabinet_geometry(), groups, sizes) for groups in (GROUPS[:2], GROUPS[2:]))
+    first, second = (compute_candidate_features(cabinet_geometry(), groups) for groups in (GROUPS[:2], GROUPS[2:]))
     joined = first.joined(second)
     for name, values in FEATURES.arrays().items():
         np.testing.assert_array_equal(joined.arrays()[name], values)
+    assert joined.group_of == {group: row for row, group in enumerate(GROUPS)}
+
+
+def test_groups_that_are_known_are_not_computed_again() -> None:
+    known = CandidateFeatures.of(compute_candidate_features(cabinet_geometry(), GROUPS[:3]).arrays())
+    assert with_groups(known, cabinet_geometry(), GROUPS[:2]) is known
+    assert with_groups(None, cabinet_geometry(), []) is None
+    more = with_groups(known, cabinet_geometry(), [GROUPS[4], GROUPS[0], GROUPS[4]])
+    assert more is not None and list(more.group_of) == [*GROUPS[:3], GROUPS[4]]
+    np.testing.assert_array_equal(more.group_features[3], FEATURES.group_features[4])
 
 
 def test_a_left_hinge_differs_from_a_right_hinge() -> None:

@@ -46,6 +46,7 @@ class RigidMethod:
 
     name: str = "none"
     weights: str = ""
+    networks: str = "none"
     config: Mapping[str, Any] = field(default_factory=dict)
 
     def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
@@ -61,7 +62,7 @@ def source_of(folder: Path) -> str:
 @pytest.fixture
 def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PredictShapes:
     """Prediction of the folder `shapes` by the method without joints."""
-    monkeypatch.setattr(predict_shapes, "load_method", lambda *_: RigidMethod())
+    monkeypatch.setattr(predict_shapes, "load_trained_or_shipped", lambda *_: RigidMethod())
     return PredictShapes(tmp_path / "shapes", tmp_path / "out", Workspace(tmp_path / "workspace"), "none", device="cpu")
 
 
@@ -108,7 +109,7 @@ def test_a_result_that_cannot_be_written_stops_no_other_shape(stage: PredictShap
     assert [shape["id"] for shape in outcome.data["shapes"]] == ["a", "c"]
     (line,) = outcome.data["skipped"]
     assert line.startswith(f"{stage.source / 'b'}: ") and "b.urdf: No space left on device" in line
-    assert recorder.notes == [f"skipped: {line}"] and outcome.failed == 1
+    assert recorder.notes == ["networks: none", f"skipped: {line}"] and outcome.failed == 1
     assert not (stage.out / "b").exists()
 
 
@@ -246,7 +247,7 @@ def test_repairs_of_a_shape_are_noted(trained: Trained, tmp_path: Path) -> None:
     found = PredictShapes(tmp_path / "shapes", tmp_path / "out", trained.workspace, METHODS[0], device="cpu").run(recorder)
     (shape,) = found.data["shapes"]
     assert any("no surface" in repair for repair in shape["repairs"])
-    assert recorder.notes == [f"repaired: {shape['id']}: {'; '.join(shape['repairs'])}"]
+    assert recorder.notes[1:] == [f"repaired: {shape['id']}: {'; '.join(shape['repairs'])}"]
     assert "1 repaired, 0 skipped" in found.text
 
 
@@ -338,7 +339,7 @@ class HingeMethod(RigidMethod):
 def test_the_terminal_shows_every_joint_and_its_score(
     stage: PredictShapes, monkeypatch: pytest.MonkeyPatch, score: float, words: str
 ) -> None:
-    monkeypatch.setattr(predict_shapes, "load_method", lambda *_: HingeMethod(score=score))
+    monkeypatch.setattr(predict_shapes, "load_trained_or_shipped", lambda *_: HingeMethod(score=score))
     write_partnet(stage.source / "cabinet")
     lines = stage.run(Recorder()).text.splitlines()
     assert lines == ["cabinet (category Cabinet)", f"  door: hinge, 0 to 90°, {words}", "1 shape, 1 joint, 0 skipped"]

@@ -62,13 +62,13 @@ def test_a_network_for_one_category_lies_beside_that_for_all(trained: Trained, t
     models, recorder = ModelFolder(workspace.models), Recorder()
     shared = models.weights_for("axis", "Stapler")
     before = shared.read_bytes()
-    outcome = TrainMotion("axis", workspace, config, "laptop", device="cpu").run(recorder)
-    assert set(outcome.data) == {"axis (Laptop)", "ranking (Laptop)"}
+    outcome = TrainMotion("paper", workspace, config, "laptop", device="cpu").run(recorder)
+    assert set(outcome.data) == {"gnn_fine (Laptop)", "axis (Laptop)"}
     assert shared.read_bytes() == before
     assert models.weights_for("axis", "Laptop") == models.folder("axis", "Laptop") / WEIGHTS
-    assert models.seeds(("axis", "ranking")) == (0,)
-    TrainMotion("axis", workspace, config, "laptop", seed=3, device="cpu").run(recorder)
-    assert models.seeds(("axis", "ranking")) == (0, 3)
+    assert models.seeds(("axis", "gnn_fine")) == (0,)
+    TrainMotion("paper", workspace, config, "laptop", seed=3, device="cpu").run(recorder)
+    assert models.seeds(("axis", "gnn_fine")) == (0, 3)
     assert not recorder.notes
     TrainMotion("axis", workspace, config, device="cpu").run(recorder)
     assert f"axis: Laptop have networks of their own in {workspace.models / 'axis'}" in recorder.notes
@@ -94,16 +94,29 @@ def test_an_interrupted_training_continues_only_with_the_same_configuration(
     assert fingerprints[0] == fingerprints[1] != fingerprints[2]
 
 
-def test_the_ranking_continues_from_another_workspace(trained: Trained, tmp_path: Path) -> None:
+def test_the_kinmo_method_continues_from_another_workspace(trained: Trained, tmp_path: Path) -> None:
     workspace = empty_workspace(trained, tmp_path)
-    stage = TrainMotion("axis", workspace, str(tiny_config(tmp_path)), device="cpu", start=trained.workspace)
-    assert any("for 1 epoch," in step for step in stage.plan().steps if "axis" in step)
-    assert any("for 14 epochs" in step for step in stage.plan().steps if "ranking" in step)
+    stage = TrainMotion("kinmo", workspace, str(tiny_config(tmp_path)), device="cpu", start=trained.workspace)
+    epochs = {"grouping": 4, "ranking": 14, "limits": 10}
+    for step, (model, count) in zip(stage.plan().steps, epochs.items(), strict=True):
+        assert step.startswith(f"train {model}") and f"for {count} epochs" in step
     stage.run(Recorder())
-    start = json.loads((trained.workspace.models / "ranking" / "weights.json").read_text(encoding="utf-8"))
-    header = json.loads((workspace.models / "ranking" / "weights.json").read_text(encoding="utf-8"))
-    assert header["facts"]["started_from"] == start["sha256"]
+    for model in epochs:
+        start, header = (
+            json.loads((place.models / model / "weights.json").read_text(encoding="utf-8"))
+            for place in (trained.workspace, workspace)
+        )
+        assert header["facts"]["started_from"] == start["sha256"]
     assert not stage.plan().steps
+
+
+def test_the_ranking_is_trained_again_after_the_grouping(trained: Trained, tmp_path: Path) -> None:
+    workspace, config = trained.copy(tmp_path), tiny_config(tmp_path)
+    text = config.read_text(encoding="utf-8")
+    assert not TrainMotion("kinmo", workspace, str(config), device="cpu").plan().steps
+    config.write_text(text.replace("[grouping.training]", "[grouping]\nwidth = 16\n\n[grouping.training]"), encoding="utf-8")
+    steps = TrainMotion("kinmo", workspace, str(config), device="cpu").plan().steps
+    assert [step.split()[1] for step in steps] == ["grouping", "ranking"]
 
 
 def test_a_workspace_without_ranking_networks_cannot_be_continued_from(trained: Trained, tmp_path: Path) -> None:
@@ -118,7 +131,8 @@ def test_a_workspace_without_ranking_networks_cannot_be_continued_from(trained: 
 
 def test_weights_to_continue_from_are_checked_before_any_training(trained: Trained, tmp_path: Path) -> None:
     start, recorder = Workspace(tmp_path / "start"), Recorder()
-    shutil.copytree(trained.workspace.models / "ranking", start.models / "ranking")
+    for model in ("grouping", "ranking", "limits"):
+        shutil.copytree(trained.workspace.models / model, start.models / model)
     weights = start.models / "ranking" / "weights.safetensors"
     weights.write_bytes(weights.read_bytes()[:100])
     stage = TrainMotion("motion", trained.workspace, "small", start=start)
@@ -148,10 +162,10 @@ def test_networks_of_other_sizes_cannot_be_continued_from(trained: Trained, tmp_
 def test_a_workspace_does_not_continue_from_itself(trained: Trained) -> None:
     path = trained.workspace.path
     with pytest.raises(InputError, match=r"--from: .* is the workspace itself"):
-        TrainMotion("axis", trained.workspace, "small", start=Workspace(path / ".." / path.name)).plan()
+        TrainMotion("kinmo", trained.workspace, "small", start=Workspace(path / ".." / path.name)).plan()
 
 
 def test_networks_that_cannot_continue_from_trained_weights_name_those_that_can(trained: Trained) -> None:
-    for group, able in (("gnn", "motion or axis"), ("paper", "kinmo")):
+    for group, able in (("gnn", "motion"), ("paper", "kinmo")):
         with pytest.raises(InputError, match=f"--from: {group} cannot start from trained weights; use it with {able}$"):
             TrainMotion(group, trained.workspace, "small", start=trained.workspace).plan()

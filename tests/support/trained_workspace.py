@@ -51,7 +51,10 @@ class Trained:
 
 
 RESULTS = {
-    "train": ("models", ("train-gnn_fine", "train-gnn_coarse", "train-axis", "train-ranking")),
+    "train": (
+        "models",
+        ("train-gnn_fine", "train-gnn_coarse", "train-axis", "train-grouping", "train-ranking", "train-limits"),
+    ),
     "pseudo-label": ("pseudo_labels", ("pseudo-label-kinmo",)),
     "eval": ("evaluation", ("evaluate-all",)),
 }

@@ -23,6 +23,13 @@ def test_values_fill_the_window_of_their_range(parameter_range: ParameterRange, 
     assert high - 0.1 < max(values) <= high
 
 
+def test_ratios_are_as_often_below_as_above_their_geometric_middle() -> None:
+    source = draw(5)
+    values = np.array([source.ratio(0.5, 8.0) for _ in range(800)])
+    assert values.min() >= 0.5 and values.max() <= 8.0
+    assert np.mean(values < 2.0) == pytest.approx(0.5, abs=0.06)
+
+
 def test_options_are_picked_by_their_weights() -> None:
     source = draw(2)
     picked = [source.pick("abc", [3, 0, 1]) for _ in range(2000)]

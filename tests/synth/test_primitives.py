@@ -21,6 +21,7 @@ from kinmo.synth.primitives import (
     lathe,
     mirror,
     move,
+    open_box,
     rounded_box,
     rounded_outline,
     rounded_path,
@@ -103,3 +104,12 @@ def test_rounded_paths_keep_their_ends_and_cut_corners() -> None:
     path = rounded_path(np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0.0]]), 0.3)
     np.testing.assert_allclose(path[[0, -1]], [[0, 0, 0], [1, 1, 0]])
     assert np.linalg.norm(path - [1, 0, 0], axis=1).min() > 0.1
+
+
+@given(sizes, sizes, sizes)
+def test_an_open_box_encloses_its_walls(x: float, y: float, z: float) -> None:
+    wall = 0.2 * min(x, y, z)
+    shell = open_box((0, 0, 0), (x, y, z), wall)
+    assert np.isclose(volume(shell), x * y * z - (x - 2 * wall) * (y - 2 * wall) * (z - wall))
+    edges = np.sort(shell.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    assert np.all(np.unique(edges, axis=0, return_counts=True)[1] == 2)

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, Literal
 from kinmo.core.errors import InputError, did_you_mean
 from kinmo.dataset.stage import Observer, Outcome, SilentObserver, Stage
 from kinmo.dataset.workspace import Workspace
+from kinmo.learning.model_folder import SHIPPED
 from kinmo.methods import DEFAULT_METHOD, METHOD_MODELS
 
 if TYPE_CHECKING:
     from kinmo.pipeline.scans.training_settings import Setting
 
-Networks = Literal["all", "motion", "gnn", "axis", "contact-edges", "ancsh"]
+Networks = Literal["all", "motion", "kinmo", "paper", "gnn", "axis", "contact-edges", "ancsh"]
 """Groups of networks: all, those for shapes or some of them, and those for scans."""
 
 
@@ -86,7 +87,7 @@ def train(
         category: Train for this category alone; with `all`, the motion networks still see all categories.
         method: Method that gives the pseudo labels.
         setting: Labels for `ancsh` besides those of the labelled shapes.
-        start: Folder of a workspace whose ranking networks the training continues from.
+        start: Folder of a workspace whose networks the `kinmo` method continues from; `shipped`: those that come with kinmo.
         seed: Seed of everything random.
         device: Where networks are trained: auto, cpu, cuda, cuda:1, mps.
         workers: Number of processes; 0 for one per CPU core.
@@ -120,14 +121,14 @@ def train_stage(
     """The stage that `train` runs. Raises InputError for unknown names, and for networks for scans with a `start`."""
     _check_name("method", method, METHOD_MODELS)
     place, count = Workspace(workspace), worker_count(workers)
-    origin = None if start is None else Workspace(start)
+    origin = None if start is None else Workspace(SHIPPED if str(start) == "shipped" else start)
     if networks == "all":
         from kinmo.pipeline.train_all import TrainAll
 
         return TrainAll(place, config, category, method, seed, device, count, origin)
     if networks == "ancsh":
         if origin is not None:
-            raise InputError("--from", "ancsh cannot start from trained weights; use it with all, motion or axis")
+            raise InputError("--from", "ancsh cannot start from trained weights; use it with all, motion or kinmo")
         from kinmo.pipeline.scans.train_scans import TrainScans
         from kinmo.pipeline.scans.training_settings import SETTINGS
 

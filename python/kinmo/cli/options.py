@@ -23,7 +23,12 @@ Category = Annotated[str | None, Option(help="Only shapes of this category, in a
 Details = Annotated[bool, Option("--details", help="Print all figures, with intervals and notes.")]
 Start = Annotated[
     Path | None,
-    Option("--from", help="Workspace whose trained networks to continue from (kinmo's own method).", show_default=False),
+    Option(
+        "--from",
+        metavar="WORKSPACE",
+        help="Workspace whose networks the kinmo method continues from; shipped: those that come with kinmo.",
+        show_default=False,
+    ),
 ]
 AxisName = Literal["x", "y", "z", "-x", "-y", "-z"]
 """Axes of `kinmo.core.frames`."""

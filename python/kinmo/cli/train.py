@@ -10,7 +10,7 @@ from kinmo.cli.execute import execute
 from kinmo.cli.options import Category, CommonOptions, Config, MethodName, Start
 from kinmo.core.errors import InputError
 
-NetworksName = Literal["all", "motion", "gnn", "axis", "ancsh", "contact-edges"]
+NetworksName = Literal["all", "motion", "kinmo", "paper", "gnn", "axis", "ancsh", "contact-edges"]
 """Groups of networks of `kinmo.train`."""
 SettingName = Literal["supervised", "self-training", "semi-weakly", "oracle"]
 """Settings of `kinmo.pipeline.scans.training_settings`."""
@@ -35,9 +35,11 @@ def train(
     The networks are:
 
         all             motion for all categories, then pseudo labels, scans, and ancsh
-        motion          gnn and axis
+        motion          those of both methods, kinmo and paper
+        kinmo           grouping of parts into bodies, ranking of candidate joints, limits of joints
+        paper           motion between neighbouring parts, with ten types, and axis
         gnn             motion between neighbouring parts, with ten and with five types
-        axis            choice among candidate axes: the paper's, and kinmo's ranking
+        axis            choice among candidate axes
         ancsh           parts, poses and joints in a depth scan
         contact-edges   gnn on edges between touching parts, for kinmo eval --ablations
 
@@ -45,14 +47,15 @@ def train(
     (by default the paper's five categories).
 
     Validation shapes choose the best epoch; ancsh keeps its last one. Test shapes are never used. An interrupted training
-    continues from its last epoch. With few annotated shapes, train on many procedural ones in another workspace, and continue
-    from there with --from. The result is then the mean of old and new weights.
+    continues from its last epoch. With few annotated shapes, continue from the networks that come with kinmo (--from shipped),
+    or train on many procedural shapes in another workspace and continue from there.
 
     For example:
 
         kinmo train all
         kinmo train all --category refrigerator
         kinmo train gnn --config paper --device cuda
+        kinmo train kinmo --from shipped
         kinmo train axis --category laptop
         kinmo train ancsh --category refrigerator --setting supervised
         kinmo train motion --workspace real --from many
@@ -71,7 +74,7 @@ def train(
         from kinmo.experiments.self_training.train_by_self_training import TrainBySelfTraining
 
         if start is not None:
-            raise InputError("--from", "ancsh cannot start from trained weights; use it with all, motion or axis")
+            raise InputError("--from", "ancsh cannot start from trained weights; use it with all, motion or kinmo")
         workspace, count = Workspace(options.workspace), options.worker_count
         execute(options, TrainBySelfTraining(workspace, config, category, options.seed, options.device, count))
         return

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from kinmo.config.motion import AxisConfig, GnnConfig, GroupingConfig, RankingConfig, RefinementConfig
+from kinmo.config.motion import AxisConfig, GnnConfig, GroupingConfig, LimitsConfig, RankingConfig, RefinementConfig
 from kinmo.config.scans import AncshConfig, ScansConfig
 from kinmo.core.errors import InputError, did_you_mean
 from kinmo.core.toml_text import MAX_TOML_BYTES, parse_toml
@@ -34,6 +34,8 @@ class Config:
     """Networks for scans."""
     scans: ScansConfig = field(default_factory=ScansConfig)
     """Scanning."""
+    limits: LimitsConfig = field(default_factory=LimitsConfig)
+    """Limits network."""
     refinement: RefinementConfig = field(default_factory=RefinementConfig)
     """Refinement and acceptance of joints."""
 

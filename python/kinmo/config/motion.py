@@ -124,6 +124,10 @@ class GroupingConfig:
 
     training: TrainingConfig
     """Training."""
+    continued: TrainingConfig = field(
+        default_factory=lambda: TrainingConfig(4, 5e-4, weight_decay=1e-2, decay_epochs=0, average=0.99, keep="last", threads=1)
+    )
+    """Continued training from trained weights (`--from`)."""
     width: Count = 96
     """Width of the states of leaves and pairs."""
     rounds: Count = 4
@@ -136,6 +140,8 @@ class GroupingConfig:
     """Share of training shapes whose names are hidden."""
     hide_leaf_names: Share = 0.1
     """Share of the other leaves whose names are hidden."""
+    hide_words: Share = 0.2
+    """Share of training shapes whose names are in an unknown language: only how alike they are is seen."""
     hide_hierarchy: Share = 0.6
     """Share of training shapes whose hierarchy is hidden."""
     batch_graphs: Count = 24
@@ -176,7 +182,7 @@ class RankingConfig:
     """Share of training shapes whose names are hidden."""
     hide_group_names: Share = 0.1
     """Share of the other parts whose names are hidden."""
-    hide_categories: Share = 0.0
+    hide_categories: Share = 0.6
     """Share of training shapes whose category is hidden; 1 for networks that never see it, for unseen categories."""
     batch_views: Count = 16
     """Views in a batch. A shape has two views: its bodies and its nodes."""
@@ -185,6 +191,32 @@ class RankingConfig:
     def sees_categories(self) -> bool:
         """True if the networks see categories."""
         return self.hide_categories < 1.0
+
+
+@dataclass(frozen=True)
+class LimitsConfig:
+    """Limits network of kinmo's own method."""
+
+    training: TrainingConfig = field(
+        default_factory=lambda: TrainingConfig(40, 2e-3, weight_decay=1e-2, decay_epochs=0, average=0.99, threads=1)
+    )
+    """Training."""
+    continued: TrainingConfig = field(
+        default_factory=lambda: TrainingConfig(
+            10, 5e-4, weight_decay=1e-2, decay_epochs=0, average=0.99, keep="last", threads=1
+        )
+    )
+    """Continued training from trained weights (`--from`)."""
+    width: Count = 96
+    """Width of the layers."""
+    word_features: Count = 16
+    """Width of a word's features."""
+    dropout: Share = 0.2
+    """Dropout."""
+    hide_names: Share = 0.4
+    """Share of training joints whose names are hidden."""
+    batch_joints: Count = 64
+    """Joints in a batch."""
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ class _Draft:
     parent: _Draft | None
     joint: Joint | None
     estimates: tuple[JointEstimate, ...]
-    gnn_estimate: JointEstimate
+    gnn_estimate: JointEstimate | None
     override: BodyOverride | None = None
     is_new: bool = False
     is_dropped: bool = False
@@ -78,7 +78,8 @@ class _Bodies:
 
     def __post_init__(self) -> None:
         mobility = self.predicted.mobility
-        ranked = zip(mobility.bodies, self.predicted.estimates, self.predicted.gnn_estimates, strict=True)
+        gnn_estimates = self.predicted.gnn_estimates or (None,) * len(mobility.bodies)
+        ranked = zip(mobility.bodies, self.predicted.estimates, gnn_estimates, strict=True)
         self.drafts = [
             _Draft(body.id, body.name, list(body.leaves), None, body.joint, estimates, network)
             for body, estimates, network in ranked
@@ -93,7 +94,7 @@ class _Bodies:
         number = max((draft.number for draft in self.drafts), default=-1)
         names = {draft.name for draft in self.drafts}
         self.new = {}
-        nothing = JointEstimate(None, CoarseType.NONE, 0.0, source=OVERRIDE)
+        nothing = JointEstimate(None, CoarseType.NONE, 0.0, source=OVERRIDE) if self.predicted.gnn_estimates else None
         for place, (name, override) in enumerate(self.overrides.new_bodies.items(), 1):
             if name in names:
                 raise override.fail("", f"there is a body of this name: correct it below [bodies.{clean_text(name)}]")
@@ -177,7 +178,7 @@ class _Bodies:
             predicted.category,
             Mobility(tuple(bodies), predicted.mobility.junk),
             tuple(draft.estimates for draft in present),
-            tuple(draft.gnn_estimate for draft in present),
+            tuple(draft.gnn_estimate for draft in present if draft.gnn_estimate is not None),
             predicted.method,
             predicted.missed_motion_probability,
             Correction(predicted, self.overrides.table, tuple(self.notes)),

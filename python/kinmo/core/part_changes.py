@@ -32,7 +32,7 @@ STUD_SIZES = (0.002, 0.008)
 """Smallest and largest radius of a tiny part, in diagonals."""
 MAX_STUDS = 24
 """Most tiny parts."""
-STUD_NAMES = ("screw", "bolt", "label", "foot", "pad", "decal", "rivet", "part")
+STUD_NAMES = ("screw", "bolt", "label", "foot", "pad", "decal", "rivet")
 """Names of tiny parts."""
 SMALL_AREA = 0.01
 """Share of the whole surface below which a part may be lost."""

@@ -52,7 +52,8 @@ class ShapeEstimate:
         mobility: the predicted bodies and joints.
         estimates: for each body its ranked estimates, the best one first. The first one is the joint of the body, the others
             are the alternatives.
-        gnn_estimates: for each body the joint as the motion GNN regressed it, before refinement.
+        gnn_estimates: for each body the joint as the motion GNN regressed it, before refinement. Empty for a method
+            without a motion GNN.
         method: name of the method, `paper` or `kinmo`.
         missed_motion_probability: the largest probability that a part moves although the prediction leaves it at rest. 0 if the
             method does not estimate it.

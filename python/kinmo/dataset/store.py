@@ -28,7 +28,7 @@ from kinmo.features.prepared_shape import Boxes, PreparedShape
 from kinmo.io.atomic_files import write_text_atomically
 from kinmo.io.file_memo import kept_while_unchanged
 
-FORMAT = 9
+FORMAT = 10
 """Version of the file format; files of another version are made again."""
 INDEX = "index.jsonl"
 """File that lists the shapes of the dataset, one JSON object per line."""

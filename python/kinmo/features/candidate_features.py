@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.joint import KINDS, JointKind
-from kinmo.core.oriented_box import have_similar_size
 from kinmo.features.candidate_lines import CENTRAL_SOURCES, CandidateLines, LineSource, candidate_lines, distinct_directions
 from kinmo.features.group_geometry import GroupGeometry, group_geometries
 from kinmo.features.line_features import line_features
@@ -27,21 +27,27 @@ class CandidateFeatures:
     """C candidate joints of U groups with their features; group `u` has the rows `offsets[u]:offsets[u + 1]`.
 
     Attributes:
+        leaves ([M] int64): Positions of the leaves of all groups, those of one group ascending.
+        leaf_offsets ([U + 1] int64): First entry of each group in `leaves`, and M.
         offsets ([U + 1] int64): First row of each group, and C.
         kinds ([C] int64): `JointKind.code`.
         directions ([C, 3] float64): Unit vectors.
         pivots ([C, 3] float64): Points of the axes nearest to the group's centre.
         features ([C, F] float32): Features of the candidates.
-        centers ([U, 3] float64): Centres of the groups' boxes.
+        centers ([U, 3] float64): Centres of the groups' boxes along the object's own axes.
+        half_extents ([U, 3] float64): Half extents of the groups' minimum-volume boxes, the longest first.
         group_features ([U, G] float32): Features of the groups.
     """
 
+    leaves: NDArray[np.int64]
+    leaf_offsets: NDArray[np.int64]
     offsets: NDArray[np.int64]
     kinds: NDArray[np.int64]
     directions: F64
     pivots: F64
     features: NDArray[np.float32]
     centers: F64
+    half_extents: F64
     group_features: NDArray[np.float32]
 
     def __len__(self) -> int:
@@ -50,22 +56,32 @@ class CandidateFeatures:
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """The arrays by name, as `PreparedShape.candidate_features` keeps them, with float64 rounded to float32."""
-        return {name: value.astype(np.float32) if value.dtype == np.float64 else value for name, value in vars(self).items()}
+        found = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value.astype(np.float32) if value.dtype == np.float64 else value for name, value in found.items()}
 
     @classmethod
     def of(cls, arrays: Mapping[str, NDArray[np.generic]]) -> CandidateFeatures:
         """Restore features from `arrays()`, with directions of unit length again."""
         found = {field.name: np.asarray(arrays[field.name]) for field in fields(cls)}
-        for name in ("directions", "pivots", "centers"):
+        for name in ("directions", "pivots", "centers", "half_extents"):
             found[name] = found[name].astype(np.float64)
         found["directions"] /= np.linalg.norm(found["directions"], axis=1, keepdims=True)
         return cls(**found)
 
     def joined(self, others: CandidateFeatures) -> CandidateFeatures:
         """These groups, followed by those of `others`."""
-        arrays = {name: np.concatenate([own, getattr(others, name)]) for name, own in vars(self).items()}
-        arrays["offsets"] = np.concatenate([self.offsets, self.offsets[-1] + others.offsets[1:]])
+        names = [field.name for field in fields(self)]
+        arrays = {name: np.concatenate([getattr(self, name), getattr(others, name)]) for name in names}
+        for name in ("offsets", "leaf_offsets"):
+            own, its = getattr(self, name), getattr(others, name)
+            arrays[name] = np.concatenate([own, own[-1] + its[1:]])
         return CandidateFeatures(**arrays)
+
+    @cached_property
+    def group_of(self) -> Mapping[tuple[int, ...], int]:
+        """Index of each group by the positions of its leaves, ascending."""
+        ends = zip(self.leaf_offsets[:-1].tolist(), self.leaf_offsets[1:].tolist(), strict=True)
+        return {tuple(self.leaves[start:end].tolist()): group for group, (start, end) in enumerate(ends)}
 
     def rows(self, group: int) -> slice:
         """Rows of one group's candidates."""
@@ -76,18 +92,17 @@ class CandidateFeatures:
         return [int(self.offsets[group + 1] - self.offsets[group]) for group in groups]
 
 
-def compute_candidate_features(
-    shape: ShapeGeometry, groups: Sequence[Sequence[int]], part_sizes: F64 | None = None
-) -> CandidateFeatures:
+def compute_candidate_features(shape: ShapeGeometry, groups: Sequence[Sequence[int]]) -> CandidateFeatures:
     """Candidate joints of every group, and their features.
+
+    The features of a group do not depend on the other groups.
 
     Args:
         shape: Geometry of the shape.
         groups: Positions of the leaves of each group; at least one group.
-        part_sizes ([P, 3]): Half extents of the minimum-volume boxes of the parts that a group is compared with and counted
-            among. Parts of the hierarchy do not depend on which leaves form a body. None: the sizes of the groups.
     """
-    geometries = group_geometries(shape, groups)
+    leaves = [sorted(group) for group in groups]
+    geometries = group_geometries(shape, leaves)
     found = []
     for group in geometries:
         round_lines = {
@@ -99,13 +114,30 @@ def compute_candidate_features(
         motion = kind, lines.directions[line], lines.pivots[line]
         features = np.column_stack([line_features(shape, group, lines)[line], _motion_features(group, *motion)])
         found.append((*motion, features.astype(np.float32)))
-    if part_sizes is None:
-        part_sizes = np.array([group.minimum.half_extents for group in geometries])
-    offsets = np.concatenate([[0], np.cumsum([len(kinds) for kinds, *_ in found])])
-    kinds, directions, pivots, all_features = (np.concatenate(values) for values in zip(*found, strict=True))
-    centers = np.array([group.aligned.center for group in geometries])
-    whole = np.array([_group_features(shape, group, part_sizes) for group in geometries], np.float32)
-    return CandidateFeatures(offsets, kinds, directions, pivots, all_features, centers, whole)
+    kinds, directions, pivots, of_candidates = (np.concatenate(values) for values in zip(*found, strict=True))
+    return CandidateFeatures(
+        leaves=np.concatenate([np.array(group, np.int64) for group in leaves]),
+        leaf_offsets=np.concatenate([[0], np.cumsum([len(group) for group in leaves])]),
+        offsets=np.concatenate([[0], np.cumsum([len(kinds) for kinds, *_ in found])]),
+        kinds=kinds,
+        directions=directions,
+        pivots=pivots,
+        features=of_candidates,
+        centers=np.array([group.aligned.center for group in geometries]),
+        half_extents=np.array([np.sort(group.minimum.half_extents)[::-1] for group in geometries]),
+        group_features=np.array([_group_features(shape, group) for group in geometries], np.float32),
+    )
+
+
+def with_groups(
+    known: CandidateFeatures | None, shape: ShapeGeometry, groups: Sequence[tuple[int, ...]]
+) -> CandidateFeatures | None:
+    """`known` with the features of all groups that it lacks; None if there are no groups at all."""
+    wanted = [group for group in dict.fromkeys(groups) if known is None or group not in known.group_of]
+    if not wanted:
+        return known
+    computed = CandidateFeatures.of(compute_candidate_features(shape, wanted).arrays())  # rounded as stored features are
+    return computed if known is None else known.joined(computed)
 
 
 def _motions(lines: CandidateLines) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -143,8 +175,8 @@ def _motion_features(group: GroupGeometry, kinds: NDArray[np.int64], directions:
     return np.column_stack(list(features.values()))
 
 
-def _group_features(shape: ShapeGeometry, group: GroupGeometry, part_sizes: F64) -> F64:
-    """Size, position, flatness, roundness, contact, protrusion and repetition of a group [G] among parts of sizes [P, 3]."""
+def _group_features(shape: ShapeGeometry, group: GroupGeometry) -> F64:
+    """Size, position, flatness, roundness, contact and protrusion of a group [G]."""
     up, axes = shape.up, group.sorted_axes
     half = np.sort(group.minimum.half_extents)[::-1]
     low, high = shape.extents
@@ -156,7 +188,6 @@ def _group_features(shape: ShapeGeometry, group: GroupGeometry, part_sizes: F64)
     offset = group.aligned.center - shape.middle
     contact = group.contact_weights @ group.contact - group.aligned.center
     protrusion = group.protrusion - group.aligned.center
-    alike = have_similar_size(half, part_sizes).sum()
     area = shape.areas[list(group.leaves)].sum() / max(shape.areas.sum(), 1e-12)
     features = {
         "extents": np.log(half + 1e-3),
@@ -179,7 +210,7 @@ def _group_features(shape: ShapeGeometry, group: GroupGeometry, part_sizes: F64)
         "one-sided contact": np.linalg.norm(group.mean_toward),
         "contact against axes": np.abs(axes @ group.mean_toward),
         "protrusion": [np.linalg.norm(protrusion - contact) / group.half_diagonal, protrusion @ up / group.half_diagonal],
-        "counts": np.log1p([alike, len(part_sizes), len(shape.areas), len(group.leaves), len(group.riders)]),
+        "counts": np.log1p([len(shape.areas), len(group.leaves), len(group.riders)]),
         "round pieces": np.log1p([len(group.own_round), len(group.neighbour_round)]),
         "stands alone": float(not group.rest),
         "object size": np.log([*np.sort(size[:2]), size[2]]),

@@ -50,17 +50,6 @@ class Boxes:
         return Boxes(self.centers[rows], self.axes[rows], self.half_extents[rows])
 
 
-def leaf_groups(parts: Sequence[tuple[int, ...]], bodies: Sequence[tuple[int, ...]]) -> tuple[tuple[int, ...], ...]:
-    """Distinct sets of leaves that form a part below the root (the first of `parts`) or a body, parts first."""
-    return tuple(dict.fromkeys((*parts[1:], *bodies)))
-
-
-def part_sizes(parts: Sequence[tuple[int, ...]], boxes: Boxes) -> NDArray[np.float64]:
-    """Half extents [P, 3] of the distinct parts below the root, from the leaves and the boxes of all parts."""
-    position = {part: index for index, part in enumerate(parts)}
-    return boxes.half_extents[[position[part] for part in leaf_groups(parts, ())]]
-
-
 @dataclass(frozen=True, eq=False)
 class PreparedShape:
     """All data of a shape that the stages after `kinmo prepare` need, in the *normalised frame*.
@@ -110,8 +99,7 @@ class PreparedShape:
     edge_labels: EdgeLabels | None = None
     """Labels of the edges, from the annotation."""
     candidate_features: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
-    """Arrays of `kinmo.features.candidate_features.CandidateFeatures` by name, for the groups of `leaf_groups`."""
-
+    """Arrays of `kinmo.features.candidate_features.CandidateFeatures` by name, for all parts below the root and all bodies."""
     contact_graph: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
     """Arrays of `kinmo.features.contact_graph.ContactGraph` by name."""
 

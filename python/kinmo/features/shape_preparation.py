@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from hashlib import blake2b
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ from kinmo.core.normalisation import Normalisation, geometry_hash
 from kinmo.core.shape import Shape
 from kinmo.features.candidate_features import compute_candidate_features
 from kinmo.features.contact_graph import compute_contact_graph
-from kinmo.features.prepared_shape import Boxes, PreparedShape, leaf_groups, part_sizes
+from kinmo.features.prepared_shape import Boxes, PreparedShape
 from kinmo.features.shape_geometry import ShapeGeometry
 
 F64 = NDArray[np.float64]
@@ -29,7 +28,7 @@ def prepare_shape(shape: Shape, *, points: int = POINTS_PER_LEAF, seed: int = 0)
     Args:
         shape: A shape in the frame and lengths of its file.
         points: Surface samples per leaf.
-        seed: Seed of the samples; they depend on it and on the shape's id alone.
+        seed: Seed of the samples. Those of a leaf depend on it and on the leaf's mesh alone.
 
     Raises:
         ValueError: The geometry core rejects the meshes; the message names the argument.
@@ -43,14 +42,14 @@ def prepare_shape(shape: Shape, *, points: int = POINTS_PER_LEAF, seed: int = 0)
     bodies = [] if mobility is None else [tuple(sorted(position[leaf] for leaf in body.leaves)) for body in mobility.bodies]
     symmetric = _fit_boxes(lambda groups: _core.fit_symmetric_boxes(meshes, groups)[:3], parts + bodies)
     body_boxes = symmetric.subset(slice(len(parts), None))
-    samples, normals, _ = _core.sample_surface(meshes, points, shape_seed(shape.id, seed))
+    samples, normals, _ = _core.sample_surface(meshes, points, seed)
     edges = sibling_edges(shape)
     up, areas = np.array(shape.up, np.float64), meshes.areas()
     minimum_boxes = _fit_boxes(lambda groups: _core.fit_boxes(meshes, groups), parts)
     candidate_features: dict[str, NDArray[np.generic]] = {}
     geometry = ShapeGeometry.of(meshes, samples, normals, areas, up)
-    if groups := leaf_groups(parts, bodies):
-        candidate_features = compute_candidate_features(geometry, groups, part_sizes(parts, minimum_boxes)).arrays()
+    if groups := tuple(dict.fromkeys((*parts[1:], *bodies))):
+        candidate_features = compute_candidate_features(geometry, groups).arrays()
     body_types: dict[int, MotionType] = {}
     edge_labels: EdgeLabels | None = None
     if mobility is not None:
@@ -85,11 +84,6 @@ def prepare_shape(shape: Shape, *, points: int = POINTS_PER_LEAF, seed: int = 0)
         candidate_features=candidate_features,
         contact_graph=compute_contact_graph(geometry).arrays(),
     )
-
-
-def shape_seed(shape_id: str, seed: int) -> int:
-    """Seed of 63 bits for one shape."""
-    return int.from_bytes(blake2b(f"{seed}:{shape_id}".encode(), digest_size=8).digest(), "big") >> 1
 
 
 def _fit_boxes(fit: Callable[[list[list[int]]], tuple[F64, ...]], groups: Sequence[tuple[int, ...]]) -> Boxes:

@@ -18,6 +18,8 @@ from kinmo.core.typed_tables import from_table
 
 T = TypeVar("T")
 
+SHIPPED = Path(__file__).parents[1] / "shipped"
+"""Workspace with the networks that come with kinmo."""
 OTHER_VERSION = "; if another version of kinmo trained it, train it again"
 """Remedy at the end of messages about tensors and configurations that do not fit."""
 WEIGHTS = "weights.safetensors"
@@ -102,6 +104,14 @@ class ModelFolder:
         except ValueError as error:
             raise InputError(path, f"not JSON ({error}): train again") from None
         return saved_config(Config, table, path)
+
+
+def trained_or_shipped(models: ModelFolder, names: tuple[str, ...]) -> ModelFolder:
+    """The folder if one of the models was trained in it, otherwise the networks that come with kinmo, if they include them."""
+    shipped = ModelFolder(SHIPPED / "models")
+    is_trained = any(any(models.folder(name).rglob(WEIGHTS)) for name in names)
+    is_shipped = names and all((shipped.folder(name) / WEIGHTS).exists() for name in names)
+    return shipped if is_shipped and not is_trained else models
 
 
 def networks_digest(weights: tuple[Path, ...]) -> str:

@@ -5,15 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kinmo.core.errors import InputError
-from kinmo.learning.model_folder import ModelFolder
+from kinmo.learning.model_folder import ModelFolder, trained_or_shipped
 
 if TYPE_CHECKING:
     from kinmo.methods.method import Method
 
-METHOD_MODELS: dict[str, tuple[str, ...]] = {"kinmo": ("gnn_fine", "ranking"), "paper": ("gnn_fine", "axis")}
+METHOD_MODELS: dict[str, tuple[str, ...]] = {"kinmo": ("grouping", "ranking", "limits"), "paper": ("gnn_fine", "axis")}
 """Models of each method, by the name of the method."""
 DEFAULT_METHOD = "kinmo"
 """Method of `kinmo predict` and the Python API."""
+
+
+def load_trained_or_shipped(name: str, models: ModelFolder, device: str = "auto") -> Method:
+    """Load a method as `load_method` does. If none of its networks is in the folder, those that come with kinmo are used."""
+    return load_method(name, trained_or_shipped(models, METHOD_MODELS.get(name, ())), device)
 
 
 def load_method(name: str, models: ModelFolder, device: str = "auto") -> Method:

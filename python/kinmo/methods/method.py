@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 from kinmo import _core
 from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.features.prepared_shape import PreparedShape
-from kinmo.learning.model_folder import ModelFolder
-from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions
-from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
+from kinmo.learning.model_folder import SHIPPED, ModelFolder
 
 CACHED_NETWORKS = 24
 """Number of networks that stay in memory."""
@@ -44,7 +42,7 @@ class Method(ABC):
     @property
     @abstractmethod
     def model_names(self) -> tuple[str, ...]:
-        """Names of its models in the folder of trained networks; the first is a motion GNN."""
+        """Names of its models in the folder of trained networks."""
 
     @property
     @abstractmethod
@@ -55,6 +53,11 @@ class Method(ABC):
     def is_fine(self) -> bool:
         """True for ten motion types, False for five."""
         return True
+
+    @property
+    def networks(self) -> str:
+        """Where its networks come from, in words."""
+        return "those that come with kinmo" if self.models.path.is_relative_to(SHIPPED) else str(self.models.path)
 
     @cached_property
     def weights(self) -> str:
@@ -90,17 +93,13 @@ class Method(ABC):
         """Predicted motion type [E] of every edge; None if the method does not use edge types by themselves."""
         return None
 
-    def _edges(self, shape: PreparedShape) -> EdgePredictions:
-        """Predictions of the motion GNN."""
-        gnn: MotionGnnPredictor = self._network(self.model_names[0], shape)
-        return gnn.predict_edges(shape)
-
     def _network(self, model: str, shape: PreparedShape) -> Any:
         """The network of a model for the shape's category."""
         return self._load(model, self.models.weights_for(model, shape.category))
 
+    @abstractmethod
     def _load(self, model: str, weights: Path) -> Any:
-        return load_network(MotionGnnPredictor.load, weights, self.device, self.hide_names)
+        """A model from its file of weights."""
 
 
 def load_network(load: Callable[..., Any], weights: Path, *options: object) -> Any:

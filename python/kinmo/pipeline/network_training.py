@@ -60,6 +60,9 @@ class TrainingTask:
     data: tuple[str, str]  # what it is trained on and validated on, in words
     fit: Callable[[Path, Callable[[Progress], None]], FitResult]
     """Trains the network in a folder, from the last checkpoint there. It runs in another process."""
+    wave: int = 0  # networks of a later wave are trained after those of all earlier ones
+    before: Callable[[Observer], None] | None = None  # it can be pickled
+    """Makes what the training needs, in this process, after the waves before it."""
 
 
 @dataclass(frozen=True)
@@ -105,20 +108,25 @@ class NetworkTrainer:
             shown = [f"{key} {value:.3f}" for key, value in progress.metrics.items() if key.endswith(("loss", "/error"))]
             observer.progress(f"training {name}", progress.epoch, progress.epochs, " ".join(shown))
 
-        processes = self._processes([task.work for task in pending])
-        if processes > 1:
-            pending = sorted(pending, key=lambda task: -task.work.seconds)
         unfinished = list(pending)
-        runner = LocalRunner(processes, threads=0)
-        running = closing(runner.run(partial(_fit, self), pending, on_progress))  # no job outlives the lock
-        with _memory_kept(), running as finished:
-            for task, answer in finished:
-                if isinstance(answer, Failure):
-                    raise ChildProcessError(f"{task.name} could not be trained: {answer.reason}")
-                unfinished.remove(task)
-                if not any(other.group == task.group for other in unfinished):
-                    for other in (other for other in pending if other.group == task.group):
-                        self._put_in_place(other)
+        for wave in sorted({task.wave for task in pending}):
+            tasks_of_wave = [task for task in pending if task.wave == wave]
+            for task in tasks_of_wave:
+                if task.before is not None:
+                    task.before(observer)
+            processes = self._processes([task.work for task in tasks_of_wave])
+            if processes > 1:
+                tasks_of_wave = sorted(tasks_of_wave, key=lambda task: -task.work.seconds)
+            runner = LocalRunner(processes, threads=0)
+            running = closing(runner.run(partial(_fit, self), tasks_of_wave, on_progress))  # no job outlives the lock
+            with _memory_kept(), running as finished:
+                for task, answer in finished:
+                    if isinstance(answer, Failure):
+                        raise ChildProcessError(f"{task.name} could not be trained: {answer.reason}")
+                    unfinished.remove(task)
+                    if not any(other.group == task.group for other in unfinished):
+                        for other in (other for other in pending if other.group == task.group):
+                            self._put_in_place(other)
         results = {task.name: _result(task.folder) for task in tasks}
         lines = [
             f"{name}: {counted(result['epochs'], 'epoch')}, kept epoch {result['kept']}, validation error {result['error']:.4f}"
@@ -132,6 +140,11 @@ class NetworkTrainer:
     def training_folder(self, task: TrainingTask) -> Path:
         """Folder of a network during its training."""
         return self.workspace.training / task.folder.relative_to(self.workspace.models)
+
+    def weights_of(self, task: TrainingTask) -> Path:
+        """Weights of a network that is trained: in the folder of its training, until it is put in place."""
+        made = self.training_folder(task) / WEIGHTS
+        return made if made.exists() else task.folder / WEIGHTS
 
     def _put_in_place(self, task: TrainingTask) -> None:
         """Replace the earlier network by a finished one. The files of the training stay until this is recorded."""

@@ -35,7 +35,7 @@ from kinmo.io.source_files import fingerprint
 from kinmo.io.writers import ExportOptions
 from kinmo.io.writers.joints_json_writer import FILE_NAME
 from kinmo.learning.model_folder import ModelFolder
-from kinmo.methods import load_method
+from kinmo.methods import load_trained_or_shipped
 from kinmo.methods.method import Method
 from kinmo.pipeline.joint_lines import joint_lines
 from kinmo.pipeline.network_jobs import network_runner
@@ -80,6 +80,7 @@ class PredictShapes:
         for problem in skipped:
             observer.problem(f"skipped: {problem}")
         writer = self._writer()
+        observer.note(f"networks: {writer.method.networks}")
         with locked(self.out):
             problems = self._predict(targets, writer, observer)
             uncorrected = apply_overrides([folder for _, folder in targets if folder not in problems], observer)
@@ -158,7 +159,7 @@ class PredictShapes:
         return problems
 
     def _writer(self) -> PredictionWriter:
-        method = load_method(self.method, ModelFolder(self.workspace.models), self.device)
+        method = load_trained_or_shipped(self.method, ModelFolder(self.workspace.models), self.device)
         return PredictionWriter(method, self.seed, self.facts)
 
     def _targets(self) -> tuple[list[tuple[ShapeSource, Path]], list[str]]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
-from kinmo.config import Config, load_config
+from kinmo.config import Config, RankingConfig, load_config
 from kinmo.core.digest import digest
 from kinmo.core.errors import InputError
 from kinmo.core.typed_tables import to_table
@@ -20,12 +21,23 @@ from kinmo.dataset.store import IndexEntry, read_prepared
 from kinmo.dataset.workspace import Workspace
 from kinmo.io.atomic_files import write_json_atomically
 from kinmo.learning.model_folder import CONFIG, WEIGHTS, ModelFolder
+from kinmo.learning.training_loop import FitResult, Progress
 from kinmo.learning.weights import Weights, load_weights
 from kinmo.methods import METHOD_MODELS
-from kinmo.pipeline.motion_models import CONTINUED, GROUPS, TRAINERS
+from kinmo.methods.kinmo.limits.travel_examples import read_examples
+from kinmo.pipeline.motion_models import CONTINUED, GROUPS, TRAINERS, Trainer
 from kinmo.pipeline.network_training import NetworkTrainer, TrainingTask, Workload, fit_on_files
+from kinmo.pipeline.training_forms import TrainingForms
 
-SECONDS_PER_SHAPE = {"gnn_fine": 0.004, "gnn_coarse": 0.004, "axis": 0.02, "ranking": 0.02, "gnn_contact": 0.004}
+SECONDS_PER_SHAPE = {
+    "gnn_fine": 0.004,
+    "gnn_coarse": 0.004,
+    "axis": 0.02,
+    "grouping": 0.02,
+    "ranking": 0.1,
+    "limits": 0.001,
+    "gnn_contact": 0.004,
+}
 """First estimates for one epoch on one CPU core with the configuration `small`."""
 
 
@@ -75,19 +87,24 @@ class TrainMotion:
             found = f"found {len(training)} labelled shapes{of} for training and {len(validation)} for validation"
             raise InputError(self.workspace.prepared, f"{found}, expected both: prepare more shapes")
         data = {"training": fingerprint(training), "validation": fingerprint(validation)}
+        forms, trainer = TrainingForms(self.workspace, self.workers), self._trainer
+        grouping: TrainingTask | None = None
         for model in GROUPS[self.group]:
             section = getattr(config, TRAINERS[model][0])
             inputs = {"model": model, "config": to_table(section), "seed": self.seed, "data": data}
-            trainer, schedule = TRAINERS[model][1], section.training
+            train, schedule = TRAINERS[model][1], section.training
             if self.start is not None and model in CONTINUED:
                 start = weights_to_start_from(self.start, self.workspace, model, section)
                 inputs["start"] = start.sha256
-                trainer, schedule = CONTINUED[model][1](start.path), section.continued.training
+                train = partial(CONTINUED[model].train, initial=start.path)
+                schedule = section.continued.training if model == "ranking" else section.continued
+            if model == "ranking" and grouping is not None:
+                inputs["grouping"] = digest(grouping.inputs)
             stage = f"train-{model}-{dataset.category}" if dataset.category else f"train-{model}"
             each = seconds_per_unit(self.workspace, stage, SECONDS_PER_SHAPE[model])
-            paths = [[self.workspace.prepared / entry.file for entry in entries] for entries in (training, validation)]
             options = {"seed": self.seed, "device": self.device, "fingerprint": digest(inputs)}
-            yield TrainingTask(
+            paths = [[self.workspace.prepared / entry.file for entry in entries] for entries in (training, validation)]
+            task = TrainingTask(
                 f"{model} ({dataset.category})" if dataset.category else model,
                 stage,
                 ModelFolder(self.workspace.models).folder(model, dataset.category),
@@ -95,8 +112,68 @@ class TrainMotion:
                 inputs,
                 Workload(schedule, len(training), each),
                 (counted(len(training), "shape"), str(len(validation))),
-                partial(fit_on_files, trainer, read_prepared, paths, section, options),
+                partial(fit_on_files, train, read_prepared, paths, section, options),
             )
+            if model in ("grouping", "limits"):
+                read, files = (read_prepared, forms.files) if model == "grouping" else (read_examples, forms.files_of_limits)
+                fit = partial(_fit_on_forms, train, read, files, (training, validation), section, options)
+                task = replace(task, fit=fit, before=partial(forms.prepare, (*training, *validation)))
+                grouping = task if model == "grouping" else grouping
+            elif model == "ranking":
+                assert grouping is not None, "the grouping network is trained first"
+                needs = _Proposals(forms, trainer, grouping, training, validation)
+                fit = partial(_fit_on_proposals, needs, train, section, options)
+                task = replace(task, fit=fit, wave=1, before=partial(needs.prepare, section))
+            yield task
+
+
+@dataclass(frozen=True)
+class _Proposals:
+    """What the ranking networks learn from: forms of shapes, with proposals of a grouping network that is trained first."""
+
+    forms: TrainingForms
+    trainer: NetworkTrainer
+    grouping: TrainingTask
+    training: tuple[IndexEntry, ...]
+    validation: tuple[IndexEntry, ...]
+
+    @property
+    def weights(self) -> Path:
+        """Weights of the grouping network."""
+        return self.trainer.weights_of(self.grouping)
+
+    def prepare(self, config: RankingConfig, observer: Observer) -> None:
+        """Add the proposals to the forms."""
+        entries = (*self.training, *self.validation)
+        self.forms.add_proposals(entries, self.weights, config, digest(self.grouping.inputs), observer)
+
+
+def _fit_on_forms(
+    train: Trainer,
+    read: Callable[[Path], Any],
+    files: Callable[[Sequence[IndexEntry]], list[Path]],
+    splits: tuple[tuple[IndexEntry, ...], tuple[IndexEntry, ...]],
+    section: Any,
+    options: Mapping[str, Any],
+    folder: Path,
+    on_progress: Callable[[Progress], None],
+) -> FitResult:
+    """Train a network on the forms of training and validation shapes."""
+    return fit_on_files(train, read, [files(entries) for entries in splits], section, options, folder, on_progress)
+
+
+def _fit_on_proposals(
+    data: _Proposals,
+    train: Trainer,
+    section: Any,
+    options: Mapping[str, Any],
+    folder: Path,
+    on_progress: Callable[[Progress], None],
+) -> FitResult:
+    """Train the ranking networks on proposals."""
+    paths = [data.forms.files_with_proposals(entries) for entries in (data.training, data.validation)]
+    options = {**options, "grouping": data.weights}
+    return fit_on_files(train, read_prepared, paths, section, options, folder, on_progress)
 
 
 def weights_to_start_from(start: Workspace, workspace: Workspace, model: str, section: Any) -> Weights:
@@ -111,9 +188,8 @@ def weights_to_start_from(start: Workspace, workspace: Workspace, model: str, se
     if not weights.exists():
         problem = "expected the weights to continue from: run kinmo train motion in that workspace first"
         raise InputError(weights, problem, "--from")
-    kind, _, sizes = CONTINUED[model]
-    found = load_weights(weights, kind)
-    for size in sizes:
+    found = load_weights(weights, CONTINUED[model].kind)
+    for size in CONTINUED[model].sizes:
         known, wanted = found.config.get(size), getattr(section, size)
         if known != wanted:
             problem = f"trained with {model}.{size} = {known}, expected {wanted} as in the configuration"

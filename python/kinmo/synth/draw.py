@@ -48,6 +48,10 @@ class Draw:
         """Uniform value from the window of [low, high]."""
         return low + (high - low) * float(self.generator.uniform(self._low, self._high))
 
+    def ratio(self, low: float, high: float) -> float:
+        """Log-uniform value from the window of [low, high], for proportions. Both ends are positive."""
+        return float(np.exp(self.between(np.log(low), np.log(high))))
+
     def integer(self, low: int, high: int) -> int:
         """Uniform integer from `low` to `high`, both included."""
         return int(self.generator.integers(low, high + 1))

@@ -16,11 +16,13 @@ from kinmo.dataset.folder_preparation import ORACLE
 from kinmo.dataset.jobs import Failure, runner_for
 from kinmo.dataset.splits import Split, split_of
 from kinmo.io.readers import DSG_NET, PARTNET, PARTNET_MOBILITY
+from kinmo.synth.assembly import assemble
 from kinmo.synth.draw import Draw, ParameterRange
 from kinmo.synth.families import family_builder, family_names
 from kinmo.synth.hierarchy_style import apply_hierarchy_style
 from kinmo.synth.joint_quirks import add_joint_quirks
 from kinmo.synth.mesh_quirks import add_mesh_quirks, flatten_thin_panels
+from kinmo.synth.proportions import stretch_object
 from kinmo.synth.synth_object import SynthObject
 from kinmo.synth.writers import WRITERS
 
@@ -70,7 +72,7 @@ class ShapeSpec:
         return f"{stem}{_balanced_numbers(stem).at(self.index) if self.balances_splits else self.index:05d}"
 
     def draw(self, purpose: str) -> Draw:
-        """Random values for one purpose ("shape", "finish" or "files"), independent of those for others."""
+        """Random values for one purpose ("shape", "finish", "files" and so on), independent of those for others."""
         key = zlib.crc32(f"{self.family}/{self.layout}/{self.parameter_range.value}/{purpose}".encode())
         rng = np.random.default_rng([self.seed, key, self.index])
         return Draw(rng, self.parameter_range if purpose == "shape" else ParameterRange.BOTH)
@@ -148,10 +150,12 @@ def build_shape(spec: ShapeSpec) -> SynthObject:
     """Make the object of a specification, with the style and the quirks of real files, ready to be written."""
     obj = family_builder(spec.family)(spec.draw("shape"))
     obj.check()
+    stretch_object(obj, spec.draw("proportions"))
     obj.apply_rest_pose()
     finish = spec.draw("finish")
     obj.normalise(finish.between(1.8, 2.25), [finish.between(-0.03, 0.03) for _ in range(3)])
     apply_hierarchy_style(obj, finish)
+    assemble(obj, spec.draw("assembly"))
     flatten_thin_panels(obj, finish)
     add_mesh_quirks(obj, finish)
     add_joint_quirks(obj, finish)

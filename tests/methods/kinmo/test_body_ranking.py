@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from articulated import shape_of_boxes
-from edge_predictions import uniform_predictions
+from groupings import grouped_without_network
 from rankers import FeatureRanker, UniformRanker
 
 from kinmo.core.joint import Joint, JointKind
@@ -27,16 +27,15 @@ def box_with_lid() -> PreparedShape:
 
 def moving_bodies(shape: PreparedShape, bodies: list[tuple[int, ...]], rest: tuple[float, ...], may_rest: str) -> list[int]:
     """Bodies that get a joint."""
-    edges = uniform_predictions(shape, FIXED=1.0)
-    ranked = rank_bodies(shape, None, bodies, UniformRanker(rest), edges, may_rest=may_rest)
+    ranked = rank_bodies(grouped_without_network(shape), None, bodies, UniformRanker(rest), may_rest=may_rest)
     return [index for index, found in enumerate(ranked) if found[0].joint is not None]
 
 
 @pytest.mark.parametrize("kind", list(JointKind))
 def test_a_body_of_known_kind_gets_a_joint_of_that_kind(box_with_lid: PreparedShape, kind: JointKind) -> None:
-    shape, edges = box_with_lid, uniform_predictions(box_with_lid, FIXED=1.0)
-    predicted = rank_bodies(shape, None, shape.body_leaves, UniformRanker(), edges)
-    given = rank_bodies(shape, None, shape.body_leaves, UniformRanker(), edges, kinds=[None, kind])
+    grouped, bodies = grouped_without_network(box_with_lid), box_with_lid.body_leaves
+    predicted = rank_bodies(grouped, None, bodies, UniformRanker())
+    given = rank_bodies(grouped, None, bodies, UniformRanker(), kinds=[None, kind])
     assert predicted[1][0].joint is None and given[1][0].joint.kind is kind
     assert given[0][0].joint is None and given[0][0].score == predicted[0][0].score
 
@@ -45,7 +44,6 @@ def test_a_body_of_known_kind_gets_a_joint_of_that_kind(box_with_lid: PreparedSh
     ("may_rest", "rest", "moving"),
     [
         ("any", (0.8, 0.9), []),
-        ("first", (0.8, 0.9), [1]),
         ("one", (0.8, 0.9), [0]),
         ("one", (0.9, 0.8), [1]),
         ("one", (0.4, 0.3), [0, 1]),
@@ -57,12 +55,8 @@ def test_only_bodies_that_may_rest_do(
     assert moving_bodies(box_with_lid, list(box_with_lid.body_leaves), rest, may_rest) == moving
 
 
-@pytest.mark.parametrize(("rest", "moving"), [((0.1, 0.2), [1]), ((0.1, 0.9), [1]), ((0.9, 0.1), [2])])
-def test_the_first_body_rests_and_if_it_is_empty_the_stillest_body(
-    box_with_lid: PreparedShape, rest: tuple[float, float], moving: list[int]
-) -> None:
-    assert moving_bodies(box_with_lid, [(0,), (1,)], rest, "first") == [1]
-    assert moving_bodies(box_with_lid, [(), (0,), (1,)], rest, "first") == moving
+def test_a_body_without_parts_rests(box_with_lid: PreparedShape) -> None:
+    assert moving_bodies(box_with_lid, [(), (0,), (1,)], (0.1, 0.9), "any") == [1]
 
 
 def test_results_do_not_depend_on_the_bodies_that_the_shape_was_prepared_with() -> None:
@@ -72,15 +66,9 @@ def test_results_do_not_depend_on_the_bodies_that_the_shape_was_prepared_with() 
     unannotated = replace(known, mobility=None, body_boxes=None, body_types={}, edge_labels=None)
     assert (1, 2) not in unknown.leaves_below
     with pytest.raises(ValueError, match="meshes: needed"):
-        rank_bodies(unknown, None, known.body_leaves, FeatureRanker(), uniform_predictions(unknown, FIXED=1.0))
+        rank_bodies(grouped_without_network(unknown), None, known.body_leaves, FeatureRanker())
     expected, found, again = (
-        rank_bodies(
-            shape,
-            leaf_meshes(annotated, shape),
-            known.body_leaves,
-            FeatureRanker(),
-            uniform_predictions(shape, FIXED=1.0),
-        )
+        rank_bodies(grouped_without_network(shape), leaf_meshes(annotated, shape), known.body_leaves, FeatureRanker())
         for shape in (known, unknown, unannotated)
     )
     for one, other in zip(expected * 2, found + again, strict=True):

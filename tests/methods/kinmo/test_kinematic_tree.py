@@ -3,33 +3,47 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from articulated import shape_of_boxes
-from edge_predictions import uniform_predictions
+from groupings import grouped_without_network
 from rankers import FeatureRanker
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.features.prepared_shape import leaf_meshes
 from kinmo.features.shape_preparation import prepare_shape
+from kinmo.features.travel_features import FREE
 from kinmo.methods.kinmo.body_ranking import rank_bodies
-from kinmo.methods.kinmo.kinematic_tree import add_limits, find_parents
+from kinmo.methods.kinmo.kinematic_tree import ShapeLimits, find_parents
+from kinmo.methods.kinmo.limits.travel_examples import TravelExamples
 
 HINGE = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.array([0.3, 0.0, 0.1]))
+
+
+class RightAngles:
+    """Joints travel one unit to the freer side, and half a unit to the other one."""
+
+    def travel(self, joints: TravelExamples) -> tuple[np.ndarray, np.ndarray]:
+        freer = joints.directed[:, 0, FREE] >= joints.directed[:, 1, FREE]
+        return np.where(freer[:, None], [1.0, 0.5], [0.5, 1.0]), np.ones(len(joints), bool)
 
 
 def test_limits_of_the_best_joint_do_not_depend_on_the_others() -> None:
     box, lid = ((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1))
     made = shape_of_boxes([box, lid], (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE)))
     shape = prepare_shape(made, points=64)
-    meshes, edges = leaf_meshes(made, shape), uniform_predictions(shape, FIXED=1.0)
+    meshes = leaf_meshes(made, shape)
     kinds = [None, JointKind.REVOLUTE]
-    _, ranked = rank_bodies(shape, meshes, shape.body_leaves, FeatureRanker(), edges, kinds=kinds)
-    limited, alone = add_limits(ranked, shape, meshes, [1]), add_limits(ranked[:1], shape, meshes, [1])
+    _, ranked = rank_bodies(grouped_without_network(shape), meshes, shape.body_leaves, FeatureRanker(), kinds=kinds)
+    limits = ShapeLimits.of(shape, meshes, RightAngles(), shape.body_leaves)
+    limited, alone = limits.added(ranked, (1,), [1]), limits.added(ranked[:1], (1,), [1])
     assert len(limited) == len(ranked) > 1
     assert (limited[0].joint.lower, limited[0].joint.upper) == (alone[0].joint.lower, alone[0].joint.upper)
     for before, after in zip(ranked, limited, strict=True):
         assert (before.joint is None) == (after.joint is None)
-        assert before.joint is None or "sweep" in after.terms
+        if before.joint is not None:
+            assert "sweep" in after.terms
+            assert after.joint.upper == pytest.approx(-2.0 * after.joint.lower), "directions point to the longer side"
 
 
 def test_the_parent_is_the_body_with_most_contact() -> None:
@@ -39,3 +53,5 @@ def test_the_parent_is_the_body_with_most_contact() -> None:
     bodies = [(0,), (1,), (2,), (3,)]
     parents = find_parents(shape, leaf_meshes(made, shape), bodies, [False, True, True, False])
     assert parents == [None, 0, 1, None]
+    known = find_parents(shape, leaf_meshes(made, shape), bodies, [False, True, True, False], [None, None, 0, None])
+    assert known == [None, 0, 0, None]

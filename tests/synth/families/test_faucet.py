@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from synth_objects import axis_distances, build_object, moving_and_other_pieces, moving_links
+from synth_objects import bounds_of, build_object, moving_and_other_pieces, moving_links
 
 SEEDS = range(60)
 
@@ -21,14 +21,24 @@ def test_the_axis_of_a_switch_runs_through_its_stem() -> None:
         for link in moving_links(shape):
             if link.name == "switch":
                 own, _ = moving_and_other_pieces(shape, link)
-                corners = np.concatenate([piece.vertices for piece in own])
-                assert axis_distances(corners, link).min() < 0.03
+                low, high = bounds_of(own)
+                unit = link.motion.direction / np.linalg.norm(link.motion.direction)
+                nearest = link.motion.origin + unit * ((0.5 * (low + high) - link.motion.origin) @ unit)
+                assert np.all(nearest > low - 0.03) and np.all(nearest < high + 0.03)
 
 
 def test_some_spouts_swivel_and_some_switches_screw() -> None:
     links = [link for seed in SEEDS for link in moving_links(build_object("faucet", seed))]
     assert any(link.name == "spout" for link in links)
     assert any(link.motion is not None and link.motion.rotates for link in links)
+
+
+def test_heads_pull_out_of_their_spout_and_sticks_tip_on_caps() -> None:
+    links = [link for seed in range(150) for link in moving_links(build_object("faucet", seed))]
+    heads = [link for link in links if link.name == "head"]
+    assert heads and not any(link.motion.is_hinge for link in heads)
+    assert any(link.parent.name == "spout" for link in heads)
+    assert any(link.name == "lever" and link.parent.name == "switch" for link in links)
 
 
 def _switches(seed: int) -> list:

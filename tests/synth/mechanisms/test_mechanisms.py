@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms import MECHANISMS, STRETCHABLE, MechanismBuilder, MovingPart
+from kinmo.synth.mechanisms.covers import folding_panels, hatch, hatch_pair, tipping_bin
 from kinmo.synth.mechanisms.fronts import INTERIORS
 from kinmo.synth.mechanisms.mechanism_model import Mechanism
 from kinmo.synth.mechanisms.mount import DOOR_NAMES, LID_NAMES, mount
@@ -58,6 +59,18 @@ def test_parents_come_before_their_children(builder: MechanismBuilder) -> None:
         for part in builder(Draw(np.random.default_rng(seed))).moving:
             assert part.parent is None or part.parent in seen
             seen.append(part)
+
+
+@pytest.mark.parametrize("builder", [hatch, hatch_pair, folding_panels, tipping_bin], ids=lambda builder: builder.__name__)
+def test_covers_swing_away_from_their_mount(builder: MechanismBuilder) -> None:
+    for seed in range(SEEDS):
+        for part in builder(Draw(np.random.default_rng(seed))).moving:
+            motion = part.motion
+            if motion.no_limit or abs(motion.direction @ Z) > 0.9:
+                continue
+            middle = 0.5 * (points_of(part).min(axis=0) + points_of(part).max(axis=0))
+            opened = motion.at(0.5 * motion.b) @ np.append(middle, 1.0)
+            assert opened[2] > middle[2]
 
 
 @given(st.sampled_from(sorted(set(STRETCHABLE), key=lambda builder: builder.__name__)), st.integers(0, 1000))

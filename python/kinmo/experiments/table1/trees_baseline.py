@@ -19,7 +19,7 @@ from kinmo.core.motion_types import MotionType, motion_type
 from kinmo.core.shape_estimate import JointEstimate
 from kinmo.evaluation.metrics import MAX_AXIS_ERROR, MAX_LINE_DISTANCE
 from kinmo.features.candidate_features import CandidateFeatures
-from kinmo.features.prepared_shape import PreparedShape, leaf_groups
+from kinmo.features.prepared_shape import PreparedShape
 
 F64 = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -70,7 +70,8 @@ class TreesBaseline:
         With `kinds_given`, the true kinds are used, and the axes alone are predicted.
         """
         mobility, boxes = shape.annotation
-        features, body_groups = CandidateFeatures.of(shape.candidate_features), _body_groups(shape)
+        features = CandidateFeatures.of(shape.candidate_features)
+        body_groups = _body_groups(shape, features)
         chances_of_kinds = probabilities(self.kinds, _classifier_features(features, list(body_groups.values())), REST + 1)
         found = {}
         for (body, group), chances in zip(body_groups.items(), chances_of_kinds, strict=True):
@@ -97,7 +98,8 @@ def fit_trees(shapes: Iterable[PreparedShape], *, seed: int = 0) -> TreesBaselin
     right: list[NDArray[np.bool_]] = []
     for shape in shapes:
         mobility, _ = shape.annotation
-        features, body_groups = CandidateFeatures.of(shape.candidate_features), _body_groups(shape)
+        features = CandidateFeatures.of(shape.candidate_features)
+        body_groups = _body_groups(shape, features)
         bodies.append(_classifier_features(features, list(body_groups.values())))
         for body, group in body_groups.items():
             joint = mobility.bodies[body].joint
@@ -113,10 +115,9 @@ def fit_trees(shapes: Iterable[PreparedShape], *, seed: int = 0) -> TreesBaselin
     return TreesBaseline(kinds, ranker)
 
 
-def _body_groups(shape: PreparedShape) -> Mapping[int, int]:
+def _body_groups(shape: PreparedShape, features: CandidateFeatures) -> Mapping[int, int]:
     """Index in the features of every body that has leaves."""
-    place = {leaves: group for group, leaves in enumerate(leaf_groups(shape.leaves_below, shape.body_leaves))}
-    return {body: place[leaves] for body, leaves in enumerate(shape.body_leaves) if leaves}
+    return {body: features.group_of[leaves] for body, leaves in enumerate(shape.body_leaves) if leaves}
 
 
 def _rows(features: CandidateFeatures, group: int, kind: int) -> Rows:

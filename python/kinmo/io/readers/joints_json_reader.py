@@ -76,7 +76,7 @@ def _estimates(document: JsonField, listed: JsonField, shape: Shape) -> ShapeEst
         document["shape"]["category"].text(),
         Mobility(bodies, frozenset(junk)),
         tuple(tuple(_estimate(item) for item in entry["estimates"].items()) for entry in entries),
-        tuple(_estimate(entry["network"]) for entry in entries),
+        tuple(_estimate(entry["network"]) for entry in entries if not entry["network"].is_absent),
         document["method"].text(),
     )
 

@@ -46,8 +46,8 @@ def shape_of_robot(robot: RobotFile, layout: str, convention: str, problems: Ite
     """The shape of a robot at rest, with z up and the front at -x, in metres.
 
     The links that have a surface are the parts, below one root. The mobility has the bodies that links with fixed joints form.
-    It is None if nothing moves. The category comes from a file meta.json beside the robot, as in PartNet-Mobility, or from a
-    name that is a known category.
+    It is None if nothing moves. The category comes from a file meta.json beside the robot, as in PartNet-Mobility, or from
+    the robot's name if that is a known category.
 
     Args:
         robot: The robot.
@@ -160,5 +160,4 @@ def _category(robot: RobotFile, repairs: list[str]) -> tuple[str, str | None, bo
         else:
             if meta.category != UNKNOWN_CATEGORY:
                 return meta.category, meta.annotation, True
-    names = (robot.name, robot.path.stem, folder.name)
-    return next(filter(None, map(known_category, names)), ""), None, False
+    return known_category(robot.name), None, False

@@ -83,7 +83,7 @@ def _body(shape: Shape, prediction: ShapeEstimate, index: int) -> dict[str, Any]
         "is_junk": prediction.mobility.is_junk(index),
         "joint": None if body.joint is None else joint_to_data(body.joint),
         "estimates": [_estimate(estimate) for estimate in prediction.estimates[index]],
-        "network": _estimate(prediction.gnn_estimates[index]),
+        "network": _estimate(prediction.gnn_estimates[index]) if prediction.gnn_estimates else None,
     }
 
 

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo import _core
+from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, descendants
 from kinmo.core.shape_estimate import JointEstimate
-from kinmo.features.candidate_joints import CandidateJoints
+from kinmo.features.candidate_features import CandidateFeatures
 from kinmo.features.group_geometry import CONTACT_SCALE
-from kinmo.features.joint_limits import estimate_joint_limits
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_geometry import ShapeGeometry
+from kinmo.features.travel_features import FREE
+from kinmo.methods.kinmo.body_ranking import features_of_groups
+from kinmo.methods.kinmo.limits.limits_predictor import LimitsPredictor
+from kinmo.methods.kinmo.limits.travel_examples import body_inputs
+
+F64 = NDArray[np.float64]
 
 CONTACT_SAMPLES = 512
 """Surface samples of a body that its contact with other bodies is measured at."""
@@ -26,16 +33,26 @@ def build_tree(
     bodies: Sequence[tuple[int, ...]],
     names: Sequence[str],
     ranked: Sequence[tuple[JointEstimate, ...]],
+    limiter: LimitsPredictor,
+    known: Sequence[int | None] | None = None,
 ) -> tuple[tuple[Body, ...], list[tuple[JointEstimate, ...]]]:
     """Bodies with their parents and best joints, and all ranked joints with limits, in the normalised frame.
 
-    `bodies` are the positions of the leaves of each body, `ranked` its ranked joints without limits.
+    Args:
+        shape: The shape; its annotation is not used.
+        meshes: Meshes of its leaves.
+        bodies: Positions of the leaves of each body.
+        names: Name of each body.
+        ranked: Ranked joints of each body, without limits.
+        limiter: The limits network.
+        known: Parent of each body where it is known; None where it is not.
     """
-    parents = find_parents(shape, meshes, bodies, [found[0].joint is not None for found in ranked])
+    parents = find_parents(shape, meshes, bodies, [found[0].joint is not None for found in ranked], known)
+    limits = ShapeLimits.of(shape, meshes, limiter, [body for body in bodies if body])
     limited = []
-    for index, found in enumerate(ranked):
+    for index, (leaves, found) in enumerate(zip(bodies, ranked, strict=True)):
         moving = sorted(leaf for body in descendants(parents, index) for leaf in bodies[body])
-        limited.append(add_limits(found, shape, meshes, moving))
+        limited.append(limits.added(found, leaves, moving))
     tree = tuple(
         Body(index, name, tuple(shape.leaves[position] for position in leaves), parents[index], found[0].joint)
         for index, (name, leaves, found) in enumerate(zip(names, bodies, limited, strict=True))
@@ -44,16 +61,21 @@ def build_tree(
 
 
 def find_parents(
-    shape: PreparedShape, meshes: _core.Meshes, bodies: Sequence[tuple[int, ...]], moves: Sequence[bool]
+    shape: PreparedShape,
+    meshes: _core.Meshes,
+    bodies: Sequence[tuple[int, ...]],
+    moves: Sequence[bool],
+    known: Sequence[int | None] | None = None,
 ) -> list[int | None]:
-    """Parent of every moving body: the body it has most contact with, among those that are not attached to it.
+    """Parent of every moving body: the `known` one, or else the body it has most contact with.
 
-    Bodies at rest (not `moves`) have no parent.
+    A body that is attached to another one is not its parent. Bodies at rest (not `moves`) have no parent.
     """
     geometry = ShapeGeometry.of_prepared(shape, meshes)
     affinity = np.full((len(bodies), len(bodies)), -1.0)
+    parents: list[int | None] = [None] * len(bodies) if known is None else list(known)
     for index, leaves in enumerate(bodies):
-        if not moves[index]:
+        if not moves[index] or parents[index] is not None:
             continue
         points, _ = geometry.surface(leaves, CONTACT_SAMPLES)
         _, riders = geometry.surroundings(leaves)
@@ -61,7 +83,6 @@ def find_parents(
         if others:
             gaps = np.array([_core.closest_points(meshes, list(bodies[place]), points)[0] for place in others])
             affinity[index, others] = np.exp(-(gaps - gaps.min()) / CONTACT_SCALE).mean(axis=1)
-    parents: list[int | None] = [None] * len(bodies)
     for flat in np.argsort(-affinity, axis=None, kind="stable"):
         index, other = divmod(int(flat), len(bodies))
         if affinity[index, other] < 0:
@@ -71,34 +92,61 @@ def find_parents(
     return parents
 
 
-def add_limits(
-    ranked: Sequence[JointEstimate], shape: PreparedShape, meshes: _core.Meshes, moving: Sequence[int]
-) -> tuple[JointEstimate, ...]:
-    """Ranked joints of one body with limits, directions that point to the longer side of the range, and the term `sweep`.
+@dataclass(frozen=True, eq=False)
+class ShapeLimits:
+    """What the limits of joints of one shape are predicted from.
 
-    The best joint is swept alone, so that its limits do not depend on the others. `moving` are the positions of all leaves that
-    move with the body.
+    Attributes:
+        shape: The shape.
+        geometry: Geometry of its leaves.
+        features: Candidate features of its bodies.
+        limiter: The limits network.
     """
-    return (*_add_limits(ranked[:1], shape, meshes, moving), *_add_limits(ranked[1:], shape, meshes, moving))
 
+    shape: PreparedShape
+    geometry: ShapeGeometry
+    features: CandidateFeatures
+    limiter: LimitsPredictor
 
-def _add_limits(
-    ranked: Sequence[JointEstimate], shape: PreparedShape, meshes: _core.Meshes, moving: Sequence[int]
-) -> list[JointEstimate]:
-    """The estimates with limits from one sweep; those without a joint are unchanged."""
-    joints = {place: estimate.joint for place, estimate in enumerate(ranked) if estimate.joint is not None}
-    limited = list(ranked)
-    if not joints:
+    @classmethod
+    def of(
+        cls, shape: PreparedShape, meshes: _core.Meshes, limiter: LimitsPredictor, bodies: Sequence[tuple[int, ...]]
+    ) -> ShapeLimits:
+        """Limits for bodies that each have leaves. `meshes` are those of all leaves."""
+        return cls(shape, ShapeGeometry.of_prepared(shape, meshes), features_of_groups(shape, meshes, bodies), limiter)
+
+    def added(
+        self, ranked: Sequence[JointEstimate], leaves: tuple[int, ...], moving: Sequence[int]
+    ) -> tuple[JointEstimate, ...]:
+        """Ranked joints of one body with limits, directions that point to the longer side of the range, and the term `sweep`.
+
+        The best joint is swept alone, so that its limits do not depend on the others. `leaves` are the positions of the body's
+        leaves, `moving` those of all leaves that move with it.
+        """
+        return (*self._added(ranked[:1], leaves, moving), *self._added(ranked[1:], leaves, moving))
+
+    def _added(self, ranked: Sequence[JointEstimate], leaves: tuple[int, ...], moving: Sequence[int]) -> list[JointEstimate]:
+        joints = {place: estimate.joint for place, estimate in enumerate(ranked) if estimate.joint is not None}
+        limited = list(ranked)
+        if not joints:
+            return limited
+        inputs, scales = body_inputs(self.shape, self.geometry, self.features, leaves, moving, list(joints.values()))
+        travel, is_limited = self.limiter.travel(inputs)
+        free = inputs.directed[:, :, FREE].astype(np.float64)
+        for row, (place, joint) in enumerate(joints.items()):
+            found, freedom = _with_limits(joint, travel[row], bool(is_limited[row]), scales[row], free[row])
+            limited[place] = replace(ranked[place], joint=found, terms={**ranked[place].terms, "sweep": freedom})
         return limited
-    candidates = CandidateJoints.of(list(joints.values()), [ranked[place].source for place in joints])
-    obstacles = sorted(set(range(len(shape.leaves))) - set(moving))
-    points = shape.leaf_points[list(moving)].reshape(-1, 3).astype(np.float64)
-    limits = estimate_joint_limits(meshes, moving, obstacles, candidates, points)
-    for row, (place, joint) in enumerate(joints.items()):
-        lower, upper = limits.range(row)
-        joint = replace(joint, lower=lower, upper=upper)
-        if lower is not None and upper is not None and -lower > upper:
-            joint = joint.reversed()
-        terms = {**ranked[place].terms, "sweep": float(limits.freedom[row])}
-        limited[place] = replace(ranked[place], joint=joint, terms=terms)
-    return limited
+
+
+def _with_limits(joint: Joint, travel: F64, is_limited: bool, scale: float, free: F64) -> tuple[Joint, float]:
+    """The joint with limits, pointing to the longer side, and the share of the travel to that side that is free.
+
+    `travel` [2] and the `free` travel [2] are told for the joint's direction and against it, in units of `scale`.
+    """
+    longer = int(np.argmax(travel))
+    freedom = float(np.clip(free[longer] / max(float(travel[longer]), 1e-9), 0.0, 1.0))
+    if joint.kind is JointKind.REVOLUTE and not is_limited:
+        return replace(joint, lower=None, upper=None), freedom
+    limited = replace(joint, lower=-float(travel[1] * scale), upper=float(travel[0] * scale))
+    return (limited.reversed() if longer else limited), freedom

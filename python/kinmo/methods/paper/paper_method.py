@@ -16,7 +16,9 @@ from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.core.typed_tables import to_table
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.model_folder import ModelFolder
+from kinmo.learning.motion_gnn.edge_predictions import EdgePredictions
 from kinmo.learning.motion_gnn.gnn_network import TypeSet
+from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
 from kinmo.methods.method import Method, load_network
 from kinmo.methods.paper.axis_selection.axis_selector import AxisSelector
 from kinmo.methods.paper.mobility_tree import (
@@ -85,5 +87,12 @@ class PaperMethod(Method):
     def _refine(self, shape: PreparedShape, meshes: _core.Meshes, tree: MobilityTree) -> ShapeEstimate:
         return Refiner(shape, self.refinement, self._network("axis", shape), meshes).refine(tree)
 
+    def _edges(self, shape: PreparedShape) -> EdgePredictions:
+        """Predictions of the motion GNN."""
+        gnn: MotionGnnPredictor = self._network(self.model_names[0], shape)
+        return gnn.predict_edges(shape)
+
     def _load(self, model: str, weights: Path) -> Any:
-        return load_network(AxisSelector.load, weights, self.device) if model == "axis" else super()._load(model, weights)
+        if model == "axis":
+            return load_network(AxisSelector.load, weights, self.device)
+        return load_network(MotionGnnPredictor.load, weights, self.device, self.hide_names)

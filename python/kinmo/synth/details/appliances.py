@@ -7,8 +7,8 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import Z, box, box_between, cylinder, join
-from kinmo.synth.synth_object import Link, Node, hinge, spinner
+from kinmo.synth.primitives import Z, box, box_between, cylinder, join, open_box
+from kinmo.synth.synth_object import Link, Node, hinge, slider, spinner
 
 
 def appliance_casing(draw: Draw, low: np.ndarray, high: np.ndarray, wall: float) -> list[Mesh]:
@@ -20,12 +20,14 @@ def appliance_casing(draw: Draw, low: np.ndarray, high: np.ndarray, wall: float)
         wall: Thickness of the walls.
 
     Returns:
-        Five walls as one piece or as five, or a solid block.
+        Five walls as one piece, as five or as one closed surface, or a solid block.
     """
     (x0, y0, z0), (x1, y1, _) = low, high
     back = box_between((x0 + wall, y0 + wall, z0), (x1 - wall, y1 - wall, z0 + wall))
     walls = [*frame_bars(low, high, wall), back]
-    form = draw.pick(["joined", "pieces", "block"], [6, 3, 1])
+    form = draw.pick(["joined", "pieces", "shell", "block"], [5, 3, 2, 1])
+    if form == "shell":
+        return [open_box(low, high, wall)]
     if form == "block":
         return [box_between(low, high)]
     return [join(*walls)] if form == "joined" else walls
@@ -59,8 +61,18 @@ def add_feet(draw: Draw, above: Node, x: float, z: float, low: float) -> Node:
     return base
 
 
-def add_dial(draw: Draw, above: Node, carrier: Link, at: tuple[float, float, float], radius: float, name: str) -> Link:
-    """Add a knob on a front that turns about z, mostly without limits."""
-    node = above.add(name, *dial(draw, radius, radius * draw.between(0.25, 1.5), at))
-    motion = hinge(at, Z, 0.0, draw.pick([90.0, 180.0, 270.0])) if draw.chance(0.2) else spinner(at, Z)
-    return Link("knob", [node], carrier, motion, leaf_name=draw.pick(["knob", "switch", "button"], [3, 2, 1]))
+def add_dial(draw: Draw, above: Node, carrier: Link, at: tuple[float, float, float], radius: float, name: str) -> list[Link]:
+    """Add a knob on a front that turns about z, mostly without limits. Some knobs are pressed in, and some do not move."""
+    deep = radius * draw.ratio(0.2, 2.0)
+    node = above.add(name, *dial(draw, radius, deep, at))
+    kind = draw.pick(["turns", "limited", "pressed", "fixed"], [7, 2, 0.3, 1])
+    if kind == "fixed":
+        carrier.nodes.append(node)
+        return []
+    motion = {
+        "turns": spinner(at, Z),
+        "limited": hinge(at, Z, *draw.pick([(0.0, 90.0), (0.0, 180.0), (0.0, 270.0), (-135.0, 135.0)])),
+        "pressed": slider(-Z, 0.0, 0.4 * deep),
+    }[kind]
+    leaf = draw.pick(["knob", "switch", "button"], [3, 2, 1]) if kind != "pressed" else "button"
+    return [Link("knob", [node], carrier, motion, leaf_name=leaf)]

@@ -9,7 +9,7 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import box, box_between, cylinder, extrude, join, move, turn
+from kinmo.synth.primitives import X, box, box_between, cylinder, extrude, join, lathe, move, open_box, turn
 from kinmo.synth.synth_object import Link, Node, hinge, slider
 
 
@@ -51,7 +51,7 @@ class Fronts:
     Attributes:
         thickness: Thickness of a front.
         gap: Distance from a front to the edge of its opening. It is negative if fronts overlap the carcass.
-        look: "plain", "framed", "raised" or "bowed".
+        look: "plain", "framed", "raised", "bowed" or "slatted".
         has_handles: True if doors and drawers have handles.
         handle_length: Usual length of a handle.
     """
@@ -65,9 +65,9 @@ class Fronts:
     @staticmethod
     def random(draw: Draw, unit: float) -> Fronts:
         """Random style for furniture with boards about `unit` thick."""
-        gap = draw.pick([draw.between(0.05, 0.4) * unit, 0.0, -draw.between(0.2, 0.9) * unit], [4, 2, 4])
-        look = draw.pick(["plain", "framed", "raised", "bowed"], [6, 3, 2, 1])
-        return Fronts(draw.between(0.8, 2.0) * unit, gap, look, draw.chance(0.85), draw.between(0.08, 0.3))
+        gap = draw.pick([draw.between(0.02, 0.5) * unit, 0.0, -draw.between(0.1, 0.95) * unit], [4, 2, 4])
+        look = draw.pick(["plain", "framed", "raised", "bowed", "slatted"], [6, 3, 2, 1, 1])
+        return Fronts(draw.ratio(0.4, 3.0) * unit, gap, look, draw.chance(0.75), draw.ratio(0.04, 0.5))
 
     def back_plane(self, opening: Opening) -> float:
         """Position along z of a front's back: behind the carcass's front if inset, on it if overlapping."""
@@ -92,6 +92,8 @@ def front_panel(draw: Draw, width: float, height: float, thickness: float, look:
         outline = np.concatenate([[[-width / 2, 0.0], [width / 2, 0.0]], outline])[:, ::-1]
         return [extrude(outline, height, "y", capped=True)]
     slab = box((width, height, thickness), (0, 0, thickness / 2))
+    if look == "slatted":
+        return _slats(draw, width, height, thickness)
     rim = min(0.2 * min(width, height), 2.5 * thickness)
     if look == "plain" or rim <= 0:
         return [slab]
@@ -101,6 +103,19 @@ def front_panel(draw: Draw, width: float, height: float, thickness: float, look:
     across = [box((width, rim, thickness), (0, s * (height - rim) / 2, thickness / 2)) for s in (-1, 1)]
     upright = [box((rim, inner_height, thickness), (s * (width - rim) / 2, 0, thickness / 2)) for s in (-1, 1)]
     return [*across, *upright, box((inner_width, inner_height, 0.5 * thickness), (0, 0, 0.35 * thickness))]
+
+
+def _slats(draw: Draw, width: float, height: float, thickness: float) -> list[Mesh]:
+    """Parallel boards, upright or level, that touch each other or are held by two battens behind them."""
+    count, upright = draw.integer(3, 10), draw.chance(0.6)
+    share = draw.pick([1.0, draw.between(0.7, 0.98)])
+    pitch = (width if upright else height) / count
+    places = (np.arange(count) + 0.5 - 0.5 * count) * pitch
+    size = (share * pitch, height, 0.6 * thickness) if upright else (width, share * pitch, 0.6 * thickness)
+    boards = [box(size, (x, 0, 0.7 * thickness) if upright else (0, x, 0.7 * thickness)) for x in places]
+    batten = (width, 0.1 * height, 0.4 * thickness) if upright else (0.1 * width, height, 0.4 * thickness)
+    ends = [(0, s * 0.35 * height, 0.2 * thickness) if upright else (s * 0.35 * width, 0, 0.2 * thickness) for s in (-1, 1)]
+    return boards + [box(batten, at) for at in ends]
 
 
 def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:
@@ -113,26 +128,37 @@ def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts:
     if fronts.has_handles:
         count = 2 if opening.width > 0.8 and draw.chance(0.3) else 1
         length = min(fronts.handle_length, 0.8 * opening.width / count)
-        y = opening.y + draw.pick([0.0, 0.3 * opening.height], [4, 1])
+        y = opening.y + draw.pick([0.0, 0.3, draw.between(-0.35, 0.42)], [4, 1, 1]) * opening.height
+        aside = draw.pick([0.0, draw.between(-0.35, 0.35)], [6, 1]) * width if count == 1 else 0.0
         for place in range(count):
-            x = opening.x + width * ((place + 0.5) / count - 0.5)
+            x = opening.x + width * ((place + 0.5) / count - 0.5) + aside
             node.add("handle", *pull(draw, length, (x, y, back + _front_height(fronts)), vertical=False))
-    travel = depth * draw.between(0.55, 0.98)
+    travel = depth * draw.between(0.35, 1.0)
     rest = travel * draw.between(0.2, 0.95) if draw.chance(0.15) else 0.0
     return Link("drawer", [node], carcass, slider((0, 0, 1), 0, travel, rest=rest))
 
 
 def _add_drawer_box(draw: Draw, node: Node, opening: Opening, back: float) -> float:
     """Add the boards behind a drawer's front; returns their depth."""
-    board = min(draw.between(0.015, 0.04), 0.1 * opening.width)
+    board = min(draw.ratio(0.006, 0.05), 0.1 * opening.width)
     clear = draw.pick([0.0, draw.between(0.002, 0.03)])
-    depth = opening.depth * draw.between(0.75, 0.98)
+    depth = opening.depth * draw.between(0.5, 0.98)
     half = opening.width / 2 - clear
     low, high = opening.low + clear, opening.low + opening.height * draw.between(0.5, 0.95)
     far = back - depth
-    if draw.chance(0.1):
+    form = draw.pick(["boards", "block", "tub", "front only"], [16, 2, 3, 1])
+    if form == "block":
         block = box_between((opening.x - half, low, far), (opening.x + half, high, back))
         node.children[0].pieces.append(block)
+        return depth
+    if form == "tub":
+        # An open box stands on its back: its front (+z) is turned up.
+        size = (2 * half, depth, high - low)
+        tub = turn(
+            open_box((-half, -depth / 2, -size[2] / 2), (half, depth / 2, size[2] / 2), min(board, 0.3 * size[2])), X, -90.0
+        )
+        node.add("drawer_box", move(tub, (opening.x, 0.5 * (low + high), back - depth / 2)))
+    if form != "boards":
         return depth
     for side in (-1, 1):
         x = opening.x + side * (half - board / 2)
@@ -168,12 +194,14 @@ def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: F
     out = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}[side]
     upright = out[0] != 0
     if fronts.has_handles:
-        margin = draw.between(0.06, 0.12) * (width if upright else height)
-        along = draw.pick([0.0, draw.between(-0.35, 0.35)], [2, 1])
+        margin = draw.pick([draw.between(0.04, 0.14), draw.between(0.14, 0.5)], [6, 1]) * (width if upright else height)
+        along = draw.pick([0.0, draw.between(-0.42, 0.42)], [2, 1])
         x = opening.x - out[0] * (width / 2 - margin) + (0 if upright else along * width * 0.3)
         y = opening.y - out[1] * (height / 2 - margin) + (along * height if upright else 0)
         length = min(fronts.handle_length * draw.between(0.8, 1.5), 0.7 * (height if upright else width))
-        node.add("handle", *pull(draw, length, (x, y, back + _front_height(fronts)), vertical=upright))
+        length = min(length, 2.0 * (0.5 - abs(along)) * height) if upright else length
+        lies_along = draw.chance(0.9) or length > 0.5 * min(width, height)
+        node.add("handle", *pull(draw, length, (x, y, back + _front_height(fronts)), vertical=upright == lies_along))
     inward = draw.pick([0.0, draw.between(0.0, 0.02), draw.between(0.02, 0.05)], [4, 4, 1]) * (width if upright else height)
     axis = np.array([opening.x, opening.y, back + fronts.thickness * draw.pick([0.0, 0.5, 1.0, -0.2], [4, 3, 2, 1])])
     axis[0 if upright else 1] += (out[0] * width if upright else out[1] * height) / 2 - (sum(out) * inward)
@@ -197,32 +225,19 @@ def add_door_pair(
     return links
 
 
-def add_sliding_doors(draw: Draw, above: Node, carcass: Link, opening: Opening, thickness: float) -> list[Link]:
-    """Add two doors on parallel tracks that slide past each other along x."""
-    links = []
-    width = opening.width * draw.between(0.5, 0.54)
-    for side, track in ((-1.0, 0), (1.0, 1)):
-        x = opening.x + side * (opening.width - width) / 2
-        node = above.add("cabinet_door")
-        z = opening.front - (1.1 * track + 1.0) * thickness
-        panel = front_panel(draw, width, opening.height, thickness, "plain")
-        node.add("cabinet_door_surface", *(move(piece, (x, opening.y, z)) for piece in panel))
-        if track == 0 or draw.chance(0.5):
-            grip = pull(draw, 0.12, (x + side * 0.4 * width, opening.y, z + thickness), vertical=True, reach=0.1 * thickness)
-            node.add("handle", *grip)
-        travel = opening.width - width
-        links.append(Link("cabinet_door", [node], carcass, slider((-side, 0, 0), 0, travel), leaf_name="translation_door"))
-    return links
-
-
 def legs(draw: Draw, half_x: float, half_z: float, low: float, high: float, thickness: float) -> list[Mesh]:
-    """Meshes of four legs between the heights `low` and `high`: square, round, tapered or splayed."""
-    kind = draw.pick(["square", "round", "tapered", "splayed"], [5, 2, 2, 1])
+    """Meshes of four legs between the heights `low` and `high`: square, round, tapered, splayed or turned."""
+    kind = draw.pick(["square", "round", "tapered", "splayed", "turned"], [5, 2, 2, 1, 1])
     length, middle = high - low, 0.5 * (low + high)
     if kind == "square":
         leg = box((thickness, length, thickness))
     elif kind == "round":
         leg = cylinder(thickness / 2, length, segments=draw.pick([8, 16, 24]))
+    elif kind == "turned":
+        share = np.linspace(-0.5, 0.5, 9)
+        radius = 0.5 * thickness * np.array([0.5] + [draw.between(0.5, 1.2) for _ in range(7)] + [1.0])
+        profile = np.stack([radius, share * length], axis=1)
+        leg = lathe(np.concatenate([[[0.0, -0.5 * length]], profile, [[0.0, 0.5 * length]]]), 14)
     else:
         leg = cylinder(0.3 * thickness, length, segments=draw.pick([4, 8, 16]), top_radius=0.55 * thickness)
     found = []

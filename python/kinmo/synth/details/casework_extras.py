@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer
 from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.handles import pull
+from kinmo.synth.details.wheels import add_caster
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import Point, X, Y, Z, box, box_between, cylinder, rotation_about
-from kinmo.synth.synth_object import Link, Node, hinge, slider, spinner
+from kinmo.synth.primitives import Point, X, Z, box, box_between, rotation_about
+from kinmo.synth.synth_object import Link, Node, hinge, slider
 
 
 def add_lift_top(draw: Draw, above: Node, carcass: Link, low: Point, high: Point, name: str) -> Link:
@@ -56,7 +59,8 @@ def add_leaning_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening,
     """Add a drawer or bin that slides out along a line leaning up or down."""
     link = add_drawer(draw, above, carcass, opening, fronts)
     pivot = (opening.x, opening.low, opening.front)
-    link.move(rotation_about(X, draw.sign() * draw.between(4.0, 30.0), pivot))
+    most = min(np.degrees(np.arctan2(0.5 * opening.height, opening.depth)), 30.0)
+    link.move(rotation_about(X, draw.sign() * draw.between(0.3, 1.0) * most, pivot))
     return link
 
 
@@ -76,7 +80,9 @@ def add_locked_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fr
     return [door, add_door_lock(draw, group, door, kind, at, draw.between(0.04, 0.15))]
 
 
-def add_casters(draw: Draw, above: Node, carcass: Link, x: float, z: float, low: float) -> list[Link]:
+def add_casters(
+    draw: Draw, above: Node, carcass: Link, x: float, z: float, low: float, *, always_moves: bool = False
+) -> list[Link]:
     """Add four casters or wheels.
 
     Args:
@@ -85,31 +91,18 @@ def add_casters(draw: Draw, above: Node, carcass: Link, x: float, z: float, low:
         x: Half distance along x.
         z: Half distance along z.
         low: Height of the carcass's underside.
+        always_moves: Give the wheels joints.
 
     Returns:
         Links of casters that swivel about a vertical stem, and of wheels that roll. What does not move belongs to `carcass`.
     """
-    radius, thick = draw.between(0.03, 0.07), draw.between(0.015, 0.04)
-    swivels, rolls, heading = draw.chance(0.6), draw.chance(0.7), draw.between(0.0, 180.0)
-    links: list[Link] = []
-    for place in ((x, z), (-x, z), (x, -z), (-x, -z)):
-        stem = (place[0], low, place[1])
-        turned = rotation_about(Y, heading if swivels else 0.0, stem)
-        hub = (place[0], low - 1.4 * radius, place[1] - (0.6 * radius if swivels else 0.0))
-        group = above.add("caster")
-        fork = group.add("caster_stem", box((1.6 * thick, 1.3 * radius, 0.6 * radius), (stem[0], low - 0.65 * radius, stem[2])))
-        wheel = group.add("wheel", cylinder(radius, thick, "x", hub, 18))
-        owner, made = carcass, []
-        if swivels:
-            owner = Link("caster", [fork], carcass, spinner(stem, Y))
-            made.append(owner)
-        else:
-            carcass.nodes.append(fork)
-        if rolls:
-            made.append(Link("wheel", [wheel], owner, spinner(hub, X)))
-        else:
-            owner.nodes.append(wheel)
-        for link in made:
-            link.move(turned)
-        links += made
+    radius = draw.ratio(0.02, 0.1)
+    thick, drop = radius * draw.ratio(0.3, 1.2), radius * draw.between(2.15, 3.2)
+    swivels, rolls, heading = draw.chance(0.6), always_moves or draw.chance(0.7), draw.between(0.0, 360.0)
+    alike, links = draw.chance(0.6), []
+    places = ((x, z), (-x, z), (x, -z), (-x, -z))
+    for own, (right, ahead) in zip(draw.identical(len(places)), places, strict=True):
+        angle = 0.0 if not swivels else heading if alike else draw.between(0.0, 360.0)
+        stem = (right, low, ahead)
+        links += add_caster(own, above, carcass, stem, drop, radius, thick, heading=angle, swivels=swivels, rolls=rolls)
     return links

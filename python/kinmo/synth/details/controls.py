@@ -6,14 +6,35 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import Point, box, cylinder, lathe, move, rounded_box, turn
+from kinmo.synth.primitives import Point, box, cylinder, dome, extrude, lathe, move, rounded_box, turn
 
 
 def dial(draw: Draw, radius: float, depth: float, at: Point) -> list[Mesh]:
-    """Meshes of a knob that turns about z, with its foot at `at`: plain, stepped or tapered, often with a pointer."""
+    """Meshes of a knob that turns about z, with its foot at `at`.
+
+    It is plain, stepped, tapered, ribbed, domed, waisted or a disc with a wing, often with a pointer.
+    """
     segments = draw.pick([12, 16, 24, 32])
-    kind = draw.pick(["plain", "stepped", "tapered"])
-    if kind == "plain":
+    kind = draw.pick(["plain", "stepped", "tapered", "ribbed", "domed", "waisted", "wing"], [4, 4, 4, 2, 1, 1, 2])
+    if kind == "ribbed":
+        count, deep = draw.integer(5, 24), draw.ratio(0.02, 0.15)
+        angle = np.linspace(0, 2 * np.pi, 4 * count, endpoint=False)
+        reach = radius * (1 - deep + deep * np.cos(count * angle))
+        body = extrude(np.stack([reach * np.cos(angle), reach * np.sin(angle)], axis=1), depth, "z", (0, 0, depth / 2))
+    elif kind in ("domed", "waisted"):
+        turned = {
+            "domed": [[0, 0], [1, 0], [1, 0.3], [0.9, 0.65], [0.6, 0.9], [0, 1]],
+            "waisted": [[0, 0], [0.8, 0], [0.55, 0.4], [1, 0.75], [1, 1], [0, 1]],
+        }
+        body = turn(lathe(np.array(turned[kind]) * (radius, depth), segments), (1, 0, 0), 90.0)
+    elif kind == "wing":
+        thin = draw.between(0.1, 0.4) * depth
+        wing = box(
+            (draw.between(0.2, 0.5) * radius, 2 * radius * draw.between(0.85, 1.1), depth - thin), (0, 0, 0.5 * (depth + thin))
+        )
+        wing = turn(wing, (0, 0, 1), draw.pick([0.0, 45.0, 90.0, draw.between(0.0, 180.0)]))
+        return [move(piece, at) for piece in (cylinder(radius, thin, "z", (0, 0, thin / 2), segments), wing)]
+    elif kind == "plain":
         body = cylinder(radius, depth, "z", (0, 0, depth / 2), segments)
     elif kind == "tapered":
         body = cylinder(radius, depth, "z", (0, 0, depth / 2), segments, top_radius=draw.between(0.6, 0.9) * radius)
@@ -29,14 +50,20 @@ def dial(draw: Draw, radius: float, depth: float, at: Point) -> list[Mesh]:
 
 
 def button(draw: Draw, width: float, height: float, depth: float, at: Point) -> Mesh:
-    """A button that is pressed along -z, with its foot at `at`: square, rounded or round."""
-    kind = draw.pick(["box", "rounded", "round"], [5, 2, 2])
+    """A button that is pressed along -z, with its foot at `at`: square, rounded, oval, round, tapered or domed."""
+    kind = draw.pick(["box", "rounded", "round", "oval", "tapered", "domed"], [10, 4, 3, 1, 1, 1])
     if kind == "box":
         mesh = box((width, height, depth), (0, 0, depth / 2))
     elif kind == "rounded":
         mesh = rounded_box((width, height, depth), 0.3 * min(width, height), "z", (0, 0, depth / 2), 3)
+    elif kind == "oval":
+        mesh = rounded_box((width, height, depth), 0.5 * min(width, height), "z", (0, 0, depth / 2), 6)
+    elif kind == "domed":
+        mesh = dome((0.5 * height, depth, 0.5 * width), axis="z", segments=14)
     else:
-        mesh = cylinder(min(width, height) / 2, depth, "z", (0, 0, depth / 2), draw.pick([12, 16, 24]))
+        radius = min(width, height) / 2
+        top = radius * (draw.between(0.6, 0.95) if kind == "tapered" else 1.0)
+        mesh = cylinder(radius, depth, "z", (0, 0, depth / 2), draw.pick([12, 16, 24]), top_radius=top)
     return move(mesh, at)
 
 

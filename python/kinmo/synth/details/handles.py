@@ -1,4 +1,4 @@
-"""Handles on the front (+z) of a door or drawer: pulls, bars, bows and knobs."""
+"""Handles on the front (+z) of a door or drawer: pulls, bars, bows, knobs, cups, ledges, drops and sunk grips."""
 
 from __future__ import annotations
 
@@ -6,7 +6,22 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import Point, arc_path, box, cylinder, ellipsoid, join, lathe, move, rounded_path, sweep, turn
+from kinmo.synth.primitives import (
+    Point,
+    Z,
+    arc_path,
+    box,
+    cylinder,
+    dome,
+    ellipsoid,
+    join,
+    lathe,
+    move,
+    rounded_path,
+    sweep,
+    torus,
+    turn,
+)
 
 
 def bar_handle(draw: Draw, length: float, thickness: float, reach: float, *, vertical: bool) -> list[Mesh]:
@@ -46,6 +61,33 @@ def knob_handle(draw: Draw, radius: float, reach: float) -> list[Mesh]:
     return [turn(turned, (1, 0, 0), 90.0)]
 
 
+def _flat_handle(draw: Draw, kind: str, length: float, thickness: float, reach: float) -> list[Mesh]:
+    """A handle along x whose front is closed or that hangs: "cup", "ledge", "drop", "ring", "sunk" or "plated"."""
+    if kind == "cup":
+        return [dome((draw.between(0.7, 1.5) * reach, reach, 0.5 * length), axis="z", segments=16)]
+    if kind == "ledge":
+        return [
+            box((length, 0.3 * thickness, reach), (0, 0, 0.5 * reach)),
+            box((length, thickness, 0.2 * reach), (0, 0, reach)),
+        ]
+    if kind == "sunk":
+        rim, half = 0.12 * length, draw.between(0.15, 0.4) * length
+        bars = [box((length, rim, 0.4 * thickness), (0, s * half, 0.2 * thickness)) for s in (-1, 1)]
+        return [*bars, *(box((rim, 2 * half, 0.4 * thickness), (s * 0.5 * length, 0, 0.2 * thickness)) for s in (-1, 1))]
+    if kind == "plated":
+        plate = box((length, draw.between(2.0, 4.0) * thickness, 0.3 * thickness), (0, 0, 0.15 * thickness))
+        return [plate, *knob_handle(draw, min(0.2 * length, 1.2 * thickness), reach)]
+    boss = [
+        cylinder(0.8 * thickness, reach, "z", (x, 0, 0.5 * reach), 10)
+        for x in ((-0.4 * length, 0.4 * length), (0.0,))[kind == "ring"]
+    ]
+    if kind == "ring":
+        size = 0.35 * length
+        return [*boss, torus(size, 0.4 * thickness, "z", (0, -size, 0.8 * reach), 20, 6)]
+    path = rounded_path(np.array([(-0.4, 0, 0), (-0.4, -0.4, 0), (0.4, -0.4, 0), (0.4, 0, 0)]) * length, 0.2 * length)
+    return [*boss, move(sweep(path, 0.4 * thickness, 6), (0, 0, 0.8 * reach))]
+
+
 def pull(
     draw: Draw, length: float, at: Point, *, vertical: bool, thickness: float | None = None, reach: float | None = None
 ) -> list[Mesh]:
@@ -63,14 +105,22 @@ def pull(
     """
     thickness = length * draw.between(0.06, 0.16) if thickness is None else thickness
     reach = max(1.5 * thickness, length * draw.between(0.12, 0.3)) if reach is None else reach
-    kind = draw.pick(["bar", "bow", "knob", "block"], [4, 3, 2, 1])
+    kind = draw.pick(
+        ["bar", "bow", "knob", "block", "cup", "ledge", "drop", "ring", "sunk", "plated"], [8, 6, 4, 3, 1, 2, 1, 1, 1.5, 1]
+    )
     if kind == "bar":
         pieces = bar_handle(draw, length, thickness, reach, vertical=vertical)
     elif kind == "bow":
         pieces = bow_handle(draw, length, thickness, reach, vertical=vertical)
     elif kind == "knob":
         pieces = knob_handle(draw, min(0.2 * length, draw.between(0.8, 1.6) * thickness), reach)
-    else:
+    elif kind == "block":
         size = (thickness, length, reach) if vertical else (length, thickness, reach)
         pieces = [box(size, (0, 0, reach / 2))]
+    else:
+        pieces = _flat_handle(
+            draw, kind, min(length, 8 * reach) if kind in ("cup", "drop", "ring", "plated") else length, thickness, reach
+        )
+        if vertical and kind in ("ledge", "sunk"):
+            pieces = [turn(piece, Z, 90.0) for piece in pieces]
     return [move(piece, at) for piece in pieces]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import rounded_path, sweep
-from kinmo.synth.synth_object import Node
+from kinmo.synth.synth_object import Motion, Node, slider
 
 
 def arm_path(draw: Draw, reach: float, height: float, start: float) -> NDArray[np.float64]:
@@ -24,9 +25,9 @@ def arm_path(draw: Draw, reach: float, height: float, start: float) -> NDArray[n
 
 def neck_path(draw: Draw, foot: float) -> NDArray[np.float64]:
     """Path [N, 3] of a gooseneck, or of a mast with an arm, from the height `foot` up, over to +z and down."""
-    reach, mast = draw.between(0.4, 0.9), foot + draw.between(0.2, 0.9)
+    reach, mast = draw.ratio(0.25, 1.1), foot + draw.ratio(0.1, 1.3)
     if draw.chance(0.6):
-        angle = np.radians(np.linspace(0.0, draw.between(160.0, 210.0), 16))
+        angle = np.radians(np.linspace(0.0, draw.between(120.0, 215.0), 16))
         over = np.stack([np.sin(angle), 1.0 - np.cos(angle)], axis=1) * (0.5 * reach)
         bend = np.column_stack([np.zeros(16), mast + over[:, 0], over[:, 1]])
         return np.concatenate([[(0, foot, 0), (0, 0.5 * (foot + mast), 0)], bend])
@@ -47,3 +48,15 @@ def add_spout(draw: Draw, spout: Node, path: NDArray[np.float64], radius: float)
     if draw.chance(0.6):
         ends = np.stack([path[-1], path[-1] + draw.between(1.5, 1.8) * end * tip])
         spout.add("mouth", sweep(ends, 0.8 * end, 14))
+
+
+def pull_out_head(draw: Draw, path: NDArray[np.float64], radius: float) -> tuple[list[Mesh], Motion]:
+    """Meshes of a spray head at the end of a spout's path [N, 3], and its slider along the direction of that end."""
+    tip = path[-1] - path[-2]
+    tip /= np.linalg.norm(tip)
+    long = radius * draw.ratio(1.5, 6.0)
+    ends = path[-1] + np.outer([-0.3 * long, 0.1 * long, 0.7 * long], tip)
+    pieces = [sweep(ends, radius * np.array([0.9, 1.05, draw.between(1.05, 1.6)]), draw.pick([10, 16]))]
+    if draw.chance(0.4):
+        pieces.append(sweep(path[-1] + np.outer([0.7 * long, 0.8 * long], tip), 0.85 * radius, 14))
+    return pieces, slider(tip, 0.0, long * draw.between(1.0, 3.0), rest=draw.pick([0.0, 0.8 * long], [6, 1]))

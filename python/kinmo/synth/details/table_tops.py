@@ -1,9 +1,11 @@
-"""Moving table tops: halves that fold over, boards that lift, turn or tilt, leaves that slide out."""
+"""Moving table tops: halves that fold over, boards that lift, turn or tilt, leaves that slide out; hutches and roll tops."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer
+from kinmo.synth.details.casework_doors import add_roll_top
 from kinmo.synth.details.casework_extras import add_lift_top
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder
@@ -51,6 +53,40 @@ def add_moving_top(
         links.append(Link("board", [plate, pillar], base, motion, leaf_name="translation_board"))
     else:
         _extension(draw, top, base, links, (x, y, z), thick)
+
+
+def add_desk_top(
+    draw: Draw, above: Node, base: Link, links: list[Link], size: tuple[float, float, float], board: float
+) -> None:
+    """Add a hutch with doors or drawers on a table top, or a roll top over its rear.
+
+    Args:
+        above: Node that the parts are added below.
+        base: Link of the table.
+        links: List that the links of the moving parts are appended to.
+        size: Half extent along x, height of the table's surface, and half extent along z.
+        board: Usual thickness of boards.
+    """
+    x, y, z = size
+    if draw.chance(0.35):
+        links.append(add_roll_top(draw, above, base, 0.9 * x, y, -z, z * draw.between(0.7, 1.4)))
+        return
+    high, deep, columns = draw.ratio(0.15, 0.9), z * draw.between(0.4, 0.9), draw.integer(1, 4)
+    group, front = above.add("shelf"), -z + deep
+    edges = np.linspace(-x, x - board, columns + 1)
+    walls = [group.add("vertical_side_panel", box_between((left, y, -z), (left + board, y + high, front))) for left in edges]
+    walls.append(group.add("back_panel", box_between((-x, y, -z), (x, y + high, -z + 0.5 * board))))
+    walls.append(group.add("top_panel", box_between((-x, y + high, -z), (x, y + high + board, front))))
+    base.nodes += walls
+    fronts = Fronts.random(draw, 0.6 * board)
+    for left, right in zip(edges[:-1] + board, edges[1:], strict=True):
+        opening = Opening(0.5 * (left + right), y + 0.5 * high, right - left, high, deep - board, front)
+        kind = draw.pick(["door", "flap", "drawer", "open"], [3, 1, 1, 2])
+        if kind == "drawer":
+            links.append(add_drawer(draw, group, base, opening, fronts))
+        elif kind != "open":
+            sides = ["left", "right"] if kind == "door" else ["top", "bottom"]
+            links.append(add_door(draw, group, base, opening, fronts, draw.pick(sides)))
 
 
 def _halves(draw: Draw, top: Node, base: Link, links: list[Link], size: tuple[float, float, float], thick: float) -> None:

@@ -1,84 +1,112 @@
-"""Bottles and jars with screw caps, lift-off caps, flip tops, pumps or trigger sprayers."""
+"""Bottles, jars, jugs and cans with caps, flip tops, nozzles, stoppers, clasps, pumps, sprays or trigger sprayers."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.lid_hinges import lid_hinge
+from kinmo.synth.details.bottle_tops import (
+    add_aerosol,
+    add_cap,
+    add_flip_top,
+    add_nozzle_top,
+    add_pump,
+    add_stopper,
+    add_swing_top,
+    add_trigger,
+    cap_pieces,
+)
+from kinmo.synth.details.vessels import swinging_bow
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import X, Y, box, cylinder, extrude, lathe, move, rounded_path, sweep, torus, tube, turn
-from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
+from kinmo.synth.primitives import X, Y, box, lathe, move, rotation_about, rounded_path, sweep, torus, tube, turn
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject
+
+STANDS_ON_CAP_SHARE = 0.05
+"""Share of bottles with a wide cap that stand on it."""
 
 
 def build(draw: Draw) -> SynthObject:
-    """Bottle, jar or jug with one closure.
+    """Bottle, jar, jug or can with one closure.
 
-    Variants: a cap that screws, a cap that lifts off, a flip top hinged at the rear, a pump, and a trigger sprayer. The head of
-    a pump slides down. A trigger turns or slides, and a nozzle turns. Collars of pumps and sprayers may screw.
+    Variants: a cap that screws, lifts off or tips, a flip top, a nozzle that pulls up, a stopper, a swing top, a pump, a spray
+    button, a trigger sprayer, and a jug with a bow whose mouth is open or has a fixed cap. Collars may screw.
     """
-    height = draw.between(0.6, 2.0)
-    radius = draw.between(0.2, 0.42)
-    neck = radius * draw.pick([draw.between(0.25, 0.6), draw.between(0.7, 0.97)], [3, 2])
-    neck_height = height * draw.between(0.05, 0.4 if neck < 0.6 * radius else 0.12)
-    segments = draw.pick([8, 16, 24, 32])
+    height, radius = draw.ratio(0.5, 2.2), draw.ratio(0.16, 0.5)
+    neck = radius * draw.pick([draw.between(0.2, 0.6), draw.between(0.6, 0.99)], [3, 2])
+    neck_height = height * draw.ratio(0.02, 0.4 if neck < 0.6 * radius else 0.12)
     root = Node("bottle")
     unit = root.add(draw.pick(["normal_bottle", "jug"], [5, 1]))
-    still = [unit.add("body", *_body(draw, radius, neck, height, segments))]
-    still.append(unit.add("neck", *_neck(draw, neck, height, neck_height, segments)))
+    still = [unit.add("body", *_body(draw, radius, neck, height))]
+    still.append(unit.add("neck", *_neck(draw, neck, height, neck_height, draw.pick([8, 16, 24, 32]))))
     if unit.name == "jug" or draw.chance(0.1):
         still.append(unit.add("handle", _grip(draw, radius, height)))
     base = Link("body", still, kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY], [4, 1, 1]))
-    top = height + neck_height
-    kind = draw.pick(["screw", "lift", "flip", "pump", "trigger"], [6, 2, 2, 2, 1])
-    if kind == "pump":
-        return SynthObject("Bottle", root, [base, *_pump(draw, unit, base, neck, top)])
-    if kind == "trigger":
-        return SynthObject("Bottle", root, [base, *_trigger(draw, unit, base, neck, top)])
-    cap_height = neck * draw.between(0.4, 1.6)
-    pieces = _cap(draw, neck * draw.between(1.02, 1.25), cap_height, segments)
-    sunk = draw.pick([cap_height * draw.between(0.5, 0.95), 0.0], [4, 1])
-    low = top - sunk
-    rise = draw.between(0.4, 1.3) * cap_height
-    motion: Motion
-    strap: list[Mesh] = []
-    if kind == "screw":
-        origin = (0.0, draw.pick([0.0, low]), 0.0)
-        turns = draw.pick([180.0, 360.0, None], [4, 1, 1])
-        upwards = draw.chance(0.7)
-        motion = screw(origin, Y, 0.0, rise, turns=turns) if upwards else screw(origin, -Y, -rise, 0.0, turns=turns)
-    elif kind == "lift":
-        motion = slider(Y, 0.0, rise)
-    else:
-        at = (0.0, low + draw.pick([0.0, 0.1 * cap_height]), -neck * draw.between(1.0, 1.2))
-        rest = -draw.between(20.0, 120.0) if draw.chance(0.4) else 0.0
-        motion = hinge(at, X, -130.0, 0.0, rest=rest)
-        strap = lid_hinge(draw, at, neck, 0.1 * neck)
-    lid = unit.add("lid", *(move(piece, (0, low, 0)) for piece in pieces), *strap)
-    return SynthObject("Bottle", root, [base, Link(draw.pick(["lid", "closure"]), [lid], base, motion)])
-
-
-def _body(draw: Draw, radius: float, neck: float, height: float, segments: int) -> list[Mesh]:
-    """The body, round or oval, sometimes with rings."""
-    shoulder = draw.between(0.55, 0.95)
-    waist = draw.between(0.8, 1.05)
-    curve = np.array(
-        [[0.9, 0], [1, 0.04], [waist, 0.5 * shoulder], [1, shoulder], [0.5 * (1 + neck / radius), 0.5 * (1 + shoulder)]]
+    top, most = height + neck_height, 0.55 * height
+    place = draw, unit, base, neck, top
+    kind = draw.pick(
+        ["cap", "flip", "nozzle", "stopper", "swing", "pump", "aerosol", "trigger", "bow"], [9, 3, 2, 2, 1, 3, 1.5, 1.5, 0.7]
     )
-    profile = np.concatenate([[[0.0, 0.0]], curve * (radius, height), [[neck, height]]])
-    if draw.chance(0.2):
-        # A flask with an oval section that becomes round at the neck.
-        mesh = lathe(profile, segments)
-        flat = draw.between(0.5, 0.8)
-        share = np.clip((mesh.vertices[:, 1] / height - shoulder) / max(1 - shoulder, 0.01), 0.0, 1.0)
-        vertices = mesh.vertices.copy()
-        vertices[:, 2] *= flat + (1 - flat) * share
-        return [Mesh(vertices, mesh.faces)]
-    pieces = [lathe(profile, segments)]
+    if kind == "bow":
+        links = [_bow(draw, unit, base, radius, neck, top)]
+    elif kind in ("swing", "pump", "trigger"):
+        links = {"swing": add_swing_top, "pump": add_pump, "trigger": add_trigger}[kind](*place)
+    else:
+        add = {"cap": add_cap, "flip": add_flip_top, "nozzle": add_nozzle_top, "stopper": add_stopper, "aerosol": add_aerosol}
+        links = add[kind](*place, most)
+    shape = SynthObject("Bottle", root, [base, *links])
+    if kind in ("cap", "flip") and neck > 0.5 * radius and draw.chance(STANDS_ON_CAP_SHARE):
+        shape.move(rotation_about(X, 180.0))
+    return shape
+
+
+def _body(draw: Draw, radius: float, neck: float, height: float) -> list[Mesh]:
+    """The body with a round, oval or square section, closed or with a wall, sometimes with rings, a label or a waist."""
+    segments = draw.pick([8, 16, 24, 32, 48])
+    shoulder, waist = draw.between(0.45, 0.97), draw.pick([1.0, draw.between(0.7, 1.1)])
+    foot = draw.pick([1.0, draw.between(0.75, 1.0)])
+    profile = np.array(
+        [[foot, 0], [1, 0.04], [waist, 0.5 * shoulder], [1, shoulder], [0.5 * (1 + neck / radius), 0.5 * (1 + shoulder)]]
+    )
+    outer = np.concatenate([profile * (radius, height), [[neck, height]]])
     if draw.chance(0.25):
-        rings = draw.integer(2, 5)
+        wall = draw.between(0.03, 0.12) * radius
+        inner = outer[::-1] - (wall, 0.0)
+        outer = np.concatenate([outer, np.maximum(inner, (0.3 * neck, wall)), [[0.0, wall]]])
+    mesh = lathe(np.concatenate([[[0.0, 0.0]], outer]), segments)
+    if draw.chance(0.35):
+        power, flat = draw.pick([2.0, draw.between(2.5, 8.0)]), draw.pick([1.0, draw.ratio(0.4, 1.0)])
+        mesh = _with_section(mesh, power, flat, shoulder * height, height)
+    pieces = [mesh]
+    if waist == 1.0 and draw.chance(0.3):
+        rings = draw.integer(1, 5)
         pieces += [torus(radius, 0.012, "y", (0, height * (0.1 + 0.08 * i), 0), segments, 6) for i in range(rings)]
+    elif draw.chance(0.15):
+        low, high = sorted(draw.between(0.1, shoulder) * height for _ in range(2))
+        pieces.append(tube(1.01 * radius, 0.99 * radius, high - low + 0.02, "y", (0, 0.5 * (low + high), 0), segments))
     return pieces
+
+
+def _with_section(mesh: Mesh, power: float, flat: float, shoulder: float, height: float) -> Mesh:
+    """The body with a superelliptic section below its shoulder that becomes round at the neck: 2 is round, 8 nearly square."""
+    x, y, z = mesh.vertices.T
+    angle = np.arctan2(z, x)
+    square = (np.abs(np.cos(angle)) ** power + np.abs(np.sin(angle)) ** power) ** (-1.0 / power)
+    round_share = np.clip((y - shoulder) / max(height - shoulder, 0.01), 0.0, 1.0)
+    wide = round_share + (1 - round_share) * square
+    return Mesh(np.stack([x * wide, y, z * wide * (round_share + (1 - round_share) * flat)], axis=1), mesh.faces)
+
+
+def _bow(draw: Draw, unit: Node, base: Link, radius: float, neck: float, top: float) -> Link:
+    """Add a swinging bow over the mouth, which is open or has a cap that does not move."""
+    if draw.chance(0.6):
+        tall = neck * draw.ratio(0.3, 1.0)
+        fixed = [move(piece, (0, top - 0.5 * tall, 0)) for piece in cap_pieces(draw, 1.1 * neck, tall)]
+        base.nodes.append(unit.add("closure", *fixed))
+    bow = swinging_bow(draw, base, radius, top, top + radius * draw.between(0.4, 1.0))
+    ears = [box((0.06, 0.12, 0.1), (s * (0.9 * radius), bow.motion.origin[1], 0)) for s in (-1, 1)] if bow.motion else []
+    base.nodes[0].pieces += ears
+    unit.children += bow.nodes
+    return bow
 
 
 def _neck(draw: Draw, neck: float, height: float, length: float, segments: int) -> list[Mesh]:
@@ -89,69 +117,9 @@ def _neck(draw: Draw, neck: float, height: float, length: float, segments: int) 
     return pieces
 
 
-def _cap(draw: Draw, radius: float, height: float, segments: int) -> list[Mesh]:
-    """Meshes of a cap with its foot at the origin: plain, tapered, ribbed, domed or with a nozzle."""
-    kind = draw.pick(["plain", "tapered", "ribbed", "domed", "nozzle"], [4, 2, 2, 1, 1])
-    if kind == "ribbed":
-        angle = np.linspace(0, 2 * np.pi, 48, endpoint=False)
-        reach = radius * (1 + 0.05 * np.sign(np.sin(12 * angle)))
-        return [extrude(np.stack([reach * np.cos(angle), reach * np.sin(angle)], 1), height, "y", (0, 0.5 * height, 0))]
-    if kind == "domed":
-        share = np.linspace(0, 0.5 * np.pi, 6)
-        skin = np.stack([radius * np.cos(share), 0.4 * height + 0.6 * height * np.sin(share)], 1)
-        return [lathe(np.concatenate([[[0.0, 0.0], [radius, 0.0]], skin]), segments)]
-    top = radius * (draw.between(0.5, 0.95) if kind == "tapered" else 1.0)
-    pieces = [cylinder(radius, height, "y", (0, 0.5 * height, 0), segments, top_radius=top)]
-    if kind == "nozzle":
-        pieces.append(cylinder(0.4 * radius, height, "y", (0, 1.5 * height, 0), 14, top_radius=0.15 * radius))
-    return pieces
-
-
 def _grip(draw: Draw, radius: float, height: float) -> Mesh:
     """A handle at the side."""
     out = radius * draw.between(0.4, 0.8)
-    ends = [(0.9 * radius, 0.25), (radius + out, 0.3), (radius + out, 0.8), (0.8 * radius, 0.85)]
+    ends = [(0.4 * radius, 0.25), (radius + out, 0.3), (radius + out, 0.8), (0.2 * radius, 0.85)]
     path = rounded_path(np.array([(x, y * height, 0.0) for x, y in ends]), 0.3 * out)
     return turn(sweep(path, draw.between(0.03, 0.06), 10), Y, draw.pick([0.0, 180.0, 90.0]))
-
-
-def _pump(draw: Draw, unit: Node, base: Link, neck: float, top: float) -> list[Link]:
-    """A pump: a collar that may screw, and a head with a spout that slides down."""
-    collar_height, travel = neck * draw.between(0.4, 0.9), neck * draw.between(0.5, 1.2)
-    collar = cylinder(1.1 * neck, collar_height, "y", (0, top, 0), 20)
-    stem_top = top + 0.5 * collar_height + travel
-    stem = cylinder(0.25 * neck, 2 * travel, "y", (0, stem_top - 0.9 * travel, 0), 12)
-    reach = neck * draw.between(1.5, 3.0)
-    nozzle = sweep(rounded_path(np.array([(0, 0, 0), (0, 0.1, 0.7 * reach), (0, -0.02, reach)]), 0.2), 0.18 * neck, 10)
-    head = [stem, cylinder(0.5 * neck, 0.3 * neck, "y", (0, stem_top, 0), 16), move(nozzle, (0, stem_top, 0))]
-    if draw.chance(0.3):
-        head.append(box((1.2 * neck, 0.1 * neck, 1.6 * neck), (0, stem_top + 0.2 * neck, 0)))
-    closure = Link("closure", [unit.add("closure", collar)], base)
-    if draw.chance(0.6):
-        closure.motion = screw((0, top, 0), Y, 0.0, collar_height, turns=draw.pick([180.0, None]))
-    pressed = slider(Y, -travel, 0.0) if draw.chance(0.7) else slider((0, -1, 0), 0.0, travel)
-    return [closure, Link("lid", [unit.add(draw.pick(["head", "lid"]), *head)], closure, pressed)]
-
-
-def _trigger(draw: Draw, unit: Node, base: Link, neck: float, top: float) -> list[Link]:
-    """A sprayer: a trigger that turns about a horizontal line or slides, and sometimes a nozzle that turns."""
-    size = max(neck, 0.1) * draw.between(0.8, 1.4)
-    collar = cylinder(1.1 * neck, 0.6 * size, "y", (0, top, 0), 20)
-    head = box((0.5 * size, 0.5 * size, 2.2 * size), (0, top + 1.5 * size, 0.3 * size))
-    neck_post = box((0.5 * size, 1.2 * size, 0.6 * size), (0, top + 0.7 * size, -0.2 * size))
-    closure = Link("closure", [unit.add("closure", collar)], base)
-    if draw.chance(0.4):
-        closure.motion = screw((0, top, 0), Y, 0.0, 0.6 * size, turns=draw.pick([180.0, None]))
-    sprayer = Link("sprayer", [unit.add("head", head, neck_post)], closure)
-    pin = (0.0, top + 1.25 * size, 0.8 * size)
-    blade = box((0.3 * size, draw.between(0.8, 1.5) * size, 0.2 * size), (0, pin[1] - 0.5 * size, pin[2]))
-    squeezed = hinge(pin, X, 0.0, draw.between(10.0, 35.0))
-    if draw.chance(0.2):
-        squeezed = slider((0, 0, -1), 0.0, 0.3 * size)
-    trigger = unit.add("trigger", turn(blade, X, -draw.between(0.0, 30.0), pin))
-    links = [closure, sprayer, Link("trigger", [trigger], sprayer, squeezed)]
-    if draw.chance(0.6):
-        at = (0.0, top + 1.5 * size, 1.5 * size)
-        tip = cylinder(0.25 * size, 0.3 * size, "z", at, draw.pick([4, 6, 16]))
-        links.append(Link("nozzle", [unit.add("nozzle", tip)], sprayer, spinner(at, (0, 0, 1))))
-    return links

@@ -31,8 +31,8 @@ def build(draw: Draw) -> SynthObject:
     Variants: one lid hinged at the rear, two or four carton flaps, two half lids, a loose lid that lifts off or slides, and a
     tray. Clasps and handles have joints of their own.
     """
-    x, z, top = draw.between(0.35, 0.9), draw.between(0.3, 0.6), draw.between(0.2, 0.9)
-    size = _Size(x, z, top, draw.pick([0.0, draw.between(0.01, 0.06)], [1, 5]))
+    x, z, top = draw.ratio(0.25, 1.0), draw.ratio(0.2, 0.8), draw.ratio(0.1, 1.0)
+    size = _Size(x, z, top, draw.pick([0.0, draw.ratio(0.006, 0.08)], [1, 5]))
     nested = draw.chance(0.2)
     root = Node(draw.pick(["Box", "box"], [5, 1]) if not nested else "storage_furniture")
     above = root.add("chest") if nested else root
@@ -67,7 +67,7 @@ def _lid(draw: Draw, above: Node, base: Link, size: _Size, nested: bool) -> list
     over = draw.pick([0.0, draw.between(0.0, 0.05)])
     x, z = size.x + over, size.z + over
     kind = draw.pick(["flat", "hollow", "vaulted"], [4, 3, 2])
-    thick = draw.between(0.02, 0.12)
+    thick = draw.ratio(0.01, 0.16)
     if kind == "flat":
         height, pieces = thick, [box_between((-x, size.top, -z), (x, size.top + thick, z))]
     elif kind == "hollow":

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.core.shape import Mesh
+from kinmo.synth.details.wheels import add_caster, wheel_pieces
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import box, box_between, cylinder, join, rounded_path, sweep, torus, tube, turn
+from kinmo.synth.primitives import Point, X, box, box_between, cylinder, join, move, rounded_path, sweep
 from kinmo.synth.synth_object import Link, Node, SynthObject, hinge, slider, spinner
 
 
@@ -16,9 +17,9 @@ def build(draw: Draw) -> SynthObject:
     Variants: a platform, shelves, a basket (sometimes with a tailgate that folds down), and a wheelbarrow. The handle is fixed,
     folds, slides up, or is a drawbar that tips.
     """
-    width, length = draw.between(0.5, 0.9), draw.between(0.8, 1.5)
-    radius = draw.between(0.07, 0.2)
-    floor = 2 * radius + draw.between(0.02, 0.1)
+    width, length = draw.ratio(0.4, 1.1), draw.ratio(0.5, 1.7)
+    radius = draw.ratio(0.05, 0.22) * min(length, 1.0)
+    floor = 2 * radius + draw.ratio(0.1, 0.6) * radius
     root = Node(draw.pick(["cart", "Cart"], [3, 1]))
     body = root.add("body")
     base = Link("body", [body])
@@ -26,7 +27,9 @@ def build(draw: Draw) -> SynthObject:
     kind = draw.pick(["platform", "shelves", "basket", "barrow"], [3, 3, 3, 2])
     if kind == "barrow":
         _barrow(draw, body, width, length, floor)
-        links += _wheel(draw, root, base, (0, radius, 0.55 * length), radius, 0.06, "wheel")
+        body.add("axle", cylinder(0.1 * radius, 0.4 * width, "x", (0, radius, 0.55 * length), 10))
+        for x in draw.pick([(0.0,), (-0.2 * width, 0.2 * width)], [4, 1]):
+            links.append(_wheel(draw, root, base, (x, radius, 0.55 * length), radius, radius * draw.between(0.2, 0.5)))
     else:
         _deck(draw, body, kind, width, length, floor)
         links += _wheels(draw, root, base, width, length, radius, floor)
@@ -65,49 +68,47 @@ def _deck(draw: Draw, body: Node, kind: str, width: float, length: float, floor:
         )
 
 
-def _wheel(
-    draw: Draw, root: Node, carrier: Link, at: tuple[float, float, float], radius: float, thick: float, name: str
-) -> list[Link]:
-    """A wheel that rolls about x: a disc, a tyre with spokes, or a rim with a hub."""
-    kind = draw.pick(["disc", "spokes", "rim"])
-    pieces = [cylinder(radius, thick, "x", at, draw.pick([16, 24, 32]))]
-    if kind == "spokes":
-        spokes = [turn(box((0.3 * thick, 1.8 * radius, 0.1 * radius), at), (1, 0, 0), 60 * k, at) for k in range(3)]
-        pieces = [torus(0.88 * radius, 0.12 * radius, "x", at), cylinder(0.2 * radius, thick, "x", at, 14), *spokes]
-    elif kind == "rim":
-        pieces = [tube(radius, 0.7 * radius, thick, "x", at), cylinder(0.7 * radius, 0.5 * thick, "x", at, 20)]
-    return [Link(name, [root.add(name, *pieces)], carrier, spinner(at, (1, 0, 0)))]
+def _wheel(draw: Draw, root: Node, carrier: Link, at: Point, radius: float, thick: float) -> Link:
+    """Add a wheel that rolls about x."""
+    node = root.add("wheel", *(move(piece, at) for piece in wheel_pieces(draw, radius, thick)))
+    return Link("wheel", [node], carrier, spinner(at, X))
 
 
 def _wheels(draw: Draw, root: Node, base: Link, width: float, length: float, radius: float, floor: float) -> list[Link]:
-    """Four wheels. None, two or all of them are on casters."""
+    """Two to six wheels. None, those of one end or all of them are on casters; the others may share an axle or be larger."""
     links: list[Link] = []
-    thick = draw.between(0.03, 0.07)
-    casters = draw.pick([(), (1,), (-1, 1)], [2, 4, 2])
+    thick = radius * draw.ratio(0.2, 0.9)
+    casters = draw.pick([(), (1.0,), (-1.0, 1.0)], [2, 4, 2])
+    rows = draw.pick([(-1.0, 1.0), (-1.0, 0.0, 1.0), (-1.0,)], [8, 1, 1])
     outside = draw.pick([-1.0, 1.0], [3, 1])
-    for sz in (-1, 1):
-        for sx in (-1, 1):
-            at = np.array([sx * (width / 2 + outside * thick), radius, sz * (length / 2 - 1.2 * radius)])
-            carrier = base
-            if sz in casters:
-                trail = 0.5 * radius
-                stem = cylinder(
-                    0.02, floor - 1.6 * radius + 0.02, "y", (at[0], 0.5 * (floor + 1.6 * radius), at[2] + trail), 12
-                )
-                fork = [
-                    box((0.012, 1.3 * radius, 0.4 * radius), at + [s * 0.7 * thick, 0.4 * radius, 0.3 * trail]) for s in (-1, 1)
-                ]
-                node = root.add("caster", stem, *fork)
-                carrier = Link("caster", [node], base, spinner(at + [0, radius, trail], (0, 1, 0)))
-                links.append(carrier)
-            links += _wheel(draw, root, carrier, (at[0], at[1], at[2]), radius, thick, "wheel")
+    z, swivels = length / 2 - 1.2 * radius, draw.chance(0.85)
+    large = radius * draw.ratio(1.0, 1.8) if outside > 0 and casters == (1.0,) else radius
+    heading = draw.pick([0.0, 180.0, draw.between(0.0, 360.0)])
+    if rows == (-1.0,):
+        base.nodes.append(root.add("leg", *(box((0.03, floor, 0.03), (s * 0.4 * width, 0.5 * floor, z)) for s in (-1, 1))))
+    for row in rows:
+        sides = (-1.0, 1.0) if row not in casters or draw.chance(0.85) else (0.0,)
+        for own, side in zip(draw.identical(len(sides)), sides, strict=True):
+            x = side * (width / 2 + outside * thick * 0.6)
+            if row in casters:
+                inner = side * (width / 2 - thick)
+                stem = (inner, floor, row * z)
+                links += add_caster(own, root, base, stem, floor, radius, thick, heading=heading, swivels=swivels)
+            else:
+                links.append(_wheel(own, root, base, (x, large, row * z), large, thick))
+        if row not in casters and draw.chance(0.7):
+            axle = cylinder(0.12 * radius, width + 2 * thick, "x", (0, large, row * z), 10)
+            brackets = [
+                box((0.02, max(floor - large, 0.02), 0.05), (s * 0.4 * width, 0.5 * (floor + large), row * z)) for s in (-1, 1)
+            ]
+            base.nodes.append(root.add("axle", axle, *brackets))
     return links
 
 
 def _handle(draw: Draw, root: Node, base: Link, width: float, length: float, floor: float) -> list[Link]:
     """A handle at the rear that is fixed, folds onto the deck or slides up; or a drawbar at the front."""
     kind = draw.pick(["fixed", "folding", "telescopic", "drawbar"], [4, 3, 1, 2])
-    rise, half = draw.between(0.5, 1.0), 0.45 * width
+    rise, half = draw.ratio(0.3, 1.1), 0.45 * width
     if kind == "drawbar":
         z, y = length / 2, floor - 0.03
         path = np.array([[0, y, z], [0, y, z + 0.7 * rise], [0, y, z + 0.8 * rise]])

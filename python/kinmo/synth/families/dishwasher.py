@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from kinmo.core.shape import Mesh
@@ -14,11 +16,11 @@ from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, 
 
 
 def build(draw: Draw) -> SynthObject:
-    """Dishwasher with a door hinged at its lower edge.
+    """Dishwasher with a door hinged at its lower edge, or one or two drawers.
 
-    Racks slide out or are fixed; buttons slide and dials turn. In a rare variant the door is a drawer that slides out.
+    Racks slide out or are fixed; buttons slide and dials turn.
     """
-    width, height, depth = draw.between(0.8, 1.25), draw.between(1.0, 1.5), draw.between(0.8, 1.15)
+    width, height, depth = draw.ratio(0.6, 1.5), draw.ratio(0.6, 1.7), draw.ratio(0.6, 1.3)
     x, y, z = width / 2, height / 2, depth / 2
     wall = draw.between(0.02, 0.06)
     root = Node("dishwasher")
@@ -26,12 +28,16 @@ def build(draw: Draw) -> SynthObject:
     casing = body.add("frame", *appliance_casing(draw, np.array([-x, -y, -z]), np.array([x, y, z]), wall))
     base = Link("frame", [casing], kind=draw.pick([JointType.HEAVY, JointType.FREE], [8, 1]))
     links = [base]
-    strip = draw.pick([0.0, draw.between(0.08, 0.15) * height], [1, 3])
-    kick = draw.pick([0.0, draw.between(0.04, 0.15) * height], [1, 3])
-    door = _door(draw, body, base, (x, -y + kick, y - strip), z, wall)
-    if draw.chance(0.1):
-        _make_drawer(draw, door, (x - wall, -y + kick, y - strip), z, depth)
-    links.append(door)
+    strip = draw.pick([0.0, draw.ratio(0.05, 0.2) * height], [1, 3])
+    kick = draw.pick([0.0, draw.ratio(0.03, 0.2) * height], [1, 3])
+    low, high = -y + kick, y - strip
+    drawers = draw.pick([0, 1, 2], [9, 1, 1])
+    edges = [low, low + draw.between(0.4, 0.6) * (high - low), high] if drawers == 2 else [low, high]
+    for bottom, ceiling in pairwise(edges):
+        door = _door(draw, body, base, (x, bottom, ceiling), z, wall)
+        if drawers:
+            _make_drawer(draw, door, (x - wall, bottom, ceiling), z, depth)
+        links.append(door)
     if strip:
         links += _controls(draw, body, base, x, y - strip / 2, strip, z)
     if draw.chance(0.5):
@@ -48,17 +54,17 @@ def _door(draw: Draw, body: Node, base: Link, extent: tuple[float, float, float]
     """The door between the heights `extent[1:]`, as wide as the body, hinged near its lower edge."""
     x, low, high = extent
     node = body.add("door")
-    thickness = draw.between(0.03, 0.12)
-    back = z - draw.pick([0.0, 0.5 * thickness])
+    thickness = draw.ratio(0.02, 0.15)
+    back = z - draw.pick([0.0, 0.5, 1.0], [4, 3, 1]) * thickness
     inset = draw.pick([0.0, wall, 0.01])
     panel: list[Mesh] = [box_between((-x + inset, low, back), (x - inset, high, back + thickness))]
     if draw.chance(0.3):
         panel.append(box_between((-x + 2 * wall, low + 0.05, back - 0.03), (x - 2 * wall, high - 0.05, back)))
     node.add("door_frame", *panel)
     if draw.chance(0.8):
-        top = high - draw.between(0.04, 0.15) * (high - low)
-        length = 2 * x * draw.between(0.3, 0.95)
-        thick, reach = draw.between(0.02, 0.06), draw.between(0.04, 0.09)
+        top = high - draw.between(0.03, 0.25) * (high - low)
+        length = 2 * x * draw.ratio(0.15, 0.98)
+        thick, reach = draw.ratio(0.012, 0.07), draw.ratio(0.03, 0.12)
         node.add("handle", *pull(draw, length, (0, top, back + thickness), vertical=False, thickness=thick, reach=reach))
     if draw.chance(0.15):
         size = (1.4 * x, 0.6 * (high - low))
@@ -101,7 +107,7 @@ def _controls(draw: Draw, body: Node, base: Link, x: float, y: float, height: fl
             node = panel.add("control_button", knob)
             links.append(Link("control_button", [node], base, slider((0, 0, -1), 0, travel), leaf_name="button"))
     elif kind == "dial":
-        links.append(add_dial(draw, panel, base, (side * 0.7 * x, y, front), 0.35 * height, "control_button"))
+        links += add_dial(draw, panel, base, (side * 0.7 * x, y, front), 0.35 * height, "control_button")
     elif kind == "keypad":
         pad = (0.5 * x, 0.7 * height)
         links += add_keypad(draw, panel, base, (side * 0.65 * x, y, front), pad, "control_button")

@@ -5,12 +5,29 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.spouts import add_spout, arm_path, neck_path
+from kinmo.synth.details.spouts import add_spout, arm_path, neck_path, pull_out_head
 from kinmo.synth.details.turning_handles import lever, revolved_cap, turning_handle
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import X, Y, Z, along, box, cylinder, lathe, move, rotation, rounded_box, rounded_path, torus, turn
+from kinmo.synth.primitives import (
+    X,
+    Y,
+    Z,
+    along,
+    box,
+    cylinder,
+    ellipsoid,
+    lathe,
+    move,
+    rotation,
+    rounded_box,
+    rounded_path,
+    sweep,
+    torus,
+    turn,
+)
 from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, screw, slider, spinner
 
 
@@ -30,19 +47,28 @@ class _Faucet:
         node = self.unit.add("switch", *pieces)
         self.links.append(Link("switch", [node], self.base, motion))
 
+    def swivel_spout(self, motion: Motion) -> None:
+        """Give the spout a joint. A head that pulls out moves along."""
+        swivelling = Link("spout", [self.spout], self.base, motion)
+        for link in self.links:
+            if link.name == "head":
+                link.parent = swivelling
+        self.links.append(swivelling)
+
 
 def build(draw: Draw) -> SynthObject:
     """Faucet with one or two switches.
 
-    Variants: one lever on top, a lever at the side, two handles, a wall tap, and a wall bar with a switch at each end. Switches
-    turn about their stem; some screw. Some spouts swivel, and some faucets have a pull rod that slides.
+    Variants: one lever on top, a stick that turns and tips, a lever at the side, two handles, a wall tap, and a wall bar with a
+    switch at each end. Switches turn about their stem or tip; some screw. Some spouts swivel, some heads pull out, and some
+    faucets have a pull rod that slides.
     """
     root = Node("faucet")
     unit = root.add("normal_faucet")
     frame, spout = Node("frame"), Node("spout")
     base = Link("frame", [frame], kind=draw.pick([JointType.STATIC, JointType.FREE, JointType.HEAVY], [4, 1, 1]))
     faucet = _Faucet(draw, frame, spout, unit, base, [base])
-    kind = draw.pick([_single_lever, _side_lever, _two_handles, _wall_tap, _wall_pair], [7, 2, 3, 2, 1])
+    kind = draw.pick([_single_lever, _stick, _side_lever, _two_handles, _wall_tap, _wall_pair], [7, 2, 3, 4, 2, 1])
     kind(faucet)
     unit.children += [node for node in (frame, spout) if node.children]
     if not any(spout in link.nodes for link in faucet.links) and spout.children:
@@ -55,18 +81,21 @@ def build(draw: Draw) -> SynthObject:
 def _single_lever(faucet: _Faucet) -> None:
     """A post with the spout in front and the switch on top, vertical or leaning forwards."""
     draw = faucet.draw
-    radius, height = draw.between(0.08, 0.16), draw.between(0.4, 1.0)
+    radius, height = draw.ratio(0.05, 0.2), draw.ratio(0.3, 1.3)
     _post(faucet, radius, height)
-    reach, root_height = draw.between(0.5, 1.1), height * draw.between(0.45, 0.85)
-    add_spout(draw, faucet.spout, arm_path(draw, reach, root_height, radius), radius * draw.between(0.5, 0.85))
+    reach, root_height = draw.ratio(0.35, 1.3), height * draw.between(0.4, 0.9)
+    _add_spout(faucet, arm_path(draw, reach, root_height, radius), radius * draw.between(0.4, 0.85))
+    if draw.chance(0.15):
+        turned = draw.pick([(-90, 90), (-60, 60), (-180, 180)])
+        faucet.swivel_spout(hinge((0, draw.pick([0.0, root_height]), 0), Y, *turned))
     top = height + draw.pick([0.0, 0.003, draw.between(-0.02, 0.0)])
     cap = radius * draw.between(0.85, 1.15)
-    cap_height = draw.between(0.1, 0.3)
-    length = draw.between(0.35, 0.95)
+    cap_height = draw.ratio(0.05, 0.35)
+    length = draw.ratio(0.2, 1.1)
     arm = lever(draw, length, draw.between(0.018, 0.04), cap_height * draw.between(0.4, 0.95))
     pieces = [revolved_cap(draw, cap, cap_height), *arm]
-    if draw.chance(0.12):
-        pieces = turning_handle(draw, draw.between(0.15, 0.3), cap_height)
+    if draw.chance(0.18):
+        pieces = turning_handle(draw, draw.ratio(0.1, 0.35), cap_height)
     pieces = [move(piece, (0, top, 0)) for piece in pieces]
     lean = draw.between(-30.0, 25.0) if draw.chance(0.2) else 0.0
     axis = np.array([0.0, np.cos(np.radians(lean)), np.sin(np.radians(lean))])
@@ -88,14 +117,48 @@ def _single_lever(faucet: _Faucet) -> None:
         faucet.links.append(Link("slider", [other], faucet.base, slider(rotation(X, lean) @ Y, 0.0, draw.between(0.03, 0.1))))
 
 
+def _stick(faucet: _Faucet) -> None:
+    """A post with a cap that turns and a stick or lever on it that tips; one of the two joints may be missing."""
+    draw = faucet.draw
+    radius, height = draw.ratio(0.05, 0.2), draw.ratio(0.15, 1.0)
+    _post(faucet, radius, height)
+    cap, tall = radius * draw.between(0.7, 1.2), draw.ratio(0.04, 0.25)
+    turns, tips = draw.pick([(True, True), (True, False), (False, True)], [3, 1, 2])
+    level = height + tall * draw.between(0.3, 1.0)
+    lean, length = draw.between(0.0, 80.0), draw.ratio(0.15, 0.8)
+    rod = radius * draw.between(0.12, 0.35)
+    stick = sweep(np.array([(0, level, 0), (0, level + length, 0)]), rod * np.array([1.0, draw.between(0.5, 1.5)]), 10)
+    pieces = [turn(stick, X, lean, (0, level, 0)), ellipsoid(np.full(3, 1.6 * rod), (0, level, 0), 12, 8)]
+    if draw.chance(0.3):
+        pieces.append(turn(ellipsoid(np.full(3, 1.8 * rod), (0, level + length, 0), 12, 8), X, lean, (0, level, 0)))
+    dome = move(revolved_cap(draw, cap, tall), (0, height, 0))
+    swing, up, down = draw.between(30.0, 90.0), draw.between(10.0, 40.0), draw.between(0.0, 15.0)
+    tipping = hinge((0, level, 0), X * draw.sign(), -up, down) if lean > 45.0 else hinge((0, level, 0), X, -up, up)
+    if turns and tips:
+        node = faucet.unit.add("switch", dome)
+        turning = Link("switch", [node], faucet.base, hinge((0, height, 0), Y * draw.sign(), -swing, swing))
+        faucet.links += [turning, Link("lever", [faucet.unit.add(draw.pick(["lever", "switch"]), *pieces)], turning, tipping)]
+    elif turns:
+        faucet.add_switch([dome, *pieces], hinge((0, height, 0), Y, -swing, swing))
+    else:
+        faucet.frame.add("vertical_support", dome)
+        faucet.add_switch(pieces, tipping)
+    if draw.chance(0.5):
+        path = arm_path(draw, draw.ratio(0.4, 1.2), height * draw.between(0.4, 0.9), radius)
+        _add_spout(faucet, path, radius * draw.between(0.4, 0.85))
+    else:
+        # The spout stands beside the post.
+        _high_spout(faucet, 0.0, radius * draw.between(0.4, 0.9), aside=draw.sign() * draw.between(2.2, 5.0) * radius)
+
+
 def _side_lever(faucet: _Faucet) -> None:
     """A tall post with a curved spout that may swivel, and a lever on a stub at the side."""
     draw = faucet.draw
-    radius, height = draw.between(0.05, 0.1), draw.between(0.3, 0.8)
+    radius, height = draw.ratio(0.04, 0.14), draw.ratio(0.2, 1.0)
     _post(faucet, radius, height)
     stem = height * draw.between(0.35, 0.8)
     side = draw.sign()
-    stub = draw.between(0.03, 0.12)
+    stub = draw.ratio(0.02, 0.25)
     thick = radius * draw.between(0.5, 0.9)
     faucet.frame.add("horizontal_support", cylinder(thick, radius + stub, "x", (side * 0.5 * (radius + stub), stem, 0), 16))
     pieces = turning_handle(draw, draw.between(0.2, 0.45), draw.between(0.05, 0.15))
@@ -103,15 +166,17 @@ def _side_lever(faucet: _Faucet) -> None:
     if side < 0:
         pieces = [turn(piece, Y, 180.0) for piece in pieces]
     at = (side * (radius + stub), stem, 0.0)
-    faucet.add_switch([move(p, at) for p in pieces], hinge((0, stem, 0) if draw.chance(0.5) else at, X, -45.0, 60.0))
+    origin = (0, stem, 0) if draw.chance(0.5) else at
+    motion = spinner(origin, X) if draw.chance(0.1) else hinge(origin, X, -draw.between(20.0, 90.0), draw.between(0.0, 90.0))
+    faucet.add_switch([move(p, at) for p in pieces], motion)
     _high_spout(faucet, height, radius * draw.between(0.6, 1.0))
 
 
 def _two_handles(faucet: _Faucet) -> None:
     """Two switches beside a spout in the middle, on one plate or each on its own foot."""
     draw = faucet.draw
-    apart = draw.between(0.3, 0.7)
-    foot, stem = draw.between(0.06, 0.12), draw.between(0.08, 0.35)
+    apart = draw.ratio(0.25, 0.9)
+    foot, stem = draw.ratio(0.04, 0.14), draw.ratio(0.05, 0.4)
     plate = draw.between(0.03, 0.08)
     joined = draw.chance(0.6)
     if joined:
@@ -149,7 +214,7 @@ def _wall_tap(faucet: _Faucet) -> None:
     faucet.frame.add("horizontal_support", cylinder(radius, length, "z", (0, 0, 0.5 * length), 18))
     mouth = length + draw.between(0.1, 0.4)
     path = [(0, 0, length - 0.05), (0, 0, mouth), (0, -draw.between(0.15, 0.5), mouth + draw.between(0.0, 0.15))]
-    add_spout(draw, faucet.spout, rounded_path(np.array(path), 0.2, 8), 0.85 * radius)
+    _add_spout(faucet, rounded_path(np.array(path), 0.2, 8), 0.85 * radius)
     z, stem = length * draw.between(0.5, 0.9), draw.between(0.12, 0.3)
     faucet.frame.add("vertical_support", cylinder(0.7 * radius, stem, "y", (0, 0.5 * stem, z), 16))
     tilt = draw.pick([0.0, draw.between(-35.0, 35.0)], [3, 1])
@@ -175,7 +240,7 @@ def _wall_pair(faucet: _Faucet) -> None:
         pieces = [move(turn(along(p, "x"), Y, 0.0 if side > 0 else 180.0), (side * half, 0, 0)) for p in grip]
         faucet.add_switch(pieces, hinge((side * half * draw.pick([0.0, 1.0]), 0, 0), X, *draw.pick([(-90, 90), (0, 120)])))
     path = [(0, 0, 0.5 * radius), (0, 0, draw.between(0.3, 0.6)), (0, -draw.between(0.1, 0.3), draw.between(0.55, 0.8))]
-    add_spout(draw, faucet.spout, rounded_path(np.array(path), 0.15), 0.5 * radius)
+    _add_spout(faucet, rounded_path(np.array(path), 0.15), 0.5 * radius)
 
 
 def _post(faucet: _Faucet, radius: float, height: float) -> None:
@@ -198,11 +263,22 @@ def _post(faucet: _Faucet, radius: float, height: float) -> None:
     faucet.frame.add("vertical_support", post, *rings)
 
 
-def _high_spout(faucet: _Faucet, foot: float, radius: float) -> None:
-    """Add a spout that stands on `foot` and may swivel about a vertical line."""
+def _high_spout(faucet: _Faucet, foot: float, radius: float, aside: float = 0.0) -> None:
+    """Add a spout that stands on `foot`, `aside` along x, and may swivel about a vertical line."""
     draw = faucet.draw
-    add_spout(draw, faucet.spout, neck_path(draw, foot), radius)
+    _add_spout(faucet, neck_path(draw, foot) + (aside, 0.0, 0.0), radius)
+    if aside:
+        faucet.frame.add("surface_base", cylinder(1.4 * radius, 0.04, "y", (aside, foot + 0.02, 0)))
     if draw.chance(0.55):
         turned = draw.between(-60.0, 60.0) if draw.chance(0.2) else 0.0
-        motion = hinge((0, draw.pick([0.0, foot]), 0), Y, *draw.pick([(-90, 90), (-60, 60), (-180, 180)]), rest=turned)
-        faucet.links.append(Link("spout", [faucet.spout], faucet.base, motion))
+        limits = draw.pick([(-90, 90), (-60, 60), (-180, 180)])
+        faucet.swivel_spout(hinge((aside, draw.pick([0.0, foot]), 0), Y, *limits, rest=turned))
+
+
+def _add_spout(faucet: _Faucet, path: NDArray[np.float64], radius: float) -> None:
+    """Add the spout along a path [N, 3], sometimes with a head that pulls out of its end."""
+    draw = faucet.draw
+    add_spout(draw, faucet.spout, path, radius)
+    if draw.chance(0.15):
+        pieces, motion = pull_out_head(draw, path, radius)
+        faucet.links.append(Link("head", [faucet.unit.add(draw.pick(["head", "spray"]), *pieces)], faucet.base, motion))

@@ -1,8 +1,9 @@
-"""Microwaves with a door at the left, controls at the right and a turntable."""
+"""Microwaves with a door, controls beside, above or below it, and a turntable."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.synth.details.appliances import add_dial, add_feet, appliance_casing, rectangular_frame
 from kinmo.synth.details.handles import pull
@@ -13,37 +14,46 @@ from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, 
 
 
 def build(draw: Draw) -> SynthObject:
-    """Microwave whose door turns about its left edge.
+    """Microwave whose door turns about a side or its lower or upper edge, or slides out with a drawer behind it.
 
     The turntable and dials turn; keys and the door button slide in.
     """
-    width, height, depth = draw.between(1.2, 1.7), draw.between(0.6, 1.1), draw.between(0.7, 1.4)
+    width, height, depth = draw.ratio(0.9, 2.0), draw.ratio(0.5, 1.3), draw.ratio(0.5, 1.5)
     x, y, z = width / 2, height / 2, depth / 2
-    split = x - draw.between(0.18, 0.32) * width
-    wall = draw.between(0.03, 0.1)
+    wall = draw.ratio(0.02, 0.12)
     root = Node("microwave")
     body = root.add("body")
-    casing = body.add("frame", *appliance_casing(draw, np.array([-x, -y, -z]), np.array([split, y, z]), wall))
-    casing.pieces.append(box_between((split, -y, -z), (x, y, z)))
+    where = draw.pick(["right", "left", "above", "below"], [10, 1.5, 1, 1])
+    share = draw.between(0.15, 0.35)
+    low, high, panel_low, panel_high = np.array([-x, -y]), np.array([x, y]), np.array([-x, -y]), np.array([x, y])
+    axis = 0 if where in ("right", "left") else 1
+    if where in ("right", "above"):
+        high[axis] = panel_low[axis] = high[axis] - share * (width, height)[axis]
+    else:
+        low[axis] = panel_high[axis] = low[axis] + share * (width, height)[axis]
+    casing = body.add("frame", *appliance_casing(draw, np.array([*low, -z]), np.array([*high, z]), wall))
+    casing.pieces.append(box_between((*panel_low, -z), (*panel_high, z)))
     base = Link("frame", [casing], kind=draw.pick([JointType.HEAVY, JointType.FREE], [8, 1]))
-    links = [base, _door(draw, body, base, -x, split, y, z)]
+    links = [base, _door(draw, body, base, low, high, z, depth)]
     if draw.chance(0.75):
-        links += _controls(draw, body, base, split, x, y, z)
+        links += _controls(draw, body, base, panel_low, panel_high, z)
     if draw.chance(0.7):
-        links += _turntable(draw, body, base, (split - x) / 2, -y + wall, min(split + x, depth) * 0.4)
+        middle, room = 0.5 * float(low[0] + high[0]), min(float(high[0] - low[0]), depth)
+        links += _turntable(draw, body, base, middle, float(low[1]) + wall, room * draw.between(0.25, 0.42))
     if draw.chance(0.5):
         base.nodes.append(add_feet(draw, root, x, z, -y))
     return SynthObject("Microwave", root, links)
 
 
-def _door(draw: Draw, body: Node, base: Link, left: float, right: float, y: float, z: float) -> Link:
-    """The door with its window and handle, hinged at its left edge."""
+def _door(
+    draw: Draw, body: Node, base: Link, area_low: NDArray[np.float64], area_high: NDArray[np.float64], z: float, depth: float
+) -> Link:
+    """The door between two corners [2] with its window and handle, mostly hinged at its left edge."""
     node = body.add("door")
-    thickness, rim = draw.between(0.02, 0.13), draw.between(0.08, 0.2)
+    thickness, rim = draw.ratio(0.015, 0.15), draw.ratio(0.05, 0.25) * float((area_high - area_low).min())
     shrink = draw.pick([0.0, draw.between(0.0, 0.06)])
     back = z - draw.pick([0.0, thickness], [3, 2])
-    low = np.array([left + shrink, -y + shrink, back])
-    high = np.array([right - draw.pick([0.0, 0.01]), y - shrink, back + thickness])
+    low, high = np.array([*(area_low + shrink), back]), np.array([*(area_high - shrink), back + thickness])
     pane_z = back + thickness * draw.pick([0.5, 1.0, 1.02])
     pane = (high[0] - low[0] - 2 * rim, high[1] - low[1] - 2 * rim)
     middle = (0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), pane_z)
@@ -53,44 +63,70 @@ def _door(draw: Draw, body: Node, base: Link, left: float, right: float, y: floa
     if draw.chance(0.85) or not node.children:
         thin = draw.pick([0.0, 0.004, 0.02])
         node.add("glass", sheet(pane, middle, "z") if thin == 0 else box((*pane, thin), middle))
+    side = draw.pick(["left", "right", "bottom", "top", "drawer"], [10, 2, 2, 0.7, 0.4])
+    out = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1), "drawer": (0, -1)}[side]
+    size, upright = high - low, out[0] != 0
     if draw.chance(0.6):
-        length = draw.between(0.3, 0.85) * 2 * y
-        at = (high[0] - draw.between(0.25, 0.6) * rim, middle[1], back + thickness)
-        node.add("handle", *pull(draw, length, at, vertical=True, thickness=draw.between(0.03, 0.07)))
+        length = draw.between(0.3, 0.85) * size[1 if upright else 0]
+        inset = draw.between(0.25, 0.6) * rim
+        at = (middle[0] - out[0] * (0.5 * size[0] - inset), middle[1] - out[1] * (0.5 * size[1] - inset), back + thickness)
+        node.add("handle", *pull(draw, length, at, vertical=upright, thickness=draw.ratio(0.02, 0.08)))
+    if side == "drawer":
+        tub = box_between((*(low[:2] + 0.1 * size[:2]), z - 0.8 * depth), (*(low[:2] + (0.9, 0.5) * size[:2]), z))
+        node.add("drawer_box", tub)
+        return Link("door", [node], base, slider((0, 0, 1), 0, draw.between(0.3, 0.7) * depth))
     if draw.chance(0.15):
-        for place in (-0.8, 0.8):
-            node.add("hinge", box((0.05, 0.01, 0.08), (low[0] + 0.02, place * y, back)))
-    axis = (low[0] + draw.between(-0.02, 0.04), 0, back + thickness * draw.pick([0.0, 0.5, 1.0]))
-    opens = draw.pick([90.0, 110.0, 120.0], [6, 1, 1])
+        across = (0.05, 0.01, 0.08) if upright else (0.01, 0.05, 0.08)
+        for place in (-0.4, 0.4):
+            along = (0, place * size[1]) if upright else (place * size[0], 0)
+            edge = (middle[0] + out[0] * 0.48 * size[0] + along[0], middle[1] + out[1] * 0.48 * size[1] + along[1], back)
+            node.add("hinge", box(across, edge))
+    inward = draw.between(-0.02, 0.04)
+    origin = (middle[0] + out[0] * (0.5 * size[0] - inward), middle[1] + out[1] * (0.5 * size[1] - inward))
+    axis = (0, out[0], 0) if upright else (-out[1], 0, 0)
+    opens = draw.pick([90.0, 110.0, 120.0, draw.between(70.0, 170.0)], [6, 1, 1, 1])
     rest = draw.between(20, 80) if draw.chance(0.15) else 0.0
-    return Link("door", [node], base, hinge(axis, (0, -1, 0), 0, opens, rest=rest))
+    deep = back + thickness * draw.pick([0.0, 0.5, 1.0])
+    return Link("door", [node], base, hinge((*origin, deep), axis, 0, opens, rest=min(rest, opens)))
 
 
-def _controls(draw: Draw, body: Node, base: Link, left: float, right: float, y: float, z: float) -> list[Link]:
-    """A display, a keypad, dials or both, and a wide button that opens the door."""
+def _controls(draw: Draw, body: Node, base: Link, low: NDArray[np.float64], high: NDArray[np.float64], z: float) -> list[Link]:
+    """A display, a keypad, dials or both, and a wide button that opens the door, along the longer side of an area."""
     panel = body.add("side_controls")
-    middle, width = 0.5 * (left + right), right - left
+    (x, y), (width, height) = 0.5 * (low + high), high - low
+    upright = height > width
+    long, across = max(width, height), min(width, height)
     links: list[Link] = []
+
+    def at(share: float) -> tuple[float, float, float]:
+        """Point at a share of the length, from the upper or left end."""
+        return (x, y + (0.5 - share) * height, z) if upright else (x + (share - 0.5) * width, y, z)
+
+    def area(part: float) -> tuple[float, float]:
+        """Size of a field that covers a part of the length."""
+        return (0.75 * across, part * long) if upright else (part * long, 0.75 * across)
+
     if draw.chance(0.6):
-        display = (0.7 * width, draw.between(0.08, 0.2) * y)
-        at = (middle, 0.75 * y, z + 0.003)
-        flat = draw.chance(0.4)
-        base.nodes.append(panel.add("display_panel", sheet(display, at, "z") if flat else box((*display, 0.01), at)))
+        display, place, flat = area(draw.between(0.05, 0.15)), at(0.12), draw.chance(0.4)
+        mesh = sheet(display, (*place[:2], z + 0.003), "z") if flat else box((*display, 0.01), (*place[:2], z + 0.003))
+        base.nodes.append(panel.add("display_panel", mesh))
     kind = draw.pick(["keypad", "dials", "both"], [5, 4, 2])
     if kind != "dials":
-        height = 1.1 * y if kind == "keypad" else 0.5 * y
-        links += add_keypad(draw, panel, base, (middle, 0.05 * y, z), (0.75 * width, height), "control_button")
+        links += add_keypad(
+            draw, panel, base, at(0.5 if kind == "keypad" else 0.4), area(0.45 if kind == "keypad" else 0.25), "control_button"
+        )
     if kind != "keypad":
-        count = draw.pick([1, 2], [1, 2]) if kind == "dials" else 1
-        for row in range(count):
-            at = (middle, (0.4 - 0.7 * row) * y if kind == "dials" else -0.5 * y, z)
-            links.append(add_dial(draw, panel, base, at, draw.between(0.2, 0.32) * width, "control_button"))
+        count = draw.pick([1, 2, 3], [1, 2, 0.5]) if kind == "dials" else 1
+        radius = min(draw.between(0.15, 0.4) * across, 0.25 * long / count)
+        for index, own in enumerate(draw.identical(count)):
+            place = at(0.25 + 0.5 * (index + 0.5) / count if kind == "dials" else 0.72)
+            links += add_dial(own, panel, base, place, radius, "control_button")
     if draw.chance(0.35):
         travel = draw.between(0.004, 0.02)
-        node = panel.add("door_button", rounded_box((0.7 * width, 0.1 * y, 2 * travel), 0.01, "z", (middle, -0.82 * y, z)))
+        node = panel.add("door_button", rounded_box((*area(0.08), 2 * travel), 0.01, "z", at(0.91)))
         links.append(Link("door_button", [node], base, slider((0, 0, -1), 0, travel), leaf_name="button"))
     if not panel.children:
-        base.nodes.append(panel.add("display_panel", sheet((0.8 * width, y), (middle, 0, z), "z")))
+        base.nodes.append(panel.add("display_panel", sheet(area(0.5), at(0.5), "z")))
     return links
 
 

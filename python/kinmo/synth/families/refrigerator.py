@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from kinmo.synth.details.appliances import add_feet, appliance_casing
+from kinmo.synth.details.casework_extras import add_lift_top
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import box, box_between, cylinder, rounded_box, sheet
+from kinmo.synth.primitives import X, box, box_between, cylinder, move, open_box, rounded_box, sheet, turn
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
 Cell = tuple[float, float, float, float, str]
@@ -18,10 +21,13 @@ Cell = tuple[float, float, float, float, str]
 def build(draw: Draw) -> SynthObject:
     """Refrigerator whose doors turn about an outer vertical edge and whose drawers slide forward.
 
-    Variants: one door, two doors one above the other, two side by side, two over drawers, and four doors. Shelves and crispers
-    slide or are fixed. A dispenser on a door has keys that slide in and a paddle that tips or slides.
+    Variants: one door, two or three one above the other, two side by side, two over drawers or over one door, four doors, a low
+    bar with one door, a chest whose lid folds up, and a stack of drawers. Shelves, crispers and inner drawers slide or are
+    fixed. A dispenser on a door has keys that slide in and a paddle that tips or slides.
     """
-    width, height, depth = draw.between(0.6, 1.2), draw.between(1.0, 2.0), draw.between(0.6, 1.0)
+    low_one = draw.chance(0.2)
+    width, depth = draw.ratio(0.5, 1.3), draw.ratio(0.45, 1.1)
+    height = draw.ratio(0.4, 1.0) if low_one else draw.ratio(0.9, 2.3)
     x, y, z = width / 2, height / 2, depth / 2
     wall = draw.between(0.03, 0.08)
     root = Node("refrigerator")
@@ -29,14 +35,21 @@ def build(draw: Draw) -> SynthObject:
     casing = body.add("frame", *appliance_casing(draw, np.array([-x, -y, -z]), np.array([x, y, z]), wall))
     base = Link("frame", [casing], kind=draw.pick([JointType.HEAVY, JointType.STATIC], [8, 1]))
     links = [base]
-    low = -y + draw.pick([0.0, draw.between(0.03, 0.12)])
-    thickness = draw.between(0.03, 0.12)
-    handles = draw.chance(0.85)
-    for cell in _cells(draw, x, low, y):
-        if cell[4] == "drawer":
-            links.append(_drawer(draw, body, base, cell, z, thickness, depth))
-        else:
-            links.append(_door(draw, body, base, cell, z, thickness, handles))
+    low = -y + draw.pick([0.0, draw.between(0.02, 0.12) * height])
+    top = y - draw.pick([0.0, draw.between(0.02, 0.1) * height], [3, 1])
+    thickness, handles = draw.ratio(0.02, 0.15), draw.chance(0.8)
+    # Doors lie on the body, or fit between its walls.
+    inset = draw.pick([0.0, wall], [7, 1])
+    front = z - draw.pick([0.0, thickness], [1, 3]) if inset else z
+    if low_one and draw.chance(0.2):
+        links.append(add_lift_top(draw, body, base, (-x, y, -z), (x, y + thickness, z), "door"))
+        casing.pieces = [turn(open_box((-x, -z, -y), (x, z, y), wall), X, -90.0)]
+    else:
+        for cell in _cells(draw, x - inset, low, top - inset, low_one=low_one):
+            if cell[4] == "drawer":
+                links.append(_drawer(draw, body, base, cell, front, thickness, depth, handles=handles))
+            else:
+                links.append(_door(draw, body, base, cell, front, thickness, handles))
     if draw.chance(0.35):
         links += _interior(draw, body, base, (width - 2 * wall, 0.2 * height, 0.75 * depth), low)
     doors = [link for link in links if link.name == "door"]
@@ -47,27 +60,42 @@ def build(draw: Draw) -> SynthObject:
     return SynthObject("Refrigerator", root, links)
 
 
-def _cells(draw: Draw, x: float, low: float, high: float) -> list[Cell]:
+def _cells(draw: Draw, x: float, low: float, high: float, *, low_one: bool) -> list[Cell]:
     """Division of the front into doors and drawers."""
-    side = draw.pick(["left", "right"], [1, 2])
-    plan = draw.pick(["single", "two", "beside", "french", "four"], [1, 4, 4, 2, 1])
-    gap = draw.pick([0.0, draw.between(0.002, 0.012)])
-    split = low + (high - low) * draw.pick([draw.between(0.28, 0.45), draw.between(0.6, 0.75)])
+    side = draw.pick(["left", "right"], [1, 1])
+    plan = draw.pick(["single", "two", "three", "beside", "french", "four", "drawers"], [1, 5, 1, 4, 3, 1, 0.5])
+    if low_one:
+        plan = draw.pick(["single", "two", "drawers"], [5, 1, 1])
+    gap = draw.pick([0.0, draw.between(0.002, 0.015)])
+    split = low + (high - low) * draw.pick([draw.between(0.15, 0.5), draw.between(0.5, 0.85)])
     if plan == "single":
         return [(-x, low, x, high, side)]
-    if plan == "two":
-        below = "drawer" if draw.chance(0.2) and split < (low + high) / 2 else side
-        return [(-x, split + gap, x, high, side), (-x, low, x, split - gap, below)]
-    middle = draw.pick([0.0, draw.between(-0.2, 0.1) * x], [1, 2]) if plan == "beside" else 0.0
+    if plan in ("two", "three", "drawers"):
+        count = {"two": 2, "three": 3}.get(plan, draw.integer(2, 4))
+        edges = [low, split, high] if plan == "two" else list(np.linspace(low, high, count + 1))
+        share = {"two": 0.25, "three": 0.5}.get(plan, 1.0)
+        swapped = draw.chance(0.1)  # one door is hinged at the other side
+        cells: list[Cell] = []
+        for index, (bottom, ceiling) in enumerate(pairwise(edges)):
+            other = "left" if side == "right" else "right"
+            is_drawer = draw.chance(share) and (plan == "drawers" or index < len(edges) - 2)
+            hinged = other if swapped and index == 0 else side
+            cells.append((-x, bottom + gap * (index > 0), x, ceiling - gap, "drawer" if is_drawer else hinged))
+        return cells[::-1]
+    middle = draw.pick([0.0, draw.between(-0.3, 0.3) * x], [1, 2]) if plan == "beside" else 0.0
     floor = low if plan == "beside" else split
-    pair = [(-x, floor + gap, middle - gap, high, "left"), (middle + gap, floor + gap, x, high, "right")]
+    pair: list[Cell] = [(-x, floor + gap, middle - gap, high, "left"), (middle + gap, floor + gap, x, high, "right")]
     if plan == "beside":
         return pair
     if plan == "four":
         return [*pair, (-x, low, -gap, split - gap, "left"), (gap, low, x, split - gap, "right")]
-    rows = draw.integer(1, 2)
+    if draw.chance(0.15):
+        return [*pair, (-x, low, x, split - gap, side)]
+    rows = draw.integer(1, 3)
     step = (split - low) / rows
-    return [*pair, *((-x, low + row * step, x, low + (row + 1) * step - gap, "drawer") for row in range(rows))]
+    columns = [(-x, -gap), (gap, x)] if rows > 1 and draw.chance(0.15) else [(-x, x)]
+    spans = [(low + row * step, low + (row + 1) * step - gap) for row in range(rows)]
+    return [*pair, *((left, bottom, right, ceiling, "drawer") for bottom, ceiling in spans for left, right in columns)]
 
 
 def _panel(draw: Draw, node: Node, cell: Cell, back: float, thickness: float) -> None:
@@ -93,11 +121,13 @@ def _door(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: f
     edge = left if side == "left" else right
     width, height = right - left, high - low
     if handles:
-        x = edge - out * (width - draw.between(0.05, 0.14) * width)
-        length = height * draw.between(0.2, 0.8)
-        y = (low + high) / 2 + draw.between(-0.4, 0.4) * (height - length)
-        thick, reach = draw.between(0.02, 0.05), draw.between(0.04, 0.09)
-        node.add("handle", *pull(draw, length, (x, y, back + thickness), vertical=True, thickness=thick, reach=reach))
+        thick, reach = draw.ratio(0.012, 0.06), draw.ratio(0.03, 0.12)
+        level = draw.chance(0.1) and width > 0.3
+        length = min(0.4 * width if level else height, height) * draw.ratio(0.1, 0.95)
+        margin = draw.between(0.03, 0.18) * width + (0.5 * length if level else 0.0)
+        x = edge - out * (width - margin)
+        y = (low + high) / 2 + draw.between(-0.5, 0.5) * (height - length)
+        node.add("handle", *pull(draw, length, (x, y, back + thickness), vertical=not level, thickness=thick, reach=reach))
     if draw.chance(0.3):
         for row in range(draw.integer(1, 3)):
             shelf = box((0.75 * width, 0.06, 0.1), ((left + right) / 2, low + (row + 0.7) * height / 4, back - 0.05))
@@ -112,16 +142,23 @@ def _door(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: f
     return Link("door", [node], base, hinge(axis, (0, out, 0), 0, draw.pick([90.0, 120.0, 180.0], [2, 2, 4]), rest=rest))
 
 
-def _drawer(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: float, depth: float) -> Link:
-    """A drawer with a handle."""
+def _drawer(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: float, depth: float, *, handles: bool) -> Link:
+    """A drawer, mostly with a handle, with a block, a tub or nothing behind its front."""
     left, low, right, high, _ = cell
     node = body.add("drawer")
     _panel(draw, node, cell, z, thickness)
-    if draw.chance(0.7):
-        inner = box_between((left + 0.08, low + 0.03, z - 0.8 * depth), (right - 0.08, low + 0.7 * (high - low), z))
-        node.add("drawer_box", inner)
-    at = ((left + right) / 2, high - 0.15 * (high - low), z + thickness)
-    node.add("handle", *pull(draw, 0.6 * (right - left), at, vertical=False, thickness=0.03))
+    wide, rim, deep = 0.5 * (right - left) - 0.08, low + draw.between(0.3, 0.9) * (high - low), draw.between(0.5, 0.9) * depth
+    form = draw.pick(["block", "tub", "none"], [3, 4, 3]) if wide > 0.05 else "none"
+    middle = 0.5 * (left + right)
+    if form == "block":
+        node.add("drawer_box", box_between((middle - wide, low + 0.02, z - deep), (middle + wide, rim, z)))
+    elif form == "tub":
+        tall = rim - low - 0.02
+        tub = turn(open_box((-wide, -deep / 2, -tall / 2), (wide, deep / 2, tall / 2), min(0.015, 0.2 * tall)), X, -90.0)
+        node.add("drawer_box", move(tub, (middle, low + 0.02 + tall / 2, z - deep / 2)))
+    if handles:
+        at = (middle, high - draw.between(0.05, 0.6) * (high - low), z + thickness)
+        node.add("handle", *pull(draw, draw.between(0.2, 0.9) * (right - left), at, vertical=False, thickness=0.03))
     travel = draw.between(0.4, 0.75) * depth
     rest = travel * draw.between(0.2, 0.9) if draw.chance(0.12) else 0.0
     return Link("drawer", [node], base, slider((0, 0, 1), 0, travel, rest=rest))

@@ -10,8 +10,8 @@ from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import box, box_between, cylinder
-from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge
+from kinmo.synth.primitives import X, box, box_between, cylinder, rotation_about, rounded_box
+from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
 _HARDWARE = [
     ["wheel"],
@@ -39,43 +39,100 @@ _SIZES = {
 """Range of the size of each kind."""
 
 
+FIXED_LOCK_SHARE = 0.08
+"""Share of locks that do not move."""
+INSET, OVERLAID = "inset", "overlaid"
+"""Doors that fit into the casing's front, and doors that lie on it."""
+
+
 def build(draw: Draw) -> SynthObject:
-    """Safe whose door turns about a vertical edge.
+    """Safe whose door turns about a vertical edge, or rarely about its lower or upper edge.
 
-    Locks on the door turn about its normal, and keys of a keypad slide in.
+    Variants: one door, a pair of doors, a tall cabinet, a box whose lid is on top. Locks on a door turn about its normal, and
+    keys of a keypad slide in. Shelves, a drawer or a smaller door may be behind the door.
     """
-    width, height, depth = draw.between(0.8, 1.3), draw.between(0.8, 1.7), draw.between(0.7, 1.2)
-    wall = draw.between(0.04, 0.14)
-    front, thickness = depth / 2, draw.between(0.03, 0.15)
+    width, depth = draw.ratio(0.6, 1.5), draw.ratio(0.4, 1.4)
+    height = draw.ratio(0.5, 2.2)
+    wall = draw.ratio(0.02, 0.2) * min(width, height)
+    front, thickness = depth / 2, draw.ratio(0.02, 0.2)
+    fit = draw.pick([INSET, OVERLAID], [4, 1])
     root = Node("Safe")
-    body = root.add("base_body", *_casing(draw, width, height, depth, wall, thickness))
+    body = root.add("base_body", *_casing(draw, width, height, depth, wall, thickness if fit == INSET else 0.0))
     base = Link("base_body", [body], kind=draw.pick([JointType.HEAVY, JointType.FREE, JointType.STATIC], [6, 2, 2]))
+    links = [base]
+    rim = wall if fit == INSET else draw.between(0.0, 0.8) * wall
+    half, tall = width / 2 - rim, height - 2 * rim
+    face = front + (draw.pick([0.0, draw.between(-0.04, 0.05)]) if fit == INSET else thickness)
+    if draw.chance(0.12):
+        spans = [(-half, 0.0, "left"), (0.0, half, "right")]
+    else:
+        spans = [(-half, half, draw.pick(["left", "right", "bottom", "top"], [4, 8, 0.6, 0.4]))]
+    for index, (left, right, side) in enumerate(spans):
+        door = _door(draw, root, base, (left, right, tall), face, thickness, side)
+        links.append(door)
+        if index == 0 or draw.chance(0.5):
+            middle = 0.5 * (left + right)
+            towards = {"left": -1.0, "right": 1.0}.get(side, 0.0)
+            _locks(draw, root, links, door, middle, towards, right - left, tall, face)
+    if draw.chance(0.2):
+        links += _inside(draw, root, base, half, tall, front - thickness, depth - wall - thickness)
+    shape = SynthObject("Safe", root, links)
+    if height < width and draw.chance(0.15):
+        # The door is on top: a cash box or a floor safe.
+        shape.move(rotation_about(X, -90.0))
+    return shape
 
-    side = draw.pick([-1.0, 1.0], [1, 4])
-    door_width, door_height = width - 2 * wall, height - 2 * wall
-    proud = draw.pick([0.0, draw.between(0.0, 0.05)])
-    face = front + proud
-    door_node = root.add("door", box((door_width, door_height, thickness), (0, 0, face - thickness / 2)))
-    if draw.chance(0.3):
-        bolts = [
-            cylinder(0.02, 0.08, "x", (-side * (door_width / 2 + 0.02), y, face - thickness * 0.6)) for y in (-0.2, 0.0, 0.2)
+
+def _door(
+    draw: Draw, root: Node, base: Link, span: tuple[float, float, float], face: float, thickness: float, side: str
+) -> Link:
+    """A door from `span`'s left to its right edge, as high as its last value, with its hinge at one edge."""
+    left, right, tall = span
+    wide, middle = right - left, 0.5 * (left + right)
+    center = (middle, 0, face - thickness / 2)
+    slab = rounded_box((wide, tall, thickness), draw.between(0.02, 0.15) * wide, "z", center) if draw.chance(0.2) else None
+    node = root.add("door", slab or box((wide, tall, thickness), center))
+    out = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "bottom": (0.0, -1.0), "top": (0.0, 1.0)}[side]
+    upright = out[0] != 0.0
+    if draw.chance(0.2):
+        node.pieces.append(box((0.8 * wide, 0.85 * tall, 0.3 * thickness), (middle, 0, face + 0.1 * thickness)))
+    if draw.chance(0.3) and upright:
+        node.pieces += [
+            cylinder(0.02, 0.08, "x", (middle - out[0] * (wide / 2 + 0.02), y * tall, face - thickness * 0.6))
+            for y in (-0.25, 0.0, 0.25)
         ]
-        door_node.pieces += bolts
     inward = draw.between(0.0, 0.04)
-    axis = (side * (door_width / 2 - inward), draw.pick([0.0, height / 2 - wall]), face - draw.pick([0.0, inward, thickness]))
-    opening = draw.pick([90.0, 120.0, 160.0, 170.0, 180.0], [1, 1, 2, 4, 1])
-    rest = draw.between(20, min(opening, 110)) if draw.chance(0.33) else 0.0
-    door = Link("door", [door_node], base, hinge(axis, (0, side, 0), 0, opening, rest=rest))
-    if draw.chance(0.5):
-        hinges = [cylinder(0.02, 0.12 * height, "y", (axis[0], y * height, front), 12) for y in (-0.3, 0.3)]
+    deep = face - draw.pick([0.0, inward, thickness])
+    at = (middle + out[0] * (wide / 2 - inward), out[1] * (tall / 2 - inward), deep)
+    opens = draw.pick([90.0, 120.0, 160.0, 170.0, 180.0], [1, 1, 2, 4, 1]) if upright else draw.pick([90.0, 110.0])
+    rest = draw.between(20, min(opens, 110)) if draw.chance(0.33) else 0.0
+    axis = (0.0, out[0], 0.0) if upright else (-out[1], 0.0, 0.0)
+    if draw.chance(0.5) and upright:
+        size = draw.ratio(0.01, 0.04)
+        barrels = [cylinder(size, draw.between(0.08, 0.2) * tall, "y", (at[0], y * tall, face), 12) for y in (-0.3, 0.3)]
         if draw.chance(0.6):
-            body.pieces += hinges
+            base.nodes[0].pieces += barrels
         else:
-            base.nodes.append(root.add("hinge", *hinges))
+            base.nodes.append(root.add("hinge", *barrels))
+    return Link("door", [node], base, hinge(at, axis, 0, opens, rest=rest))
 
-    links = [base, door]
-    _locks(draw, root, links, side, door_width, door_height, face)
-    return SynthObject("Safe", root, links)
+
+def _inside(draw: Draw, root: Node, base: Link, half: float, tall: float, front: float, depth: float) -> list[Link]:
+    """Shelves, a drawer that slides out, or a small door behind the door."""
+    kind = draw.pick(["shelf", "drawer", "door"])
+    deep, level = 0.85 * depth, draw.between(-0.3, 0.2) * tall
+    if kind == "drawer":
+        size = draw.between(0.1, 0.3) * tall
+        tray = root.add("drawer", box((1.8 * half, size, deep), (0, level, front - 0.03 - 0.5 * deep)))
+        return [Link("drawer", [tray], base, slider((0, 0, 1), 0, draw.between(0.4, 0.8) * deep))]
+    shelf = root.add("shelf", box((1.9 * half, 0.03, deep), (0, level, front - 0.03 - 0.5 * deep)))
+    base.nodes.append(shelf)
+    if kind == "shelf":
+        return []
+    high = 0.5 * tall - level - 0.03
+    leaf = root.add("inner_door", box((1.9 * half, high, 0.02), (0, level + 0.5 * high + 0.015, front - 0.05)))
+    side = draw.sign()
+    return [Link("door", [leaf], base, hinge((side * 0.95 * half, 0, front - 0.04), (0, side, 0), 0, 90.0))]
 
 
 def _casing(draw: Draw, width: float, height: float, depth: float, wall: float, recess: float) -> list[Mesh]:
@@ -92,31 +149,48 @@ def _casing(draw: Draw, width: float, height: float, depth: float, wall: float, 
     return pieces
 
 
-def _locks(draw: Draw, root: Node, links: list[Link], side: float, width: float, height: float, face: float) -> None:
-    """Add dials, wheels, levers, key cylinders, a keypad or a fixed grip to the door, in any arrangement."""
-    door = links[1]
+def _locks(
+    draw: Draw,
+    root: Node,
+    links: list[Link],
+    door: Link,
+    center: float,
+    side: float,
+    width: float,
+    height: float,
+    face: float,
+) -> None:
+    """Add dials, wheels, levers, key cylinders, a keypad or a fixed grip to a door about x = `center`, in any arrangement.
+
+    `side` is 1 or -1 for a hinge at the right or left edge, and 0 for another one.
+    """
     kinds = draw.pick(_HARDWARE, [3, 2, 3, 3, 2, 3, 3, 2, 2, 2, 2, 1])
     layout = draw.pick(["column", "row", "loose"], [4, 3, 2])
-    middle = -side * draw.between(0.0, 0.3) * width
+    middle = center - side * draw.between(0.0, 0.3) * width
     for index, kind in enumerate(kinds):
         share = (index + 0.5) / len(kinds) - 0.5
         x, y = middle, draw.between(-0.08, 0.08) * height
         if layout == "column":
             y -= share * draw.between(0.4, 0.7) * height
         elif layout == "row":
-            x = -side * share * 0.75 * width
+            x = center - (side or 1.0) * share * 0.75 * width
         else:
-            x, y = -side * draw.between(-0.2, 0.4) * width, draw.between(-0.35, 0.35) * height
+            x, y = center - (side or 1.0) * draw.between(-0.2, 0.4) * width, draw.between(-0.35, 0.35) * height
         if kind == "keypad":
-            center, pad = (x, y, face), (draw.between(0.25, 0.45) * width, draw.between(0.22, 0.4) * height)
+            foot, pad = (x, y, face), (draw.between(0.25, 0.45) * width, draw.between(0.22, 0.4) * height)
             if draw.chance(0.3):
                 plate = box((1.2 * pad[0], 1.2 * pad[1], 0.03), (x, y, face + 0.015))
                 door.nodes.append(root.add("frame", plate))
-                center = (x, y, face + 0.03)
-            links += add_keypad(draw, root, door, center, pad, "button", lookalikes=False)
+                foot = (x, y, face + 0.03)
+            links += add_keypad(draw, root, door, foot, pad, "button", lookalikes=False)
         elif kind == "grip":
             grip = pull(draw, draw.between(0.1, 0.35) * height, (x, y, face), vertical=draw.chance(0.7))
             door.nodes.append(root.add("handle", *grip))
         else:
             low, high = _SIZES[kind]
-            links.append(add_door_lock(draw, root, door, kind, (x, y, face), draw.between(low, high)))
+            size = min(draw.ratio(low, high), 0.7 * min(width, height))
+            lock = add_door_lock(draw, root, door, kind, (x, y, face), size)
+            if draw.chance(FIXED_LOCK_SHARE):
+                door.nodes += lock.nodes
+            else:
+                links.append(lock)

@@ -5,7 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer, add_sliding_doors, legs
+from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer, legs
+from kinmo.synth.details.casework_doors import (
+    add_folding_door,
+    add_hung_door,
+    add_parts_behind,
+    add_sliding_doors,
+    add_tipping_bin,
+)
 from kinmo.synth.details.casework_extras import (
     add_casters,
     add_false_front,
@@ -14,9 +21,19 @@ from kinmo.synth.details.casework_extras import (
     add_locked_door,
     add_pullout,
 )
+from kinmo.synth.details.posture import turn_about_up
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import box_between, cylinder
+from kinmo.synth.primitives import box_between, cylinder, open_box
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject
+
+TURNED_SHARE = 0.06
+"""Share of carcasses that are turned about the vertical by any quarter."""
+TIPPING_SHARE = 0.15
+"""Share of flaps that are the front of a bin."""
+BEHIND_SHARE = 0.12
+"""Share of doors and flaps with drawers or another door behind them."""
+SHELL_SHARE = 0.15
+"""Share of carcasses that are one hollow surface instead of boards."""
 
 
 @dataclass(frozen=True)
@@ -37,13 +54,13 @@ class _Carcass:
 def build(draw: Draw) -> SynthObject:
     """Carcass divided into openings with drawers, doors and shelves.
 
-    Drawers and boards slide forward. Doors and flaps turn about an edge, or slide sideways. Casters swivel and roll, a lid
-    folds up, and locks turn.
+    Drawers and boards slide forward. Doors and flaps turn about an edge, slide, hang on a rail or fold, with other parts behind
+    some. Casters swivel and roll, a lid folds up, and locks turn.
     """
     tall = draw.chance(0.35)
-    width = draw.between(0.5, 1.0) if tall else draw.between(0.7, 1.8)
-    height = draw.between(1.3, 2.0) if tall else draw.between(0.5, 1.1)
-    size = _Carcass(width, height, draw.between(0.35, 0.9), draw.between(0.015, 0.05))
+    width = draw.ratio(0.3, 1.2) if tall else draw.ratio(0.5, 2.4)
+    height = draw.ratio(1.0, 2.2) if tall else draw.ratio(0.3, 1.2)
+    size = _Carcass(width, height, draw.ratio(0.2, 1.0), draw.ratio(0.01, 0.06))
     root = Node("storage_furniture")
     cabinet = root.add("cabinet")
     frame = cabinet.add("cabinet_frame")
@@ -61,19 +78,19 @@ def build(draw: Draw) -> SynthObject:
     elif draw.chance(0.7):
         base.nodes.append(_add_base(draw, cabinet, size))
     links += _fill(draw, cabinet, frame, base, size)
-    return SynthObject("StorageFurniture", root, links)
+    shape = SynthObject("StorageFurniture", root, links)
+    if draw.chance(TURNED_SHARE):
+        turn_about_up(draw, shape)
+    return shape
 
 
 def _add_frame(draw: Draw, frame: Node, size: _Carcass) -> None:
     """Add side, bottom, top and back panels, and front bars of a face frame."""
     x, y, z, board = size.width / 2, size.height / 2, size.depth / 2, size.board
-    for side in (-1, 1):
-        inner, outer = sorted((side * (x - board), side * x))
-        frame.add("vertical_side_panel", box_between((inner, -y, -z), (outer, y, z)))
-    thin = draw.pick([board, 0.3 * board, 0.0], [3, 3, 1])
-    frame.add("back_panel", box_between((-x + board, -y, -z), (x - board, y, -z + thin)))
-    frame.add("bottom_panel", box_between((-x + board, -y, -z + thin), (x - board, -y + board, z)))
-    frame.add("top_panel", box_between((-x + board, y - board, -z + thin), (x - board, y, z)))
+    if draw.chance(SHELL_SHARE):
+        frame.add(draw.pick(["frame", "cabinet_frame"]), open_box((-x, -y, -z), (x, y, z), board))
+    else:
+        _add_boards(draw, frame, size)
     if draw.chance(0.3):
         for side in (-1, 1):
             inner, outer = sorted((side * (x - 1.8 * board), side * x))
@@ -82,9 +99,25 @@ def _add_frame(draw: Draw, frame: Node, size: _Carcass) -> None:
             frame.add("frame_horizontal_bar", box_between((-x + board, low, z - 0.9 * board), (x - board, high, z)))
 
 
+def _add_boards(draw: Draw, frame: Node, size: _Carcass) -> None:
+    """Add the panels of a carcass. Boards meet at their edges, or run through each other; back and top may be missing."""
+    x, y, z, board = size.width / 2, size.height / 2, size.depth / 2, size.board
+    inside = x - draw.pick([board, 0.5 * board, 0.0], [4, 1, 1])
+    for side in (-1, 1):
+        inner, outer = sorted((side * (x - board), side * x))
+        frame.add("vertical_side_panel", box_between((inner, -y, -z), (outer, y, z)))
+    thin = draw.pick([board, 0.3 * board, 0.0], [3, 3, 1])
+    if draw.chance(0.85):
+        frame.add("back_panel", box_between((-inside, -y, -z), (inside, y, -z + thin)))
+    near = z - draw.pick([0.0, draw.between(0.0, 0.1) * size.depth], [3, 1])
+    frame.add("bottom_panel", box_between((-inside, -y, -z + thin), (inside, -y + board, near)))
+    if draw.chance(0.9):
+        frame.add("top_panel", box_between((-inside, y - board, -z + thin), (inside, y, near)))
+
+
 def _top(draw: Draw, size: _Carcass) -> Mesh:
     """A countertop."""
-    over, board = draw.between(0.0, 0.06), size.board * draw.between(0.8, 2.0)
+    over, board = draw.pick([0.0, draw.between(0.0, 0.12)]), size.board * draw.between(0.8, 2.0)
     x, y, z = size.width / 2 + over, size.height / 2, size.depth / 2 + over
     return box_between((-x, y, -z + over), (x, y + board, z))
 
@@ -94,7 +127,7 @@ def _add_base(draw: Draw, cabinet: Node, size: _Carcass) -> Node:
     base = cabinet.add("cabinet_base")
     kind = draw.pick(["foot_base", "panel_base", "wheel_base"], [5, 4, 1])
     group = base.add("panel_base" if kind == "panel_base" else "foot_base")
-    low, drop = -size.height / 2, draw.between(0.04, 0.25)
+    low, drop = -size.height / 2, draw.ratio(0.03, 0.5)
     x, z = size.width / 2, size.depth / 2
     if kind == "panel_base":
         board = size.board
@@ -109,7 +142,7 @@ def _add_base(draw: Draw, cabinet: Node, size: _Carcass) -> Node:
                 at = (sx * (x - 0.08), low - 0.04, sz * (z - 0.08))
                 group.add("foot", cylinder(0.04, 0.03, "x", at, 16))
     else:
-        thickness = draw.between(0.03, 0.08)
+        thickness = draw.ratio(0.02, 0.12)
         for leg in legs(draw, x - thickness, z - thickness, low - drop, low, thickness):
             group.add("foot", leg)
     return base
@@ -122,14 +155,14 @@ def _fill(draw: Draw, cabinet: Node, frame: Node, base: Link, size: _Carcass) ->
     board, inner = size.board, size.width - 2 * size.board
     columns = draw.pick([1, 2, 3, 4], [4, 4, 2, 1]) if inner > 0.8 else draw.pick([1, 2], [4, 1])
     inner_depth = size.depth - 1.5 * board
-    for column in range(columns):
-        width = (inner - (columns - 1) * board) / columns
-        x = -inner / 2 + width / 2 + column * (width + board)
-        if column:
-            left = x - width / 2 - board
+    edge = -inner / 2
+    for width in _shares(draw, columns, inner, board):
+        x, left = edge + width / 2, edge - board
+        edge += width + board
+        if left > -inner / 2:
             low = (left, -size.height / 2 + board, -size.depth / 2 + board)
             frame.add("vertical_divider_panel", box_between(low, (left + board, size.height / 2 - board, size.front)))
-        rows = _rows(draw, size.height - 2 * board, board)
+        rows = _shares(draw, draw.pick([1, 2, 3, 4, 5, 8], [3, 4, 3, 2, 1, 0.4]), size.height - 2 * board, board)
         top = size.height / 2 - board
         for share in rows:
             opening = Opening(x, top - share / 2, width, share, inner_depth, size.front)
@@ -147,44 +180,52 @@ def _fill(draw: Draw, cabinet: Node, frame: Node, base: Link, size: _Carcass) ->
     return links
 
 
-def _rows(draw: Draw, height: float, board: float) -> list[float]:
-    """Heights of the openings of a column, from the top."""
-    count = draw.pick([1, 2, 3, 4, 5], [3, 4, 3, 2, 1])
-    shares = [draw.between(0.5, 1.5) for _ in range(count)] if draw.chance(0.5) else [1.0] * count
-    room = height - (count - 1) * board
-    return [room * share / sum(shares) for share in shares]
+def _shares(draw: Draw, count: int, room: float, board: float) -> list[float]:
+    """Sizes of openings beside or below each other, with boards between them: equal, or of very different proportions."""
+    shares = [draw.ratio(0.35, 2.2) for _ in range(count)] if draw.chance(0.5) else [1.0] * count
+    free = room - (count - 1) * board
+    return [free * share / sum(shares) for share in shares]
 
 
 def _furnish(draw: Draw, cabinet: Node, base: Link, opening: Opening, fronts: Fronts, size: _Carcass) -> list[Link]:
     """Fill one opening with a drawer, doors, a board or nothing, depending on its proportions."""
     aspect = opening.height / opening.width
     rare = draw.between(0.0, 1.0)
-    if rare < 0.03:
+    if rare < 0.05:
         add_false_front(draw, cabinet, base, opening, fronts)
         return []
-    if rare < 0.05:
+    if rare < 0.075:
         return [add_pullout(draw, cabinet, base, opening)]
-    if rare < 0.07 and aspect < 1.0:
+    if rare < 0.095 and aspect < 1.0:
         return [add_leaning_drawer(draw, cabinet, base, opening, fronts)]
-    if rare < 0.11 and 0.6 < aspect < 3.0:
+    if rare < 0.13 and 0.6 < aspect < 3.0:
         return add_locked_door(draw, cabinet, base, opening, fronts, draw.pick(["left", "right"]))
     if aspect < 0.75 and draw.chance(0.7):
         return [add_drawer(draw, cabinet, base, opening, fronts)]
     if aspect > 2.8 and draw.chance(0.3):
         return []
     kind = draw.pick(
-        ["door", "pair", "flap", "slide", "open"], [5, 3 if aspect < 1.6 else 0.5, 1.2 if aspect < 1 else 0.1, 0.6, 1.5]
+        ["door", "pair", "flap", "slide", "fold", "hung", "open"],
+        [5, 3 if aspect < 1.6 else 0.5, 1.6 if aspect < 1.2 else 0.2, 0.8, 0.4, 0.15, 1.5],
     )
-    if kind == "door" and aspect < 0.55:
+    if kind == "door" and aspect < 0.55 and draw.chance(0.8):
         kind = "flap"
-    if kind == "door":
-        return [add_door(draw, cabinet, base, opening, fronts, draw.pick(["left", "right"]))]
+    if kind in ("door", "flap"):
+        sides = ["left", "right"] if kind == "door" else ["top", "bottom"]
+        if kind == "flap" and draw.chance(TIPPING_SHARE):
+            return [add_tipping_bin(draw, cabinet, base, opening, fronts)]
+        links = [add_door(draw, cabinet, base, opening, fronts, draw.pick(sides))]
+        if draw.chance(BEHIND_SHARE):
+            links += add_parts_behind(draw, cabinet, base, opening, fronts)
+        return links
     if kind == "pair":
         half = opening.width / 2 + 0.5 * max(fronts.gap, 0.0) * draw.pick([0.0, 1.0])
         width = half if fronts.gap >= 0 else opening.width / 2 + fronts.gap
         return add_door_pair(draw, cabinet, base, opening, fronts, width)
-    if kind == "flap":
-        return [add_door(draw, cabinet, base, opening, fronts, draw.pick(["top", "bottom"]))]
+    if kind == "fold":
+        return add_folding_door(draw, cabinet, base, opening, fronts)
+    if kind == "hung":
+        return [add_hung_door(draw, cabinet, base, opening, fronts)]
     if kind == "slide":
         return add_sliding_doors(draw, cabinet, base, opening, 0.8 * size.board)
     return []

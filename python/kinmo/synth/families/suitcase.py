@@ -2,14 +2,32 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.carrying_handles import add_carrying_handle
 from kinmo.synth.details.clasps import add_clasp
+from kinmo.synth.details.posture import turn_about_up
+from kinmo.synth.details.wheels import add_caster, wheel_pieces
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import X, Y, Z, arc_path, box, box_between, cylinder, facing, rounded_box, sweep, tube
+from kinmo.synth.primitives import (
+    X,
+    Y,
+    Z,
+    arc_path,
+    box,
+    box_between,
+    cylinder,
+    facing,
+    move,
+    rotation_about,
+    rounded_box,
+    sweep,
+)
 from kinmo.synth.synth_object import Link, Node, SynthObject, hinge, slider, spinner
+
+LYING_SHARE = 0.35
+"""Share of cases that lie on their back."""
+TURNED_SHARE = 0.15
+"""Share of suitcases that are turned about the vertical by any quarter."""
 
 
 def build(draw: Draw) -> SynthObject:
@@ -21,7 +39,13 @@ def build(draw: Draw) -> SynthObject:
     root = Node(draw.pick(["Suitcase", "luggage"], [3, 1]))
     kind = draw.pick(["case", "bag", "trolley"], [5, 2, 3])
     links = {"case": _case, "bag": _bag, "trolley": _trolley}[kind](draw, root)
-    return SynthObject("Suitcase", root, links)
+    shape = SynthObject("Suitcase", root, links)
+    if kind == "case" and draw.chance(LYING_SHARE):
+        # The lid comes to lie on top, with its hinge at the rear.
+        shape.move(rotation_about(Y, 180.0) @ rotation_about(X, -90.0))
+    if draw.chance(TURNED_SHARE):
+        turn_about_up(draw, shape)
+    return shape
 
 
 def _half(draw: Draw, width: float, height: float, back: float, front: float, *, hollow: bool) -> list[Mesh]:
@@ -41,8 +65,8 @@ def _half(draw: Draw, width: float, height: float, back: float, front: float, *,
 
 def _case(draw: Draw, root: Node) -> list[Link]:
     """Two halves hinged at the lower edge, with a carrying handle and clasps at the upper edge."""
-    width, height, depth = draw.between(1.1, 1.7), draw.between(0.8, 1.4), draw.between(0.3, 0.6)
-    split = depth * draw.between(-0.1, 0.25)
+    width, height, depth = draw.ratio(0.8, 2.0), draw.ratio(0.7, 1.4), draw.ratio(0.15, 0.8)
+    split = depth * draw.between(-0.15, 0.35)
     rest = draw.between(60, 110) if draw.chance(0.45) else 0.0
     hollow = rest > 0 or draw.chance(0.5)
     base = Link("base_body", [root.add("base_body", *_half(draw, width, height, -depth / 2, split, hollow=hollow))])
@@ -87,7 +111,7 @@ def _bag(draw: Draw, root: Node) -> list[Link]:
 
 def _trolley(draw: Draw, root: Node) -> list[Link]:
     """An upright case with two to four wheels, a handle that slides up, and grips."""
-    width, height, depth = draw.between(0.7, 1.0), draw.between(1.0, 1.4), draw.between(0.35, 0.6)
+    width, height, depth = draw.ratio(0.5, 1.2), draw.ratio(0.8, 1.6), draw.ratio(0.25, 0.7)
     x, y, z = width / 2, height / 2, depth / 2
     case = rounded_box((width, height, depth), draw.between(0.02, 0.15), draw.pick(["y", "z"]))
     ribs = [box((0.03, 0.95 * height, 0.02), (s * 0.15 * width, 0, z)) for s in range(-2, 3)] if draw.chance(0.4) else []
@@ -107,10 +131,32 @@ def _trolley(draw: Draw, root: Node) -> list[Link]:
         grip = facing(X, Z, (x, draw.between(-0.1, 0.2) * height, 0))
         links += add_carrying_handle(draw, root, base, grip, height * draw.between(0.08, 0.15), movable=draw.chance(0.6))
     if draw.chance(0.25):
-        front = root.add("lid", rounded_box((0.9 * width, 0.85 * height, 0.06), 0.05, "z", (0, 0, z + 0.03)))
-        motion = hinge((-0.45 * width, 0, z), (0, -1, 0), 0, 150, rest=draw.pick([0.0, draw.between(20, 100)]))
-        links.append(Link("lid", [front], base, motion))
+        links.append(_front_lid(draw, root, base, (width, height), z))
     return links
+
+
+def _front_lid(draw: Draw, root: Node, base: Link, size: tuple[float, float], front: float) -> Link:
+    """A thin pocket or a thick half on the front (z = `front`) of an upright case, hinged at any edge."""
+    share, thick = draw.between(0.7, 1.0), draw.ratio(0.03, 0.3)
+    wide, high = share * size[0], share * size[1] * draw.between(0.6, 1.0)
+    level = draw.between(-0.5, 0.5) * (share * size[1] - high)
+    node = root.add(
+        draw.pick(["lid", "pocket", "door"], [6, 1, 1]),
+        rounded_box((wide, high, thick), 0.1 * wide, "z", (0, level, front + 0.5 * thick)),
+    )
+    deep = front + draw.pick([0.0, 0.5, 1.0], [4, 1, 1]) * thick
+    axis, at = draw.pick(
+        [
+            (-Y, (-0.5 * wide, 0, deep)),
+            (Y, (0.5 * wide, 0, deep)),
+            (X, (0, level - 0.5 * high, deep)),
+            (-X, (0, level + 0.5 * high, deep)),
+        ],
+        [4, 4, 2, 1],
+    )
+    opens = draw.between(80.0, 175.0)
+    rest = draw.pick([0.0, draw.between(0.1, 0.8) * opens], [2, 1])
+    return Link("lid", [node], base, hinge(at, axis, 0.0, opens, rest=rest))
 
 
 def _telescope(draw: Draw, root: Node, base: Link, width: float, top: float, rear: float) -> list[Link]:
@@ -138,20 +184,21 @@ def _telescope(draw: Draw, root: Node, base: Link, width: float, top: float, rea
 
 def _wheels(draw: Draw, root: Node, base: Link, x: float, y: float, z: float) -> list[Link]:
     """Two or four wheels that roll about x; four wheels may be casters that swivel about y."""
-    links = []
-    radius, thick = draw.between(0.04, 0.08), draw.between(0.02, 0.05)
+    links: list[Link] = []
+    radius = draw.ratio(0.03, 0.1)
+    thick, drop = radius * draw.ratio(0.35, 1.1), radius * draw.between(2.1, 2.6)
     rows = draw.pick([(-1,), (-1, 1)])
     casters = len(rows) == 2 and draw.chance(0.5)
-    for sz in rows:
-        for sx in (-1, 1):
-            at = np.array([sx * (x - thick), -y - 0.6 * radius, sz * (z - radius)])
-            pieces = [cylinder(radius, thick, "x", at, 20)]
-            if draw.chance(0.4):
-                pieces = [tube(radius, 0.6 * radius, thick, "x", at, 20), cylinder(0.6 * radius, 0.6 * thick, "x", at, 16)]
-            carrier = base
-            if casters:
-                fork = root.add("caster", box((1.5 * thick, radius, 0.5 * radius), at + [0, 0.9 * radius, -0.2 * radius]))
-                carrier = Link("caster", [fork], base, spinner(at + [0, radius, -0.4 * radius], (0, 1, 0)))
-                links.append(carrier)
-            links.append(Link("wheel", [root.add("wheel", *pieces)], carrier, spinner(at, (1, 0, 0))))
+    if len(rows) == 1 and draw.chance(0.5):
+        feet = [box((0.04, 1.2 * radius, 0.04), (s * (x - 0.05), -y - 0.6 * radius, z - 0.05)) for s in (-1, 1)]
+        base.nodes.append(root.add("foot", *feet))
+    places = [(sx * (x - thick), sz * (z - radius)) for sz in rows for sx in (-1, 1)]
+    for own, (right, ahead) in zip(draw.identical(len(places)), places, strict=True):
+        if casters:
+            heading = draw.between(0.0, 360.0)
+            links += add_caster(own, root, base, (right, -y, ahead), drop, radius, thick, heading=heading)
+        else:
+            at = (right, -y - 0.6 * radius, ahead)
+            node = root.add("wheel", *(move(piece, at) for piece in wheel_pieces(own, radius, thick)))
+            links.append(Link("wheel", [node], base, spinner(at, (1, 0, 0))))
     return links

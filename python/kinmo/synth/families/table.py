@@ -7,11 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer, legs
+from kinmo.synth.details.casework_doors import add_folding_door, add_parts_behind, add_sliding_doors
 from kinmo.synth.details.casework_extras import add_casters, add_false_front, add_pullout
-from kinmo.synth.details.table_tops import add_moving_top
+from kinmo.synth.details.posture import turn_about_up
+from kinmo.synth.details.table_tops import add_desk_top, add_moving_top
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import box, box_between, cylinder, extrude, rounded_box
+from kinmo.synth.primitives import Y, box, box_between, cylinder, extrude, open_box, rotation_about, rounded_box
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge
+
+TURNED_SHARE = 0.1
+"""Share of tables that are turned about the vertical by any quarter."""
 
 
 @dataclass(frozen=True)
@@ -27,12 +32,13 @@ class _Size:
 def build(draw: Draw) -> SynthObject:
     """Table or desk.
 
-    Variants: a row of drawers under the top, a stand of drawers, a desk with pedestals, and a table whose top lifts, folds,
-    turns, tilts, extends or rises. Drop leaves and doors turn, and drawers slide forward.
+    Variants: a row of drawers under the top, a stand of drawers, a desk with pedestals, a hutch or a roll top, and a table
+    whose top lifts, folds, turns, tilts, extends or rises. Drop leaves and doors turn. Drawers and trays slide forward,
+    to the rear or to the ends.
     """
-    kind = draw.pick(["apron", "stand", "pedestal", "cabinet", "open"], [6, 3, 2, 1, 1.2])
-    width = draw.between(1.0, 2.0) if kind == "pedestal" else draw.between(0.6, 1.4)
-    size = _Size(width / 2, draw.between(0.6, 1.3), draw.between(0.3, 0.6), draw.between(0.025, 0.065))
+    kind = draw.pick(["apron", "stand", "pedestal", "cabinet", "open"], [5, 3, 3, 1, 1.2])
+    width = draw.ratio(0.9, 2.4) if kind == "pedestal" else draw.ratio(0.4, 2.0)
+    size = _Size(width / 2, draw.ratio(0.35, 1.4), draw.ratio(0.2, 0.7), draw.ratio(0.015, 0.08))
     root = Node("table")
     inner = root.add(draw.pick(["regular_table", "desk"]))
     base = Link("board", [], kind=draw.pick([JointType.HEAVY, JointType.STATIC], [9, 1]), leaf_name="base_body")
@@ -47,12 +53,20 @@ def build(draw: Draw) -> SynthObject:
     furnish[kind](draw, drawers, links, size)
     owned = {node for link in links for top in link.nodes for node in top.walk()}
     base.nodes += [node for child in drawers.children for node in _free(child, owned)]
-    return SynthObject("Table", root, links)
+    if len(links) == 1:  # only false fronts and open spaces: the table rolls
+        links += add_casters(draw, inner, base, 0.9 * size.x, 0.9 * size.z, 0.0, always_moves=True)
+    if kind != "open" and size.x > 0.4 and draw.chance(0.15):
+        add_desk_top(draw, inner, base, links, (size.x, size.y + 2 * size.board, size.z), size.board)
+    shape = SynthObject("Table", root, links)
+    if draw.chance(TURNED_SHARE):
+        turn_about_up(draw, shape)
+    return shape
 
 
 def _add_top(draw: Draw, inner: Node, base: Link, links: list[Link], size: _Size) -> None:
     """Add the board, sometimes with a frame around it or a drop leaf at each end."""
-    over, thickness = draw.between(0.0, 0.12), draw.between(0.6, 2.0) * size.board
+    over, thickness = draw.pick([draw.between(0.0, 0.12), draw.between(0.12, 0.3)], [4, 1]), 2 * size.board
+    thickness *= draw.ratio(0.3, 1.0)
     width, depth = 2 * (size.x + over), 2 * (size.z + draw.between(0.0, 0.08))
     top = inner.add("tabletop")
     at = (0, size.y + thickness / 2, 0)
@@ -83,31 +97,49 @@ def _add_top(draw: Draw, inner: Node, base: Link, links: list[Link], size: _Size
             links.append(Link("board", [leaf], base, hinge(axis, (0, 0, out), 0, 90), leaf_name="rotation_board"))
 
 
-def _shell(draw: Draw, node: Node, low: tuple[float, float], high: tuple[float, float], size: _Size) -> None:
-    """Add side and back panels around a block of drawers between two corners (x, y), sometimes with a bottom."""
+def _shell(
+    draw: Draw, node: Node, low: tuple[float, float], high: tuple[float, float], size: _Size, *, has_back: bool = True
+) -> None:
+    """Add side and back panels around a block of drawers between two corners (x, y), sometimes with a bottom, or a shell."""
+    if has_back and draw.chance(0.12):
+        node.add("frame", open_box((low[0], low[1], -size.z), (high[0], high[1], size.z), 0.6 * size.board))
+        return
     board, z = size.board, size.z - draw.pick([0.0, 0.02])
     for x in (low[0], high[0] - board):
         node.add("vertical_side_panel", box_between((x, low[1], -z), (x + board, high[1], z)))
     thin = draw.pick([board, 0.3 * board])
-    node.add("back_panel", box_between((low[0] + board, low[1], -z), (high[0] - board, high[1], -z + thin)))
+    if has_back:
+        node.add("back_panel", box_between((low[0] + board, low[1], -z), (high[0] - board, high[1], -z + thin)))
     if draw.chance(0.6):
         node.add("bottom_panel", box_between((low[0] + board, low[1], -z + thin), (high[0] - board, low[1] + 0.6 * board, z)))
 
 
 def _row(
-    draw: Draw, node: Node, links: list[Link], low: tuple[float, float], high: tuple[float, float], size: _Size, columns: int
+    draw: Draw,
+    node: Node,
+    links: list[Link],
+    low: tuple[float, float],
+    high: tuple[float, float],
+    size: _Size,
+    columns: int,
+    facings: tuple[float, ...] = (1.0,),
 ) -> None:
-    """Add drawers side by side between two corners (x, y), with dividers."""
+    """Add drawers side by side between two corners (x, y), with dividers. `facings` are 1 (front) or -1 (rear), in turn."""
     fronts = Fronts.random(draw, size.board)
     board = size.board
     width = (high[0] - low[0] - (columns - 1) * board) / columns
     for column in range(columns):
         left = low[0] + column * (width + board)
         opening = Opening(left + width / 2, (low[1] + high[1]) / 2, width, high[1] - low[1], 2 * size.z - 2 * board, size.z)
-        if draw.chance(0.03):
+        kind = draw.pick(["drawer", "false", "tray"], [90, 5, 6])
+        if kind == "false":
             add_false_front(draw, node, links[0], opening, fronts)
+        elif kind == "tray":
+            links.append(add_pullout(draw, node, links[0], opening))
         else:
             links.append(add_drawer(draw, node, links[0], opening, fronts))
+            if facings[column % len(facings)] < 0:
+                links[-1].move(rotation_about(Y, 180.0, (opening.x, 0, 0)))
         if column:
             divider = box_between((left - board, low[1], -size.z + board), (left, high[1], size.z - board))
             node.add("vertical_divider_panel", divider)
@@ -152,19 +184,40 @@ def _frame(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
 
 def _apron(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
     """Legs with one row of drawers between them under the top."""
-    height = draw.between(0.1, 0.35) * min(1.0, size.y)
+    height = draw.ratio(0.08, 0.45) * min(1.0, size.y)
     low = size.y - height
+    facings = draw.pick([(1.0,), (-1.0,), (1.0, -1.0)], [10, 1, 1])
+    at_ends = draw.chance(0.12)
     thickness = draw.between(1.2, 2.6) * size.board + 0.02
     _add_legs(draw, node, size, size.y, thickness)
+    if at_ends:
+        _end_drawers(draw, node, links, size, low)
+        return
     inset = draw.pick([0.0, thickness])
-    _shell(draw, node, (-size.x + inset, low), (size.x - inset, size.y), size)
+    _shell(draw, node, (-size.x + inset, low), (size.x - inset, size.y), size, has_back=facings == (1.0,))
     _connectors(draw, node, size)
     edge = size.x - inset - size.board
     if draw.chance(0.2):
         front = box_between((-edge, low, size.z - size.board), (edge, low + 0.2 * height, size.z))
         node.add("vertical_front_panel", front)
         low += 0.2 * height
-    _row(draw, node, links, (-edge, low), (edge, size.y), size, draw.pick([1, 2, 3], [7, 2, 1]))
+    _row(draw, node, links, (-edge, low), (edge, size.y), size, draw.pick([1, 2, 3, 4], [7, 3, 2, 1]), facings)
+
+
+def _end_drawers(draw: Draw, node: Node, links: list[Link], size: _Size, low: float) -> None:
+    """Add an apron with a drawer at one end or both ends, which slide sideways."""
+    board = size.board
+    for side in (-1, 1):
+        near, far = sorted((side * (size.z - board), side * size.z))
+        node.add("vertical_front_panel", box_between((-size.x, low, near), (size.x, size.y, far)))
+    fronts = Fronts.random(draw, board)
+    opening = Opening(0, 0.5 * (low + size.y), 2 * (size.z - board), size.y - low, size.x - board, size.x)
+    for angle in draw.pick([(90.0,), (-90.0,), (90.0, -90.0)], [1, 1, 2]):
+        drawer = add_drawer(draw, node, links[0], opening, fronts)
+        drawer.move(rotation_about(Y, angle))
+        links.append(drawer)
+    if draw.chance(0.5):
+        node.add("vertical_divider_panel", box((0.5 * board, size.y - low, 2 * (size.z - board)), (0, 0.5 * (low + size.y), 0)))
 
 
 def _stand(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
@@ -193,7 +246,7 @@ def _stand(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
 def _pedestal(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
     """A desk with drawers or a door at one or both ends, and sometimes a drawer between them."""
     low = draw.pick([0.0, draw.between(0.02, 0.15)])
-    width = draw.between(0.22, 0.32) * 2 * size.x
+    width = draw.between(0.15, 0.36) * 2 * size.x
     sides: list[float] = draw.pick([[-1.0], [1.0], [-1.0, 1.0]], [2, 2, 3])
     for side in (-1.0, 1.0):
         outer, inner = side * size.x, side * (size.x - width)
@@ -210,8 +263,13 @@ def _pedestal(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
                 node.add("foot", cylinder(0.025, low, "y", ((left + right) / 2, low / 2, z * size.z), 12))
     free_left = -size.x + (width if -1.0 in sides else size.board)
     free_right = size.x - (width if 1.0 in sides else size.board)
-    if draw.chance(0.4):
-        _row(draw, node, links, (free_left, size.y - draw.between(0.1, 0.18)), (free_right, size.y), size, 1)
+    between = draw.pick(["none", "drawer", "tray"], [4, 4, 2])
+    under = draw.between(0.08, 0.2) * size.y
+    if between == "drawer":
+        _row(draw, node, links, (free_left, size.y - under), (free_right, size.y), size, 1)
+    elif between == "tray":
+        opening = Opening((free_left + free_right) / 2, size.y - 0.6 * under, free_right - free_left, under, 2 * size.z, size.z)
+        links.append(add_pullout(draw, node, links[0], opening))
     if draw.chance(0.6):
         back = box_between((free_left, 0.4 * size.y, -size.z), (free_right, size.y, -size.z + size.board))
         node.add("back_panel", back)
@@ -221,24 +279,36 @@ def _column(draw: Draw, node: Node, links: list[Link], left: float, right: float
     """Fill a pedestal with two to five drawers, or a door with or without drawers above it."""
     fronts, board = Fronts.random(draw, size.board), size.board
     depth = 2 * (size.z - board)
-    count = draw.integer(2, 5)
-    height = (size.y - low - board) / count
+    count = draw.integer(1, 5)
+    shares = np.array([draw.ratio(0.4, 1.6) for _ in range(count)]) if draw.chance(0.5) else np.ones(count)
+    heights = (size.y - low - board) * shares / shares.sum()
     x, width = (left + right) / 2, right - left
-    door_below = draw.chance(0.25)
-    for row in range(count):
-        top = size.y - row * height
+    door_below = draw.chance(0.3)
+    for row, height in enumerate(heights):
+        top = size.y - float(heights[:row].sum())
         if door_below and row >= draw.integer(0, 1):
             opening = Opening(x, (top + low + board) / 2, width, top - low - board, depth, size.z)
-            links.append(add_door(draw, node, links[0], opening, fronts, draw.pick(["left", "right"])))
+            side = draw.pick(["left", "right", "bottom", "top"], [8, 8, 1, 1])
+            links.append(add_door(draw, node, links[0], opening, fronts, side))
+            if draw.chance(0.15):
+                links += add_parts_behind(draw, node, links[0], opening, fronts)
             return
-        opening = Opening(x, top - height / 2, width, height - draw.pick([0.0, 0.3 * board]), depth, size.z)
+        if draw.chance(0.06):
+            continue  # an open space
+        opening = Opening(x, top - float(height) / 2, width, float(height) - draw.pick([0.0, 0.3 * board]), depth, size.z)
         links.append(add_drawer(draw, node, links[0], opening, fronts))
 
 
 def _doors(draw: Draw, node: Node, links: list[Link], opening: Opening, fronts: Fronts) -> None:
-    """Add one door, or two that meet in the middle."""
-    if draw.chance(0.5):
-        links.append(add_door(draw, node, links[0], opening, fronts, draw.pick(["left", "right"])))
+    """Add one door or flap, two doors that meet in the middle, or doors that slide or fold."""
+    kind = draw.pick(["door", "flap", "pair", "slide", "fold"], [5, 1, 5, 1, 0.5])
+    if kind == "slide":
+        links += add_sliding_doors(draw, node, links[0], opening, min(fronts.thickness, 0.2 * opening.depth))
+    elif kind == "fold":
+        links += add_folding_door(draw, node, links[0], opening, fronts)
+    elif kind != "pair":
+        sides = ["left", "right"] if kind == "door" else ["top", "bottom"]
+        links.append(add_door(draw, node, links[0], opening, fronts, draw.pick(sides)))
     else:
         links += add_door_pair(draw, node, links[0], opening, fronts)
 

@@ -26,6 +26,9 @@ from kinmo.synth.primitives import (
 )
 from kinmo.synth.synth_object import JointType, Link, Node, Point, SynthObject, hinge, slider, spinner
 
+FIXED_CONTROL_SHARE = 0.15
+"""Share of dials and rows of buttons that do not move."""
+
 
 @dataclass(frozen=True)
 class _Plan:
@@ -46,11 +49,12 @@ class _Plan:
 def build(draw: Draw) -> SynthObject:
     """Toaster whose levers slide down along the ends.
 
-    Dials turn; buttons, browning sliders, racks and the crumb tray slide.
+    Dials turn; buttons, browning sliders, racks and the crumb tray slide. A cover over the slots folds up, and a warming rack
+    on top tips or lifts off.
     """
     slots, rows = draw.pick([(1, 1), (2, 1), (2, 2), (4, 1)], [1, 6, 1, 1])
-    length = draw.between(1.2, 1.6) * (1.3 if rows == 2 else 1.0)
-    plan = _Plan(draw.between(0.38, 0.56) * slots**0.65, draw.between(0.75, 1.1), length, slots, rows)
+    length = draw.ratio(0.8, 1.9) * (1.3 if rows == 2 else 1.0)
+    plan = _Plan(draw.ratio(0.3, 0.7) * slots**0.65, draw.ratio(0.5, 1.3), length, slots, rows)
     body = Node("base_body", pieces=_body(draw, plan))
     base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY], [4, 1, 1]))
     links = [base, *_end_controls(draw, plan, base, body)]
@@ -62,6 +66,8 @@ def build(draw: Draw) -> SynthObject:
         links.append(Link("tray", [tray], base, out))
     if draw.chance(0.3):
         links += _racks(draw, plan, base)
+    elif draw.chance(0.15):
+        links.append(_top_part(draw, plan, base))
     return SynthObject.flat("Toaster", links)
 
 
@@ -98,6 +104,28 @@ def _body(draw: Draw, plan: _Plan) -> list[Mesh]:
         slice_size = (0.6 * opening, 0.5 * plan.height, 0.5 * plan.length)
         pieces.append(box(slice_size, (-0.5 * plan.width + wall + 0.5 * opening, plan.height, 0)))
     return pieces
+
+
+def _top_part(draw: Draw, plan: _Plan, base: Link) -> Link:
+    """A cover over the slots that folds up about an edge, or a wire rack on two bows that tips or lifts off."""
+    top, half, long = plan.height, 0.45 * plan.width, draw.between(0.6, 0.95) * plan.length
+    if draw.chance(0.5):
+        thick = draw.between(0.02, 0.06)
+        cover = Node(draw.pick(["lid", "cover"]), pieces=[box((2 * half, thick, long), (0, top + 0.5 * thick, 0))])
+        opens = draw.between(80.0, 120.0)
+        side = draw.sign()
+        motion = hinge((side * half, top + 0.5 * thick, 0), -side * Z, 0.0, opens, rest=draw.pick([0.0, opens], [2, 1]))
+        return Link("lid", [cover], base, motion)
+    rise, wire = draw.between(0.08, 0.3), draw.between(0.006, 0.015)
+    rods = [cylinder(wire, 2 * half, "x", (0, top + rise, z), 8) for z in np.linspace(-0.5, 0.5, draw.integer(3, 8)) * long]
+    rods += [cylinder(wire, long, "z", (s * half, top + rise, 0), 8) for s in (-1, 1)]
+    rods += [
+        cylinder(wire, rise + 0.1, "y", (s * half, top + 0.5 * rise - 0.05, z * long), 8) for s in (-1, 1) for z in (-0.5, 0.5)
+    ]
+    rack = Node(draw.pick(["rack", "other"]), pieces=rods)
+    up = slider(Y, 0.0, rise + 0.1)
+    tips = hinge((half, top + 0.02, 0), -Z, 0.0, draw.between(30.0, 90.0))
+    return Link("rack", [rack], base, draw.pick([up, tips]))
 
 
 def _racks(draw: Draw, plan: _Plan, base: Link) -> list[Link]:
@@ -138,7 +166,7 @@ def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]
     if plan.rows == 2 or (plan.slots == 4 and draw.chance(0.5)) or draw.chance(0.08):
         levers = [(0.0, 1.0), (0.0, -1.0)] if draw.chance(0.5) else [(-0.22, 1.0), (0.22, 1.0)]
     elif draw.chance(0.25):
-        levers = [(draw.between(-0.3, 0.3), 1.0)]
+        levers = [(draw.between(-0.42, 0.42), 1.0)]
     links = [_lever(draw, plan, base, body, x * plan.width, facing, len(levers)) for x, facing in levers]
     taken = levers[0][0] * plan.width
     # Other controls are below the lever or beside it.
@@ -147,13 +175,10 @@ def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]
     at = draw.pick([(taken, 0.2), (beside, draw.between(0.15, 0.4))])
     place = (at[0], max(at[1] * plan.height, 1.2 * radius), plan.front)
     if draw.chance(0.6):
-        lean = draw.between(-35.0, 0.0) if draw.chance(0.25) else 0.0
-        knob = Node(draw.pick(["button", "knob"], [3, 1]))
-        knob.pieces = [turn(piece, X, lean, place) for piece in dial(draw, radius, draw.between(0.02, 0.1), place)]
-        axis = (0.0, -np.sin(np.radians(lean)), np.cos(np.radians(lean)))
-        origin = (place[0], place[1], draw.pick([0.0, place[2]])) if lean == 0.0 else place
-        motion = spinner(origin, axis) if draw.chance(0.75) else hinge(origin, axis, *draw.pick([(-135, 135), (0, 270)]))
-        links.append(Link("knob", [knob], base, motion))
+        links += _dial(draw, base, place, radius)
+        if draw.chance(0.15):
+            above = (place[0], place[1] + draw.between(2.3, 4.0) * radius, place[2])
+            links += _dial(draw, base, above, radius)
     elif draw.chance(0.45):
         links.append(_level_slider(draw, plan, base, body))
     if draw.chance(0.35):
@@ -161,10 +186,24 @@ def _end_controls(draw: Draw, plan: _Plan, base: Link, body: Node) -> list[Link]
     return links
 
 
+def _dial(draw: Draw, base: Link, place: tuple[float, float, float], radius: float) -> list[Link]:
+    """A dial on an end face that turns, upright or leaning back. Some do not move."""
+    lean = draw.between(-35.0, 0.0) if draw.chance(0.25) else 0.0
+    knob = Node(draw.pick(["button", "knob"], [3, 1]))
+    knob.pieces = [turn(piece, X, lean, place) for piece in dial(draw, radius, draw.between(0.02, 0.1), place)]
+    if draw.chance(FIXED_CONTROL_SHARE):
+        base.nodes.append(knob)
+        return []
+    axis = (0.0, -np.sin(np.radians(lean)), np.cos(np.radians(lean)))
+    origin = (place[0], place[1], draw.pick([0.0, place[2]])) if lean == 0.0 else place
+    motion = spinner(origin, axis) if draw.chance(0.75) else hinge(origin, axis, *draw.pick([(-135, 135), (0, 270)]))
+    return [Link("knob", [knob], base, motion)]
+
+
 def _lever(draw: Draw, plan: _Plan, base: Link, body: Node, x: float, facing: float, count: int) -> Link:
     """A lever at an end that slides down."""
-    wide = draw.between(0.12, 0.45) * min(plan.width, 0.6) / (1.0 if count == 1 else 1.5)
-    tall, reach = draw.between(0.03, 0.12), draw.between(0.05, 0.16)
+    wide = draw.ratio(0.08, 0.6) * min(plan.width, 0.6) / (1.0 if count == 1 else 1.5)
+    tall, reach = draw.ratio(0.015, 0.2), draw.ratio(0.03, 0.25)
     top = plan.height * draw.between(0.55, 0.9)
     travel = (top - 0.15 * plan.height) * draw.between(0.5, 0.9)
     grip = box((wide, tall, reach), (0, 0, 0.5 * reach + 0.02))
@@ -172,6 +211,9 @@ def _lever(draw: Draw, plan: _Plan, base: Link, body: Node, x: float, facing: fl
         grip = rounded_box((wide, tall, reach), 0.4 * tall, "x", (0, 0, 0.5 * reach + 0.02))
     elif draw.chance(0.2):
         grip = cylinder(0.5 * tall, wide, "x", (0, 0, 0.5 * reach + 0.02), 14)
+    elif draw.chance(0.2):
+        size = min(0.5 * tall, 0.5 * wide)
+        grip = cylinder(size, reach, "z", (0, 0, 0.5 * reach + 0.02), 16, top_radius=size * draw.between(1.0, 1.6))
     pieces = [grip]
     if draw.chance(0.5):
         inside = draw.between(0.03, 0.35)
@@ -207,13 +249,17 @@ def _level_slider(draw: Draw, plan: _Plan, base: Link, body: Node) -> Link:
 def _buttons(draw: Draw, plan: _Plan, base: Link, x: float) -> list[Link]:
     """A column of buttons that slide in."""
     count = draw.integer(1, 4)
-    size = min(draw.between(0.04, 0.08), 0.12 * plan.height)
+    size = min(draw.ratio(0.03, 0.1), 0.12 * plan.height)
+    moves = not draw.chance(FIXED_CONTROL_SHARE)
     pitch = size * draw.between(1.2, 1.6)
     depth = draw.between(0.008, 0.03)
     low = plan.height * draw.between(0.15, 0.4)
     links = []
     for index in range(count):
         node = Node("button", pieces=[button(draw, size, 0.8 * size, depth, (x, low + index * pitch, plan.front))])
+        if not moves:
+            base.nodes.append(node)
+            continue
         inwards = draw.chance(0.3)
         motion = slider((0, 0, -1), 0, 0.6 * depth) if inwards else slider((0, 0, 1), -0.6 * depth, 0)
         links.append(Link("button", [node], base, motion))

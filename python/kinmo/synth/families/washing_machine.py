@@ -93,7 +93,7 @@ def _front_controls(draw: Draw, root: Node, base: Link, x: float, y: float, z: f
     level = draw.between(0.75, 0.85) * y
     if draw.chance(0.8):
         at = (draw.between(-0.3, 0.6) * x, level, z)
-        links.append(add_dial(draw, root, base, at, draw.between(0.03, 0.13) * x, draw.pick(["button", "knob", "switch"])))
+        links += add_dial(draw, root, base, at, draw.between(0.03, 0.13) * x, draw.pick(["button", "knob", "switch"]))
     if draw.chance(0.6):
         count, size, travel = draw.integer(2, 8), draw.between(0.03, 0.06), draw.between(0.002, 0.015)
         for index in range(count):
@@ -161,7 +161,7 @@ def _console(
     for index in range(draw.integer(1, 5)):
         radius = small if index else draw.between(1.0, 2.5) * small
         place = (start - spacing * index, draw.pick([0.0, draw.between(-0.2, 0.2)]) * height, front)
-        links.append(add_dial(draw, root, base, place, radius, name))
+        links += add_dial(draw, root, base, place, radius, name)
     if draw.chance(0.5):
         center = (draw.between(-0.7, -0.2) * x, 0.0, front)
         links += add_keypad(draw, root, base, center, (0.3 * x, 0.6 * height), "button", lookalikes=False)

@@ -16,7 +16,7 @@ from kinmo.core.shape import Mesh
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
 from kinmo.synth.mechanisms.mechanism_model import Mechanism, MovingPart
-from kinmo.synth.primitives import X, Y, Z, box, cylinder, facing, move, rotation_about, rounded_box, transform
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, extrude, facing, move, rotation_about, rounded_box, transform
 from kinmo.synth.synth_object import Motion, hinge, slider, spinner
 
 FrontBuilder: TypeAlias = Callable[[Draw, float, float, float], Mechanism]
@@ -37,6 +37,40 @@ def flap(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
     """Flap with its hinge along the lower or upper edge."""
     leaf = _leaf(draw, high, wide, draw.pick([-1.0, -1.0, 1.0]))
     return Mechanism([_carried(leaf, rotation_about(Z, 90.0))])
+
+
+def folding_door(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
+    """Door of two leaves: one hinged at a side, the other on the first, both opening outwards."""
+    side, share, thick = draw.sign(), draw.between(0.4, 0.6), draw.ratio(0.01, 0.06) * wide
+    spans = share * wide, (1 - share) * wide
+    centers = side * (0.5 * wide - 0.5 * spans[0]), -side * (0.5 * wide - 0.5 * spans[1])
+    near, far = ([box((0.98 * span, 0.97 * high, thick), (x, 0, 0.5 * thick))] for span, x in zip(spans, centers, strict=True))
+    if draw.chance(0.7):
+        at = (-side * 0.42 * wide, draw.between(-0.2, 0.2) * high, thick)
+        far += pull(draw, 0.25 * high, at, vertical=True, thickness=0.04 * wide, reach=0.08 * wide)
+    opens, name = draw.between(80.0, 120.0), draw.pick(["door", "leaf", "panel"])
+    first = MovingPart(name, near, hinge((side * 0.5 * wide, 0, 0), Y * side, 0.0, opens))
+    seam = (side * (0.5 * wide - spans[0]), 0, thick)
+    folds = draw.between(90.0, 178.0)
+    rest = draw.pick([0.0, draw.between(0.1, 0.9) * folds], [4, 1])
+    return Mechanism([first, MovingPart(name, far, hinge(seam, Y * side, 0.0, folds, rest=rest), first)])
+
+
+def tilting_bin(draw: Draw, wide: float, high: float, deep: float) -> Mechanism:
+    """Front with a wedge-shaped bin behind it that tips out about its lower edge."""
+    thick, reach, tall = draw.ratio(0.02, 0.08) * high, draw.between(0.3, 0.7) * min(deep, high), draw.between(0.4, 0.7) * high
+    low = -0.47 * high
+    pieces = [box((0.98 * wide, 0.96 * high, thick), (0, 0, 0.5 * thick))]
+    wedge = np.array([(low, 0.0), (low, -0.15 * reach), (low + tall, -reach), (low + tall, 0.0)])
+    if draw.chance(0.5):
+        pieces.append(extrude(wedge, 0.9 * wide, "x"))
+    else:
+        pieces += [extrude(wedge, 0.02 * wide, "x", (s * 0.45 * wide, 0, 0)) for s in (-1, 1)]
+    if draw.chance(0.7):
+        pieces += pull(draw, 0.4 * min(wide, 2 * high), (0, 0.35 * high, thick), vertical=False)
+    opens = draw.between(15.0, 50.0)
+    motion = hinge((0, low, draw.pick([0.0, thick])), X, 0.0, opens, rest=draw.pick([0.0, opens], [4, 1]))
+    return Mechanism([MovingPart(draw.pick(["drawer", "bin", "door", "lid"]), pieces, motion)])
 
 
 def _leaf(draw: Draw, wide: float, high: float, side: float) -> MovingPart:
@@ -147,7 +181,10 @@ def _carried(part: MovingPart, matrix: NDArray[np.float64]) -> MovingPart:
     return MovingPart(part.name, [transform(piece, matrix) for piece in part.pieces], part.motion.moved_by(matrix))
 
 
-FRONTS = (door, door, door, door, flap, flap, drawer_front, drawer_front, drawer_front, shelf, sliding_pane)
+FRONTS = (
+    *(door, door, door, door, flap, flap, drawer_front, drawer_front, drawer_front),
+    *(shelf, sliding_pane, folding_door, tilting_bin),
+)
 """All closures. Frequent ones are listed more than once."""
 INTERIORS = (turntable, shelf)
 """Moving parts that may be behind a door."""

@@ -8,6 +8,7 @@ from kinmo.synth.primitives.basic_solids import (
     dome,
     ellipsoid,
     extrude,
+    open_box,
     rounded_box,
     rounded_outline,
     sheet,
@@ -34,6 +35,7 @@ from kinmo.synth.primitives.transforms import (
 
 __all__ = [
     "ORIGIN", "Point", "X", "Y", "Z", "along", "arc_path", "box", "box_between", "cylinder", "dome", "ellipsoid", "extrude",
-    "facing", "grid_faces", "inside_out", "join", "lathe", "mirror", "move", "rotation", "rotation_about", "rounded_box",
-    "rounded_outline", "rounded_path", "scale", "sheet", "sweep", "sweep_outline", "torus", "transform", "tube", "turn",
+    "facing", "grid_faces", "inside_out", "join", "lathe", "mirror", "move", "open_box", "rotation", "rotation_about",
+    "rounded_box", "rounded_outline", "rounded_path", "scale", "sheet", "sweep", "sweep_outline", "torus", "transform",
+    "tube", "turn",
 ]  # fmt: skip

@@ -17,6 +17,10 @@ _BOX_FACES = np.array([
 """Triangles [12, 3] of a box with the corners of `CORNER_SIGNS`."""
 
 
+_FRONT_RIM = ((1, 5), (5, 7), (7, 3), (3, 1))
+"""Edges of a box around its front, counter-clockwise from outside."""
+
+
 def box(size: Point, center: Point = ORIGIN) -> Mesh:
     """A box of 12 triangles with edge lengths `size` [3]."""
     return Mesh(CORNER_SIGNS * (0.5 * np.asarray(size, float)) + np.asarray(center, float), _BOX_FACES)
@@ -26,6 +30,18 @@ def box_between(low: Point, high: Point) -> Mesh:
     """The box with corners `low` and `high`."""
     low, high = np.asarray(low, float), np.asarray(high, float)
     return box(high - low, 0.5 * (low + high))
+
+
+def open_box(low: Point, high: Point, wall: float) -> Mesh:
+    """The box between two corners, hollow and open to the front (+z), as one closed surface with walls of one thickness."""
+    low, high = np.asarray(low, float), np.asarray(high, float)
+    outer = box_between(low, high)
+    inner = box_between(low + wall, high - (wall, wall, 0.0))
+    # The front of both boxes gives way to the rim between them: corners 1, 3, 5 and 7 are at the front.
+    at_front = np.all(outer.faces % 2 == 1, axis=1)
+    rim = np.array([[a, b, b + 8] for a, b in _FRONT_RIM] + [[a, b + 8, a + 8] for a, b in _FRONT_RIM], np.uint32)
+    faces = [outer.faces[~at_front], inner.faces[~at_front][:, ::-1] + np.uint32(8), rim]
+    return Mesh(np.concatenate([outer.vertices, inner.vertices]), np.concatenate(faces))
 
 
 def sheet(size: tuple[float, float], center: Point = ORIGIN, axis: str = "y") -> Mesh:

@@ -24,8 +24,9 @@ SLIDE = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3))
 def cabinet_view() -> ShapeView:
     """The four leaves of the cabinet, two of which move."""
     words = tuple(tuple(hash_words("part", word)) for word in ("frame", "door", "knob", "drawer"))
-    targets = (None, soft_target(FEATURES, 1, HINGE), None, soft_target(FEATURES, 3, SLIDE))
-    return ShapeView(FEATURES, (0, 1, 2, 3), True, words, targets)
+    targets = [np.zeros(count) for count in FEATURES.counts(range(4))]
+    targets[1], targets[3] = soft_target(FEATURES, 1, HINGE), soft_target(FEATURES, 3, SLIDE)
+    return ShapeView(FEATURES, (0, 1, 2, 3), np.zeros((4, 2), np.float32), words, (), tuple(targets), np.ones(4))
 
 
 def small_network() -> RankingNetwork:
@@ -72,7 +73,6 @@ def test_a_shape_has_the_same_probabilities_alone_and_in_a_batch() -> None:
 def test_hidden_names_leave_no_words() -> None:
     assert len(collate_views([cabinet_view()]).words) == 4
     assert len(collate_views([cabinet_view()], hide_names=True).words) == 0
-    assert len(collate_views([cabinet_view()], rng=np.random.default_rng(0), hide_view=1.0).words) == 0
     assert len(collate_views([cabinet_view()], rng=np.random.default_rng(0), hide_group=1.0).words) == 0
 
 
@@ -88,8 +88,8 @@ def test_a_category_is_hidden_independently_of_the_names_of_parts() -> None:
 
 @torch.no_grad()
 def test_an_unknown_word_is_no_error() -> None:
-    words = (tuple(hash_words("part", "Schubladenfront 7 Ünïcode")),)
-    assert torch.isfinite(small_network()(collate_views([ShapeView(FEATURES, (1,), True, words, (None,))]))[1]).all()
+    words = (tuple(hash_words("part", "Schubladenfront 7 Ünïcode")), (), (), ())
+    assert torch.isfinite(small_network()(collate_views([replace(cabinet_view(), words=words)]))[1]).all()
 
 
 def test_training_learns_the_cabinet() -> None:

@@ -62,6 +62,7 @@ def collate_graphs(
     hide_names: float = 0.0,
     hide_hierarchy: float = 0.0,
     hide_leaf: float = 0.0,
+    hide_words: float = 0.0,
 ) -> GroupingBatch:
     """Join graphs to one flat batch.
 
@@ -71,6 +72,7 @@ def collate_graphs(
         hide_names: Probability that all names of a graph are hidden.
         hide_hierarchy: Probability that the hierarchy of a graph is hidden.
         hide_leaf: Probability that the name of one leaf is hidden.
+        hide_words: Probability that the words of a graph are hidden, but not how alike they are, as in an unknown language.
     """
 
     def drawn(probability: float) -> bool:
@@ -91,7 +93,7 @@ def collate_graphs(
         names = graph.names * shown[graph.pairs].all(axis=1, keepdims=True)
         hierarchy = graph.hierarchy if shows_hierarchy else np.zeros_like(graph.hierarchy)
         contact.append(np.concatenate([graph.contact, names, hierarchy], axis=1, dtype=np.float32))
-        for leaf in np.flatnonzero(shown):
+        for leaf in () if drawn(hide_words) else np.flatnonzero(shown):
             words += graph.words[leaf]
             word_leaf += [start + int(leaf)] * len(graph.words[leaf])
         pairs.append(graph.pairs + start)

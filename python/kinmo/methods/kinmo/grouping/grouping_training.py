@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from kinmo.core.typed_tables import to_table
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.learner import Learner, adam_options
 from kinmo.learning.training_loop import FitResult, Progress, fit
-from kinmo.learning.weights import save_weights
+from kinmo.learning.weights import load_weights, save_weights
 from kinmo.methods.kinmo.grouping.grouping_batches import GroupingBatch, collate_graphs
 from kinmo.methods.kinmo.grouping.grouping_network import KIND, GroupingNetwork, grouping_loss
 from kinmo.methods.kinmo.grouping.leaf_graph import LeafGraph, leaf_graph
@@ -40,24 +41,33 @@ def train_part_grouping(
     device: str = "auto",
     fingerprint: str = "",
     on_progress: Callable[[Progress], None] | None = None,
+    initial: Path | None = None,
 ) -> FitResult:
     """Train a grouping network on annotated shapes, with the arguments and results of `train_motion_gnn`.
 
+    Training that starts from `initial` weights has the schedule `config.continued`.
+
     Raises:
-        InputError: `training` or `validation` has no shape with two leaves.
+        InputError: `training` or `validation` has no shape with two leaves, or `initial` does not fit.
     """
     graphs = [[graph for shape in shapes if (graph := leaf_graph(shape)) is not None] for shapes in (training, validation)]
     for name, found in zip(("training", "validation"), graphs, strict=True):
         if not found:
             raise InputError(f"{name} shapes", "expected a shape with at least two parts")
     torch.manual_seed(seed)
+    start = None if initial is None else load_weights(initial, KIND)
+    if start is not None:
+        config, fingerprint = replace(config, training=config.continued), fingerprint + start.sha256
     data = GroupingData(graphs[0], graphs[1], config)
     learner = GroupingLearner(config, data)
+    if start is not None:
+        start.fill(learner.network)
     result = fit(learner, data, run_dir, seed=seed, device=device, fingerprint=fingerprint, on_progress=on_progress)
     facts: dict[str, Any] = {
         "seed": seed,
         "shapes": len(training),
         "epochs": len(result.history),
+        "started_from": None if start is None else start.sha256,
         "error": result.best_error,
         "leaf_features": data.widths[0],
         "pair_features": data.widths[1],
@@ -96,6 +106,7 @@ class GroupingData:
                 hide_names=self.config.hide_names,
                 hide_hierarchy=self.config.hide_hierarchy,
                 hide_leaf=self.config.hide_leaf_names,
+                hide_words=self.config.hide_words,
             )
 
     def validation_batches(self) -> Iterator[GroupingBatch]:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from kinmo.core.mobility import Mobility
 from kinmo.features.candidate_features import CandidateFeatures
 from kinmo.features.contact_graph import ContactGraph
-from kinmo.features.prepared_shape import PreparedShape, leaf_groups
-from kinmo.methods.kinmo.ranking.name_words import hash_words, words_of
+from kinmo.features.prepared_shape import PreparedShape
+from kinmo.methods.kinmo.ranking.name_words import has_names, hash_words, words_of
 
 F32 = NDArray[np.float32]
 
@@ -38,6 +38,7 @@ class LeafGraph:
         same_body ([E] bool): True if both leaves belong to one rigid body; False without an annotation.
         moves ([L] bool): True for a leaf of a body that moves; False without an annotation.
         counts ([E] bool): True for pairs without junk.
+        has_names: True if names tell leaves apart (`name_words.has_names`).
     """
 
     leaves: F32
@@ -49,11 +50,7 @@ class LeafGraph:
     same_body: NDArray[np.bool_]
     moves: NDArray[np.bool_]
     counts: NDArray[np.bool_]
-
-    @property
-    def has_names(self) -> bool:
-        """True if a leaf has a name with letters."""
-        return any(self.words)
+    has_names: bool
 
     @property
     def has_hierarchy(self) -> bool:
@@ -66,8 +63,7 @@ def leaf_graph(shape: PreparedShape) -> LeafGraph | None:
     if len(shape.leaves) < 2:
         return None
     features, graph = CandidateFeatures.of(shape.candidate_features), ContactGraph.of(shape.contact_graph)
-    group_of = {leaves: group for group, leaves in enumerate(leaf_groups(shape.leaves_below, shape.body_leaves))}
-    leaves = features.group_features[[group_of[(position,)] for position in range(len(shape.leaves))]]
+    leaves = features.group_features[[features.group_of[(position,)] for position in range(len(shape.leaves))]]
     names = [shape.part_names[leaf] for leaf in shape.leaves]
     owner = np.full(len(shape.leaves), -1)
     junk = np.zeros(len(shape.leaves), bool)
@@ -87,6 +83,7 @@ def leaf_graph(shape: PreparedShape) -> LeafGraph | None:
         owner[first] == owner[second],
         owner >= 0,
         ~(junk[first] | junk[second]),
+        has_names(shape),
     )
 
 

@@ -22,6 +22,11 @@ def hash_words(role: str, text: str) -> list[int]:
     return [zlib.crc32(f"{role}:{word}".encode()) % WORD_BUCKETS for word in words_of(text)]
 
 
+def has_names(shape: PreparedShape) -> bool:
+    """True if names tell leaves apart: at least two leaves have different words. `Cube.001` and `Cube.002` have the same."""
+    return len({tuple(words_of(shape.part_names[leaf])) for leaf in shape.leaves} - {()}) > 1
+
+
 def maximal_nodes(shape: PreparedShape, leaves: Sequence[int]) -> list[int]:
     """The highest nodes of the hierarchy whose leaves all are among `leaves` (positions in `shape.leaves`)."""
     wanted = set(leaves)
@@ -29,12 +34,16 @@ def maximal_nodes(shape: PreparedShape, leaves: Sequence[int]) -> list[int]:
     return [n for n, parent in enumerate(shape.parents) if inside[n] and (parent < 0 or not inside[parent])]
 
 
-def group_words(shape: PreparedShape, leaves: Sequence[int]) -> tuple[int, ...]:
-    """Hashed words of a group of leaves: the names of its highest nodes, of its leaves, and of the nodes above it."""
-    top = maximal_nodes(shape, leaves)
+def group_words(shape: PreparedShape, leaves: Sequence[int], *, sees_hierarchy: bool = True) -> tuple[int, ...]:
+    """Hashed words of a group of leaves: the names of its highest nodes, of its leaves, and of the nodes above it.
+
+    Without the hierarchy, the leaves are the highest nodes.
+    """
+    own = [shape.leaves[leaf] for leaf in leaves]
+    top = maximal_nodes(shape, leaves) if sees_hierarchy else own
     words = [w for n in top for w in hash_words("part", shape.part_names[n])]
-    words += [w for leaf in leaves for w in hash_words("leaf", shape.part_names[shape.leaves[leaf]])]
-    above = {shape.parents[n] for n in top if shape.parents[n] > 0}
+    words += [w for n in own for w in hash_words("leaf", shape.part_names[n])]
+    above = {shape.parents[n] for n in top if shape.parents[n] > 0} if sees_hierarchy else set()
     words += [w for n in sorted(above) for w in hash_words("inside", shape.part_names[n])]
     return tuple(words)
 

@@ -18,7 +18,7 @@ class RankingBatch:
 
     Attributes:
         candidates ([C, F] float32): Raw features of the candidates.
-        groups ([U, G] float32): Raw features of the groups.
+        groups ([U, G] float32): Raw features of the groups, and of the groups in their view.
         group_of ([C] int64): Group of each candidate.
         view_of ([U] int64): View of each group.
         slot_of ([U] int64): Position of each group in its view.
@@ -26,6 +26,7 @@ class RankingBatch:
         word_group ([W] int64): Group of each word.
         targets ([C] float32): Target probabilities of the candidates.
         rest_targets ([U] float32): Target probabilities of rest.
+        weights ([U] float32): Weights of the groups in the loss; their sum is the number of views.
     """
 
     candidates: Tensor
@@ -37,6 +38,7 @@ class RankingBatch:
     word_group: Tensor
     targets: Tensor
     rest_targets: Tensor
+    weights: Tensor
 
     def to(self, device: torch.device) -> RankingBatch:
         """The batch on a device."""
@@ -48,7 +50,6 @@ def collate_views(
     *,
     rng: np.random.Generator | None = None,
     hide_names: bool = False,
-    hide_view: float = 0.0,
     hide_group: float = 0.0,
     hide_category: float = 0.0,
 ) -> RankingBatch:
@@ -58,7 +59,6 @@ def collate_views(
         views: Views of shapes.
         rng: Source of the draws; None: nothing is hidden at random.
         hide_names: Hide all names and categories.
-        hide_view: Probability that all names of a view are hidden.
         hide_group: Probability that the names of a group are hidden.
         hide_category: Probability that the category of a view is hidden; 1 hides it without `rng` too.
     """
@@ -66,28 +66,28 @@ def collate_views(
     word_group: list[int] = []
     index = 0
     for view in views:
-        hidden = hide_names or (rng is not None and rng.random() < hide_view)
         hides_category = hide_category >= 1.0 or (hide_category > 0.0 and rng is not None and rng.random() < hide_category)
         for names in view.words:
-            if not hidden and not (rng is not None and rng.random() < hide_group):
-                shown = names if hides_category else names + view.category
+            if not hide_names:
+                hidden = rng is not None and rng.random() < hide_group
+                shown = (() if hidden else names) + (() if hides_category else view.category)
                 words.extend(shown)
                 word_group.extend([index] * len(shown))
             index += 1
     sizes = [len(view.groups) for view in views]
     counts = [count for view in views for count in view.features.counts(view.groups)]
-    groups = np.concatenate([view.features.group_features[list(view.groups)] for view in views])
-    is_bodies = np.repeat([view.is_bodies for view in views], sizes).astype(np.float32)
+    groups = [np.column_stack([view.features.group_features[list(view.groups)], view.context]) for view in views]
     targets = [target for view in views for target in view.targets]
-    filled = [np.zeros(count) if target is None else target for count, target in zip(counts, targets, strict=True)]
+    weights = np.concatenate([view.weights for view in views])
     return RankingBatch(
         torch.from_numpy(np.concatenate([v.features.features[v.features.rows(group)] for v in views for group in v.groups])),
-        torch.from_numpy(np.column_stack([groups, is_bodies])),
+        torch.from_numpy(np.concatenate(groups)),
         torch.from_numpy(np.repeat(np.arange(len(counts)), counts)),
         torch.from_numpy(np.repeat(np.arange(len(views)), sizes)),
         torch.from_numpy(np.concatenate([np.arange(size) for size in sizes])),
         torch.tensor(words, dtype=torch.long),
         torch.tensor(word_group, dtype=torch.long),
-        torch.from_numpy(np.concatenate(filled).astype(np.float32)),
-        torch.tensor([float(target is None) for target in targets], dtype=torch.float32),
+        torch.from_numpy(np.concatenate(targets).astype(np.float32)),
+        torch.tensor([1.0 - target.sum() for target in targets], dtype=torch.float32),
+        torch.from_numpy((weights * (len(views) / max(weights.sum(), 1e-12))).astype(np.float32)),
     )

@@ -126,12 +126,13 @@ def mean_log_probabilities(networks: nn.ModuleList, batch: RankingBatch) -> tupl
 
 
 def correct_probability(log_candidates: Tensor, log_rest: Tensor, batch: RankingBatch) -> Tensor:
-    """Total probability [U] of the candidates with a positive target, or of rest for groups at rest."""
-    correct = log_candidates.exp() * (batch.targets > 0)
-    return (log_rest.exp() * batch.rest_targets).index_add(0, batch.group_of, correct)
+    """Weighted mean probability of the candidates with a positive target, and of rest, each in proportion to their targets."""
+    right = torch.zeros_like(log_rest).index_add(0, batch.group_of, log_candidates.exp() * (batch.targets > 0))
+    each = log_rest.exp() * batch.rest_targets + right * (1.0 - batch.rest_targets)
+    return (each * batch.weights).sum() / batch.weights.sum()
 
 
 def ranking_loss(log_candidates: Tensor, log_rest: Tensor, batch: RankingBatch) -> Tensor:
-    """Mean cross-entropy of the groups against their soft targets."""
+    """Weighted mean cross-entropy of the groups against their soft targets."""
     each = -(batch.rest_targets * log_rest).index_add(0, batch.group_of, batch.targets * log_candidates)
-    return each.mean()
+    return (each * batch.weights).sum() / batch.weights.sum()

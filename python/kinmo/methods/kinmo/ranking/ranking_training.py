@@ -18,8 +18,10 @@ from kinmo.core.errors import InputError
 from kinmo.core.typed_tables import to_table
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.learner import Learner, adam_options
+from kinmo.learning.model_folder import networks_digest
 from kinmo.learning.training_loop import FitResult, Progress, fit
 from kinmo.learning.weights import Weights, load_weights, save_weights
+from kinmo.methods.kinmo.grouping.part_grouper import PartGrouper
 from kinmo.methods.kinmo.ranking.ranking_batches import RankingBatch, collate_views
 from kinmo.methods.kinmo.ranking.ranking_network import (
     KIND,
@@ -29,7 +31,8 @@ from kinmo.methods.kinmo.ranking.ranking_network import (
     ranking_loss,
     ranking_networks,
 )
-from kinmo.methods.kinmo.ranking.shape_views import ShapeView, training_views
+from kinmo.methods.kinmo.ranking.shape_views import ShapeView
+from kinmo.methods.kinmo.ranking.training_views import training_views
 
 WARM_UP = 0.1
 """Share of the steps in which the learning rate rises."""
@@ -45,6 +48,7 @@ def train_joint_ranking(
     config: RankingConfig,
     run_dir: Path,
     *,
+    grouping: Path,
     seed: int = 0,
     device: str = "auto",
     fingerprint: str = "",
@@ -53,14 +57,16 @@ def train_joint_ranking(
 ) -> FitResult:
     """Train ranking networks on annotated shapes, with the arguments and results of `train_motion_gnn`.
 
-    Training that starts from `initial` weights has the schedule `config.continued`.
+    `grouping` are the weights of the grouping network whose proposals are ranked. Training that starts from `initial` weights
+    has the schedule `config.continued`.
 
     Raises:
         InputError: `training` or `validation` has no joint to learn from, or `initial` does not fit.
     """
-    views = [training_views(shapes) for shapes in (training, validation)]
+    grouper = PartGrouper.load(grouping, "cpu")
+    views = [training_views(shapes, grouper, config) for shapes in (training, validation)]
     for name, found in zip(("training", "validation"), views, strict=True):
-        if not any(target is not None for view in found for target in view.targets):
+        if not any(view.has_joints for view in found):
             raise InputError(f"{name} shapes", "expected at least one annotated joint")
     torch.manual_seed(seed)
     start = None if initial is None else load_weights(initial, KIND)
@@ -81,6 +87,7 @@ def train_joint_ranking(
         "error": result.best_error,
         "hypothesis_features": data.widths[0],
         "unit_features": data.widths[1],
+        "grouping": networks_digest((grouping,)),
         "started_from": None if start is None else start.sha256,
     }
     save_weights(run_dir / "weights.safetensors", learner.networks, KIND, to_table(config), facts)
@@ -123,7 +130,6 @@ class RankingData:
             yield collate_views(
                 [self.training[i] for i in some],
                 rng=rng,
-                hide_view=self.config.hide_names,
                 hide_group=self.config.hide_group_names,
                 hide_category=self.config.hide_categories,
             )
@@ -160,7 +166,7 @@ class RankingLearner(Learner):
 
     def validation_step(self, batch: RankingBatch) -> None:
         candidates, rest = mean_log_probabilities(self.networks, batch)
-        loss, error = ranking_loss(candidates, rest, batch), 1.0 - correct_probability(candidates, rest, batch).mean()
+        loss, error = ranking_loss(candidates, rest, batch), 1.0 - correct_probability(candidates, rest, batch)
         self.log("validation", len(batch.groups), loss=loss, error=error)
 
     def make_optimizer(self) -> torch.optim.Optimizer:
