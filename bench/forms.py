@@ -11,7 +11,8 @@ Categories are known in the first form only. Predictions are exported as URDF an
 (docs/background/metrics.md, "URDF files"): `found` and `ok` are shares of all true joints, `precision` of the predicted bodies
 that move. `best` is the share of movable bodies that the parts of a form can express. It is below 1 where a loose piece joins a
 body to its neighbours. `ECE` is the expected calibration error of predicted joints in ten bins of equal count. `ok 50` and
-`ok 80` are the shares of ok joints among the most probable 50 % and 80 %.
+`ok 80` are the shares of ok joints among the most probable 50 % and 80 %. The line below the tables tells how the logits of the
+probabilities would have to change to fit these objects best (`ranking.score_slope` and `score_offset`).
 
 Usage:
     python bench/forms.py DATA [--model WORKSPACE] [--forms NAME ...] [--limit N] [--json FILE] [--quick]
@@ -32,6 +33,7 @@ from common import option_parser, print_claims, print_table, use_one_thread
 use_one_thread()
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 import kinmo
 from kinmo.core.errors import InputError
@@ -160,6 +162,19 @@ def calibration_error(probabilities: NDArray[np.float64], is_ok: NDArray[np.bool
     return float(sum(gaps) / len(order))
 
 
+def fitted_calibration(probabilities: NDArray[np.float64], is_ok: NDArray[np.bool_]) -> tuple[float, float]:
+    """Slope and offset of the logits of probabilities [J] that fit whether joints are ok best (least cross-entropy)."""
+    inside = np.clip(probabilities, 1e-6, 1.0 - 1e-6)
+    logits = np.log(inside / (1.0 - inside))
+
+    def loss(values: NDArray[np.float64]) -> float:
+        signed = np.where(is_ok, 1.0, -1.0) * (values[0] * logits + values[1])
+        return float(np.logaddexp(0.0, -signed).sum())
+
+    slope, offset = minimize(loss, np.array([1.0, 0.0]), method="Nelder-Mead").x
+    return float(slope), float(offset)
+
+
 def selective_accuracy(probabilities: NDArray[np.float64], is_ok: NDArray[np.bool_], share: float) -> float | None:
     """Share of ok joints among the most probable `share` of the joints. None without joints."""
     if not len(probabilities):
@@ -254,11 +269,16 @@ def main() -> int:
     args = parser.parse_args()
     try:
         shapes = truths(args.data, QUICK if args.quick else args.limit)
-        result = report(score_forms(shapes, args.forms, kinmo.Predictor(args.model), args.seed))
+        scores = score_forms(shapes, args.forms, kinmo.Predictor(args.model), args.seed)
+        result = report(scores)
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
     print_report(result)
+    every = [each for own in scores.values() for each in own]
+    probabilities, is_ok = (np.concatenate([getattr(each, name) for each in every]) for name in ("probabilities", "is_ok"))
+    slope, offset = fitted_calibration(probabilities, is_ok)
+    print(f"\nscores would fit best with a slope of {slope:.3f} and an offset of {offset:.3f} of their logits")
     if args.json is not None:
         args.json.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     ok = {form: found["all"]["ok"] for form, found in result.items()}

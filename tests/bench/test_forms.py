@@ -117,6 +117,14 @@ def test_calibration_compares_probability_and_share():
     assert forms.calibration_error(np.array([1.0]), np.array([True])) == 0.0
 
 
+def test_the_fitted_calibration_makes_too_sure_probabilities_right():
+    rng = np.random.default_rng(0)
+    logits = rng.normal(size=4000)
+    is_ok = rng.random(4000) < 1.0 / (1.0 + np.exp(-logits))
+    slope, offset = forms.fitted_calibration(1.0 / (1.0 + np.exp(-(2.0 * logits + 1.0))), is_ok)
+    assert (slope, offset) == pytest.approx((0.5, -0.5), abs=0.15)
+
+
 def test_selection_keeps_the_most_probable():
     probabilities, is_ok = np.array([0.9, 0.1, 0.8, 0.2]), np.array([True, False, True, False])
     assert forms.selective_accuracy(probabilities, is_ok, 0.5) == 1.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from kinmo.config.bounds import Amount, Count, Counts, NonNegative, Share
+from kinmo.config.bounds import Amount, Count, Counts, NonNegative, Offset, Positive, Share
 from kinmo.config.training import TrainingConfig
 from kinmo.core.typed_tables import Within
 
@@ -185,7 +185,11 @@ class RankingConfig:
     hide_categories: Share = 0.6
     """Share of training shapes whose category is hidden; 1 for networks that never see it, for unseen categories."""
     batch_views: Count = 16
-    """Views in a batch. A shape has two views: its bodies and its nodes."""
+    """Views in a batch."""
+    score_slope: Positive = 1.0
+    """Factor on the logit of a joint's score. Below 1, scores are less extreme than the networks' probabilities."""
+    score_offset: Offset = 0.0
+    """Added to the logit of a joint's score after the factor."""
 
     @property
     def sees_categories(self) -> bool:

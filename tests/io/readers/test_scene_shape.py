@@ -106,7 +106,7 @@ def test_a_floor_is_dropped(height: float, tmp_path: Path) -> None:
 SIZES = (2.0, 0.02, 1.0), (16.0, 0.02, 16.0), (16.0, 3.0, 16.0)
 
 
-@pytest.mark.parametrize(("size", "at"), zip(SIZES, [(0.0, -1.0, 0.0), (0.0, 0.0, 0.0), (0.0, -3.0, 0.0)], strict=True))
+@pytest.mark.parametrize(("size", "at"), list(zip(SIZES, [(0.0, -1.0, 0.0), (0.0, 0.0, 0.0), (0.0, -3.0, 0.0)], strict=True)))
 def test_a_base_plate_a_shelf_and_a_block_are_no_floors(
     size: tuple[float, float, float], at: tuple[float, float, float], tmp_path: Path
 ) -> None:

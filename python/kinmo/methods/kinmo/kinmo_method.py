@@ -79,9 +79,10 @@ class KinmoMethod(Method):
     def _in_file_frame(
         self, shape: PreparedShape, bodies: tuple[Body, ...], ranked: Sequence[tuple[JointEstimate, ...]]
     ) -> ShapeEstimate:
-        """The prediction in the shape's own frame, from bodies and joints in the normalised frame."""
-        frame = Normalisation(shape.center, shape.diagonal)
-        estimates = tuple(tuple(frame.undo_estimate(estimate) for estimate in found) for found in ranked)
+        """The prediction in the shape's own frame with calibrated scores, from bodies and joints in the normalised frame."""
+        frame, ranker = Normalisation(shape.center, shape.diagonal), self._ranker(shape)
+        scored = (tuple(replace(each, score=ranker.calibrated(each.score)) for each in found) for found in ranked)
+        estimates = tuple(tuple(frame.undo_estimate(estimate) for estimate in found) for found in scored)
         return ShapeEstimate(shape.id, shape.category, frame.undo_mobility(Mobility(bodies)), estimates, (), self.name)
 
     def _grouped(self, shape: PreparedShape) -> GroupedShape:

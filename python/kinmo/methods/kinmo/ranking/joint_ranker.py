@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -18,16 +19,19 @@ from kinmo.methods.kinmo.ranking.shape_views import ShapeView
 
 F64 = NDArray[np.float64]
 
+MIN_CHANCE = 1e-6
+"""Scores are taken as at least so far from 0 and 1 before they are calibrated."""
+
 
 class JointRanker:
     """Trained ranking networks, whose mean probabilities count.
 
-    `hide_names` hides the names of parts and categories from them, `hide_categories` those of categories alone.
+    `hide_names` hides the names of parts and categories from them.
     """
 
-    def __init__(self, networks: nn.ModuleList, device: str, hide_names: bool, hide_categories: bool) -> None:
-        self.networks, self.device = networks.to(device).eval(), device
-        self.hide_names, self.hide_categories = hide_names, hide_categories
+    def __init__(self, networks: nn.ModuleList, config: RankingConfig, device: str, hide_names: bool) -> None:
+        self.networks, self.config, self.device = networks.to(device).eval(), config, device
+        self.hide_names = hide_names
 
     @classmethod
     def load(cls, weights: Path, device: str = "auto", hide_names: bool = False) -> JointRanker:
@@ -45,13 +49,19 @@ class JointRanker:
             raise InputError(weights.with_suffix(".json"), problem, "facts")
         networks = ranking_networks(config, candidate_features, group_features)
         loaded.fill(networks)
-        return cls(networks, device, hide_names, not config.sees_categories)
+        return cls(networks, config, device, hide_names)
 
     @torch.inference_mode()
     def probabilities(self, view: ShapeView) -> tuple[list[F64], F64]:
         """Probabilities [C] of the candidate joints of each of the U groups of a view, and probabilities of rest [U]."""
-        batch = collate_views([view], hide_names=self.hide_names, hide_category=float(self.hide_categories))
+        batch = collate_views([view], hide_names=self.hide_names, hide_category=float(not self.config.sees_categories))
         candidates, rest = mean_log_probabilities(self.networks, batch.to(torch.device(self.device)))
         flat = candidates.cpu().double().exp().numpy()
         counts = view.features.counts(view.groups)
         return np.split(flat, np.cumsum(counts)[:-1]), rest.cpu().double().exp().numpy()
+
+    def calibrated(self, score: float) -> float:
+        """A score as the chance that the joint is right on objects unlike those of training (`score_slope`, `score_offset`)."""
+        inside = min(max(score, MIN_CHANCE), 1.0 - MIN_CHANCE)
+        logit = self.config.score_slope * math.log(inside / (1.0 - inside)) + self.config.score_offset
+        return 1.0 / (1.0 + math.exp(-logit))
