@@ -99,9 +99,9 @@ ONLY_WORKSPACE = "applies only to the workspace's own shapes and scans, not to F
         ),
         (
             "train ancsh --from elsewhere --setting self-training",
-            "--from: ancsh cannot start from trained weights; use it with all, motion or axis",
+            "--from: ancsh cannot start from trained weights; use it with all, motion or kinmo",
         ),
-        ("train ancsh --from elsewhere", "--from: ancsh cannot start from trained weights; use it with all, motion or axis"),
+        ("train ancsh --from elsewhere", "--from: ancsh cannot start from trained weights; use it with all, motion or kinmo"),
         ("predict shapes --depth-scale 1000", "--depth-scale: applies only to scans; give --category too, and name a scan"),
         ("predict scan.npz --category door --up z", "--up: applies only to shapes; remove it, or name a shape"),
         (

@@ -37,5 +37,5 @@ def test_networks_trained_side_by_side_equal_those_trained_in_turn(trained: Trai
     assert {name: result["sha256"] for name, result in outcome.data.items()} == {
         name: result["sha256"] for name, result in trained.outcomes["train"].data.items()
     }
-    assert len(set(recorder.steps)) == len(outcome.data) == 4
+    assert len({step for step in recorder.steps if step.startswith("training")}) == len(outcome.data) == 6
     assert not stage.plan().steps
