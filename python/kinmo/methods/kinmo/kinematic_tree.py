@@ -148,5 +148,5 @@ def _with_limits(joint: Joint, travel: F64, is_limited: bool, scale: float, free
     freedom = float(np.clip(free[longer] / max(float(travel[longer]), 1e-9), 0.0, 1.0))
     if joint.kind is JointKind.REVOLUTE and not is_limited:
         return replace(joint, lower=None, upper=None), freedom
-    limited = replace(joint, lower=-float(travel[1] * scale), upper=float(travel[0] * scale))
+    limited = replace(joint, lower=0.0 - float(travel[1] * scale), upper=float(travel[0] * scale))
     return (limited.reversed() if longer else limited), freedom
