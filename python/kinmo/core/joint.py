@@ -71,9 +71,9 @@ class Joint:
 
     def reversed(self) -> Joint:
         """The same joint with the opposite direction, and with the range that belongs to it."""
-        lower = None if self.upper is None else -self.upper
-        upper = None if self.lower is None else -self.lower
-        return replace(self, direction=-self.direction, lower=lower, upper=upper, rest=-self.rest)
+        lower = None if self.upper is None else 0.0 - self.upper  # never -0.0
+        upper = None if self.lower is None else 0.0 - self.lower
+        return replace(self, direction=-self.direction, lower=lower, upper=upper, rest=0.0 - self.rest)
 
     def rotated(self, rotation: NDArray[np.float64]) -> Joint:
         """The joint in a frame that `rotation` [3, 3] rotates the present frame to."""

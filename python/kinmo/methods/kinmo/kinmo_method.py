@@ -7,8 +7,10 @@ are proposals of bodies. The ranking networks tell which of them move and how, a
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -104,7 +106,12 @@ class KinmoMethod(Method):
 
 
 def _name_of(shape: PreparedShape, body: Group) -> str:
-    """Name of the largest of the highest nodes whose leaves all belong to a body."""
+    """Name of a body: what the names of its highest nodes begin with, or else the name of the largest of them."""
     nodes = maximal_nodes(shape, body)
+    names = [shape.part_names[node] for node in nodes]
+    words = [re.findall(r"[^\W_]+", name) for name in names]
+    leading = [some[0] for some in takewhile(lambda some: len(set(some)) == 1, zip(*words, strict=False))]
+    if len(names) > 1 and any(not word.isdecimal() for word in leading):
+        return "_".join(leading)
     areas = [float(np.sum(shape.leaf_areas[list(shape.leaves_below[node])])) for node in nodes]
-    return shape.part_names[nodes[int(np.argmax(areas))]]
+    return names[int(np.argmax(areas))]
