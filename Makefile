@@ -9,7 +9,7 @@ KINMO  := $(BIN)/kinmo
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 DEMO   := demo
 # Shapes of a family; there are more of the one whose scans are looked at, as few of its shapes have the same joints.
-COUNT  ?= 8
+COUNT  ?= 6
 SCANNED_COUNT ?= 12
 # Shapes of a family, and the folder for training the networks that come with kinmo.
 WEIGHTS_COUNT ?= 45
