@@ -81,7 +81,7 @@ class ExportResults:
                 observer.note(f"{clean_text(job.target.name)}: {note}")
         lines = []
         for _, result in exported:
-            lines += [f"{result.data['id']} (category {clean_text(result.data['category'])})", *result.lines]
+            lines += [f"{result.data['id']} (category {clean_text(result.data['category']) or 'unknown'})", *result.lines]
         joints = counted(sum(result.data["joints"] for _, result in exported), "joint")
         corrected = sum(result.data["corrected"] for _, result in exported)
         total = f"{counted(len(exported), 'result')}, {joints}, {corrected} corrected, {len(skipped)} skipped"
