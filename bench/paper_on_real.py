@@ -36,7 +36,7 @@ from kinmo.methods.paper.mobility_tree import tree_with_given_bodies
 from kinmo.methods.paper.refinement import Refiner
 from kinmo.pipeline.evaluation.method_rows import TYPE_SETS
 from real_figures import Figures, figures_of, print_figures
-from real_shapes import entries_of, gather_shapes, load_shapes, shapes_parser, split_training, tested_folds
+from real_shapes import entries_of, folds_of, gather_shapes, load_shapes, shapes_parser, split_training
 
 Model = Literal["gnn_coarse", "gnn_fine", "axis"]
 MODELS: tuple[Model, ...] = ("gnn_coarse", "gnn_fine", "axis")
@@ -144,7 +144,7 @@ def main() -> int:
         networks = Networks(shapes.cache / "models", config, seed)
         pretrained = {model: networks.pretrained(model, procedural) for model in MODELS}
         score_rows(transferred, real, pretrained, config)
-        for fold, tested in tested_folds(entries, folds):
+        for fold, tested in folds_of(entries, folds):
             name, data = f"fold{fold.number}", loaded(shapes.real, fold(entries))
             weights = {model: networks.fine_tuned(model, name, data, pretrained[model]) for model in MODELS}
             score_rows(rows, load_shapes(shapes.real, tested), weights, config)

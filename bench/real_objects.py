@@ -45,7 +45,7 @@ from kinmo.pipeline.train_motion import TrainMotion
 from kinmo.pipeline.training_forms import TrainingForms
 from real_figures import Figures, figures_of, print_figures, print_overviews
 from real_scores import BODIES_GIVEN, HIDDEN, TURNED, TURNED_FREELY, ObjectTest, best_candidates, score_object
-from real_shapes import Fold, Shapes, entries_of, gather_shapes, load_shapes, shapes_parser, tested_folds
+from real_shapes import Fold, Shapes, entries_of, folds_of, gather_shapes, load_shapes, shapes_parser
 
 GIVEN, *_ = BODIES_GIVEN
 FORMS_OF = {**{form: (form,) for form in FORMS}, "given": (GIVEN,), "hidden": (HIDDEN,), "turned": (TURNED, TURNED_FREELY)}
@@ -136,7 +136,7 @@ class Bench:
 
     def _add_trees(self, found: dict[str, list[Any]]) -> None:
         entries = entries_of(self.shapes.real)
-        for fold, tested in tested_folds(entries, self.folds):
+        for fold, tested in folds_of(entries, self.folds):
             training, shapes = (load_shapes(self.shapes.real, some) for some in (fold(entries), tested))
             for seed in range(self.seeds):
                 trees = fit_trees(training, seed=seed)
@@ -149,11 +149,11 @@ class Bench:
         real, procedural = self.shapes.real, self.shapes.procedural
         entries = entries_of(real)
         if row == "categories":
-            for fold, tested in tested_folds(entries, self.folds, "category"):
+            for fold, tested in folds_of(entries, self.folds, "category"):
                 yield "category left out", object_tests(real, tested, GIVEN, self.unseen(fold, continues=True))
         elif row == "families":
             unseen = [entry for entry in entries_of(procedural) if split_of(entry.id) is Split.TEST]
-            for fold, tested in tested_folds(unseen, 2, "category"):
+            for fold, tested in folds_of(unseen, 2, "category"):
                 yield "family left out", object_tests(procedural, tested, GIVEN, self.unseen(fold, continues=False))
                 yield "family seen", object_tests(procedural, tested, GIVEN, self.procedural())
         elif row == "shipped":
@@ -162,7 +162,7 @@ class Bench:
         else:
             for form in FORMS_OF[row]:
                 if self.continues:
-                    for fold, tested in tested_folds(entries, self.folds):
+                    for fold, tested in folds_of(entries, self.folds):
                         yield f"{form}, continued", object_tests(real, tested, form, self.continued(fold))
                 else:
                     yield form, object_tests(real, entries, form, self.procedural())
@@ -187,7 +187,7 @@ def print_rows(rows: Mapping[str, Sequence[Any]]) -> tuple[dict[str, Figures], d
 
 def main() -> int:
     """Train missing networks, print every row, and the claims last."""
-    parser = shapes_parser(__doc__, "few shapes, one epoch and seed, and only rows without networks of their own", count=45)
+    parser = shapes_parser(__doc__, "few shapes, little training, one seed, and no rows with networks of their own", count=45)
     parser.add_argument("--mechanisms", type=int, default=1000, help="procedural shapes without a category")
     parser.add_argument("--rows", nargs="+", choices=ROWS, help="rows to print (default: all)")
     parser.add_argument("--continued", action="store_true", help="continue networks on the real objects of the other folds")

@@ -65,7 +65,7 @@ def _not_tested(entry: IndexEntry) -> IndexEntry:
     return replace(entry, id=next(name for name in ids if split_of(name) is Split.TRAIN))
 
 
-def tested_folds(
+def folds_of(
     entries: Sequence[IndexEntry], count: int, by: Literal["id", "category"] = "id"
 ) -> Iterator[tuple[Fold, list[IndexEntry]]]:
     """The folds of a cross-validation that test some of the shapes, with these."""
