@@ -19,6 +19,8 @@ import torch
 
 from common import print_claims
 from kinmo.config import Config, TrainingConfig, load_config
+from kinmo.dataset.store import IndexEntry
+from kinmo.dataset.workspace import Workspace
 from kinmo.evaluation.joint_records import ShapeScore
 from kinmo.evaluation.parts_given import score_parts_given
 from kinmo.experiments.table1.rule_baseline import rule_joints
@@ -34,7 +36,7 @@ from kinmo.methods.paper.mobility_tree import tree_with_given_bodies
 from kinmo.methods.paper.refinement import Refiner
 from kinmo.pipeline.evaluation.method_rows import TYPE_SETS
 from real_figures import Figures, figures_of, print_figures
-from real_shapes import Fold, gather_shapes, shapes_parser, split_procedural
+from real_shapes import entries_of, folds_of, gather_shapes, load_shapes, shapes_parser, split_training
 
 Model = Literal["gnn_coarse", "gnn_fine", "axis"]
 MODELS: tuple[Model, ...] = ("gnn_coarse", "gnn_fine", "axis")
@@ -43,6 +45,8 @@ FINE_TUNING = {"gnn_coarse": 15, "gnn_fine": 15, "axis": 4}
 """Epochs on procedural shapes, and on real objects, by network."""
 FINE_TUNING_RATE = 0.4
 """Factor of the learning rate on real objects."""
+Data = tuple[list[PreparedShape], list[PreparedShape]]
+"""Training and validation shapes."""
 Rows = dict[str, list[ShapeScore]]
 
 
@@ -54,32 +58,30 @@ class Networks:
     config: Config
     seed: int
 
-    def pretrained(self, model: Model, shapes: Sequence[PreparedShape]) -> Path:
+    def pretrained(self, model: Model, data: Data) -> Path:
         """Weights trained on procedural shapes."""
-        rest, kept = split_procedural(shapes)
-        return self._trained(model, "procedural", rest, kept, lambda old: replace(old, epochs=PRETRAINING[model]))
+        return self._trained(model, "procedural", data, lambda old: replace(old, epochs=PRETRAINING[model]))
 
-    def fine_tuned(self, model: Model, fold: Fold, initial: Path) -> Path:
-        """Weights continued on the real objects of a fold."""
-        name, training, validation, _ = fold
+    def fine_tuned(self, model: Model, name: str, data: Data, initial: Path) -> Path:
+        """Weights continued on the real objects that a fold, with this name, trains on."""
 
         def shorter(old: TrainingConfig) -> TrainingConfig:
             return replace(old, epochs=FINE_TUNING[model], learning_rate=FINE_TUNING_RATE * old.learning_rate)
 
-        return self._trained(model, name, training, validation, shorter, initial)
+        return self._trained(model, name, data, shorter, initial)
 
     def _trained(
         self,
         model: Model,
         name: str,
-        training: Sequence[PreparedShape],
-        validation: Sequence[PreparedShape],
+        data: Data,
         schedule: Callable[[TrainingConfig], TrainingConfig],
         initial: Path | None = None,
     ) -> Path:
         folder = self.folder / f"paper-{model}-{name}-{self.seed}"
         if (folder / "weights.safetensors").exists():
             return folder / "weights.safetensors"
+        training, validation = data
         print(f"training {folder.name} on {len(training)} shapes", flush=True)
         if model == "axis":
             axis = replace(self.config.axis, training=schedule(self.config.axis.training))
@@ -116,27 +118,36 @@ def score_frame(rows: Rows, shapes: Sequence[PreparedShape], config: Config) -> 
         rows.setdefault("no learning", []).append(score_parts_given(shape, rule_joints(shape)))
 
 
+def loaded(workspace: Workspace, entries: Sequence[IndexEntry]) -> Data:
+    """Training and validation shapes of a workspace."""
+    training, validation = split_training(entries)
+    return load_shapes(workspace, training), load_shapes(workspace, validation)
+
+
 def main() -> int:
     """Train missing networks, print every row, and the claim last."""
     parser = shapes_parser(__doc__, "few procedural shapes, one seed, no training on real objects", count=16)
-    parser.add_argument("--seeds", type=int, default=3, help="number of seeds")
     args = parser.parse_args()
     count, folds, seeds = (6, 0, 1) if args.quick else (args.count, args.folds, args.seeds)
     torch.set_num_threads(1)
-    shapes = gather_shapes(args.data, args.cache, count, folds)
+    shapes = gather_shapes(args.data, args.cache, count, workers=args.workers)
     if shapes is None:
         return print_claim({})
-    print(f"{len(shapes.real)} real and {len(shapes.procedural)} procedural shapes, {folds} folds, {seeds} seeds")
+    entries = entries_of(shapes.real)
+    real, procedural = load_shapes(shapes.real, entries), loaded(shapes.procedural, entries_of(shapes.procedural))
+    print(f"{len(real)} real and {sum(map(len, procedural))} procedural shapes, {folds} folds, {seeds} seeds")
     transferred: Rows = {}
     rows: Rows = {}
     config = load_config("small")
-    score_frame(transferred, shapes.real, config)
+    score_frame(transferred, real, config)
     for seed in range(seeds):
         networks = Networks(shapes.cache / "models", config, seed)
-        pretrained = {model: networks.pretrained(model, shapes.procedural) for model in MODELS}
-        score_rows(transferred, shapes.real, pretrained, config)
-        for fold in shapes.by_fold():
-            score_rows(rows, fold[3], {m: networks.fine_tuned(m, fold, pretrained[m]) for m in MODELS}, config)
+        pretrained = {model: networks.pretrained(model, procedural) for model in MODELS}
+        score_rows(transferred, real, pretrained, config)
+        for fold, tested in folds_of(entries, folds):
+            name, data = f"fold{fold.number}", loaded(shapes.real, fold(entries))
+            weights = {model: networks.fine_tuned(model, name, data, pretrained[model]) for model in MODELS}
+            score_rows(rows, load_shapes(shapes.real, tested), weights, config)
     named = {f"{name}, procedural shapes alone" if "_" in name else name: found for name, found in transferred.items()}
     figures = {name: figures_of(found) for name, found in (named | rows).items()}
     print_figures(figures)

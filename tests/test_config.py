@@ -67,6 +67,13 @@ def test_a_file_that_extends_another_says_only_what_differs(tmp_path: Path) -> N
     assert mine == replace(small, ancsh=replace(small.ancsh, width=0.25, training=training))
 
 
+def test_a_file_extends_one_that_extends_another(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('extends = "shipped"\n[ranking]\ndropout = 0.25\n')
+    shipped = load_config("shipped")
+    assert load_config(path) == replace(shipped, ranking=replace(shipped.ranking, dropout=0.25))
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -54,13 +54,7 @@ def load_config(name: str | Path) -> Config:
         InputError: The file is absent or no TOML, a key is unknown or missing, or a value is of the wrong type.
     """
     path = BUILTIN / f"{name}.toml" if str(name) in builtin_configs() else Path(name)
-    table = _read_table(path)
-    is_whole = EXTENDS not in table
-    if not is_whole:
-        extended = table.pop(EXTENDS)
-        if extended not in builtin_configs():
-            raise InputError(path, f"{extended!r}, expected one of {', '.join(builtin_configs())}", EXTENDS)
-        table = _merged(_read_table(BUILTIN / f"{extended}.toml"), table)
+    table, is_whole = _read_extended(path)
     try:
         return from_table(Config, table, path)
     except InputError as error:
@@ -68,6 +62,18 @@ def load_config(name: str | Path) -> Config:
             raise
         problem = f'missing; a file that is to say only what differs begins with {EXTENDS} = "small"'
         raise InputError(path, problem, error.field) from None
+
+
+def _read_extended(path: Path) -> tuple[dict[str, Any], bool]:
+    """The settings of a file with those that it extends, and whether the file is whole by itself."""
+    table = _read_table(path)
+    if EXTENDS not in table:
+        return table, True
+    extended = table.pop(EXTENDS)
+    if extended not in builtin_configs():
+        raise InputError(path, f"{extended!r}, expected one of {', '.join(builtin_configs())}", EXTENDS)
+    below, _ = _read_extended(BUILTIN / f"{extended}.toml")
+    return _merged(below, table), False
 
 
 def _read_table(path: Path) -> dict[str, Any]:

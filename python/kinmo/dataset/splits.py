@@ -45,11 +45,6 @@ def fold_of(shape_id: str, folds: int = 5) -> int:
     return int(hashed_position(shape_id, "fold") * folds)
 
 
-def is_validation_in_fold(shape_id: str, fold: int, folds: int = 5) -> bool:
-    """True if fold `fold` uses a shape for validation: it neither trains nor tests on it."""
-    return fold_of(shape_id, folds) != fold and hashed_position(shape_id, f"validation {fold}") < _VALIDATION_SHARE
-
-
 def validation_from_training(shape_ids: Collection[str]) -> frozenset[str]:
     """Ids of a tenth of the training shapes, at least one, for validation where no validation shape exists."""
     ranked = sorted(shape_ids, key=lambda shape_id: hashed_position(shape_id, "choose"))

@@ -61,6 +61,13 @@ def continued(shapes: list[PreparedShape], grouping: Path, start: Path, folder: 
     return parameters(folder / "weights.safetensors")
 
 
+@pytest.mark.parametrize("epochs", [1, 9])
+def test_few_steps_are_enough_for_a_schedule(shapes, grouping: Path, tmp_path: Path, epochs: int) -> None:
+    config = replace(CONFIG, training=replace(SCHEDULE, epochs=epochs), batch_views=64)
+    result = train_joint_ranking(shapes[:3], shapes[3:], config, tmp_path, grouping=grouping, device="cpu")
+    assert len(result.history) == epochs
+
+
 def test_mixed_precision_reaches_a_similar_error(shapes, grouping: Path, tmp_path: Path) -> None:
     precisions: tuple[Precision, ...] = ("32-true", "bf16-mixed")
     configs = [replace(CONFIG, training=replace(SCHEDULE, precision=precision)) for precision in precisions]

@@ -176,4 +176,5 @@ class RankingLearner(Learner):
     def make_schedule(self, optimizer: torch.optim.Optimizer) -> OneCycleLR:
         """One cycle of the learning rate over the whole training."""
         rate = self.training_config.learning_rate
-        return OneCycleLR(optimizer, rate, total_steps=self.steps + 1, pct_start=WARM_UP)
+        total = self.steps + 1
+        return OneCycleLR(optimizer, rate, total_steps=total, pct_start=max(WARM_UP, 2.0 / total))  # it needs a rising step
