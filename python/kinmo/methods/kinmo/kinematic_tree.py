@@ -48,7 +48,8 @@ def build_tree(
         known: Parent of each body where it is known; None where it is not.
     """
     parents = find_parents(shape, meshes, bodies, [found[0].joint is not None for found in ranked], known)
-    limits = ShapeLimits.of(shape, meshes, limiter, [body for body in bodies if body])
+    with_joints = [body for body, found in zip(bodies, ranked, strict=True) if any(each.joint is not None for each in found)]
+    limits = ShapeLimits.of(shape, meshes, limiter, with_joints)
     limited = []
     for index, (leaves, found) in enumerate(zip(bodies, ranked, strict=True)):
         moving = sorted(leaf for body in descendants(parents, index) for leaf in bodies[body])
