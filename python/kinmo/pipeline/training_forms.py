@@ -25,7 +25,7 @@ from kinmo.core.shape_forms import flat_parts, flat_shape, in_pieces
 from kinmo.dataset.cache import Cache, cache_key
 from kinmo.dataset.jobs import Failure, LocalRunner
 from kinmo.dataset.stage import Observer
-from kinmo.dataset.store import IndexEntry, read_prepared, to_bytes
+from kinmo.dataset.store import IndexEntry, file_name, read_prepared, to_bytes
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.candidate_features import CandidateFeatures, with_groups
 from kinmo.features.shape_geometry import ShapeGeometry
@@ -111,7 +111,7 @@ class TrainingForms:
         self._run(self.proposals_folder, _add_proposals, jobs, "proposing bodies", observer)
 
     def _path(self, entry: IndexEntry, form: str) -> Path:
-        return (self.folder / entry.file).with_suffix(f".{form}.safetensors")
+        return (self.folder / file_name(entry.layout, entry.id)).with_suffix(f".{form}.safetensors")
 
     def _run(
         self, folder: Path, function: Callable[[Any], list[Path]], jobs: Sequence[_Job], what: str, observer: Observer
@@ -119,13 +119,13 @@ class TrainingForms:
         """Make the files of all jobs in a folder that are not up to date."""
         with locked(folder):
             cache = Cache(folder)
-            pending = [job for job in jobs if not cache.is_current(job.entry.file, job.key)]
+            pending = [job for job in jobs if not cache.is_current(job.name, job.key)]
             done = len(jobs) - len(pending)
             with closing(LocalRunner(self.workers).run(function, pending)) as finished:  # no job outlives the lock
                 for job, answer in finished:
                     if isinstance(answer, Failure):
                         raise ChildProcessError(f"{job.entry.id}: {what} failed: {answer.reason}")
-                    cache.store(job.entry.file, job.key, answer)
+                    cache.store(job.name, job.key, answer)
                     done += 1
                     observer.progress(what, done, len(jobs), job.entry.id)
 
@@ -137,6 +137,11 @@ class _Job:
     entry: IndexEntry
     key: str
     paths: tuple[Path, ...]
+
+    @property
+    def name(self) -> str:
+        """Name of the result in the cache."""
+        return file_name(self.entry.layout, self.entry.id)
 
 
 @dataclass(frozen=True)
