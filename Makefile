@@ -10,6 +10,7 @@ PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist lo
 DEMO   := demo
 # Shapes of a family; there are more of the one whose scans are looked at, as few of its shapes have the same joints.
 COUNT  ?= 6
+SCANNED       := laptop
 SCANNED_COUNT ?= 12
 # Shapes of a family, and the folder for training the networks that come with kinmo.
 WEIGHTS_COUNT ?= 45
@@ -45,13 +46,13 @@ $(SETUP_STAMP): pyproject.toml $(RUST_SOURCES) | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet -e '.[test,lint]'
 	@touch $@
 
-demo: $(SETUP_STAMP) ## the whole road on procedural shapes, scans of dishwashers included (resumable)
+demo: $(SETUP_STAMP) ## the whole road on procedural shapes, scans of laptops included (resumable)
 	$(KINMO) synth $(DEMO)/partnet --count $(COUNT)
-	$(KINMO) synth $(DEMO)/partnet --count $(SCANNED_COUNT) --family dishwasher
+	$(KINMO) synth $(DEMO)/partnet --count $(SCANNED_COUNT) --family $(SCANNED)
 	$(KINMO) prepare $(DEMO)/partnet --workspace $(DEMO)/workspace
-	$(KINMO) train all --config small --category dishwasher --workspace $(DEMO)/workspace
-	$(KINMO) render --config small --category dishwasher --example $(DEMO)/scan.npz --workspace $(DEMO)/workspace
-	$(KINMO) predict $(DEMO)/scan.npz --category dishwasher --out $(DEMO)/predicted --workspace $(DEMO)/workspace
+	$(KINMO) train all --config small --category $(SCANNED) --workspace $(DEMO)/workspace
+	$(KINMO) render --config small --category $(SCANNED) --example $(DEMO)/scan.npz --workspace $(DEMO)/workspace
+	$(KINMO) predict $(DEMO)/scan.npz --category $(SCANNED) --out $(DEMO)/predicted --workspace $(DEMO)/workspace
 	$(KINMO) pseudo-label --workspace $(DEMO)/workspace
 	$(KINMO) eval --workspace $(DEMO)/workspace
 	$(KINMO) report --workspace $(DEMO)/workspace
