@@ -223,7 +223,7 @@ def test_a_prediction_does_not_depend_on_the_frame(trained: Trained, prediction:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"workspace": "nowhere"}, "there is no such workspace"),
+        ({"workspace": "nowhere", "method": "paper"}, "there is no such workspace"),
         ({"method": "magic"}, "expected one of kinmo, paper, got magic"),
     ],
 )
