@@ -28,8 +28,10 @@ from kinmo.evaluation.metrics import limits, range_iou
 from kinmo.features.candidate_joints import CandidateJoints
 from kinmo.features.joint_limits import estimate_joint_limits
 from kinmo.features.prepared_shape import PreparedShape, leaf_meshes
+from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.io.discover import ShapeSource
 from kinmo.learning.model_folder import SHIPPED, WEIGHTS, ModelFolder
+from kinmo.methods.kinmo.body_ranking import features_of_groups
 from kinmo.methods.kinmo.kinematic_tree import ShapeLimits
 from kinmo.methods.kinmo.limits.limits_predictor import LimitsPredictor
 
@@ -45,7 +47,10 @@ def found_ranges(shape: PreparedShape, limiter: LimitsPredictor | None) -> Itera
     """Group, true joint and found ranges of every limited joint of a shape. Without a network, there is no learned range."""
     meshes = leaf_meshes(ShapeSource.of(shape).read(), shape)
     bodies = [leaves for leaves in shape.body_leaves if leaves]
-    learned = None if limiter is None else ShapeLimits.of(shape, meshes, limiter, bodies)
+    learned: ShapeLimits | None = None
+    if limiter is not None:
+        geometry = ShapeGeometry.of_prepared(shape, meshes)
+        learned = ShapeLimits(shape, geometry, features_of_groups(shape, geometry, bodies), limiter)
     assert shape.mobility is not None
     for index, body in shape.mobility.movable():
         joint, own = body.joint, shape.body_leaves[index]

@@ -55,6 +55,18 @@ class Weights:
         """
         return saved_config(kind, self.config, self.path.with_suffix(".json"), "config.")
 
+    def sizes(self, *names: str) -> tuple[int, ...]:
+        """Facts that are numbers of features, by name.
+
+        Raises:
+            InputError: One of them is missing or no whole number.
+        """
+        found = tuple(value for name in names if isinstance(value := self.facts.get(name), int))
+        if len(found) < len(names):
+            problem = f"expected whole numbers {' and '.join(names)}{OTHER_VERSION}"
+            raise InputError(self.path.with_suffix(".json"), problem, "facts")
+        return found
+
     def fill(self, module: nn.Module) -> None:
         """Copy the tensors into a module.
 

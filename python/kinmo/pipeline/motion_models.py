@@ -47,20 +47,18 @@ class Continuation:
     """How a model continues from trained weights.
 
     Attributes:
-        kind: Kind of the weights.
-        train: Trainer that takes the weights as `initial`.
+        kind: Kind of the weights, which the model's trainer takes as `initial`.
         sizes: Settings that must be equal.
     """
 
     kind: str
-    train: Trainer
     sizes: tuple[str, ...]
 
 
 CONTINUED: dict[str, Continuation] = {
-    "grouping": Continuation(GROUPING, train_part_grouping, ("width", "rounds", "word_features")),
-    "ranking": Continuation(RANKING, train_joint_ranking, ("members", "width", "word_features")),
-    "limits": Continuation(LIMITS, train_joint_limits, ("width", "word_features")),
+    "grouping": Continuation(GROUPING, ("width", "rounds", "word_features")),
+    "ranking": Continuation(RANKING, ("members", "width", "word_features")),
+    "limits": Continuation(LIMITS, ("width", "word_features")),
 }
 """Models that can continue from trained weights."""
 

@@ -96,7 +96,7 @@ class TrainMotion:
             if self.start is not None and model in CONTINUED:
                 start = weights_to_start_from(self.start, self.workspace, model, section)
                 inputs["start"] = start.sha256
-                train = partial(CONTINUED[model].train, initial=start.path)
+                train = partial(train, initial=start.path)
                 schedule = section.continued.training if model == "ranking" else section.continued
             if model == "ranking" and grouping is not None:
                 inputs["grouping"] = digest(grouping.inputs)

@@ -13,6 +13,7 @@ from rankers import FeatureRanker, UniformRanker
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.features.prepared_shape import PreparedShape, leaf_meshes
+from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.methods.kinmo.body_ranking import rank_bodies
 
@@ -65,10 +66,15 @@ def test_results_do_not_depend_on_the_bodies_that_the_shape_was_prepared_with() 
     known, unknown = prepare_shape(annotated, points=64), prepare_shape(replace(annotated, mobility=None), points=64)
     unannotated = replace(known, mobility=None, body_boxes=None, body_types={}, edge_labels=None)
     assert (1, 2) not in unknown.leaves_below
-    with pytest.raises(ValueError, match="meshes: needed"):
+    with pytest.raises(ValueError, match="geometry: needed"):
         rank_bodies(grouped_without_network(unknown), None, known.body_leaves, FeatureRanker())
     expected, found, again = (
-        rank_bodies(grouped_without_network(shape), leaf_meshes(annotated, shape), known.body_leaves, FeatureRanker())
+        rank_bodies(
+            grouped_without_network(shape),
+            ShapeGeometry.of_prepared(shape, leaf_meshes(annotated, shape)),
+            known.body_leaves,
+            FeatureRanker(),
+        )
         for shape in (known, unknown, unannotated)
     )
     for one, other in zip(expected * 2, found + again, strict=True):

@@ -12,6 +12,7 @@ from groupings import grouped_without_network
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.features.prepared_shape import leaf_meshes
+from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.methods.kinmo.body_selection import SelectedBodies, choose_consistent, innermost_owners, select_bodies
 from kinmo.methods.kinmo.grouping.grouped_shape import Group
@@ -45,7 +46,7 @@ def selected(moves: Mapping[Group, float]) -> SelectedBodies:
     made = replace(shape_of_boxes(BOXES, ()), mobility=None)
     shape = prepare_shape(made, points=64)
     grouped = grouped_without_network(shape, (frozenset({DOOR, HANDLE}),))
-    return select_bodies(grouped, leaf_meshes(made, shape), MovingGroups(moves))
+    return select_bodies(grouped, ShapeGeometry.of_prepared(shape, leaf_meshes(made, shape)), MovingGroups(moves))
 
 
 def test_every_leaf_belongs_to_one_body_and_the_base_is_first() -> None:

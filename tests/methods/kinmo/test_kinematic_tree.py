@@ -11,9 +11,10 @@ from rankers import FeatureRanker
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.features.prepared_shape import leaf_meshes
+from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.features.travel_features import FREE
-from kinmo.methods.kinmo.body_ranking import rank_bodies
+from kinmo.methods.kinmo.body_ranking import features_of_groups, rank_bodies
 from kinmo.methods.kinmo.kinematic_tree import ShapeLimits, find_parents
 from kinmo.methods.kinmo.limits.travel_examples import TravelExamples
 
@@ -32,10 +33,10 @@ def test_limits_of_the_best_joint_do_not_depend_on_the_others() -> None:
     box, lid = ((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1))
     made = shape_of_boxes([box, lid], (Body(0, "box", (1,)), Body(1, "lid", (2,), 0, HINGE)))
     shape = prepare_shape(made, points=64)
-    meshes = leaf_meshes(made, shape)
+    geometry = ShapeGeometry.of_prepared(shape, leaf_meshes(made, shape))
     kinds = [None, JointKind.REVOLUTE]
-    _, ranked = rank_bodies(grouped_without_network(shape), meshes, shape.body_leaves, FeatureRanker(), kinds=kinds)
-    limits = ShapeLimits.of(shape, meshes, RightAngles(), shape.body_leaves)
+    _, ranked = rank_bodies(grouped_without_network(shape), geometry, shape.body_leaves, FeatureRanker(), kinds=kinds)
+    limits = ShapeLimits(shape, geometry, features_of_groups(shape, geometry, shape.body_leaves), RightAngles())
     limited, alone = limits.added(ranked, (1,), [1]), limits.added(ranked[:1], (1,), [1])
     assert len(limited) == len(ranked) > 1
     assert (limited[0].joint.lower, limited[0].joint.upper) == (alone[0].joint.lower, alone[0].joint.upper)
@@ -51,7 +52,8 @@ def test_the_parent_is_the_body_with_most_contact() -> None:
     made = shape_of_boxes(boxes, [Body(i, "", (i + 1,)) for i in range(4)])
     shape = prepare_shape(made, points=64)
     bodies = [(0,), (1,), (2,), (3,)]
-    parents = find_parents(shape, leaf_meshes(made, shape), bodies, [False, True, True, False])
+    geometry = ShapeGeometry.of_prepared(shape, leaf_meshes(made, shape))
+    parents = find_parents(geometry, bodies, [False, True, True, False])
     assert parents == [None, 0, 1, None]
-    known = find_parents(shape, leaf_meshes(made, shape), bodies, [False, True, True, False], [None, None, 0, None])
+    known = find_parents(geometry, bodies, [False, True, True, False], [None, None, 0, None])
     assert known == [None, 0, 0, None]

@@ -8,7 +8,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo import _core
 from kinmo.core.joint import JointKind
 from kinmo.core.motion_types import MotionType
 from kinmo.core.shape_estimate import JointEstimate
@@ -27,7 +26,7 @@ Group = tuple[int, ...]
 
 def rank_bodies(
     grouped: GroupedShape,
-    meshes: _core.Meshes | None,
+    geometry: ShapeGeometry | None,
     bodies: Sequence[Group],
     ranker: JointRanker,
     *,
@@ -38,7 +37,7 @@ def rank_bodies(
 
     Args:
         grouped: The shape, as the grouping network joins its leaves; its annotation is not used.
-        meshes: Meshes of the leaves, in the normalised frame. Needed for bodies that the shape was not prepared with.
+        geometry: Geometry of the leaves. Needed for bodies that the shape was not prepared with.
         bodies: Positions of the leaves of each body.
         ranker: Trained ranking networks.
         may_rest: Bodies that may rest. `any`: every body. `one`: only the body that most likely rests. Bodies of one shape are
@@ -46,14 +45,15 @@ def rank_bodies(
         kinds: Known joint kinds; None for bodies whose kind is predicted.
 
     Raises:
-        ValueError: A body needs meshes, and there are none.
+        ValueError: A body needs the geometry, and there is none.
     """
     shape = grouped.shape
     filled = [body for body in bodies if body]
-    features = features_of_groups(shape, meshes, filled)
+    features = features_of_groups(shape, geometry, filled)
     probabilities, rest = ranker.probabilities(view_of_bodies(grouped, features, filled))
     ranked = {body: (own, float(still)) for body, own, still in zip(filled, probabilities, rest, strict=True)}
     resting = set(filled) if may_rest == "any" else {filled[int(np.argmax(rest))]}
+    meshes = None if geometry is None else geometry.meshes
     estimates: list[tuple[JointEstimate, ...]] = []
     for index, body in enumerate(bodies):
         if not body:
@@ -72,18 +72,18 @@ def rank_bodies(
     return estimates
 
 
-def features_of_groups(shape: PreparedShape, meshes: _core.Meshes | None, groups: Sequence[Group]) -> CandidateFeatures:
+def features_of_groups(shape: PreparedShape, geometry: ShapeGeometry | None, groups: Sequence[Group]) -> CandidateFeatures:
     """Candidate features of groups of leaves. Those that the shape was prepared with are reused.
 
     Raises:
-        ValueError: A group needs meshes, and there are none.
+        ValueError: A group needs the geometry, and there is none.
     """
     known = CandidateFeatures.of(shape.candidate_features) if shape.candidate_features else None
     if known is not None and all(group in known.group_of for group in groups):
         return known
-    if meshes is None:
-        raise ValueError("meshes: needed for bodies that the shape was not prepared with")
-    found = with_groups(known, ShapeGeometry.of_prepared(shape, meshes), groups)
+    if geometry is None:
+        raise ValueError("geometry: needed for bodies that the shape was not prepared with")
+    found = with_groups(known, geometry, groups)
     assert found is not None, "there are groups"
     return found
 

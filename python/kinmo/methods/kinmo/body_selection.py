@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo import _core
 from kinmo.core.joint import Joint
 from kinmo.core.motion_types import MotionType
 from kinmo.core.shape_estimate import JointEstimate
+from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.symmetric_box import symmetric_box
 from kinmo.methods.kinmo.body_ranking import features_of_groups
 from kinmo.methods.kinmo.grouping.grouped_shape import Group, GroupedShape
@@ -49,20 +49,20 @@ class SelectedBodies:
     missed_motion_probability: float
 
 
-def select_bodies(grouped: GroupedShape, meshes: _core.Meshes | None, ranker: JointRanker) -> SelectedBodies:
+def select_bodies(grouped: GroupedShape, geometry: ShapeGeometry, ranker: JointRanker) -> SelectedBodies:
     """Rank all proposals of bodies, and choose those that move.
 
-    The annotation of the shape is not used. `meshes` are those of its leaves, in the normalised frame.
+    The annotation of the shape is not used. `geometry` is that of its leaves.
     """
     shape, proposals = grouped.shape, grouped.proposals
     everything = tuple(range(len(shape.leaves)))
     if not proposals:
         return SelectedBodies((everything,), (None,), (_base_at_rest(),), 0.0)
-    features = features_of_groups(shape, meshes, proposals)
+    features = features_of_groups(shape, geometry, proposals)
     probabilities, rest = ranker.probabilities(view_of_proposals(grouped, features, proposals))
 
     def ranked(row: int, still: float) -> tuple[JointEstimate, ...]:
-        group, box = features.group_of[proposals[row]], symmetric_box(shape, proposals[row], meshes)
+        group, box = features.group_of[proposals[row]], symmetric_box(shape, proposals[row], geometry.meshes)
         return rank_joints(features, group, probabilities[row], still, box, shape.up)
 
     moves = 1.0 - rest

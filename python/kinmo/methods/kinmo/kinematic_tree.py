@@ -29,7 +29,7 @@ CONTACT_SAMPLES = 512
 
 def build_tree(
     shape: PreparedShape,
-    meshes: _core.Meshes,
+    geometry: ShapeGeometry,
     bodies: Sequence[tuple[int, ...]],
     names: Sequence[str],
     ranked: Sequence[tuple[JointEstimate, ...]],
@@ -40,16 +40,16 @@ def build_tree(
 
     Args:
         shape: The shape; its annotation is not used.
-        meshes: Meshes of its leaves.
+        geometry: Geometry of its leaves.
         bodies: Positions of the leaves of each body.
         names: Name of each body.
         ranked: Ranked joints of each body, without limits.
         limiter: The limits network.
         known: Parent of each body where it is known; None where it is not.
     """
-    parents = find_parents(shape, meshes, bodies, [found[0].joint is not None for found in ranked], known)
+    parents = find_parents(geometry, bodies, [found[0].joint is not None for found in ranked], known)
     with_joints = [body for body, found in zip(bodies, ranked, strict=True) if any(each.joint is not None for each in found)]
-    limits = ShapeLimits.of(shape, meshes, limiter, with_joints)
+    limits = ShapeLimits(shape, geometry, features_of_groups(shape, geometry, with_joints), limiter)
     limited = []
     for index, (leaves, found) in enumerate(zip(bodies, ranked, strict=True)):
         moving = sorted(leaf for body in descendants(parents, index) for leaf in bodies[body])
@@ -62,8 +62,7 @@ def build_tree(
 
 
 def find_parents(
-    shape: PreparedShape,
-    meshes: _core.Meshes,
+    geometry: ShapeGeometry,
     bodies: Sequence[tuple[int, ...]],
     moves: Sequence[bool],
     known: Sequence[int | None] | None = None,
@@ -72,7 +71,6 @@ def find_parents(
 
     A body that is attached to another one is not its parent. Bodies at rest (not `moves`) have no parent.
     """
-    geometry = ShapeGeometry.of_prepared(shape, meshes)
     affinity = np.full((len(bodies), len(bodies)), -1.0)
     parents: list[int | None] = [None] * len(bodies) if known is None else list(known)
     for index, leaves in enumerate(bodies):
@@ -82,7 +80,7 @@ def find_parents(
         _, riders = geometry.surroundings(leaves)
         others = [place for place, other in enumerate(bodies) if place != index and other and not set(other) <= set(riders)]
         if others:
-            gaps = np.array([_core.closest_points(meshes, list(bodies[place]), points)[0] for place in others])
+            gaps = np.array([_core.closest_points(geometry.meshes, list(bodies[place]), points)[0] for place in others])
             affinity[index, others] = np.exp(-(gaps - gaps.min()) / CONTACT_SCALE).mean(axis=1)
     for flat in np.argsort(-affinity, axis=None, kind="stable"):
         index, other = divmod(int(flat), len(bodies))
@@ -108,13 +106,6 @@ class ShapeLimits:
     geometry: ShapeGeometry
     features: CandidateFeatures
     limiter: LimitsPredictor
-
-    @classmethod
-    def of(
-        cls, shape: PreparedShape, meshes: _core.Meshes, limiter: LimitsPredictor, bodies: Sequence[tuple[int, ...]]
-    ) -> ShapeLimits:
-        """Limits for bodies that each have leaves. `meshes` are those of all leaves."""
-        return cls(shape, ShapeGeometry.of_prepared(shape, meshes), features_of_groups(shape, meshes, bodies), limiter)
 
     def added(
         self, ranked: Sequence[JointEstimate], leaves: tuple[int, ...], moving: Sequence[int]

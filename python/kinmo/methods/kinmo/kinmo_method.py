@@ -21,6 +21,7 @@ from kinmo.core.mobility import Body, Mobility
 from kinmo.core.normalisation import Normalisation
 from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.features.prepared_shape import PreparedShape
+from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods.kinmo.body_ranking import rank_bodies
 from kinmo.methods.kinmo.body_selection import select_bodies
@@ -55,26 +56,27 @@ class KinmoMethod(Method):
 
     def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
         """Predict bodies and joints (setting *hierarchy given*); see `Method.predict`."""
-        bare = replace(shape, mobility=None)
-        found = select_bodies(self._grouped(bare), meshes, self._ranker(shape))
+        bare, geometry = replace(shape, mobility=None), ShapeGeometry.of_prepared(shape, meshes)
+        found = select_bodies(self._grouped(bare), geometry, self._ranker(shape))
         names = ["base", *(_name_of(shape, body) for body in found.bodies[1:])]
-        tree, limited = build_tree(bare, meshes, found.bodies, names, found.ranked, self._limiter(shape), found.parents)
+        tree, limited = build_tree(bare, geometry, found.bodies, names, found.ranked, self._limiter(shape), found.parents)
         prediction = self._in_file_frame(shape, tree, limited)
         return replace(prediction, missed_motion_probability=found.missed_motion_probability)
 
     def predict_given(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
         """Predict the joints of the annotated bodies (setting *parts given*); see `Method.predict_given`."""
         mobility, _ = shape.annotation
-        names = [body.name for body in mobility.bodies]
-        ranked = rank_bodies(self._grouped(shape), meshes, shape.body_leaves, self._ranker(shape), may_rest="one")
-        tree, limited = build_tree(shape, meshes, shape.body_leaves, names, ranked, self._limiter(shape))
+        names, geometry = [body.name for body in mobility.bodies], ShapeGeometry.of_prepared(shape, meshes)
+        ranked = rank_bodies(self._grouped(shape), geometry, shape.body_leaves, self._ranker(shape), may_rest="one")
+        tree, limited = build_tree(shape, geometry, shape.body_leaves, names, ranked, self._limiter(shape))
         return self._in_file_frame(shape, tree, limited)
 
     def predict_typed(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
         """Predict the joints of the annotated bodies, with their true kinds."""
         mobility, _ = shape.annotation
         kinds = [None if body.joint is None else body.joint.kind for body in mobility.bodies]
-        ranked = rank_bodies(self._grouped(shape), meshes, shape.body_leaves, self._ranker(shape), kinds=kinds)
+        geometry = ShapeGeometry.of_prepared(shape, meshes)
+        ranked = rank_bodies(self._grouped(shape), geometry, shape.body_leaves, self._ranker(shape), kinds=kinds)
         bodies = tuple(replace(body, joint=found[0].joint) for body, found in zip(mobility.bodies, ranked, strict=True))
         return self._in_file_frame(shape, bodies, ranked)
 

@@ -12,6 +12,7 @@ from small_shapes import cabinet_shape
 from kinmo.core.mobility import Mobility
 from kinmo.features.candidate_features import CandidateFeatures
 from kinmo.features.prepared_shape import PreparedShape, leaf_meshes
+from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.methods.kinmo.body_ranking import features_of_groups
 from kinmo.methods.kinmo.ranking.shape_views import (
@@ -28,7 +29,7 @@ FEATURES = CandidateFeatures.of(PREPARED.candidate_features)
 
 def shares_of(proposals: list[tuple[int, ...]], shape: PreparedShape = PREPARED) -> list[float]:
     """Target probability that each proposal moves."""
-    features = features_of_groups(shape, leaf_meshes(SHAPE, shape), proposals)
+    features = features_of_groups(shape, ShapeGeometry.of_prepared(shape, leaf_meshes(SHAPE, shape)), proposals)
     view = view_of_proposals(grouped_without_network(shape), features, proposals)
     return [float(target.sum()) for target in with_targets_of_proposals(view, shape, proposals).targets]
 

@@ -10,7 +10,6 @@ import torch
 from numpy.typing import NDArray
 
 from kinmo.config import GroupingConfig
-from kinmo.core.errors import InputError
 from kinmo.learning.weights import load_weights, pick_device
 from kinmo.methods.kinmo.grouping.grouping_batches import collate_graphs
 from kinmo.methods.kinmo.grouping.grouping_network import KIND, GroupingNetwork
@@ -49,10 +48,7 @@ class PartGrouper:
         """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
-        leaf_features, pair_features = (loaded.facts.get(name) for name in ("leaf_features", "pair_features"))
-        if not (isinstance(leaf_features, int) and isinstance(pair_features, int)):
-            problem = "expected numbers leaf_features and pair_features: train again"
-            raise InputError(weights.with_suffix(".json"), problem, "facts")
+        leaf_features, pair_features = loaded.sizes("leaf_features", "pair_features")
         network = GroupingNetwork(leaf_features, pair_features, loaded.typed_config(GroupingConfig))
         loaded.fill(network)
         return cls(network, device, hide_names)

@@ -9,7 +9,6 @@ import torch
 from numpy.typing import NDArray
 
 from kinmo.config import LimitsConfig
-from kinmo.core.errors import InputError
 from kinmo.learning.weights import load_weights, pick_device
 from kinmo.methods.kinmo.limits.limits_network import KIND, LimitsNetwork, likely_travel
 from kinmo.methods.kinmo.limits.travel_examples import NO_WORD, TravelExamples
@@ -30,10 +29,7 @@ class LimitsPredictor:
         """
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
-        directed, shared = (loaded.facts.get(name) for name in ("directed_features", "shared_features"))
-        if not (isinstance(directed, int) and isinstance(shared, int)):
-            problem = "expected numbers directed_features and shared_features: train again"
-            raise InputError(weights.with_suffix(".json"), problem, "facts")
+        directed, shared = loaded.sizes("directed_features", "shared_features")
         network = LimitsNetwork(directed, shared, loaded.typed_config(LimitsConfig))
         loaded.fill(network)
         return cls(network, device, hide_names)

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from torch import nn
 
 from kinmo.config import RankingConfig
-from kinmo.core.errors import InputError
 from kinmo.learning.weights import load_weights, pick_device
 from kinmo.methods.kinmo.ranking.ranking_batches import collate_views
 from kinmo.methods.kinmo.ranking.ranking_network import KIND, mean_log_probabilities, ranking_networks
@@ -43,10 +42,7 @@ class JointRanker:
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
         config = loaded.typed_config(RankingConfig)
-        candidate_features, group_features = (loaded.facts.get(name) for name in ("hypothesis_features", "unit_features"))
-        if not (isinstance(candidate_features, int) and isinstance(group_features, int)):
-            problem = "expected numbers hypothesis_features and unit_features: train again"
-            raise InputError(weights.with_suffix(".json"), problem, "facts")
+        candidate_features, group_features = loaded.sizes("hypothesis_features", "unit_features")
         networks = ranking_networks(config, candidate_features, group_features)
         loaded.fill(networks)
         return cls(networks, config, device, hide_names)
