@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.core.joint import Joint, JointKind
+from kinmo.core.kinematics import joint_motion
 from kinmo.features.group_geometry import GroupGeometry
 from kinmo.features.shape_geometry import ShapeGeometry
 
@@ -96,7 +97,7 @@ def travel_features(
                 free[row, 1 - sense],
                 free[row, sense] - free[row, 1 - sense],
                 *(sign * signed),
-                *_growth(shape, joint, group.points, step, is_slider),
+                *_growth(shape, joint, group.points, step),
             )
         shared[row] = (
             *np.eye(3)[joint.kind.code],
@@ -125,14 +126,9 @@ def _outward(shape: ShapeGeometry, points: F64, velocity: F64) -> float:
     return float(np.einsum("ni,ni->n", velocity, outward).mean())
 
 
-def _growth(shape: ShapeGeometry, joint: Joint, points: F64, step: float, is_slider: bool) -> tuple[float, float]:
+def _growth(shape: ShapeGeometry, joint: Joint, points: F64, step: float) -> tuple[float, float]:
     """How far a body reaches out of the object's box to the sides, and how far above or below it, after a small motion."""
-    if is_slider:
-        moved = points + step * joint.direction
-    else:
-        offset = points - joint.pivot
-        along = (offset @ joint.direction)[:, None] * joint.direction
-        moved = joint.pivot + along + np.cos(step) * (offset - along) + np.sin(step) * np.cross(joint.direction, offset)
-    placed = moved @ shape.frame.T
+    pose = joint_motion(joint, joint.rest + step)
+    placed = (points @ pose[:3, :3].T + pose[:3, 3]) @ shape.frame.T
     over = np.maximum(np.maximum(shape.extents[0] - placed, placed - shape.extents[1]), 0.0)
     return float(np.linalg.norm(over[:, :2], axis=1).mean()), float(over[:, 2].mean())
