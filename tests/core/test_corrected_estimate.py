@@ -261,6 +261,14 @@ def test_bodies_that_nobody_corrects_stay_without_a_parent() -> None:
     assert [body.parent for body in found.mobility.bodies] == [None, 0]
 
 
+def test_what_a_dropped_base_carried_moves_to_the_largest_body_that_rests() -> None:
+    found = corrected({"front": {"parts": ["frame", "box", "front"], "type": "fixed"}})
+    base, door = body_of(found, "front"), body_of(found, "door")
+    assert base.joint is None and base.parent is None
+    assert door.joint is not None and door.parent is not None
+    assert found.mobility.bodies[door.parent].name == "front"
+
+
 def prediction_for(shape: Shape) -> ShapeEstimate:
     assert shape.mobility is not None
     ranked = tuple((JointEstimate(body.joint, MotionType.R_V_S, 0.5),) for body in shape.mobility.bodies)

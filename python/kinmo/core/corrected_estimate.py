@@ -21,7 +21,8 @@ def corrected_estimate(shape: Shape, estimate: ShapeEstimate, overrides: Overrid
 
     Corrections apply to the prediction of the method: an earlier correction of `estimate` is replaced. Names and numbers mean
     the bodies as predicted. Corrected joints have the score 1, and all predicted ones as alternatives. A body that loses all
-    its parts is dropped, and its children move up to its parent. Parts that a body gives up go to its parent.
+    its parts is dropped, and its children move up to its parent, or else to the largest resting body. Parts that a body gives up
+    go to its parent.
 
     Args:
         shape: The shape.
@@ -56,6 +57,7 @@ class _Draft:
     override: BodyOverride | None = None
     is_new: bool = False
     is_dropped: bool = False
+    is_orphan: bool = False  # its predicted parent was dropped, and so was every body above that
 
     @property
     def has_fixed_parts(self) -> bool:
@@ -133,6 +135,7 @@ class _Bodies:
                 )
             while draft.parent is not None and draft.parent.is_dropped:
                 draft.parent = draft.parent.parent
+                draft.is_orphan = draft.parent is None
 
     def correct_joints(self) -> None:
         """Give every body that a person corrected its joint and its name."""
@@ -155,8 +158,9 @@ class _Bodies:
                 draft.parent = self._parent(draft.override, draft.override.parent)
         base = self._base(present)
         for draft in present:
-            if draft.parent is None and draft.override is not None and (draft.joint is not None or draft.is_new):
-                if base is None:
+            corrected = draft.override is not None and (draft.joint is not None or draft.is_new)
+            if draft.parent is None and (corrected or (draft.is_orphan and draft.joint is not None)):
+                if base is None and draft.override is not None:
                     raise draft.override.fail("parent", "needed, because no body is left that rests")
                 draft.parent = base
         if has_cycle(self._parents(present)):

@@ -328,8 +328,7 @@ def test_predicting_a_file_needs_no_category_but_a_scan_does(tmp_path: Path) -> 
     write(tmp_path / "cabinet.glb", CABINET)
     where = ["--workspace", str(tmp_path / "workspace"), "-o", str(tmp_path / "out")]
     planned = CliRunner().invoke(app, ["predict", str(tmp_path / "cabinet.glb"), *where, "--dry-run"])
-    assert planned.exit_code == 1
-    assert "there is no such workspace" in planned.output, "only the networks are missing"
+    assert planned.exit_code == 0, planned.output
     (tmp_path / "scan.npz").write_bytes(b"")
     failed = CliRunner().invoke(app, ["predict", str(tmp_path / "scan.npz"), *where])
     assert failed.exit_code != 0
