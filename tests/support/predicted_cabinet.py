@@ -25,6 +25,19 @@ PIECES = {
     "box": ((0.0, 0.2, 0.0), (0.7, 0.3, 0.44)),
 }
 """Centre and extents of each part. The door turns about its left edge, x = -0.39."""
+CORRECTIONS = """
+[bodies.door]
+alternative = 2
+flip = true
+range = [0, 110]
+parts = ["door", "knob"]
+
+[bodies.front]
+name = "drawer"
+parts = ["front", "box"]
+range = [0, 0.3]
+"""
+"""An overrides.toml that corrects the mistakes of `CabinetMethod`."""
 UP, OUT = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 LEFT, RIGHT = np.array([-0.39, 0.7, 0.245]), np.array([0.39, 0.7, 0.245])
 
@@ -57,10 +70,11 @@ class CabinetMethod:
 
     name: str = "cabinet"
     weights: str = "0"
+    networks: str = "none"
     config: Mapping[str, Any] = field(default_factory=dict)
 
     def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
-        frame, door, knob, front, box = shape.leaves
+        frame, box, door, front, knob = shape.leaves  # readers of scenes sort parts by area
         names = shape.part_names
         bodies = (
             Body(0, "base", (frame, box)),
@@ -80,18 +94,3 @@ class CabinetMethod:
         return ShapeEstimate(
             shape.id, shape.category, Mobility(bodies), estimates, tuple(ranked[0] for ranked in estimates), self.name
         )
-
-
-CORRECTIONS = """
-[bodies.door]
-alternative = 2
-flip = true
-range = [0, 110]
-parts = ["door", "knob"]
-
-[bodies.front]
-name = "drawer"
-parts = ["front", "box"]
-range = [0, 0.3]
-"""
-"""An overrides.toml that corrects the mistakes of `CabinetMethod`."""
