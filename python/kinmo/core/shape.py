@@ -118,6 +118,7 @@ class Shape:
         front: unit vector towards the viewer, in the frame of the file. None if it is unknown.
         metres_per_unit: length of a unit of the file, in metres.
         guesses: what the reader had to guess: a short line each for "up", "metres_per_unit" and "category".
+        labels: the file that gave the part of every triangle. None if the parts are those of the source.
     """
 
     id: str
@@ -132,6 +133,7 @@ class Shape:
     front: tuple[float, float, float] | None = Z_FRONT
     metres_per_unit: float = 1.0
     guesses: Mapping[str, str] = field(default_factory=dict)
+    labels: Path | None = None
 
     @cached_property
     def leaves(self) -> tuple[int, ...]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from kinmo.core.errors import InputError
+from kinmo.core.frames import AXIS_VECTORS
 from kinmo.core.shape import Shape
 from kinmo.core.shape_digest import shape_digest
 from kinmo.core.shape_estimate import ShapeEstimate
@@ -19,6 +20,7 @@ from kinmo.io.readers import READERS
 from kinmo.io.readers.joints_json_reader import prediction_in, read_document
 from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
+from kinmo.io.readers.stated_facts import StatedFacts
 from kinmo.io.writers import ExportOptions, check_formats, write_formats
 from kinmo.io.writers.joints_json_writer import FILE_NAME
 
@@ -69,7 +71,8 @@ def read_result(folder: Path, source: Path | None = None) -> SavedResult:
     facts = document["shape"]
     shape = _shape_of(facts, source)
     if not facts["digest"].is_absent and facts["digest"].text() != shape_digest(shape):
-        raise InputError(shape.source, f"has changed since the prediction in {folder}: {PREDICT_AGAIN}")
+        files = "" if shape.labels is None else f"or {printable_path(shape.labels)} "
+        raise InputError(shape.source, f"{files}has changed since the prediction in {folder}: {PREDICT_AGAIN}")
     try:
         estimate, provenance = prediction_in(document, shape)
     except InputError as error:
@@ -82,6 +85,15 @@ def read_result(folder: Path, source: Path | None = None) -> SavedResult:
         raise export["metres_per_unit"].fail("expected a positive number")
     name, formats = export["name"].text(), tuple(item.text() for item in export["formats"].items())
     return SavedResult(shape, estimate, ExportOptions(name, scale, provenance=provenance, formats=formats))
+
+
+def formats_in(folder: Path) -> tuple[str, ...]:
+    """Formats of a result, as its joints.json states them. Empty if there is none, or it is damaged."""
+    try:
+        export = read_document(folder / FILE_NAME)["export"]
+        return () if export.is_absent else tuple(item.text() for item in export["formats"].items())
+    except InputError:
+        return ()
 
 
 def write_result(
@@ -133,14 +145,22 @@ def _keep(old: Path, new: Path) -> None:
 
 
 def _shape_of(facts: JsonField, source: Path | None) -> Shape:
-    """The shape of a prediction, with the facts that the prediction states of it."""
+    """The shape of a prediction, with the facts that the prediction states of it.
+
+    The up direction and the labels decide what the parts are, so the reader needs them.
+    """
+    up, labels = _direction(facts["up"]), facts["labels"]
+    axis = next((name for name, vector in AXIS_VECTORS.items() if vector == up), None)
+    stated = StatedFacts(up=axis, labels=None if labels.is_absent else Path(labels.whole_text()))
+    if stated.labels is not None and not os.path.lexists(stated.labels):
+        raise InputError(printable_path(stated.labels), f"missing: put the labels of the parts back, or {PREDICT_AGAIN}")
     guessed = facts["guessed"].value
     guesses = {name: facts["guessed"][name].whole_text() for name in guessed} if isinstance(guessed, dict) else {}
     return replace(
-        _source(facts, source).read(),
+        _source(facts, source).read(stated),
         id=facts["id"].text(),
         category=facts["category"].text(""),
-        up=_direction(facts["up"]),
+        up=up,
         front=None if facts["front"].value is None else _direction(facts["front"]),
         metres_per_unit=facts["metres_per_unit"].number(1.0),
         guesses=guesses,

@@ -212,6 +212,7 @@ def _guessed(scene: Scene, parts: tuple[Part, ...], wrappers: list[str], repairs
         metres_per_unit=unit,
         guesses=guesses,
         repairs=repairs,
+        labels=facts.labels,
     )
     return facts.of(shape)
 

@@ -48,6 +48,7 @@ def joints_document(shape: Shape, prediction: ShapeEstimate, options: ExportOpti
             "category": prediction.category,
             "layout": shape.layout,
             "source": printable_path(shape.source.absolute()),
+            "labels": None if shape.labels is None else printable_path(shape.labels.absolute()),
             "up": [float(value) for value in shape.up],
             "front": None if shape.front is None else [float(value) for value in shape.front],
             "metres_per_unit": float(shape.metres_per_unit),
