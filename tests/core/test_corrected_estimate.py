@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from articulated import articulated_shapes, shape_of_boxes
+from documents import ROOT, code_blocks
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from predicted_cabinet import LEFT, OUT, RIGHT, UP, hinge, slider
@@ -21,6 +22,7 @@ from kinmo.core.mobility import Body, Mobility, has_cycle
 from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
+from kinmo.core.toml_text import parse_toml
 from kinmo.io.readers.overrides_reader import parse_overrides
 
 FRAME, DOOR, KNOB, FRONT, BOX = range(1, 6)
@@ -201,7 +203,11 @@ def test_a_correction_replaces_an_earlier_one() -> None:
         ({"base": {"parts": ["frame"]}}, {}, r"bodies\.base\.parts: part 5 \(box\) would belong to no body"),
         ({"door": {"alternative": 5}}, {}, r"bodies\.door\.alternative: expected 1 to 4"),
         ({"door": {"alternative": 2, "type": "slider"}}, {}, r"bodies\.door\.type: joint 2 of the ranking is hinge"),
-        ({"door": {"type": "screw"}}, {}, r"bodies\.door\.axis: needed, because no ranked joint of the body is a screw"),
+        (
+            {"door": {"type": "screw"}},
+            {},
+            r"bodies\.door\.axis: needed, with origin and range, because no ranked joint of the body is a screw",
+        ),
         ({"front": {"type": "hinge", "axis": [0, 1, 0], "range": [0, 9]}}, {}, r"bodies\.front\.origin: needed"),
         ({"door": {"type": "fixed", "axis": [0, 1, 0]}}, {}, r"bodies\.door\.axis: a fixed body has no joint"),
         ({"door": {"origin": [0, 1e6, 0]}}, {}, r"bodies\.door\.origin: expected a point within 100 diagonals"),
@@ -340,3 +346,26 @@ def test_a_rotated_correction_is_in_the_same_frame() -> None:
     found = corrected({"door": {"flip": True}}).rotated(turn)
     assert joint_of(found, "door").direction == pytest.approx(turn @ -UP)
     assert joint_of(found.predicted, "door").direction == pytest.approx(turn @ UP)
+
+
+def test_the_example_of_the_guide_applies() -> None:
+    names = dict(enumerate(("frame", "door_left", "knob_left", "drawer", "lid", "shelf", "back"), 1))
+    bodies = (
+        Body(0, "base", (1, 6, 7)),
+        Body(1, "door_left", (2, 3), 0, hinge(RIGHT)),
+        Body(2, "drawer", (4,), 0, slider()),
+        Body(3, "lid", (5,), 0, hinge(LEFT)),
+    )
+    shape = shape_of_boxes([((i, 0, 0), (i + 1, 1, 1)) for i in range(7)], bodies, names=names)
+    ranked = tuple((JointEstimate(body.joint, MotionType.FIXED, 0.5), *OF_DOOR[2:]) for body in bodies)
+    estimate = ShapeEstimate(shape.id, shape.category, Mobility(bodies), ranked, (), "kinmo")
+    (example,) = code_blocks(ROOT / "docs" / "guide" / "correct.md", "toml")
+    table = parse_toml(example.encode(), Path("overrides.toml"))
+    assert {key for body in table["bodies"].values() for key in body} == {
+        *("type", "axis", "origin", "range", "parent", "parts", "name", "alternative", "flip")
+    }
+    found = corrected_estimate(shape, estimate, parse_overrides(table, Path("overrides.toml")))
+    assert [body.name for body in found.mobility.bodies] == ["base", "door_left", "top_drawer", "lid", "knob"]
+    assert joint_of(found, "door_left").upper == pytest.approx(math.radians(110.0))
+    np.testing.assert_allclose(joint_of(found, "lid").direction, [1.0, 0.0, 0.0])
+    assert not joint_of(found, "knob").is_limited and parent_of(found, "knob") == "door_left"

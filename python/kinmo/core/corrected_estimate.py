@@ -21,8 +21,8 @@ def corrected_estimate(shape: Shape, estimate: ShapeEstimate, overrides: Overrid
 
     Corrections apply to the prediction of the method: an earlier correction of `estimate` is replaced. Names and numbers mean
     the bodies as predicted. Corrected joints have the score 1, and all predicted ones as alternatives. A body that loses all
-    its parts is dropped, and its children move up to its parent, or else to the largest resting body. Parts that a body gives up
-    go to its parent.
+    its parts is dropped, and its children move up to its parent, or else to the largest resting body. Parts that a body gives
+    up go to its parent.
 
     Args:
         shape: The shape.

@@ -89,9 +89,10 @@ def _kind(override: BodyOverride, start: Joint | None) -> JointKind:
 def _blank(override: BodyOverride, kind: JointKind, shape: Shape, leaves: Sequence[int]) -> Joint:
     """A joint with the given axis, where no ranked joint can complete it. The pivot of a slider is the centre of the body."""
     needed = ("axis", "range") if kind is JointKind.PRISMATIC else ("axis", "origin", "range")
-    for key in needed:
-        if getattr(override, key) is None:
-            raise override.fail(key, f"needed, because no ranked joint of the body is a {KIND_WORDS[kind]}")
+    missing = [key for key in needed if getattr(override, key) is None]
+    if missing:
+        more = f", with {' and '.join(missing[1:])}" if len(missing) > 1 else ""
+        raise override.fail(missing[0], f"needed{more}, because no ranked joint of the body is a {KIND_WORDS[kind]}")
     assert override.axis is not None
     low, high = bounds_of(shape.leaf_mesh(leaf) for leaf in leaves)
     return Joint(kind, override.axis, 0.5 * (low + high))

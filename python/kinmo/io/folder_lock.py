@@ -25,6 +25,8 @@ def locked(folder: Path) -> Iterator[None]:
         folder.mkdir(parents=True, exist_ok=True)
         handle = os.open(folder / ".lock", os.O_RDWR | os.O_CREAT, 0o644)
     except OSError as error:
+        if folder.exists() and not folder.is_dir():
+            raise InputError(folder, "is a file: name a folder") from None
         raise InputError(folder, f"cannot be written to ({error.strerror})") from None
     try:
         if not _acquire(handle):

@@ -21,6 +21,7 @@ _TABLES = ("bodies", "new_bodies")
 _URDF_TYPES = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slider", "helical": "screw"}
 """Words of URDF and of textbooks, and those that overrides use."""
 _KEYS = ("name", "type", "axis", "origin", "range", "parent", "alternative", "parts", "flip")
+_RANGE = f'two numbers, such as [0, 90], or "{UNLIMITED}"'
 _NEW_KEYS = ("parts", "type", "axis", "origin", "range", "parent", "flip")
 
 
@@ -93,11 +94,11 @@ def _body(field: JsonField, keys: Iterable[str], where: Path) -> BodyOverride:
         name=None if new_name.is_absent else new_name.text(),
         type=_type(field["type"]),
         axis=_axis(field["axis"]),
-        origin=None if field["origin"].is_absent else field["origin"].vector(),
+        origin=None if field["origin"].is_absent else _numbers(field["origin"], 3, "three numbers, such as [0, 0.4, -0.2]"),
         range=_range(field["range"]),
         parent=None if field["parent"].is_absent else _reference(field["parent"], "body"),
         alternative=None if alternative.is_absent else alternative.integer(),
-        parts=None if field["parts"].is_absent else tuple(_reference(item, "part") for item in field["parts"].items()),
+        parts=_parts(field["parts"]),
         flip=_flag(field["flip"]),
     )
 
@@ -115,7 +116,7 @@ def _type(field: JsonField) -> str | None:
 def _axis(field: JsonField) -> Vector | None:
     if field.is_absent:
         return None
-    vector = field.vector()
+    vector = _numbers(field, 3, "three numbers, such as [0, 1, 0]")
     largest = float(np.max(np.abs(vector)))
     if largest == 0.0:
         raise field.fail("expected a direction, found zero")
@@ -128,9 +129,9 @@ def _range(field: JsonField) -> tuple[float, float] | str | None:
         return None
     if isinstance(field.value, str):
         if field.value != UNLIMITED:
-            raise field.fail(f'expected two numbers or "{UNLIMITED}"')
+            raise field.fail(f"expected {_RANGE}")
         return UNLIMITED
-    lower, upper = field.vector(2).tolist()
+    lower, upper = _numbers(field, 2, _RANGE).tolist()
     if lower > upper:
         raise field.fail(f"expected the smaller value first: [{upper:g}, {lower:g}]")
     if lower == upper:
@@ -138,6 +139,20 @@ def _range(field: JsonField) -> tuple[float, float] | str | None:
     if not lower <= 0.0 <= upper:
         raise field.fail("expected a range that contains 0, the pose in which the file shows the body")
     return lower, upper
+
+
+def _numbers(field: JsonField, count: int, what: str) -> Vector:
+    if not isinstance(field.value, list) or len(field.value) != count:
+        raise field.fail(f"expected {what}")
+    return field.vector(count)
+
+
+def _parts(field: JsonField) -> tuple[Reference, ...] | None:
+    if field.is_absent:
+        return None
+    if not isinstance(field.value, list):
+        raise field.fail('expected a list of all parts, by name or by number, such as ["frame", 7]')
+    return tuple(_reference(item, "part") for item in field.items())
 
 
 def _reference(field: JsonField, what: str) -> Reference:
