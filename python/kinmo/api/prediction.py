@@ -22,9 +22,11 @@ from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import OVERRIDE, PredictionProvenance, ShapeEstimate
 from kinmo.core.wording import counted
+from kinmo.dataset.cache import Cache
 from kinmo.io.atomic_files import write_text_atomically
+from kinmo.io.folder_lock import locked
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE, parse_overrides, read_overrides
-from kinmo.io.result_folder import read_result, write_result
+from kinmo.io.result_folder import formats_in, read_result, write_result
 from kinmo.io.writers import ExportOptions
 from kinmo.io.writers.joints_json_writer import write_joints_json
 from kinmo.io.writers.overrides_writer import overrides_text
@@ -88,7 +90,8 @@ class Prediction:
             source: File or folder of the shape. None for the one that joints.json names.
 
         Returns:
-            The prediction as joints.json has it, with its corrections.
+            The prediction as joints.json has it, with its corrections. An overrides.toml that is newer counts only after
+            `kinmo export`, or by `with_overrides`.
 
         Raises:
             InputError: A file is missing or wrong, or the shape has changed since the prediction.
@@ -231,7 +234,9 @@ class Prediction:
             raise InputError("metres_per_unit", f"expected a positive number, got {scale}")
         options = ExportOptions(name or folder.name, scale, provenance=self.provenance)
         texts = self._overrides_text(folder) if "joints_json" in formats else {}
-        return dict(write_result(self.shape, self.estimate, folder, formats, options, texts=texts).main)
+        written = write_result(self.shape, self.estimate, folder, formats, options, texts=texts)
+        _record(folder, written.files)
+        return dict(written.main)
 
     def save(self, folder: Path | str) -> Path:
         """Write joints.json: all joints with scores and alternatives (docs/reference/joints-json.md).
@@ -239,17 +244,20 @@ class Prediction:
         Corrections are written to overrides.toml too.
 
         Args:
-            folder: The folder to write into. Its other files stay.
+            folder: The folder to write into. Its other files stay, such as a URDF with other joints: `kinmo export` writes it
+                again.
 
         Returns:
             Path of the file.
         """
         folder = Path(folder)
-        name, formats = folder.resolve().name, ("joints_json",)
+        name, formats = folder.resolve().name, tuple(dict.fromkeys((*formats_in(folder), "joints_json")))
         options = ExportOptions(name, self.shape.metres_per_unit, provenance=self.provenance, formats=formats)
         for file, text in self._overrides_text(folder).items():
             write_text_atomically(folder / file, text)
-        return write_joints_json(self.shape, self.estimate, folder, options)
+        path = write_joints_json(self.shape, self.estimate, folder, options)
+        _record(folder, [path.name])
+        return path
 
     def _overrides_text(self, folder: Path) -> dict[str, str]:
         """Text of overrides.toml by its name. Empty without corrections, or if the file in the folder has the same content."""
@@ -260,3 +268,14 @@ class Prediction:
             if read_overrides(folder / OVERRIDES_FILE).table == correction.overrides:
                 return {}
         return {OVERRIDES_FILE: overrides_text(correction.overrides)}
+
+
+def _record(folder: Path, files: Sequence[str]) -> None:
+    """If `kinmo predict` wrote the folder first, record that its new files are kinmo's own, and no edits of a person."""
+    target = folder.resolve()
+    if target.name in Cache(target.parent):
+        with locked(target.parent):
+            cache = Cache(target.parent)
+            known = cache.latest(target.name)
+            others = () if known is None else (cache.folder / path for path in known.files)
+            cache.renew(target.name, [target / file for file in files], others)

@@ -106,6 +106,18 @@ class Cache:
         self._results[name] = result
         self._append(name, result)
 
+    def renew(self, name: str, files: Iterable[Path], kept: Iterable[Path]) -> None:
+        """Replace the files of a result, whose key and data stay.
+
+        The stored contents of `files` are their present ones. Those of `kept` stay: these may have been edited.
+        """
+        known = self._results[name]
+        stamps = {path: known.files[path] for each in kept if (path := os.path.relpath(each, self.folder)) in known.files}
+        stamps |= {os.path.relpath(path, self.folder): _stamp(path) for path in files}
+        if stamps != known.files:
+            self._results[name] = Result(known.key, known.data, stamps)
+            self._append(name, self._results[name])
+
     def forget(self, *names: str) -> None:
         """Drop results, before their files change."""
         for name in names:

@@ -80,8 +80,9 @@ class ExportResults:
             for note in result.notes:
                 observer.note(f"{clean_text(job.target.name)}: {note}")
         lines = []
-        for _, result in exported:
-            lines += [f"{result.data['id']} (category {clean_text(result.data['category']) or 'unknown'})", *result.lines]
+        for job, result in exported:  # several results may have the same id, but not the same folder
+            category = clean_text(result.data["category"]) or "unknown"
+            lines += [f"{clean_text(job.target.name)} (category {category})", *result.lines]
         joints = counted(sum(result.data["joints"] for _, result in exported), "joint")
         corrected = sum(result.data["corrected"] for _, result in exported)
         total = f"{counted(len(exported), 'result')}, {joints}, {corrected} corrected, {len(skipped)} skipped"
@@ -120,12 +121,18 @@ class ExportResults:
     def _folders(self) -> list[Path]:
         """Folders of all predictions. Raises InputError if there is none, or an option is wrong."""
         check_formats(self.formats)
-        folders = list(find_results(self._root))
+        folders = [folder for folder in find_results(self._root) if not self._is_own_export(folder)]
         if not folders:
             raise InputError(self.results, f"expected a result of kinmo predict, with {FILE_NAME}, at or below it")
         if self.source is not None and len(folders) > 1:
             raise InputError("--source", f"applies only to one result; found {len(folders)} below {self._root}")
         return folders
+
+    def _is_own_export(self, folder: Path) -> bool:
+        """True for a folder in `out`, where `out` lies below the results: an earlier export of them."""
+        if self.out is None or self._root.resolve().is_relative_to(self.out.resolve()):
+            return False
+        return folder.resolve() != self.out.resolve() and folder.resolve().is_relative_to(self.out.resolve())
 
     def _jobs(self, caches: _Caches) -> list[ExportJob]:
         """One job for each prediction."""
@@ -134,6 +141,8 @@ class ExportResults:
             target = folder if self.out is None else self.out / self._name(folder)
             if self.out is not None and target.resolve() == folder.resolve():
                 raise InputError("--out", f"{folder} would be replaced: leave --out away to write results again")
+            if self.out is not None and self.out.resolve().is_relative_to(folder.resolve()):
+                raise InputError("--out", f"lies in the result {folder}: name a folder elsewhere")
             real = target.resolve()
             jobs.append(ExportJob(folder, target, self.formats, self.source, files_of(caches[real.parent], real.name)))
         return jobs
@@ -163,7 +172,7 @@ def _obstacle(job: ExportJob, caches: _Caches) -> str | None:
     is_free = job.is_in_place or not os.path.lexists(target) or (target.is_dir() and not any(target.iterdir()))
     if not is_free and cache.data(target.name) != _record_of(job):
         return str(InputError(job.target, "exists, and is no export of the same result: name another folder by --out"))
-    return edited_file(cache, target.name)
+    return edited_file(cache, target.name, is_in_place=job.is_in_place)
 
 
 def _record(job: ExportJob, result: ExportedResult, caches: _Caches) -> None:

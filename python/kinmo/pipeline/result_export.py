@@ -27,6 +27,7 @@ UNCHECKED = (
     "nobody corrected these joints, so kinmo prepare does not take them as annotation; if they are right, put an empty "
     f"{OVERRIDES_FILE} beside {FILE_NAME}"
 )
+WITHOUT_CATEGORY = "the category is unknown: to state it, run kinmo predict again with --category"
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,8 @@ def _export(job: ExportJob) -> ExportedResult:
     result, formats = corrected_result(job)
     options, file = result.options, job.folder / OVERRIDES_FILE
     kept, texts = set(files_below(job.target)) - set(job.replaced), {}
+    if job.is_in_place:
+        kept.add(OVERRIDES_FILE)
     if not job.is_in_place:
         options = replace(options, name=job.target.name)
         is_complete = JOINTS_JSON in formats and file.is_file()
@@ -109,17 +112,25 @@ def _export(job: ExportJob) -> ExportedResult:
 
 
 def _notes(estimate: ShapeEstimate, formats: Sequence[str]) -> tuple[str, ...]:
-    if estimate.correction is not None:
-        return estimate.correction.notes
-    return (UNCHECKED,) if PARTNET_MOBILITY in formats else ()
+    notes = () if estimate.correction is None else estimate.correction.notes
+    if PARTNET_MOBILITY not in formats:
+        return notes
+    unchecked = (UNCHECKED,) if estimate.correction is None else ()
+    return (*notes, *unchecked, *(() if estimate.category else (WITHOUT_CATEGORY,)))
 
 
-def edited_file(cache: Cache, name: str) -> str | None:
-    """A message if a person edited a file of the result `name`, which an export would replace."""
-    edited = cache.edited(name)
+def edited_file(cache: Cache, name: str, *, is_in_place: bool) -> str | None:
+    """A message if a person edited a file of the result `name`, which an export would replace.
+
+    overrides.toml is there to be edited, and is replaced only by that of another folder.
+    """
+    edited = [path for path in cache.edited(name) if not (is_in_place and path == cache.folder / name / OVERRIDES_FILE)]
     if not edited:
         return None
-    return str(InputError(edited[0], "was edited after kinmo wrote it: move it away, then run kinmo export again"))
+    remedy = f"move it away, then run kinmo export again; corrections belong into {OVERRIDES_FILE}"
+    if edited[0].name == FILE_NAME:
+        remedy = f"move it away, then run kinmo predict again; corrections belong into {OVERRIDES_FILE}"
+    return str(InputError(edited[0], f"was edited after kinmo wrote it: {remedy}"))
 
 
 def files_of(cache: Cache, name: str) -> tuple[str, ...]:
@@ -134,9 +145,9 @@ def keep_current(cache: Cache, folder: Path, files: Sequence[str]) -> None:
     `cache` is the one beside the folder.
     """
     name = folder.resolve().name
-    known = cache.latest(name)
-    if known is not None:
-        cache.store(name, known.key, [cache.folder / name / file for file in files], known.data)
+    if name in cache:
+        written = [cache.folder / name / file for file in files]
+        cache.renew(name, written, [cache.folder / name / OVERRIDES_FILE])
 
 
 def apply_overrides(folders: Sequence[Path], observer: Observer) -> dict[Path, str]:
@@ -151,7 +162,7 @@ def apply_overrides(folders: Sequence[Path], observer: Observer) -> dict[Path, s
     for folder in outdated:
         assert cache is not None
         job = ExportJob(folder, folder, replaced=files_of(cache, folder.name))
-        result = edited_file(cache, folder.name) or export_result(job)
+        result = edited_file(cache, folder.name, is_in_place=True) or export_result(job)
         if isinstance(result, str):
             problems[folder] = result
             observer.problem(f"not corrected: {result}")

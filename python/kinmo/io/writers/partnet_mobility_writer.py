@@ -44,7 +44,7 @@ def write_partnet_mobility(
     mobility = mobility_of(result)
     rotation = Y_UP_TO_Z_UP.T @ z_up_rotation(np.asarray(shape.up, float))
     mark = {PSEUDO_LABEL: result.method} if isinstance(result, ShapeEstimate) and result.correction is None else {}
-    facts = {"model_cat": shape.category, "model_id": shape.id, "anno_id": shape.partnet_id, **mark, **options.meta}
+    facts = {"model_cat": shape.category or None, "model_id": shape.id, "anno_id": shape.partnet_id, **mark, **options.meta}
     (folder / MESHES).mkdir(parents=True, exist_ok=True)
     for leaf in shape.leaves:
         write_obj(folder / MESHES / f"{_mesh_name(leaf)}.obj", shape.leaf_mesh(leaf).rotated(rotation))
