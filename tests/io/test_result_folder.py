@@ -65,7 +65,7 @@ def test_parts_by_labels_are_read_again(tmp_path: Path) -> None:
     assert predict_cabinets(tmp_path / "cabinet.glb", tmp_path / "out", facts).failed == 0
     assert len(read_result(tmp_path / "out" / "cabinet").shape.leaves) == len(PIECES)
     np.save(tmp_path / "faces.npy", np.arange(12 * len(PIECES)) % 3)
-    with pytest.raises(InputError, match=r"cabinet\.glb: or .*faces\.npy has changed since the prediction"):
+    with pytest.raises(InputError, match=r"cabinet\.glb: it or its labels .*faces\.npy changed since the prediction"):
         read_result(tmp_path / "out" / "cabinet")
     (tmp_path / "faces.npy").unlink()
     with pytest.raises(InputError, match=r"faces\.npy: missing: put the labels of the parts back, or run kinmo predict again"):

@@ -71,8 +71,8 @@ def read_result(folder: Path, source: Path | None = None) -> SavedResult:
     facts = document["shape"]
     shape = _shape_of(facts, source)
     if not facts["digest"].is_absent and facts["digest"].text() != shape_digest(shape):
-        files = "" if shape.labels is None else f"or {printable_path(shape.labels)} "
-        raise InputError(shape.source, f"{files}has changed since the prediction in {folder}: {PREDICT_AGAIN}")
+        what = "has changed" if shape.labels is None else f"it or its labels {printable_path(shape.labels)} changed"
+        raise InputError(shape.source, f"{what} since the prediction in {folder}: {PREDICT_AGAIN}")
     try:
         estimate, provenance = prediction_in(document, shape)
     except InputError as error:
