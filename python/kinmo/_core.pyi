@@ -447,6 +447,22 @@ def closest_points(meshes: Meshes, group: Sequence[int], points: F64) -> tuple[F
         area is zero.
     """
 
+def surface_patches(meshes: Meshes, mesh: int, *, tolerance: float, crease: float) -> NDArray[np.uint32]:
+    """Find the patches of a mesh: faces that are joined across edges without a concave crease between them.
+
+    Solids that touch or were welded together meet at concave creases, or share an edge of more than two faces. A convex solid
+    is one patch. Patches never join faces that have no vertex in common, directly or through others.
+
+    Args:
+        meshes: The meshes.
+        mesh: Index of the mesh. Its vertices at one place have one index.
+        tolerance: Largest distance of a vertex that lies on an edge, in the units of the mesh.
+        crease: Largest angle between the normals of faces that are joined across a concave edge, in radians.
+
+    Returns:
+        Numbers [F] of the patches, from 0 in the order of their first faces.
+    """
+
 def render(
     meshes: Meshes, transforms: F64, size: tuple[int, int], focal: F64, center: F64, *, near: float, far: float
 ) -> tuple[F32, NDArray[np.int32]]:

@@ -48,6 +48,18 @@ def test_loose_pieces_keep_the_surface_of_every_body() -> None:
     }
 
 
+def test_patches_of_a_loose_piece_have_a_node_of_their_own() -> None:
+    shape = cabinet()
+    pieces = in_pieces(flat_parts(shape))
+    formed = flat_shape(shape, pieces)
+    together: dict[int | None, int] = {}
+    for piece in pieces:
+        together[piece.piece] = together.get(piece.piece, 0) + 1
+    inner = [len(part.children) for part in formed.parts[1:] if part.children]
+    assert sorted(inner) == sorted(count for count in together.values() if count > 1)
+    assert len(formed.leaves) == len(pieces)
+
+
 def test_a_body_without_parts_is_left_out_and_its_riders_hang_on_the_body_below() -> None:
     shape = cabinet()
     assert shape.mobility is not None

@@ -350,7 +350,7 @@ def test_a_mesh_in_one_piece_is_an_error_that_says_how_to_get_parts(stage: Predi
     outcome = replace(stage, source=path).run(Recorder())
     (line,) = outcome.data["skipped"]
     assert outcome.failed == 1
-    assert line.startswith(f"{path}: is one connected mesh, so no parts can be told apart: separate the object into")
+    assert line.startswith(f"{path}: is one closed mesh, so no parts can be told apart: separate the object into")
     assert "--labels faces.npy" in line
 
 

@@ -31,11 +31,7 @@ def pieces_of_faces(mesh: Mesh, *, most: int = MAX_PIECES) -> NDArray[np.int64]:
     Returns:
         [F] numbers from 0, the piece with the largest area first.
     """
-    used = mesh.corners
-    low = used.min(axis=0)
-    step = SAME_VERTEX * max(float(np.linalg.norm(used.max(axis=0) - low)), 1e-300)
-    _, place = np.unique(np.round((mesh.vertices - low) / step).astype(np.int64), axis=0, return_inverse=True)
-    corners = place.ravel()[mesh.faces]
+    corners, _, _ = same_vertices(mesh)
     edges = np.concatenate([corners[:, :2], corners[:, 1:]])
     count = int(corners.max()) + 1
     graph = coo_array((np.ones(len(edges), bool), (edges[:, 0], edges[:, 1])), shape=(count, count))
@@ -44,3 +40,28 @@ def pieces_of_faces(mesh: Mesh, *, most: int = MAX_PIECES) -> NDArray[np.int64]:
     order = np.argsort(-np.bincount(label.ravel(), weights=mesh.face_areas), kind="stable")
     rank = np.minimum(np.argsort(order, kind="stable"), most - 1)
     return np.asarray(rank[label.ravel()], np.int64)
+
+
+def same_vertices(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
+    """Corners of the faces where vertices at the same place have one index.
+
+    Args:
+        mesh: A mesh with at least one face.
+
+    Returns:
+        The indices [F, 3], the places [V, 3] that they mean, and the step of the grid that vertices were compared on.
+    """
+    used = mesh.corners
+    low = used.min(axis=0)
+    step = SAME_VERTEX * max(float(np.linalg.norm(used.max(axis=0) - low)), 1e-300)
+    cells = np.round((mesh.vertices - low) / step).astype(np.int64)
+    _, first, place = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    return np.asarray(place.ravel()[mesh.faces], np.int64), mesh.vertices[first], step
+
+
+def is_closed(mesh: Mesh) -> bool:
+    """True if every edge of a mesh has two faces, where vertices at the same place count as one."""
+    corners, _, _ = same_vertices(mesh)
+    edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    edges = np.sort(edges[edges[:, 0] != edges[:, 1]], axis=1)
+    return bool((np.unique(edges, axis=0, return_counts=True)[1] == 2).all())

@@ -5,14 +5,16 @@ Joints are kept: every part of a form belongs to the body that its surface came 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from kinmo.core.loose_pieces import MAX_PIECES, pieces_of_faces
+from kinmo.core.mesh_splitting import split_mesh
 from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Mesh, Part, Shape, join
+from kinmo.core.surface_patches import patches_of_faces
 
 ROOT_NAME = "object"
 """Name of the root of a flat shape."""
@@ -27,12 +29,14 @@ class FlatPart:
         mesh: its geometry.
         body: index of its body in the mobility. None without an annotation.
         is_junk: True if the annotation marks it as not belonging to the object.
+        piece: number of the loose piece that it is a patch of. None if it is a part of its own.
     """
 
     name: str
     mesh: Mesh
     body: int | None = None
     is_junk: bool = False
+    piece: int | None = None
 
 
 def flat_parts(shape: Shape) -> list[FlatPart]:
@@ -43,17 +47,33 @@ def flat_parts(shape: Shape) -> list[FlatPart]:
 
 
 def flat_shape(shape: Shape, parts: Sequence[FlatPart]) -> Shape:
-    """`shape` with its parts replaced by a flat list below one root. Bodies that no part belongs to are left out."""
-    root = Part(0, ROOT_NAME, None, tuple(range(1, len(parts) + 1)))
-    leaves = [Part(i, part.name, 0, (), part.mesh) for i, part in enumerate(parts, start=1)]
-    mobility = None if shape.mobility is None else _mobility_of(shape.mobility, parts)
-    return replace(shape, parts=(root, *leaves), mobility=mobility)
+    """`shape` with its parts replaced by a flat list below one root, where patches of one loose piece have a node of their own.
+
+    Bodies that no part belongs to are left out.
+    """
+    together: dict[int | str, list[FlatPart]] = {}
+    for place, part in enumerate(parts):
+        together.setdefault(place if part.piece is None else f"piece {part.piece}", []).append(part)
+    nodes: list[Part] = []
+    top: list[int] = []
+    leaves: dict[int, FlatPart] = {}
+    for patches in together.values():
+        above, first = 0, len(nodes) + 1
+        top.append(first)
+        if len(patches) > 1:
+            nodes.append(Part(first, "", 0, tuple(range(first + 1, first + 1 + len(patches)))))
+            above = first
+        for part in patches:
+            leaves[len(nodes) + 1] = part
+            nodes.append(Part(len(nodes) + 1, part.name, above, (), part.mesh))
+    mobility = None if shape.mobility is None else _mobility_of(shape.mobility, leaves)
+    return replace(shape, parts=(Part(0, ROOT_NAME, None, tuple(top)), *nodes), mobility=mobility)
 
 
-def _mobility_of(mobility: Mobility, parts: Sequence[FlatPart]) -> Mobility:
-    """The mobility with the leaves of a flat list, whose first part has the index 1."""
+def _mobility_of(mobility: Mobility, parts: Mapping[int, FlatPart]) -> Mobility:
+    """The mobility with other leaves, by their indices."""
     owned: dict[int, list[int]] = {}
-    for index, part in enumerate(parts, start=1):
+    for index, part in parts.items():
         if part.body is not None:
             owned.setdefault(part.body, []).append(index)
     place = {body: new for new, body in enumerate(sorted(owned))}
@@ -72,7 +92,7 @@ def _mobility_of(mobility: Mobility, parts: Sequence[FlatPart]) -> Mobility:
         )
         for body in sorted(owned)
     )
-    return Mobility(bodies, frozenset(index for index, part in enumerate(parts, start=1) if part.is_junk))
+    return Mobility(bodies, frozenset(index for index, part in parts.items() if part.is_junk))
 
 
 def without_names(parts: Sequence[FlatPart], rng: np.random.Generator) -> list[FlatPart]:
@@ -81,14 +101,21 @@ def without_names(parts: Sequence[FlatPart], rng: np.random.Generator) -> list[F
 
 
 def in_pieces(parts: Sequence[FlatPart], *, most: int = MAX_PIECES) -> list[FlatPart]:
-    """The loose pieces of all parts together, without names. A piece belongs where most of its area comes from."""
+    """The patches of all parts together, without names. A patch belongs where most of its area comes from.
+
+    Args:
+        parts: The parts.
+        most: Most loose pieces, and most patches where there are fewer loose pieces.
+    """
     whole = join(*(part.mesh for part in parts))
     pieces = pieces_of_faces(whole, most=most)
+    patches = patches_of_faces(whole, pieces, most=most)
     origin = np.repeat(np.arange(len(parts)), [len(part.mesh.faces) for part in parts])
-    share = np.zeros((int(pieces.max()) + 1, len(parts)))
-    np.add.at(share, (pieces, origin), whole.face_areas)
-    found = []
-    for piece, source in enumerate(share.argmax(axis=1)):
-        mesh = Mesh(whole.vertices, whole.faces[pieces == piece]).compact
-        found.append(replace(parts[source], name="", mesh=mesh))
-    return found
+    share = np.zeros((int(patches.max()) + 1, len(parts)))
+    np.add.at(share, (patches, origin), whole.face_areas)
+    _, first = np.unique(patches, return_index=True)
+    meshes = split_mesh(whole, patches)
+    return [
+        replace(parts[source], name="", mesh=mesh, piece=int(pieces[face]))
+        for source, mesh, face in zip(share.argmax(axis=1), meshes, first, strict=True)
+    ]

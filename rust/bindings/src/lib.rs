@@ -19,6 +19,7 @@ mod errors;
 mod mesh {
     pub mod meshes;
     pub mod point_projection;
+    pub mod surface_patches;
 }
 
 mod points {
@@ -69,6 +70,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         fit::box_iou::register,
         fit::symmetries::register,
         mesh::point_projection::register,
+        mesh::surface_patches::register,
         motion::point_motion::register,
         points::nearest_neighbours::register,
         points::neighbour_maximum::register,

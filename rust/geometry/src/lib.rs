@@ -11,6 +11,7 @@ pub mod mesh {
     pub mod connected_components;
     pub mod part_surface;
     pub mod point_projection;
+    pub mod surface_patches;
     pub mod triangle;
     pub mod triangle_mesh;
 }

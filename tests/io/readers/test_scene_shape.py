@@ -35,8 +35,47 @@ def test_a_single_mesh_is_split_into_loose_pieces(tmp_path: Path) -> None:
 @pytest.mark.parametrize("ending", ["glb", "obj", "ply", "stl"])
 def test_a_mesh_in_one_piece_is_an_error_that_names_the_remedy(ending: str, tmp_path: Path) -> None:
     trimesh.creation.icosphere().export(tmp_path / f"a.{ending}")
-    with pytest.raises(kinmo.InputError, match=r"one connected mesh, so no parts .*: separate .* --labels faces\.npy"):
+    with pytest.raises(kinmo.InputError, match=r"one closed mesh, so no parts .*: separate .* --labels faces\.npy"):
         kinmo.load(tmp_path / f"a.{ending}")
+
+
+def blocks_in_a_row(gap: float) -> list[trimesh.Trimesh]:
+    """Blocks that are as far apart, and a far one."""
+    boxes = [((i * (1.0 + gap), 0.0, 0.0), (i * (1.0 + gap) + 1.0, 1.0, 1.0 + 0.5 * (i % 2))) for i in range(3)]
+    return [trimesh.creation.box(bounds=bounds) for bounds in [*boxes, ((9.0, 0.0, 0.0), (10.0, 1.0, 1.0))]]
+
+
+def write_nodes(path: Path, nodes: dict[str, trimesh.Trimesh]) -> Path:
+    scene = trimesh.Scene()
+    for name, mesh in nodes.items():
+        scene.add_geometry(mesh, node_name=name, geom_name=name)
+    scene.export(path)
+    return path
+
+
+@pytest.mark.parametrize("as_one_mesh", [True, False])
+def test_loose_pieces_without_names_are_divided_at_creases(as_one_mesh: bool, tmp_path: Path) -> None:
+    *row, far = blocks_in_a_row(0.0)
+    nodes = {"whole": joined(*row, far)} if as_one_mesh else {"part_0": joined(*row), "part_1": far}
+    shape = kinmo.load(write_nodes(tmp_path / "a.glb", nodes))
+    assert sorted(volumes(shape)) == pytest.approx([1.0, 1.0, 1.0, 1.5])
+    assert sorted(len(part.children) for part in shape.parts if part.children) == [2, 3]
+    assert shape.repairs[-1] == "2 loose pieces: divided at creases into 4 patches"
+
+
+@pytest.mark.parametrize("names", [("frame", "drawer"), ("part_0", "part_1")])
+def test_parts_with_names_or_several_loose_pieces_are_not_divided(names: tuple[str, str], tmp_path: Path) -> None:
+    *row, far = blocks_in_a_row(0.0)
+    apart = trimesh.creation.box(bounds=((9.0, 3.0, 0.0), (10.0, 4.0, 1.0)))
+    others = far if names[0] == "frame" else joined(far, apart)
+    shape = kinmo.load(write_nodes(tmp_path / "a.glb", dict(zip(names, (joined(*row), others), strict=True))))
+    assert [part.name for part in shape.parts[1:]] == list(names) and not shape.repairs
+
+
+def test_one_welded_mesh_is_divided_at_creases(tmp_path: Path) -> None:
+    shape = kinmo.load(write_nodes(tmp_path / "a.glb", {"whole": joined(*blocks_in_a_row(0.0)[:3])}))
+    assert sorted(volumes(shape)) == pytest.approx([1.0, 1.0, 1.5])
+    assert shape.repairs == ("one mesh: split into 1 loose piece", "1 loose piece: divided at creases into 3 patches")
 
 
 @pytest.mark.parametrize("ending", ["glb", "obj", "ply", "stl"])

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
 from kinmo.core.frames import Axis
+from kinmo.core.mesh_splitting import split_mesh
 from kinmo.core.shape import Mesh, Shape
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.obj_reader import face_places, obj_lines, parse_polygons
-from kinmo.io.readers.part_splitting import split_mesh
 from kinmo.io.readers.reader import Reader
 from kinmo.io.readers.scene import Scene, SceneBuilder
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene

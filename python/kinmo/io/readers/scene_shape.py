@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 from kinmo.core.categories import known_category
 from kinmo.core.errors import InputError
 from kinmo.core.frames import AXIS_VECTORS, USUAL_FRONT
-from kinmo.core.loose_pieces import pieces_of_faces
+from kinmo.core.loose_pieces import is_closed, pieces_of_faces
+from kinmo.core.mesh_splitting import merge_small_parts, split_mesh
+from kinmo.core.name_words import tell_apart
 from kinmo.core.shape import Mesh, Part, Shape, bounds_of, join
+from kinmo.core.surface_patches import patches_of_faces
 from kinmo.core.wording import clean_text, counted
+from kinmo.io.readers.face_labels import read_labels
 from kinmo.io.readers.floor_plane import floor_planes
 from kinmo.io.readers.part_hierarchy import MAX_PARTS, has_surface
-from kinmo.io.readers.part_splitting import merge_small_parts, read_labels, split_mesh
 from kinmo.io.readers.scene import Scene, SceneNode
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 
@@ -24,6 +27,8 @@ LARGEST_IN_METRES = 20.0
 """Diagonal above which a unit of the file is not a metre."""
 LARGEST_IN_CENTIMETRES = 500.0
 """Diagonal above which a unit of the file is not a centimetre either, but a millimetre."""
+MAX_PATCHES = 150
+"""Most patches of an object that is divided at creases."""
 HOW_TO_GET_PARTS = (
     "separate the object into one node per part, or give the part of every triangle by --labels faces.npy (the output of a "
     "segmentation tool)"
@@ -45,8 +50,9 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
 
     The nodes with a mesh become parts, in their hierarchy. The mesh of a node that also has children becomes one more child.
     Nodes without a mesh at or below them are skipped. So are nodes above the first node that has a mesh or several children.
-    A floor plane is dropped. A single mesh is split into its loose pieces. With labels, every label is a part. The smallest
-    parts beyond `MAX_PARTS` are merged into others.
+    A floor plane is dropped. A single mesh is split into its loose pieces. Where parts are no more than loose pieces, they are
+    divided at creases, and each becomes a node above its patches. With labels, every label is a part. The smallest parts beyond
+    `MAX_PARTS` are merged into others.
 
     Args:
         scene: A scene of a 3D file.
@@ -56,7 +62,7 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
         The shape in the frame and units of the file.
 
     Raises:
-        InputError: No mesh has a surface, one connected mesh is all there is, or the labels do not fit.
+        InputError: No mesh has a surface, one closed mesh is all there is, or the labels do not fit.
     """
     repairs = list(scene.repairs)
     meshes = {index: node.mesh for index, node in enumerate(scene.nodes) if node.mesh is not None}
@@ -78,11 +84,15 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
         if len(meshes) == 1:
             ((index, mesh),) = meshes.items()
             own = pieces_of_faces(mesh, most=len(mesh.faces))
-            repairs.append(f"one mesh: split into {int(own.max()) + 1} loose pieces")
             pieces = [piece for piece in _split(mesh, own, repairs) if has_surface(piece)]
-            if len(pieces) == 1:
-                raise InputError(scene.path, f"is one connected mesh, so no parts can be told apart: {HOW_TO_GET_PARTS}")
-            nodes, meshes = _with_pieces(nodes, index, pieces)
+            if len(pieces) == 1 and is_closed(pieces[0]):
+                raise InputError(scene.path, f"is one closed mesh, so no parts can be told apart: {HOW_TO_GET_PARTS}")
+            repairs.append(f"one mesh: split into {counted(len(pieces), 'loose piece')}")
+            if len(pieces) > 1:
+                nodes, meshes = _with_pieces(nodes, index, pieces)
+        nodes, meshes = _with_patches(nodes, meshes, repairs)
+        if len(meshes) == 1:
+            raise InputError(scene.path, f"is one surface, so no parts can be told apart: {HOW_TO_GET_PARTS}")
     if len(meshes) > MAX_PARTS:
         whole, keys = join(*meshes.values()), np.array(list(meshes))
         own = np.repeat(np.arange(len(keys)), [len(mesh.faces) for mesh in meshes.values()])
@@ -112,6 +122,38 @@ def _with_pieces(
     found = tuple(SceneNode("", index, piece) for piece in pieces)
     meshes = {len(nodes) + place: node.mesh for place, node in enumerate(found) if node.mesh is not None}
     return (*nodes, *found), meshes
+
+
+def _with_patches(
+    nodes: tuple[SceneNode, ...], meshes: dict[int, Mesh], repairs: list[str]
+) -> tuple[tuple[SceneNode, ...], dict[int, Mesh]]:
+    """Nodes and meshes with patches below each loose piece, if the meshes are no more than the loose pieces of one mesh.
+
+    Meshes with names that tell them apart stay as they are, and so do those that have several loose pieces or share vertices.
+    """
+    if len(meshes) >= MAX_PATCHES or tell_apart(nodes[index].name for index in meshes):
+        return nodes, meshes
+    whole, keys = join(*meshes.values()), list(meshes)
+    own = np.repeat(np.arange(len(keys)), [len(mesh.faces) for mesh in meshes.values()])
+    pieces = pieces_of_faces(whole, most=len(whole.faces))
+    if len(np.unique(np.column_stack([own, pieces]), axis=0)) != len(keys) or int(pieces.max()) + 1 != len(keys):
+        return nodes, meshes
+    patches = patches_of_faces(whole, own, most=MAX_PATCHES)
+    below: dict[int, list[Mesh]] = {}
+    _, first = np.unique(patches, return_index=True)
+    for mesh, piece in zip(split_mesh(whole, patches), own[first].tolist(), strict=True):
+        if has_surface(mesh):
+            below.setdefault(piece, []).append(mesh)
+    found: dict[int, Mesh] = {}
+    for place, index in enumerate(keys):
+        if len(below.get(place, ())) < 2:
+            found[index] = meshes[index]
+            continue
+        nodes, added = _with_pieces(nodes, index, below[place])
+        found |= added
+    if len(found) > len(meshes):
+        repairs.append(f"{counted(len(meshes), 'loose piece')}: divided at creases into {len(found)} patches")
+    return nodes, found
 
 
 def _hierarchy(nodes: tuple[SceneNode, ...], meshes: dict[int, Mesh]) -> tuple[tuple[Part, ...], list[str]]:

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.mobility import Mobility
+from kinmo.core.name_words import words_of
 from kinmo.features.candidate_features import CandidateFeatures
 from kinmo.features.contact_graph import ContactGraph
 from kinmo.features.prepared_shape import PreparedShape
-from kinmo.methods.kinmo.ranking.name_words import has_names, hash_words, words_of
+from kinmo.methods.kinmo.ranking.name_words import has_names, hash_words
 
 F32 = NDArray[np.float32]
 

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import re
 import zlib
 from collections.abc import Sequence
 
+from kinmo.core.name_words import tell_apart, words_of
 from kinmo.features.prepared_shape import PreparedShape
 
 WORD_BUCKETS = 1024
 """Number of buckets that words are hashed to."""
-
-
-def words_of(name: str) -> list[str]:
-    """The words of a name in lower case: runs of letters of any script."""
-    return re.findall(r"[^\W\d_]+", name.lower())
 
 
 def hash_words(role: str, text: str) -> list[int]:
@@ -23,8 +18,8 @@ def hash_words(role: str, text: str) -> list[int]:
 
 
 def has_names(shape: PreparedShape) -> bool:
-    """True if names tell leaves apart: at least two leaves have different words. `Cube.001` and `Cube.002` have the same."""
-    return len({tuple(words_of(shape.part_names[leaf])) for leaf in shape.leaves} - {()}) > 1
+    """True if names tell the leaves apart."""
+    return tell_apart(shape.part_names[leaf] for leaf in shape.leaves)
 
 
 def maximal_nodes(shape: PreparedShape, leaves: Sequence[int]) -> list[int]:

@@ -1,0 +1,16 @@
+"""Words of the names of parts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+
+def words_of(name: str) -> list[str]:
+    """The words of a name in lower case: runs of letters of any script."""
+    return re.findall(r"[^\W\d_]+", name.lower())
+
+
+def tell_apart(names: Iterable[str]) -> bool:
+    """True if at least two names have different words. `Cube.001` and `Cube.002` have the same."""
+    return len({tuple(words_of(name)) for name in names} - {()}) > 1
