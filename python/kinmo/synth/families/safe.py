@@ -9,6 +9,7 @@ from kinmo.synth.details.appliances import frame_bars
 from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
+from kinmo.synth.details.resting_details import let_rest
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import X, box, box_between, cylinder, rotation_about, rounded_box
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
@@ -41,6 +42,8 @@ _SIZES = {
 
 FIXED_LOCK_SHARE = 0.08
 """Share of locks that do not move."""
+RESTING_KEYS_SHARE = 0.2
+"""Share of keypads whose keys do not move."""
 INSET, OVERLAID = "inset", "overlaid"
 """Doors that fit into the casing's front, and doors that lie on it."""
 
@@ -182,7 +185,11 @@ def _locks(
                 plate = box((1.2 * pad[0], 1.2 * pad[1], 0.03), (x, y, face + 0.015))
                 door.nodes.append(root.add("frame", plate))
                 foot = (x, y, face + 0.03)
-            links += add_keypad(draw, root, door, foot, pad, "button", lookalikes=False)
+            keys = add_keypad(draw, root, door, foot, pad, "button", lookalikes=False)
+            if draw.chance(RESTING_KEYS_SHARE):
+                let_rest(keys, door)
+            else:
+                links += keys
         elif kind == "grip":
             grip = pull(draw, draw.between(0.1, 0.35) * height, (x, y, face), vertical=draw.chance(0.7))
             door.nodes.append(root.add("handle", *grip))
