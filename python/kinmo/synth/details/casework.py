@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from kinmo.core.shape import Mesh
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import X, box, box_between, cylinder, extrude, join, lathe, move, open_box, turn
+from kinmo.synth.primitives import Point, X, box, box_between, cylinder, extrude, join, lathe, move, open_box, turn
 from kinmo.synth.synth_object import Link, Node, hinge, slider
 
 
@@ -54,6 +56,8 @@ class Fronts:
         look: "plain", "framed", "raised", "bowed" or "slatted".
         has_handles: True if doors and drawers have handles.
         handle_length: Usual length of a handle.
+        grips: Source of the handles if all have one shape; None if each has its own.
+        trim: Source of the fittings if all fronts have the same ones; None if each has its own.
     """
 
     thickness: float
@@ -61,13 +65,17 @@ class Fronts:
     look: str
     has_handles: bool
     handle_length: float
+    grips: Draw | None = None
+    trim: Draw | None = None
 
     @staticmethod
     def random(draw: Draw, unit: float) -> Fronts:
         """Random style for furniture with boards about `unit` thick."""
         gap = draw.pick([draw.between(0.02, 0.5) * unit, 0.0, -draw.between(0.1, 0.95) * unit], [4, 2, 4])
         look = draw.pick(["plain", "framed", "raised", "bowed", "slatted"], [6, 3, 2, 1, 1])
-        return Fronts(draw.ratio(0.4, 3.0) * unit, gap, look, draw.chance(0.75), draw.ratio(0.04, 0.5))
+        thickness, has_handles, length = draw.ratio(0.4, 3.0) * unit, draw.chance(0.75), draw.ratio(0.04, 0.5)
+        grips, trim = (draw.identical(1)[0] if draw.chance(0.7) else None for _ in range(2))
+        return Fronts(thickness, gap, look, has_handles, length, grips, trim)
 
     def back_plane(self, opening: Opening) -> float:
         """Position along z of a front's back: behind the carcass's front if inset, on it if overlapping."""
@@ -81,6 +89,16 @@ class Fronts:
         """Meshes of the front of an opening."""
         at = (opening.x, opening.y, self.back_plane(opening))
         return [move(piece, at) for piece in front_panel(draw, *self.size(opening), self.thickness, self.look)]
+
+    def fit(self, draw: Draw, node: Node, opening: Opening, side: str = "") -> list[Node]:
+        """Add fittings to some fronts, below `node`; returns them. `side` is the edge of a door's hinge."""
+        half, middle = 0.5 * np.array(self.size(opening)), np.array([opening.x, opening.y])
+        face = self.back_plane(opening) + _front_height(self)
+        return add_fittings(deepcopy(self.trim) or draw, node, middle - half, middle + half, face, side)
+
+    def grip(self, draw: Draw, length: float, at: Point, opening: Opening, *, vertical: bool) -> list[Mesh]:
+        """Meshes of a handle with its foot at `at`; see `pull`."""
+        return pull(deepcopy(self.grips) or draw, length, at, vertical=vertical, room=min(self.size(opening)))
 
 
 def front_panel(draw: Draw, width: float, height: float, thickness: float, look: str) -> list[Mesh]:
@@ -132,7 +150,8 @@ def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts:
         aside = draw.pick([0.0, draw.between(-0.35, 0.35)], [6, 1]) * width if count == 1 else 0.0
         for place in range(count):
             x = opening.x + width * ((place + 0.5) / count - 0.5) + aside
-            node.add("handle", *pull(draw, length, (x, y, back + _front_height(fronts)), vertical=False))
+            node.add("handle", *fronts.grip(draw, length, (x, y, back + _front_height(fronts)), opening, vertical=False))
+    fronts.fit(draw, node, opening)
     travel = depth * draw.between(0.35, 1.0)
     rest = travel * draw.between(0.2, 0.95) if draw.chance(0.15) else 0.0
     return Link("drawer", [node], carcass, slider((0, 0, 1), 0, travel, rest=rest))
@@ -201,12 +220,14 @@ def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: F
         length = min(fronts.handle_length * draw.between(0.8, 1.5), 0.7 * (height if upright else width))
         length = min(length, 2.0 * (0.5 - abs(along)) * height) if upright else length
         lies_along = draw.chance(0.9) or length > 0.5 * min(width, height)
-        node.add("handle", *pull(draw, length, (x, y, back + _front_height(fronts)), vertical=upright == lies_along))
+        foot = (x, y, back + _front_height(fronts))
+        node.add("handle", *fronts.grip(draw, length, foot, opening, vertical=upright == lies_along))
     inward = draw.pick([0.0, draw.between(0.0, 0.02), draw.between(0.02, 0.05)], [4, 4, 1]) * (width if upright else height)
     axis = np.array([opening.x, opening.y, back + fronts.thickness * draw.pick([0.0, 0.5, 1.0, -0.2], [4, 3, 2, 1])])
     axis[0 if upright else 1] += (out[0] * width if upright else out[1] * height) / 2 - (sum(out) * inward)
     if draw.chance(0.2):
         _add_hinges(draw, node, axis, upright, height if upright else width)
+    fronts.fit(draw, node, opening, side)
     direction = (0, out[0], 0) if upright else (-out[1], 0, 0)
     opens = draw.pick([90.0, 120.0, 160.0, 180.0], [6, 2, 1, 1])
     rest = draw.between(10, 0.9 * opens) if draw.chance(0.12) else 0.0

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer
 from kinmo.synth.details.door_locks import add_door_lock
-from kinmo.synth.details.handles import pull
 from kinmo.synth.details.wheels import add_caster
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import Point, X, Z, box, box_between, rotation_about
@@ -48,10 +49,10 @@ def add_false_front(draw: Draw, above: Node, carcass: Link, opening: Opening, fr
     """Add a fixed panel that looks like a drawer or a door, sometimes with a handle."""
     panel = fronts.panel(draw, opening)
     node = above.add(draw.pick(["vertical_front_panel", "frame_horizontal_bar", "other_leaf"], [4, 1, 1]), *panel)
-    carcass.nodes.append(node)
+    carcass.nodes += [node, *fronts.fit(draw, above, opening)]
     if draw.chance(0.5):
         at = (opening.x, opening.y, fronts.back_plane(opening) + 1.5 * fronts.thickness)
-        grip = pull(draw, 0.3 * fronts.size(opening)[0], at, vertical=draw.chance(0.3))
+        grip = fronts.grip(draw, 0.3 * fronts.size(opening)[0], at, opening, vertical=draw.chance(0.3))
         carcass.nodes.append(above.add("handle", *grip))
 
 
@@ -66,7 +67,7 @@ def add_leaning_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening,
 
 def add_locked_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, side: str) -> list[Link]:
     """Add a door with a knob, lever or key on it that turns about the door's normal."""
-    plain = Fronts(fronts.thickness, fronts.gap, fronts.look, has_handles=False, handle_length=fronts.handle_length)
+    plain = replace(fronts, has_handles=False)
     door = add_door(draw, above, carcass, opening, plain, side)
     out = 1.0 if side == "right" else -1.0
     at = (

@@ -8,6 +8,7 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.appliances import add_dial, add_feet, appliance_casing, rectangular_frame
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
@@ -69,6 +70,7 @@ def _door(draw: Draw, body: Node, base: Link, extent: tuple[float, float, float]
     if draw.chance(0.15):
         size = (1.4 * x, 0.6 * (high - low))
         node.add("glass", sheet(size, (0, 0.5 * (low + high), back + thickness + 0.002), "z"))
+    add_fittings(draw, node, (inset - x, low), (x - inset, high), back + thickness, "bottom")
     axis = (0, low + draw.pick([0.0, draw.between(0.0, 0.06)]), back + thickness * draw.pick([0.0, 0.3, 0.6]))
     rest = draw.pick([90.0, draw.between(15, 85)]) if draw.chance(0.25) else 0.0
     return Link("door", [node], base, hinge(axis, (1, 0, 0), 0, 90, rest=rest))

@@ -7,6 +7,7 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.door_leaves import board, sash
 from kinmo.synth.details.door_locks import add_door_lock
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import box, box_between, cylinder, join, move, torus, turn
@@ -79,6 +80,9 @@ class _Leaf:
             self.body.add("glass", *self._placed(glass))
         else:
             self.body.add("surface_board", *self._placed(board(self.draw, self.width, self.height, self.thickness)))
+            half = 0.5 * np.array([self.width, self.height])
+            face = self.at[2] + 0.5 * self.thickness
+            add_fittings(self.draw, self.body, self.at[:2] - half, self.at[:2] + half, face)
 
     def _placed(self, pieces: list[Mesh]) -> list[Mesh]:
         return [move(piece, self.at) for piece in pieces]

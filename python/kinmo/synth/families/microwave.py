@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.synth.details.appliances import add_dial, add_feet, appliance_casing, rectangular_frame
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
@@ -71,6 +72,7 @@ def _door(
         inset = draw.between(0.25, 0.6) * rim
         at = (middle[0] - out[0] * (0.5 * size[0] - inset), middle[1] - out[1] * (0.5 * size[1] - inset), back + thickness)
         node.add("handle", *pull(draw, length, at, vertical=upright, thickness=draw.ratio(0.02, 0.08)))
+    add_fittings(draw, node, low[:2], high[:2], back + thickness, "" if side == "drawer" else side)
     if side == "drawer":
         tub = box_between((*(low[:2] + 0.1 * size[:2]), z - 0.8 * depth), (*(low[:2] + (0.9, 0.5) * size[:2]), z))
         node.add("drawer_box", tub)

@@ -8,6 +8,7 @@ import numpy as np
 
 from kinmo.synth.details.appliances import add_feet, appliance_casing
 from kinmo.synth.details.casework_extras import add_lift_top
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
@@ -106,6 +107,7 @@ def _panel(draw: Draw, node: Node, cell: Cell, back: float, thickness: float) ->
     panel = node.add("door_frame", slab)
     if draw.chance(0.3):
         panel.pieces.append(box((0.96 * size[0], 0.97 * size[1], 0.01), (at[0], at[1], back - 0.005)))
+    add_fittings(draw, node, (left, low), (right, high), back + thickness, cell[4] if cell[4] in ("left", "right") else "")
     if draw.chance(0.15):
         logo = (at[0], high - 0.12 * size[1], back + thickness + 0.002)
         node.add("other").add("other_leaf", sheet((0.15 * size[0], 0.02), logo, "z"))

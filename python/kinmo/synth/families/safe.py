@@ -7,6 +7,7 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.appliances import frame_bars
 from kinmo.synth.details.door_locks import add_door_lock
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.details.resting_details import let_rest
@@ -117,7 +118,9 @@ def _door(
             base.nodes[0].pieces += barrels
         else:
             base.nodes.append(root.add("hinge", *barrels))
-    return Link("door", [node], base, hinge(at, axis, 0, opens, rest=rest))
+    corners = (left, -0.5 * tall), (right, 0.5 * tall)
+    fittings = add_fittings(draw, root, *corners, face, side)
+    return Link("door", [node, *fittings], base, hinge(at, axis, 0, opens, rest=rest))
 
 
 def _inside(draw: Draw, root: Node, base: Link, half: float, tall: float, front: float, depth: float) -> list[Link]:

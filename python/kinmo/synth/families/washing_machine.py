@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.synth.details.appliances import add_dial, add_feet
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.keypads import add_keypad
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import (
@@ -104,12 +105,13 @@ def _front_controls(draw: Draw, root: Node, base: Link, x: float, y: float, z: f
     if draw.chance(0.4):
         width, height, deep = 0.5 * x, draw.between(0.1, 0.16), draw.between(0.3, 0.6) * z
         left = -0.95 * x
+        corners = (left, level - height / 2), (left + width, level + height / 2)
         front = box_between((left, level - height / 2, z - 0.01), (left + width, level + height / 2, z + 0.03))
         inner = box_between((left + 0.02, level - 0.4 * height, z - deep), (left + width - 0.02, level + 0.2 * height, z))
         node = root.add("drawer", *([front, inner] if draw.chance(0.6) else [front]))
-        links.append(
-            Link("drawer", [node], base, slider((0, 0, 1), 0, draw.between(0.6, 0.95) * deep), leaf_name="translation_drawer")
-        )
+        fittings = add_fittings(draw, root, *corners, z + 0.03)
+        motion = slider((0, 0, 1), 0, draw.between(0.6, 0.95) * deep)
+        links.append(Link("drawer", [node, *fittings], base, motion, leaf_name="translation_drawer"))
     return links
 
 

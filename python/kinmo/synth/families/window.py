@@ -8,6 +8,7 @@ from kinmo.core.shape import Mesh
 from kinmo.synth.details.appliances import rectangular_frame
 from kinmo.synth.details.door_leaves import sash
 from kinmo.synth.details.door_locks import add_door_lock
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import box, cylinder, join, move
 from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, slider
@@ -45,6 +46,8 @@ def _add_sash(draw: Draw, root: Node, name: str, size: tuple[float, float], at: 
     node = root.add(name)
     node.add("frame", *bars)
     node.add("glass", *glass)
+    half = 0.5 * np.array(size)
+    add_fittings(draw, node, at[:2] - half, at[:2] + half, at[2] + 0.5 * thickness)
     return node
 
 
