@@ -137,7 +137,7 @@ def _slats(draw: Draw, width: float, height: float, thickness: float) -> list[Me
 
 
 def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:
-    """Add a drawer that slides to +z. Its box is a group of boards, or one block."""
+    """Add a drawer that slides to +z. Its box is a group of boards, one block, or a block together with the front."""
     node = above.add("drawer")
     box_node = node.add("drawer_box")
     width, back = fronts.size(opening)[0], fronts.back_plane(opening)
@@ -152,6 +152,8 @@ def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts:
             x = opening.x + width * ((place + 0.5) / count - 0.5) + aside
             node.add("handle", *fronts.grip(draw, length, (x, y, back + _front_height(fronts)), opening, vertical=False))
     fronts.fit(draw, node, opening)
+    if draw.chance(0.1):
+        _add_runners(draw, above, carcass, opening, back - depth, back)
     travel = depth * draw.between(0.35, 1.0)
     rest = travel * draw.between(0.2, 0.95) if draw.chance(0.15) else 0.0
     return Link("drawer", [node], carcass, slider((0, 0, 1), 0, travel, rest=rest))
@@ -165,10 +167,16 @@ def _add_drawer_box(draw: Draw, node: Node, opening: Opening, back: float) -> fl
     half = opening.width / 2 - clear
     low, high = opening.low + clear, opening.low + opening.height * draw.between(0.5, 0.95)
     far = back - depth
-    form = draw.pick(["boards", "block", "tub", "front only"], [16, 2, 3, 1])
+    form = draw.pick(["boards", "loose", "block", "slab", "tub", "front only"], [13, 3, 2, 1.5, 3, 1.5])
     if form == "block":
         block = box_between((opening.x - half, low, far), (opening.x + half, high, back))
         node.children[0].pieces.append(block)
+        return depth
+    if form == "slab":
+        # The front is the end of the block.
+        front = np.max([piece.vertices[:, 2].max() for piece in node.children[0].pieces])
+        top = opening.high - clear
+        node.children[0].pieces[:] = [box_between((opening.x - half, low, far), (opening.x + half, top, front))]
         return depth
     if form == "tub":
         # An open box stands on its back: its front (+z) is turned up.
@@ -177,21 +185,39 @@ def _add_drawer_box(draw: Draw, node: Node, opening: Opening, back: float) -> fl
             open_box((-half, -depth / 2, -size[2] / 2), (half, depth / 2, size[2] / 2), min(board, 0.3 * size[2])), X, -90.0
         )
         node.add("drawer_box", move(tub, (opening.x, 0.5 * (low + high), back - depth / 2)))
-    if form != "boards":
+    if form not in ("boards", "loose"):
         return depth
+    rim = low + draw.pick([1.0, draw.between(0.5, 1.0)], [3, 1]) * (high - low)
     for side in (-1, 1):
         x = opening.x + side * (half - board / 2)
-        node.add("drawer_side", box_between((x - board / 2, low, far), (x + board / 2, high, back)))
+        node.add("drawer_side", box_between((x - board / 2, low, far), (x + board / 2, rim, back)))
     inner = half - board
     node.add("drawer_back", box_between((opening.x - inner, low, far), (opening.x + inner, high, far + board)))
     floor = low + draw.pick([0.0, 0.3 * board])
     thin = draw.pick([board, 0.5 * board, 0.0], [6, 3, 1])
     bottom = box_between((opening.x - inner, floor, far), (opening.x + inner, floor + thin, back))
     node.add("drawer_bottom", bottom)
+    if draw.chance(0.08):
+        # Walls that divide the space in the drawer.
+        for place in np.linspace(-inner, inner, draw.integer(1, 3) + 2)[1:-1]:
+            x = opening.x + place
+            node.add("drawer_side", box_between((x - board / 4, floor, far), (x + board / 4, 0.5 * (low + rim), back)))
+    if form == "loose":
+        node.children[0].pieces += [piece for child in node.children[1:] for piece in child.pieces]
+        del node.children[1:]
     if draw.chance(0.3):
         order = sorted(range(len(node.children)), key=lambda _: draw.integer(0, 1 << 20))
         node.children[:] = [node.children[i] for i in order]
     return depth
+
+
+def _add_runners(draw: Draw, above: Node, carcass: Link, opening: Opening, rear: float, front: float) -> None:
+    """Add two bars of the carcass that a drawer runs on, at its sides or below it."""
+    thin = min(0.04 * opening.width, 0.1 * opening.height)
+    y = opening.low + draw.pick([0.5 * thin, 0.4 * opening.height])
+    for side in (-1, 1):
+        at = (opening.x + side * (0.5 * opening.width - 0.5 * thin), y, 0.5 * (rear + front))
+        carcass.nodes.append(above.add(draw.pick(["rail", "bar", "other_leaf"]), box((thin, thin, front - rear), at)))
 
 
 def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, side: str) -> Link:

@@ -39,6 +39,16 @@ def add_pullout(draw: Draw, above: Node, carcass: Link, opening: Opening) -> Lin
     pieces = [box_between((opening.x - half, y, front - deep), (opening.x + half, y + thick, front))]
     if draw.chance(0.4):
         pieces.append(box((2 * half, 2 * thick, 0.02), (opening.x, y + thick, front + 0.01)))
+    if draw.chance(0.15):
+        # A keyboard lies on the tray.
+        pieces.append(box((1.2 * half, 0.02, 0.35 * deep), (opening.x, y + thick + 0.01, front - 0.4 * deep)))
+    if draw.chance(0.3):
+        # The brackets that the tray slides in hang below the top.
+        reach = min(2 * thick, opening.high - y)
+        for side in (-1, 1):
+            x, thin = opening.x + side * (half - 0.5 * thick), 0.2 * thick
+            hanger = box_between((x - thin, y + reach, front - deep), (x + thin, opening.high, front - 0.1 * deep))
+            carcass.nodes.append(above.add(draw.pick(["rail", "bar"]), hanger))
     node = above.add(draw.pick(["tray", "shelf", "keyboard_tray", "board"]), *pieces)
     travel = deep * draw.between(0.4, 0.9)
     rest = travel * draw.between(0.2, 0.9) if draw.chance(0.2) else 0.0
