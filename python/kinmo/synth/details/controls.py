@@ -8,6 +8,9 @@ from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import Point, box, cylinder, dome, extrude, lathe, move, rounded_box, turn
 
+CAP_LOOKS = ("box", "tapered", "rounded", "round", "plate", "sunk")
+"""Looks of keys."""
+
 
 def dial(draw: Draw, radius: float, depth: float, at: Point) -> list[Mesh]:
     """Meshes of a knob that turns about z, with its foot at `at`.
@@ -65,6 +68,22 @@ def button(draw: Draw, width: float, height: float, depth: float, at: Point) -> 
         top = radius * (draw.between(0.6, 0.95) if kind == "tapered" else 1.0)
         mesh = cylinder(radius, depth, "z", (0, 0, depth / 2), draw.pick([12, 16, 24]), top_radius=top)
     return move(mesh, at)
+
+
+def key_cap(look: str, width: float, height: float, thick: float, taper: float) -> Mesh:
+    """A key of a keyboard with its foot on z = 0, or sunk below it. `look` is one of `CAP_LOOKS`."""
+    if look == "plate":
+        return box((width, height, 0.15 * thick), (0, 0, 0.075 * thick))
+    if look == "sunk":
+        return box((width, height, thick), (0, 0, -0.4 * thick))
+    if look == "rounded":
+        return rounded_box((width, height, thick), 0.25 * min(width, height), "z", (0, 0, thick / 2), 2)
+    if look == "round" and width < 1.6 * height:
+        return cylinder(0.5 * min(width, height), thick, "z", (0, 0, thick / 2), 12)
+    cap = box((width, height, thick), (0, 0, thick / 2))
+    if look == "tapered":
+        cap.vertices[cap.vertices[:, 2] > thick / 2] *= (taper, taper, 1.0)
+    return cap
 
 
 def grid_places(columns: int, rows: int, width: float, height: float) -> list[tuple[float, float]]:

@@ -170,8 +170,11 @@ def pull(
         size = (thickness, length, reach) if vertical else (length, thickness, reach)
         pieces = [box(size, (0, 0, reach / 2))]
     else:
-        short = kind not in ("ledge", "sunk", "edge")
-        pieces = _flat_handle(draw, kind, min(length, 8 * reach, 0.9 * room) if short else length, thickness, reach)
-        if vertical and kind in ("ledge", "sunk", "edge"):
+        if kind == "sunk":
+            length = min(length, 1.2 * room)
+        elif kind not in ("ledge", "edge"):
+            length = min(length, 8 * reach, 0.9 * room)
+        pieces = _flat_handle(draw, kind, length, thickness, reach)
+        if vertical and kind in ("ledge", "sunk", "edge", "plate"):
             pieces = [turn(piece, Z, 90.0) for piece in pieces]
     return [move(piece, at) for piece in pieces]

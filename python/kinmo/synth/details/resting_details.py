@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.controls import grid_places
+from kinmo.synth.details.controls import CAP_LOOKS, grid_places, key_cap
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import (
     Point,
@@ -25,7 +25,6 @@ from kinmo.synth.primitives import (
     facing,
     join,
     move,
-    rounded_box,
     sheet,
     transform,
 )
@@ -55,7 +54,7 @@ def key_caps(draw: Draw, width: float, height: float, tall: float) -> list[Mesh]
     tops[0] = draw.pick([1.0, draw.between(0.45, 0.9)])
     tops *= height / tops.sum()
     gap = draw.between(0.03, 0.35) * min(step, float(tops.min()))
-    look = draw.pick(["box", "tapered", "rounded", "round", "plate", "sunk"], [5, 4, 2, 0.7, 2, 1.5])
+    look = draw.pick(CAP_LOOKS, [5, 4, 2, 0.7, 2, 1.5])
     thick, taper = tall * draw.between(0.3, 1.0), draw.between(0.6, 0.95)
     keys, y = [], height / 2
     for row, high in enumerate(tops):
@@ -64,7 +63,7 @@ def key_caps(draw: Draw, width: float, height: float, tall: float) -> list[Mesh]
         spans = list(pairwise(ends))
         spans += [(width / 2 - step * (place + 1), width / 2 - step * place) for place in range(pad) if row or draw.chance(0.5)]
         for left, right in spans:
-            cap = _cap(look, right - left - gap, float(high) - gap, thick, taper)
+            cap = key_cap(look, right - left - gap, float(high) - gap, thick, taper)
             keys.append(move(cap, (0.5 * (left + right), y - 0.5 * float(high), 0.0)))
         y -= float(high)
     return keys
@@ -82,22 +81,6 @@ def _last_row(draw: Draw, columns: int) -> list[float]:
     bar, left, right = draw.between(0.25, 0.5) * columns, draw.integer(1, 4), draw.integer(1, 6)
     side = (columns - bar) / (left + right)
     return [*[side] * left, bar, *[side] * right]
-
-
-def _cap(look: str, width: float, height: float, thick: float, taper: float) -> Mesh:
-    """One key cap with its foot on z = 0, or sunk below it."""
-    if look == "plate":
-        return box((width, height, 0.15 * thick), (0, 0, 0.075 * thick))
-    if look == "sunk":
-        return box((width, height, thick), (0, 0, -0.4 * thick))
-    if look == "rounded":
-        return rounded_box((width, height, thick), 0.25 * min(width, height), "z", (0, 0, thick / 2), 2)
-    if look == "round" and width < 1.6 * height:
-        return cylinder(0.5 * min(width, height), thick, "z", (0, 0, thick / 2), 12)
-    cap = box((width, height, thick), (0, 0, thick / 2))
-    if look == "tapered":
-        cap.vertices[cap.vertices[:, 2] > thick / 2] *= (taper, taper, 1.0)
-    return cap
 
 
 def resting_detail(draw: Draw, kind: str, size: float) -> list[Mesh]:
@@ -133,8 +116,8 @@ def resting_detail(draw: Draw, kind: str, size: float) -> list[Mesh]:
             return [box((size * draw.between(1.0, 4.0), 0.6 * size, tall), (0, 0, tall / 2))]
         return [cylinder(radius, tall, "z", (0, 0, tall / 2), 12, top_radius=radius * draw.between(0.6, 1.0))]
     if kind == "key":
-        look, high = draw.pick(["box", "tapered", "rounded", "round", "sunk"]), size * draw.between(0.4, 1.0)
-        return [_cap(look, size, high, draw.between(0.05, 0.3) * size, 0.8)]
+        look, high = draw.pick(CAP_LOOKS), size * draw.between(0.4, 1.0)
+        return [key_cap(look, size, high, draw.between(0.05, 0.3) * size, 0.8)]
     head = dome((radius, 0.4 * radius, radius), axis="z", segments=12) if draw.chance(0.5) else None
     head = head or cylinder(radius, 0.3 * size, "z", (0, 0, 0.05 * size), 12)
     slot = [box((1.4 * radius, 0.25 * radius, 0.1 * size), (0, 0, 0.2 * size))] if kind == "screw" and draw.chance(0.5) else []

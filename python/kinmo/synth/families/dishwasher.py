@@ -70,11 +70,13 @@ def _door(draw: Draw, body: Node, base: Link, extent: tuple[float, float, float]
         top = high - draw.between(0.03, 0.25) * (high - low)
         length = 2 * x * draw.ratio(0.15, 0.98)
         thick, reach = draw.ratio(0.012, 0.07), draw.ratio(0.03, 0.12)
-        node.add("handle", *pull(draw, length, (0, top, back + thickness), vertical=False, thickness=thick, reach=reach))
+        foot, room = (0, top, back + thickness), 0.4 * (high - low)
+        node.add("handle", *pull(draw, length, foot, vertical=False, thickness=thick, reach=reach, room=room))
     if draw.chance(0.15):
         # The dispenser for powder, inside the door.
         at = (draw.between(-0.4, 0.4) * x, 0.5 * (low + high), back - 0.01)
-        node.add("other_leaf", box((0.4 * x, 0.3 * x, 0.02), at), cylinder(0.08 * x, 0.02, "z", (at[0] + 0.35 * x, *at[1:]), 16))
+        lid = cylinder(0.08 * x, 0.02, "z", (at[0] + 0.35 * x, *at[1:]), 16)
+        node.add("other_leaf", box((0.4 * x, 0.3 * x, 0.02), at), lid)
     if draw.chance(0.15):
         size = (1.4 * x, 0.6 * (high - low))
         node.add("glass", sheet(size, (0, 0.5 * (low + high), back + thickness + 0.002), "z"))

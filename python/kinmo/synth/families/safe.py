@@ -209,7 +209,8 @@ def _locks(
             else:
                 links += keys
         elif kind == "grip":
-            grip = pull(draw, draw.between(0.1, 0.35) * height, (x, y, face), vertical=draw.chance(0.7))
+            long = draw.between(0.1, 0.35) * height
+            grip = pull(draw, long, (x, y, face), vertical=draw.chance(0.7), room=0.3 * min(width, height))
             door.nodes.append(root.add("handle", *grip))
         else:
             low, high = _SIZES[kind]
