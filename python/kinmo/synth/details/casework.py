@@ -146,7 +146,7 @@ def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts:
     if fronts.has_handles:
         count = 2 if opening.width > 0.8 and draw.chance(0.3) else 1
         length = min(fronts.handle_length, 0.8 * opening.width / count)
-        y = opening.y + draw.pick([0.0, 0.3, draw.between(-0.35, 0.42)], [4, 1, 1]) * opening.height
+        y = opening.y + draw.pick([0.0, 0.3, draw.between(-0.35, 0.42), 0.47], [4, 1, 1, 0.6]) * opening.height
         aside = draw.pick([0.0, draw.between(-0.35, 0.35)], [6, 1]) * width if count == 1 else 0.0
         for place in range(count):
             x = opening.x + width * ((place + 0.5) / count - 0.5) + aside
@@ -252,7 +252,7 @@ def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: F
     axis = np.array([opening.x, opening.y, back + fronts.thickness * draw.pick([0.0, 0.5, 1.0, -0.2], [4, 3, 2, 1])])
     axis[0 if upright else 1] += (out[0] * width if upright else out[1] * height) / 2 - (sum(out) * inward)
     if draw.chance(0.2):
-        _add_hinges(draw, node, axis, upright, height if upright else width)
+        _add_hinges(draw, node, above, carcass, axis, upright, height if upright else width)
     fronts.fit(draw, node, opening, side)
     direction = (0, out[0], 0) if upright else (-out[1], 0, 0)
     opens = draw.pick([90.0, 120.0, 160.0, 180.0], [6, 2, 1, 1])
@@ -294,14 +294,19 @@ def legs(draw: Draw, half_x: float, half_z: float, low: float, high: float, thic
     return found
 
 
-def _add_hinges(draw: Draw, node: Node, axis: np.ndarray, upright: bool, length: float) -> None:
-    """Add two small hinge barrels on a door's axis."""
+def _add_hinges(draw: Draw, node: Node, above: Node, carcass: Link, axis: np.ndarray, upright: bool, length: float) -> None:
+    """Add two small hinge barrels on a door's axis, to the door's `node`, or below `above` to the carcass."""
+    on_carcass = draw.chance(0.3)
     radius = 0.01
     for place in (-0.35, 0.35):
         at = axis + np.array([0, place * length, 0] if upright else [place * length, 0, 0])
         barrel = cylinder(radius, 0.08 * length, "y" if upright else "x", at, 10)
         plate = box((0.04, 0.08 * length, 0.004) if upright else (0.08 * length, 0.04, 0.004), at)
-        node.add("hinge", *(draw.pick([[barrel], [join(barrel, plate)]])))
+        pieces = draw.pick([[barrel], [join(barrel, plate)]])
+        if on_carcass:
+            carcass.nodes.append(above.add("hinge", *pieces))
+        else:
+            node.add("hinge", *pieces)
 
 
 def _front_height(fronts: Fronts) -> float:
