@@ -6,10 +6,13 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import Point, box, cylinder, dome, extrude, lathe, move, rounded_box, turn
+from kinmo.synth.primitives import Point, box, cylinder, dome, extrude, lathe, move, rounded_box, sheet, turn
 
 CAP_LOOKS = ("box", "tapered", "rounded", "round", "plate", "sunk")
 """Looks of keys."""
+
+KEY_FORMS = ("solid", "open", "capped", "lettered")
+"""Forms of keys: one solid, a cap without a bottom, a cap with a plate on it, or one with a sign of loose strokes."""
 
 
 def dial(draw: Draw, radius: float, depth: float, at: Point) -> list[Mesh]:
@@ -84,6 +87,24 @@ def key_cap(look: str, width: float, height: float, thick: float, taper: float) 
     if look == "tapered":
         cap.vertices[cap.vertices[:, 2] > thick / 2] *= (taper, taper, 1.0)
     return cap
+
+
+def key_parts(draw: Draw, form: str, cap: Mesh) -> list[Mesh]:
+    """A key cap as the loose pieces that a drawing of it may have. `form` is one of `KEY_FORMS`."""
+    low, high = cap.vertices.min(axis=0), cap.vertices.max(axis=0)
+    (width, height, thick), middle = high - low, 0.5 * (low + high)
+    if form == "open":
+        bottom = np.all(cap.vertices[cap.faces][:, :, 2] < low[2] + 1e-9, axis=1)
+        return [Mesh(cap.vertices, cap.faces[~bottom])]
+    if form == "capped":
+        return [cap, box((0.8 * width, 0.8 * height, 0.3 * thick), (middle[0], middle[1], high[2]))]
+    if form == "lettered":
+        stroke = 0.08 * min(width, height)
+        sizes = [draw.pick([(stroke, 0.4 * height), (0.3 * height, stroke)]) for _ in range(draw.integer(1, 3))]
+        places = [middle[:2] + np.array([draw.between(-0.2, 0.2) * width, draw.between(-0.1, 0.2) * height]) for _ in sizes]
+        strokes = [sheet(size, (*at, high[2] + 0.02 * thick), "z") for size, at in zip(sizes, places, strict=True)]
+        return [cap, *strokes]
+    return [cap]
 
 
 def grid_places(columns: int, rows: int, width: float, height: float) -> list[tuple[float, float]]:

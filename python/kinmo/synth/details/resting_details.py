@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.controls import CAP_LOOKS, grid_places, key_cap
+from kinmo.synth.details.controls import CAP_LOOKS, KEY_FORMS, grid_places, key_cap, key_parts
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import (
     Point,
@@ -42,10 +42,13 @@ DETAIL_NAMES = {
 """Names of the leaves of each kind of detail."""
 
 
-def key_caps(draw: Draw, width: float, height: float, tall: float) -> list[Mesh]:
-    """Rows of loose key caps on `width` x `height`, at most `tall`: one mesh per key, with wide keys at the ends of rows.
+def key_caps(draw: Draw, width: float, height: float, tall: float) -> list[list[Mesh]]:
+    """Rows of loose keys on `width` x `height`, at most `tall`, with wide keys at the ends of rows.
 
-    Caps are boxes, tapered, rounded, round, thin plates, or sunk into the front. A number pad may stand beside the rows.
+    Keys have any of `CAP_LOOKS` and `KEY_FORMS`. A number pad may stand beside the rows.
+
+    Returns:
+        The pieces of each key.
     """
     rows, columns = draw.integer(4, 7), draw.integer(9, 15)
     pad = draw.pick([0, 3, 4], [5, 1, 1])
@@ -55,6 +58,7 @@ def key_caps(draw: Draw, width: float, height: float, tall: float) -> list[Mesh]
     tops *= height / tops.sum()
     gap = draw.between(0.03, 0.35) * min(step, float(tops.min()))
     look = draw.pick(CAP_LOOKS, [5, 4, 2, 0.7, 2, 1.5])
+    form = draw.pick(KEY_FORMS, [5, 1, 1, 1.5])
     thick, taper = tall * draw.between(0.3, 1.0), draw.between(0.6, 0.95)
     keys, y = [], height / 2
     for row, high in enumerate(tops):
@@ -64,7 +68,8 @@ def key_caps(draw: Draw, width: float, height: float, tall: float) -> list[Mesh]
         spans += [(width / 2 - step * (place + 1), width / 2 - step * place) for place in range(pad) if row or draw.chance(0.5)]
         for left, right in spans:
             cap = key_cap(look, right - left - gap, float(high) - gap, thick, taper)
-            keys.append(move(cap, (0.5 * (left + right), y - 0.5 * float(high), 0.0)))
+            at = (0.5 * (left + right), y - 0.5 * float(high), 0.0)
+            keys.append([move(piece, at) for piece in key_parts(draw, form, cap)])
         y -= float(high)
     return keys
 

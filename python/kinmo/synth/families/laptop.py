@@ -145,11 +145,13 @@ def _fill_base_side(draw: Draw, plan: _Plan, base_side: Node) -> None:
     """Add the base, the keyboard and a touchpad."""
     top = plan.thickness
     frame = [rounded_box((plan.width, top, plan.depth), draw.between(0.005, 0.08), "y", (0.0, 0.5 * top, 0.0))]
-    if draw.chance(0.25):
-        frame += _feet(plan, draw.between(0.02, 0.06))
     keys_depth = plan.depth * draw.between(0.32, 0.45)
     keys_middle = -0.5 * plan.depth + 0.1 * plan.depth + 0.5 * keys_depth
     keys_width = plan.width * draw.between(0.78, 0.94)
+    if draw.chance(0.25):
+        frame = _base_with_well(plan, keys_width, keys_depth, keys_middle, draw.between(0.3, 0.9) * top)
+    if draw.chance(0.25):
+        frame += _feet(plan, draw.between(0.02, 0.06))
     _add_keyboard(draw, base_side, keys_width, keys_depth, top, keys_middle)
     if draw.chance(0.85):
         front = keys_middle + 0.5 * keys_depth
@@ -170,22 +172,37 @@ def _fill_base_side(draw: Draw, plan: _Plan, base_side: Node) -> None:
     base_side.add("base_frame", *frame)
 
 
+def _base_with_well(plan: _Plan, width: float, depth: float, middle: float, floor: float) -> list[Mesh]:
+    """Pieces of a base with a well for the keys, whose floor is at the height `floor`."""
+    x, z, top, half = 0.5 * plan.width, 0.5 * plan.depth, plan.thickness, 0.51 * width
+    rear, front = middle - 0.52 * depth, middle + 0.52 * depth
+    return [
+        box_between((-x, 0.0, -z), (x, floor, z)),
+        box_between((-x, floor, -z), (x, top, rear)),
+        box_between((-x, floor, front), (x, top, z)),
+        box_between((-x, floor, rear), (-half, top, front)),
+        box_between((half, floor, rear), (x, top, front)),
+    ]
+
+
 def _add_keyboard(draw: Draw, base_side: Node, width: float, depth: float, top: float, middle: float) -> None:
     """Add the keyboard: one block, or rows of loose keys, each a piece of one leaf or a leaf of its own."""
     height = draw.between(0.4, 1.0) * KEY_HEIGHT
     if draw.chance(0.15):
         base_side.add("keyboard", box((width, height, depth), (0.0, top + 0.5 * height, middle)))
         return
-    place = facing(Y, -Z, (0.0, top, middle))
-    keys = [transform(key, place) for key in key_caps(draw, width, depth, height)]
+    # Tall keys stand deeper, so that the closed screen clears them.
+    tall = height * draw.pick([1.0, draw.between(1.0, 3.0)], [2, 1])
+    place = facing(Y, -Z, (0.0, top + height - tall, middle))
+    keys = [[transform(piece, place) for piece in key] for key in key_caps(draw, width, depth, tall)]
     if draw.chance(0.25):
-        keys.append(box((1.03 * width, 0.2 * height, 1.06 * depth), (0.0, top, middle)))
+        keys.append([box((1.03 * width, 0.2 * height, 1.06 * depth), (0.0, top, middle))])
     if draw.chance(0.5):
-        base_side.add("keyboard", *keys)
+        base_side.add("keyboard", *(piece for key in keys for piece in key))
         return
     keyboard, name = base_side.add("keyboard"), draw.pick(["key", "button", "other_leaf"], [4, 1, 1])
     for key in keys:
-        keyboard.add(name, key)
+        keyboard.add(name, *key)
 
 
 def _base_details(draw: Draw, plan: _Plan, above: Node) -> list[Node]:
